@@ -1,0 +1,3 @@
+//! DOP853.
+/// placeholder
+pub struct Dop853;

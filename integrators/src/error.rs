@@ -1,0 +1,57 @@
+//! What can go wrong while integrating. Why a run *ended well* is a [`Stop`](crate::Stop), not an error.
+
+/// An integration that could not go on. Numbers are `f64` whatever the scalar of the run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An argument outside its rule.
+    #[error("{name} = {value} is not valid: {rule}")]
+    Argument {
+        /// Which argument.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The rule it broke.
+        rule: &'static str,
+    },
+    /// The state stopped being a number.
+    #[error("the state is not finite at t = {t} (step {step}, component {index})")]
+    NotFinite {
+        /// Time.
+        t: f64,
+        /// Accepted steps so far.
+        step: u64,
+        /// First component that is not finite.
+        index: usize,
+    },
+    /// A conserved quantity left every bound that an accurate run could explain.
+    #[error("unstable: {quantity} went from {initial:e} to {value:e} by t = {t} (step {step}); take a smaller step")]
+    Unstable {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Its value at the start.
+        initial: f64,
+        /// Its value now.
+        value: f64,
+        /// Time.
+        t: f64,
+        /// Accepted steps so far.
+        step: u64,
+    },
+    /// The step-size control asked for a step that no longer changes the time.
+    #[error("the step size underflowed at t = {t} (h = {h:e})")]
+    StepUnderflow {
+        /// Time.
+        t: f64,
+        /// The step that was asked for.
+        h: f64,
+    },
+    /// The allowed number of steps is used up.
+    #[error("{steps} steps were not enough: stopped at t = {t}")]
+    TooManySteps {
+        /// Time.
+        t: f64,
+        /// Steps taken.
+        steps: u64,
+    },
+}

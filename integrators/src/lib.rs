@@ -1,0 +1,29 @@
+//! Integrators for Hamiltonian chains, and nothing that knows a chain.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`real`] | the scalar: `f64`, and double-double with the feature `twofloat` |
+//! | [`clock`] | times and coefficients to twice the working precision |
+//! | [`system`] | what a method may ask of a problem |
+//! | [`splitting`] | schemes as const data, and one loop that runs them all |
+//! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
+//! | [`drive`](mod@drive) | the one loop over time: advance, record, stop |
+//! | [`stats`], [`error`] | counted work; what can go wrong |
+
+pub mod clock;
+pub mod dop853;
+pub mod drive;
+pub mod error;
+pub mod real;
+pub mod splitting;
+pub mod stats;
+pub mod system;
+
+pub use clock::Twofold;
+pub use dop853::Dop853;
+pub use drive::{Observer, Silent, Stepper, Stop, drive};
+pub use error::Error;
+pub use real::{Kernel, Real};
+pub use splitting::{Scheme, Splitting};
+pub use stats::Stats;
+pub use system::{SplitFlow, VectorField};

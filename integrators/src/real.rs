@@ -1,0 +1,117 @@
+//! The scalar that every method is generic over.
+
+use num_traits::{Float, FloatConst, NumAssign};
+
+/// A piece of work whose inner loops the compiler may vectorise.
+///
+/// [`Real::run`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice does not reach the loops.
+pub trait Kernel {
+    /// What the work returns.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// A real number: `f64`, or double-double (`twofloat::TwoFloat`, feature `twofloat`).
+pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Display + Send + Sync + 'static {
+    /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working precision.
+    ///
+    /// Coefficient tables are kept as decimals, so that they read as their sources print them.
+    ///
+    /// # Panics
+    /// If `text` is no plain decimal: tables are our own.
+    fn decimal(text: &str) -> Self;
+
+    /// An `f64`, exactly.
+    fn of(value: f64) -> Self;
+
+    /// The nearest `f64`.
+    fn f64(self) -> f64;
+
+    /// Runs a kernel with the widest vector instructions of this machine.
+    ///
+    /// The result has the same bits on every path: no instruction set contracts a multiplication and an addition here.
+    #[inline(always)]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
+    }
+}
+
+impl Real for f64 {
+    fn decimal(text: &str) -> Self {
+        text.parse().expect("a table entry is a decimal")
+    }
+
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn f64(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+            fn avx512<K: Kernel>(kernel: K) -> K::Output {
+                kernel.run()
+            }
+            #[target_feature(enable = "avx2")]
+            fn avx2<K: Kernel>(kernel: K) -> K::Output {
+                kernel.run()
+            }
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                // SAFETY: the features were just detected.
+                return unsafe { avx512(kernel) };
+            }
+            if is_x86_feature_detected!("avx2") {
+                // SAFETY: as above.
+                return unsafe { avx2(kernel) };
+            }
+        }
+        kernel.run()
+    }
+}
+
+#[cfg(feature = "twofloat")]
+impl Real for twofloat::TwoFloat {
+    fn decimal(text: &str) -> Self {
+        let (negative, digits) = match text.strip_prefix('-') {
+            Some(rest) => (true, rest),
+            None => (false, text),
+        };
+        let ten = Self::from(10.0);
+        let mut value = Self::from(0.0);
+        let mut scale = Self::from(1.0);
+        let mut fraction = false;
+        for c in digits.chars() {
+            if c == '.' {
+                fraction = true;
+                continue;
+            }
+            let digit = c.to_digit(10).expect("a table entry is a decimal");
+            value = value * ten + Self::from(f64::from(digit));
+            if fraction {
+                scale *= ten;
+            }
+        }
+        // One division only: every partial product is exact up to 31 digits.
+        let value = value / scale;
+        if negative { -value } else { value }
+    }
+
+    fn of(value: f64) -> Self {
+        Self::from(value)
+    }
+
+    fn f64(self) -> f64 {
+        self.hi() + self.lo()
+    }
+}

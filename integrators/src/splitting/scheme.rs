@@ -1,0 +1,116 @@
+//! A scheme as data, and the pairs that the loop runs.
+
+use crate::{clock::Twofold, real::Real};
+
+/// Which flow a symmetric composition starts and ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum First {
+    /// Drift, kick, drift.
+    Drift,
+    /// Kick, drift, kick (velocity Verlet, when the drift is the kinetic energy).
+    Kick,
+}
+
+/// The shorter half of a palindrome, without its innermost entries: those follow from the sums being one.
+#[derive(Clone, Copy, Debug)]
+pub enum Coefficients {
+    /// `gamma_1, gamma_2, ..`: a symmetric composition of an odd number of Strang steps, without the middle one.
+    Composition(&'static [&'static str]),
+    /// Drifts `a_1, ..` and kicks `b_1, ..` of a scheme that begins and ends with a drift.
+    DriftFirst {
+        /// `a_1, a_2, ..` without the innermost.
+        drifts: &'static [&'static str],
+        /// `b_1, b_2, ..` without the innermost.
+        kicks: &'static [&'static str],
+    },
+    /// The same for a scheme that begins and ends with a kick.
+    KickFirst {
+        /// `a_1, a_2, ..` without the innermost.
+        drifts: &'static [&'static str],
+        /// `b_1, b_2, ..` without the innermost.
+        kicks: &'static [&'static str],
+    },
+}
+
+/// A symmetric splitting scheme.
+#[derive(Clone, Copy, Debug)]
+pub struct Scheme {
+    /// Short name, the one users type.
+    pub name: &'static str,
+    /// Order on smooth problems with forces that depend on positions only.
+    pub order: u32,
+    /// Where the coefficients come from.
+    pub source: &'static str,
+    /// The numbers.
+    pub coefficients: Coefficients,
+}
+
+/// One (kick, drift) pair, as shares of the step.
+pub(crate) type Pair<R> = (Twofold<R>, Twofold<R>);
+
+impl Scheme {
+    /// Kicks a step, once neighbouring steps are merged: the number of force evaluations a step costs.
+    pub fn stages(&self) -> usize {
+        match self.coefficients {
+            Coefficients::Composition(gammas) => 2 * gammas.len() + 1,
+            Coefficients::DriftFirst { drifts, kicks } => sizes(drifts.len(), kicks.len()).1,
+            Coefficients::KickFirst { drifts, kicks } => sizes(kicks.len(), drifts.len()).1,
+        }
+    }
+
+    /// The drifts `a_i` and the kicks `b_i` of one step, in the order in which they act, and which acts first.
+    ///
+    /// `first` decides for compositions; the other tables know.
+    pub fn flows<R: Real>(&self, first: First) -> (First, Vec<Twofold<R>>, Vec<Twofold<R>>) {
+        match self.coefficients {
+            Coefficients::Composition(gammas) => {
+                let inner = palindrome(gammas, 2 * gammas.len() + 1);
+                let half = Twofold::decimal("0.5");
+                let mut outer = vec![inner[0] * half];
+                outer.extend(inner.windows(2).map(|pair| (pair[0] + pair[1]) * half));
+                outer.push(inner[inner.len() - 1] * half);
+                match first {
+                    First::Drift => (first, outer, inner),
+                    First::Kick => (first, inner, outer),
+                }
+            }
+            Coefficients::DriftFirst { drifts, kicks } => {
+                let (outer, inner) = sizes(drifts.len(), kicks.len());
+                (First::Drift, palindrome(drifts, outer), palindrome(kicks, inner))
+            }
+            Coefficients::KickFirst { drifts, kicks } => {
+                let (outer, inner) = sizes(kicks.len(), drifts.len());
+                (First::Kick, palindrome(drifts, inner), palindrome(kicks, outer))
+            }
+        }
+    }
+
+    /// One step as (kick, drift) pairs; a missing kick or drift at the ends is zero.
+    pub(crate) fn pairs<R: Real>(&self, first: First) -> Vec<Pair<R>> {
+        let (first, mut drifts, mut kicks) = self.flows(first);
+        match first {
+            First::Drift => kicks.insert(0, Twofold::zero()),
+            First::Kick => drifts.push(Twofold::zero()),
+        }
+        kicks.into_iter().zip(drifts).collect()
+    }
+}
+
+/// Number of outer flows (those at both ends) and of inner flows, from the entries given for each.
+const fn sizes(outer: usize, inner: usize) -> (usize, usize) {
+    let total = if outer == inner { 2 * outer + 2 } else { 2 * outer + 1 };
+    (total, total - 1)
+}
+
+/// The palindrome of length `total` with sum one whose first entries are given.
+fn palindrome<R: Real>(given: &[&str], total: usize) -> Vec<Twofold<R>> {
+    let mut half: Vec<Twofold<R>> = given.iter().map(|text| Twofold::decimal(text)).collect();
+    let one = Twofold::new(R::one());
+    let rest = half.iter().fold(one, |rest, &entry| rest - entry - entry);
+    let odd = total % 2 == 1;
+    half.push(if odd { rest } else { rest * Twofold::decimal("0.5") });
+    debug_assert_eq!(half.len(), total.div_ceil(2));
+    let mirrored: Vec<_> = half.iter().rev().skip(usize::from(odd)).copied().collect();
+    half.extend(mirrored);
+    half
+}
