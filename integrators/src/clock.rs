@@ -86,7 +86,11 @@ impl<R: Real> Twofold<R> {
     }
 
     /// The number reduced by whole multiples of `modulus` into `[-modulus/2, modulus/2]`.
+    #[inline]
     pub fn reduced(self, modulus: Self) -> Self {
+        if self.hi.abs() <= modulus.hi * R::of(0.5) {
+            return self;
+        }
         let turns = (self.hi / modulus.hi).round();
         self - modulus * Self::new(turns)
     }

@@ -83,28 +83,9 @@ impl Real for f64 {
 #[cfg(feature = "twofloat")]
 impl Real for twofloat::TwoFloat {
     fn decimal(text: &str) -> Self {
-        let (negative, digits) = match text.strip_prefix('-') {
-            Some(rest) => (true, rest),
-            None => (false, text),
-        };
-        let ten = Self::from(10.0);
-        let mut value = Self::from(0.0);
-        let mut scale = Self::from(1.0);
-        let mut fraction = false;
-        for c in digits.chars() {
-            if c == '.' {
-                fraction = true;
-                continue;
-            }
-            let digit = c.to_digit(10).expect("a table entry is a decimal");
-            value = value * ten + Self::from(f64::from(digit));
-            if fraction {
-                scale *= ten;
-            }
-        }
-        // One division only: every partial product is exact up to 31 digits.
-        let value = value / scale;
-        if negative { -value } else { value }
+        // Not by the crate's own division, which is accurate to one double only (version 0.8).
+        let value = crate::clock::Twofold::<f64>::decimal(text);
+        Self::new_add(value.hi, value.lo)
     }
 
     fn of(value: f64) -> Self {

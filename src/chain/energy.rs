@@ -1,0 +1,126 @@
+//! The energy, by kind and by site.
+
+use super::{Boundary, Chain, Resonators};
+use hertzchain_integrators::Real;
+
+/// The energy of a state by kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy<R> {
+    /// Kinetic energy of the beads, `sum u'^2 / 2`.
+    pub beads: R,
+    /// Kinetic energy of the resonators, `sum rho v'^2 / 2`.
+    pub resonators: R,
+    /// Energy of the springs, `sum kappa (u - v)^2 / 2`.
+    pub springs: R,
+    /// Energy of the contacts, `sum (g)_+^{alpha+1} / (alpha+1)`.
+    pub contacts: R,
+}
+
+impl<R: Real> Energy<R> {
+    /// The sum of all kinds.
+    pub fn total(&self) -> R {
+        self.beads + self.resonators + self.springs + self.contacts
+    }
+}
+
+/// Displacements, velocities and overlaps as the energy needs them.
+struct Motion<R> {
+    u_dot: Vec<R>,
+    v_dot: Vec<R>,
+    stretch: Vec<R>,
+    overlaps: Vec<R>,
+}
+
+impl<R: Real> Chain<R> {
+    /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only where `sum x = sum y` and
+    /// the mean strain is at rest (up to round-off).
+    pub fn has_energy(&self, y: &[R]) -> bool {
+        if self.boundary != Boundary::StrainRing {
+            return true;
+        }
+        let layout = self.layout;
+        let balanced = |plus: &[R], minus: &[R]| {
+            let sum = plus.iter().fold(R::zero(), |a, &b| a + b) - minus.iter().fold(R::zero(), |a, &b| a + b);
+            let size = plus.iter().chain(minus).fold(R::zero(), |a, &b| a + b.abs());
+            sum.abs() <= R::of(64.0) * R::epsilon() * size
+        };
+        let springs = match (layout.v(y), layout.v_dot(y)) {
+            (Some(v), Some(v_dot)) => balanced(layout.u(y), v) && balanced(v_dot, &[]),
+            _ if self.params.resonators() == Resonators::Fixed => balanced(layout.u(y), &[]),
+            _ => true,
+        };
+        springs && balanced(layout.u_dot(y), &[])
+    }
+
+    /// The energy of a state by kind.
+    ///
+    /// On a strain ring the displacements are those with zero mean; see [`has_energy`](Self::has_energy).
+    pub fn energy(&self, y: &[R]) -> Energy<R> {
+        let motion = self.motion(y);
+        let half = R::of(0.5);
+        let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
+        Energy {
+            beads: half * squares(&motion.u_dot),
+            resonators: half * R::of(self.params.rho.min(f64::MAX)) * squares(&motion.v_dot),
+            springs: half * R::of(self.params.kappa) * squares(&motion.stretch),
+            contacts: motion.overlaps.iter().fold(R::zero(), |a, &g| a + self.law.potential(g)),
+        }
+    }
+
+    /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond with a wall).
+    ///
+    /// Sums to [`energy`](Self::energy).
+    pub fn site_energies(&self, y: &[R]) -> Vec<R> {
+        let motion = self.motion(y);
+        let (half, n) = (R::of(0.5), self.sites());
+        let (kappa, rho) = (R::of(self.params.kappa), R::of(self.params.rho.min(f64::MAX)));
+        let at = |slice: &[R], i: usize| slice.get(i).map_or(R::zero(), |&a| a * a);
+        let bonds: Vec<R> = motion.overlaps.iter().map(|&g| self.law.potential(g)).collect();
+        let walled = self.boundary == Boundary::Fixed;
+        let share = |bond: usize| {
+            let outer = walled && (bond == 0 || bond == n);
+            let energy = bonds[bond % bonds.len()];
+            if outer { energy } else { half * energy }
+        };
+        (0..n)
+            .map(|i| {
+                let own = at(&motion.u_dot, i) + rho * at(&motion.v_dot, i) + kappa * at(&motion.stretch, i);
+                half * own + share(i) + share(i + 1)
+            })
+            .collect()
+    }
+
+    fn motion(&self, y: &[R]) -> Motion<R> {
+        let layout = self.layout;
+        let displacement =
+            |strains: &[R]| if self.boundary == Boundary::StrainRing { unroll(strains) } else { strains.to_vec() };
+        let stretch: Vec<R> = match (layout.v(y), self.params.resonators()) {
+            (Some(v), _) => layout.u(y).iter().zip(v).map(|(&u, &v)| u - v).collect(),
+            (None, Resonators::Fixed) => layout.u(y).to_vec(),
+            (None, _) => Vec::new(),
+        };
+        Motion {
+            u_dot: displacement(layout.u_dot(y)),
+            v_dot: layout.v_dot(y).map(displacement).unwrap_or_default(),
+            stretch: displacement(&stretch),
+            overlaps: self.overlaps(layout.u(y)),
+        }
+    }
+}
+
+/// The periodic sequence with zero mean whose differences `d_n - d_{n-1}` are given.
+fn unroll<R: Real>(differences: &[R]) -> Vec<R> {
+    let mut sum = R::zero();
+    let mut values: Vec<R> = differences
+        .iter()
+        .map(|&d| {
+            sum += d;
+            sum
+        })
+        .collect();
+    if let Some(count) = R::from(values.len().max(1)) {
+        let mean = values.iter().fold(R::zero(), |a, &b| a + b) / count;
+        values.iter_mut().for_each(|value| *value -= mean);
+    }
+    values
+}

@@ -1,0 +1,179 @@
+//! The contact law `f = (g)_+^alpha`, its potential and its stiffness.
+//!
+//! Overlaps whose force would be below about 1e-250 count as none: forces, impulses and what they move then never become
+//! subnormal, which would slow the tails of waves and breathers, and nothing above 1e-200 of anything can notice.
+
+use hertzchain_integrators::Real;
+
+/// A power `g^alpha` that a sweep is compiled for.
+pub(crate) trait Power<R>: Copy {
+    /// `g^alpha` for `g >= 0`.
+    fn raise(self, g: R) -> R;
+}
+
+/// `g sqrt(g)`.
+#[derive(Clone, Copy)]
+pub(crate) struct ThreeHalves;
+/// `g^K` by multiplications.
+#[derive(Clone, Copy)]
+pub(crate) struct Monomial<const K: u32>;
+/// `g^k` by multiplications, for larger k.
+#[derive(Clone, Copy)]
+pub(crate) struct Integer(u32);
+/// Any other power.
+#[derive(Clone, Copy)]
+pub(crate) struct General<R>(R);
+
+impl<R: Real> Power<R> for ThreeHalves {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        g * g.sqrt()
+    }
+}
+
+impl<R: Real, const K: u32> Power<R> for Monomial<K> {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        (1..K).fold(g, |power, _| power * g)
+    }
+}
+
+impl<R: Real> Power<R> for Integer {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        num_traits::pow(g, self.0 as usize)
+    }
+}
+
+impl<R: Real> Power<R> for General<R> {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        if g > R::zero() { g.powf(self.0) } else { R::zero() }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Exponent {
+    ThreeHalves,
+    Integer(u32),
+    General,
+}
+
+/// The law of one contact.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactLaw<R> {
+    pub(crate) exponent: Exponent,
+    alpha: R,
+    /// Overlaps up to this count as none.
+    pub(crate) dead_band: R,
+}
+
+/// Runs `$body` with `$power` bound to the compiled power of `$law`: the one place that chooses.
+macro_rules! with_power {
+    ($law:expr, $power:ident => $body:expr) => {
+        match $law.exponent {
+            $crate::chain::law::Exponent::ThreeHalves => {
+                let $power = $crate::chain::law::ThreeHalves;
+                $body
+            }
+            $crate::chain::law::Exponent::Integer(1) => {
+                let $power = $crate::chain::law::Monomial::<1>;
+                $body
+            }
+            $crate::chain::law::Exponent::Integer(2) => {
+                let $power = $crate::chain::law::Monomial::<2>;
+                $body
+            }
+            $crate::chain::law::Exponent::Integer(3) => {
+                let $power = $crate::chain::law::Monomial::<3>;
+                $body
+            }
+            $crate::chain::law::Exponent::Integer(k) => {
+                let $power = $crate::chain::law::Integer::new(k);
+                $body
+            }
+            $crate::chain::law::Exponent::General => {
+                let $power = $crate::chain::law::General::new($law.alpha());
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_power;
+
+impl Integer {
+    pub(crate) fn new(k: u32) -> Self {
+        Self(k)
+    }
+}
+
+impl<R> General<R> {
+    pub(crate) fn new(alpha: R) -> Self {
+        Self(alpha)
+    }
+}
+
+impl<R: Real> ContactLaw<R> {
+    /// The law with exponent `alpha > 0`.
+    pub fn new(alpha: f64) -> Self {
+        let exponent = if alpha == 1.5 {
+            Exponent::ThreeHalves
+        } else if alpha.fract() == 0.0 && alpha <= 64.0 {
+            Exponent::Integer(alpha as u32)
+        } else {
+            Exponent::General
+        };
+        let dead_band = 1e-250_f64.powf(1.0 / alpha).max(f64::MIN_POSITIVE);
+        Self { exponent, alpha: R::of(alpha), dead_band: R::of(dead_band) }
+    }
+
+    /// The exponent.
+    pub fn alpha(&self) -> R {
+        self.alpha
+    }
+
+    /// The overlap, zero where there is no contact.
+    #[inline(always)]
+    pub(crate) fn positive_part(&self, g: R) -> R {
+        if g > self.dead_band { g } else { R::zero() }
+    }
+
+    /// The force `(g)_+^alpha`.
+    pub fn force(&self, g: R) -> R {
+        with_power!(self, power => power.raise(self.positive_part(g)))
+    }
+
+    /// The potential `(g)_+^{alpha+1} / (alpha+1)`.
+    pub fn potential(&self, g: R) -> R {
+        self.force(g) * self.positive_part(g) / (self.alpha + R::one())
+    }
+
+    /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no contact.
+    pub fn stiffness(&self, g: R) -> R {
+        let g = self.positive_part(g);
+        if g == R::zero() { g } else { self.alpha * (self.force(g) / g) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_path_is_the_power_and_its_derivative() {
+        // Truth: powf and central differences.
+        for alpha in [0.5, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 7.0] {
+            let law = ContactLaw::<f64>::new(alpha);
+            for g in [1e-6, 0.3, 1.0, 2.7] {
+                let close = |a: f64, b: f64, tol: f64| assert!((a / b - 1.0).abs() < tol, "{alpha} {g}: {a} {b}");
+                close(law.force(g), g.powf(alpha), 1e-14);
+                let d = 1e-5 * g;
+                close(law.stiffness(g), (law.force(g + d) - law.force(g - d)) / (2.0 * d), 2e-9);
+                close(law.force(g), (law.potential(g + d) - law.potential(g - d)) / (2.0 * d), 2e-9);
+            }
+            for g in [0.0, -1.0, f64::NEG_INFINITY, law.dead_band] {
+                assert_eq!((law.force(g), law.potential(g), law.stiffness(g)), (0.0, 0.0, 0.0));
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The chain: beads, contacts, resonators (eq:Hertz), (eq:HertzS), (eq:NC).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `u, v` | displacements of beads and resonators; their velocities `u', v'` |
+//! | `x, y` | strains `x_n = u_n - u_{n-1}`, `y_n = v_n - v_{n-1}` (strain ring) |
+//! | `g, f` | overlap and contact force `f = (g)_+^alpha` of a bond |
+//! | `alpha, kappa, rho` | exponent, spring constant, mass ratio |
+//! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
+
+mod boundary;
+mod energy;
+mod field;
+mod kinetic;
+mod law;
+mod linear;
+mod params;
+mod state;
+mod sweep;
+
+pub use boundary::Boundary;
+pub use energy::Energy;
+pub use field::Field;
+pub use kinetic::KineticFlow;
+pub use law::ContactLaw;
+pub use linear::LinearFlow;
+pub use params::{Params, Resonators};
+pub use state::{Layout, Site, State};
+
+use crate::error::{Error, Result};
+use hertzchain_integrators::Real;
+
+/// A chain of `sites` beads: everything about it that does not move.
+#[derive(Clone, Debug)]
+pub struct Chain<R> {
+    params: Params,
+    boundary: Boundary,
+    layout: Layout,
+    precompression: R,
+    law: ContactLaw<R>,
+}
+
+impl<R: Real> Chain<R> {
+    /// A chain without precompression.
+    ///
+    /// # Errors
+    /// `sites = 0`, or `params` outside their rules.
+    pub fn new(params: Params, boundary: Boundary, sites: usize) -> Result<Self> {
+        params.validate()?;
+        if sites == 0 {
+            return Err(Error::parameter("sites", sites, "a chain has at least one bead"));
+        }
+        let layout = Layout::new(sites, params.resonators() == Resonators::Moving);
+        Ok(Self { params, boundary, layout, precompression: R::zero(), law: ContactLaw::new(params.alpha) })
+    }
+
+    /// The same chain with a static overlap `delta_0` in every bond: `g_n = delta_0 + u_{n-1} - u_n`.
+    ///
+    /// # Errors
+    /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is an initial
+    /// condition there) or on a strain ring (whose mean strain is an initial condition).
+    pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
+        if !(delta_0.is_finite() && delta_0 >= 0.0) {
+            return Err(Error::parameter("precompression", delta_0, "a finite overlap, at least zero"));
+        }
+        if delta_0 > 0.0 && !matches!(self.boundary, Boundary::Fixed | Boundary::Ring) {
+            let rule = "only walls or a ring can hold a precompression; elsewhere it is an initial condition";
+            return Err(Error::parameter("precompression", delta_0, rule));
+        }
+        self.precompression = R::of(delta_0);
+        Ok(self)
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> Params {
+        self.params
+    }
+
+    /// What holds the ends.
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// Number of beads (bonds, on a strain ring).
+    pub fn sites(&self) -> usize {
+        self.layout.sites()
+    }
+
+    /// Where the pieces of a state are.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// The contact law.
+    pub fn law(&self) -> ContactLaw<R> {
+        self.law
+    }
+
+    /// The static overlap of every bond.
+    pub fn precompression(&self) -> R {
+        self.precompression
+    }
+
+    /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).
+    ///
+    /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies to the right of the
+    /// last one. The outer bonds of a free chain have overlap `-inf`.
+    pub fn overlaps(&self, q: &[R]) -> Vec<R> {
+        let n = q.len();
+        if self.boundary == Boundary::StrainRing {
+            return q.iter().map(|&x| -x).collect();
+        }
+        let (left, right) = self.boundary.ghosts(q[0], q[n - 1]);
+        let mut g = vec![self.precompression + (left - q[0])];
+        g.extend(q.windows(2).map(|w| self.precompression + (w[0] - w[1])));
+        if self.boundary != Boundary::Ring {
+            g.push(self.precompression + (q[n - 1] - right));
+        }
+        g
+    }
+
+    /// Total momentum `sum u' + rho v'` of a state (eq:Hertz); conserved on a free chain and on a ring, unless the
+    /// resonators are fixed.
+    pub fn momentum(&self, y: &[R]) -> R {
+        let layout = self.layout;
+        let sum = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b);
+        let beads = sum(layout.u_dot(y));
+        match layout.v_dot(y) {
+            Some(v_dot) => beads + R::of(self.params.rho) * sum(v_dot),
+            None => beads,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! A state as a structure of arrays in one piece of memory.
+
+use super::Chain;
+use crate::error::{Error, Result};
+use hertzchain_integrators::Real;
+
+/// Where the arrays of a state are: `[u, v, u', v']`, or `[u, u']` without moving resonators.
+///
+/// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    sites: usize,
+    resonators: bool,
+}
+
+impl Layout {
+    pub(crate) fn new(sites: usize, resonators: bool) -> Self {
+        Self { sites, resonators }
+    }
+
+    /// Number of sites.
+    pub fn sites(self) -> usize {
+        self.sites
+    }
+
+    /// Whether resonators move.
+    pub fn resonators(self) -> bool {
+        self.resonators
+    }
+
+    /// Number of entries of a state.
+    pub fn dim(self) -> usize {
+        if self.resonators { 4 * self.sites } else { 2 * self.sites }
+    }
+
+    /// Displacements of the beads (strains, on a strain ring).
+    pub fn u<R>(self, y: &[R]) -> &[R] {
+        &y[..self.sites]
+    }
+
+    /// Displacements of the resonators, if they move.
+    pub fn v<R>(self, y: &[R]) -> Option<&[R]> {
+        self.resonators.then(|| &y[self.sites..2 * self.sites])
+    }
+
+    /// Velocities of the beads.
+    pub fn u_dot<R>(self, y: &[R]) -> &[R] {
+        let start = self.dim() / 2;
+        &y[start..start + self.sites]
+    }
+
+    /// Velocities of the resonators, if they move.
+    pub fn v_dot<R>(self, y: &[R]) -> Option<&[R]> {
+        self.resonators.then(|| &y[3 * self.sites..])
+    }
+}
+
+/// A state of a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<R> {
+    layout: Layout,
+    y: Vec<R>,
+}
+
+impl<R: Real> State<R> {
+    /// The chain at rest.
+    pub fn rest(chain: &Chain<R>) -> Self {
+        Self { layout: chain.layout(), y: vec![R::zero(); chain.layout().dim()] }
+    }
+
+    /// A state from its arrays; `v` and `v_dot` are left out where no resonator moves.
+    ///
+    /// # Errors
+    /// A value that is not finite, by name and site.
+    pub fn from_fn(chain: &Chain<R>, mut site: impl FnMut(usize) -> Site<R>) -> Result<Self> {
+        let mut state = Self::rest(chain);
+        let (n, half) = (chain.sites(), chain.layout().dim() / 2);
+        for i in 0..n {
+            let site = site(i);
+            for (name, value) in [("u", site.u), ("v", site.v), ("u'", site.u_dot), ("v'", site.v_dot)] {
+                if !value.is_finite() {
+                    return Err(Error::parameter(name, format!("{value} at site {i}"), "a state is finite"));
+                }
+            }
+            state.y[i] = site.u;
+            state.y[half + i] = site.u_dot;
+            if state.layout.resonators {
+                state.y[n + i] = site.v;
+                state.y[half + n + i] = site.v_dot;
+            }
+        }
+        Ok(state)
+    }
+
+    /// The layout.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// All entries.
+    pub fn as_slice(&self) -> &[R] {
+        &self.y
+    }
+
+    /// All entries, to be changed.
+    pub fn as_mut_slice(&mut self) -> &mut [R] {
+        &mut self.y
+    }
+}
+
+/// One site of a state: `u, v, u', v'` (or `x, y, x', y'`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site<R> {
+    /// Bead.
+    pub u: R,
+    /// Resonator.
+    pub v: R,
+    /// Velocity of the bead.
+    pub u_dot: R,
+    /// Velocity of the resonator.
+    pub v_dot: R,
+}

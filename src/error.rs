@@ -1,0 +1,80 @@
+//! The one error type of the library.
+
+use std::path::PathBuf;
+
+/// What can go wrong, always with the value and the rule it broke.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter outside its rule.
+    #[error("{name} = {value} is not valid: {rule}")]
+    Parameter {
+        /// Which parameter.
+        name: &'static str,
+        /// Its value, as it was given.
+        value: String,
+        /// The rule it broke.
+        rule: &'static str,
+    },
+    /// A name nobody knows.
+    #[error("unknown {kind} \"{name}\"{}", nearest_hint(.nearest))]
+    Unknown {
+        /// Kind of thing that was named.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The known name most like it.
+        nearest: Option<String>,
+    },
+    /// A scene file that does not say what a scene must say.
+    #[error("scene {file}: {message}")]
+    Scene {
+        /// File, or name of the built-in scene.
+        file: String,
+        /// Key and rule.
+        message: String,
+    },
+    /// An integration that could not go on.
+    #[error(transparent)]
+    Integration(#[from] hertzchain_integrators::Error),
+    /// A file that could not be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A figure that could not be drawn.
+    #[error("figure: {0}")]
+    Figure(String),
+}
+
+/// The result of whatever may end in an [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+fn nearest_hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default()
+}
+
+impl Error {
+    /// A parameter outside its rule.
+    pub fn parameter(name: &'static str, value: impl ToString, rule: &'static str) -> Self {
+        Self::Parameter { name, value: value.to_string(), rule }
+    }
+
+    /// An unknown name, with the nearest of the `known` ones.
+    pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        Self::Unknown { kind, name: name.to_owned(), nearest: nearest(name, known) }
+    }
+}
+
+/// The known name most like `name`, if one is like it at all.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    known
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_owned())
+}
