@@ -46,8 +46,9 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A figure that could not be drawn.
+    #[cfg(feature = "plot")]
     #[error("figure: {0}")]
-    Figure(String),
+    Figure(#[from] crate::figures::Error),
 }
 
 /// The result of whatever may end in an [`Error`].

@@ -7,10 +7,30 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, energy, and the two splittings |
+//! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
+//! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
+//! | [`method`] | the integrators by name |
+//! | [`experiments`] | data in, data out: one run; error against run time |
+//! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
+//! | [`output`] | files and text, written whole or not at all |
+//! | `cli` | the command line (feature `cli`) |
+//! | `figures` | every PNG (feature `plot`) |
 //! | [`error`] | the one error type |
 
+pub mod breathers;
 pub mod chain;
+#[cfg(feature = "cli")]
+pub mod cli;
+pub mod dps;
 pub mod error;
+pub mod experiments;
+#[cfg(feature = "plot")]
+pub mod figures;
+pub mod method;
+pub mod output;
+pub mod report;
+pub mod scene;
+pub mod waves;
 
 pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;

@@ -67,8 +67,11 @@ where
     O: Observer<R> + ?Sized,
 {
     loop {
-        while let Some(t) = observer.next().filter(|&t| t <= stepper.time()) {
-            stepper.sample(t, y);
+        let time = stepper.time();
+        // A time that is the step's end but for rounding is the step's end.
+        let reached = time + R::of(4.0) * R::epsilon() * time.abs();
+        while let Some(t) = observer.next().filter(|&t| t <= reached) {
+            stepper.sample(t.min(time), y);
             if observer.observe(t, y, stepper.stats())?.is_break() {
                 return Ok(Stop::Observer);
             }

@@ -1,3 +1,230 @@
-//! DOP853.
-/// placeholder
-pub struct Dop853;
+//! DOP853: the explicit Runge-Kutta method of order 8 by Dormand and Prince, with error estimators of order 5 and 3 and
+//! dense output of order 7, controlled as by Hairer and Wanner.
+//!
+//! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993,
+//! sections II.4 to II.6 and II.10.
+
+mod controller;
+mod dense;
+mod step;
+pub mod tableau;
+
+pub use controller::Options;
+
+use crate::{clock::Twofold, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField};
+use controller::{Controller, Guess, Verdict};
+use dense::Dense;
+use step::{Leap, Step};
+
+/// The method at work on `y' = f(t, y)`.
+pub struct Dop853<R, F> {
+    field: F,
+    step: Step<R>,
+    dense: Dense<R>,
+    pace: Pace<R>,
+    start: R,
+    end: R,
+    time: Twofold<R>,
+    /// The last step, while it can be looked into.
+    last: Option<Leap<R>>,
+    round_off: R,
+    /// How far beyond a step the end may lie for the step to reach it.
+    stretch: R,
+    begun: bool,
+    trials: u64,
+    stats: Stats,
+}
+
+/// Where steps come from.
+enum Pace<R> {
+    /// The error of each step, and the step to try next.
+    Controlled { options: Options<R>, controller: Controller<R>, next: R },
+    /// So many equal steps.
+    Equal { h: Twofold<R>, steps: u64 },
+}
+
+impl<R: Real, F: VectorField<R>> Dop853<R, F> {
+    /// Runs `field` from `y0` at `start` to `end`, with steps as long as the tolerances allow.
+    ///
+    /// # Errors
+    /// `end < start`, times or a state that are not finite, a state of the wrong length, options that break a rule.
+    pub fn new(field: F, y0: &[R], (start, end): (R, R), options: Options<R>) -> Result<Self, Error> {
+        let options = options.checked()?;
+        let controller = Controller::new(&options, end - start);
+        Self::paced(field, y0, (start, end), Pace::Controlled { options, controller, next: R::zero() })
+    }
+
+    /// Runs `field` in `steps` equal steps, whatever their error.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), or no step for a span that is not empty.
+    pub fn fixed(field: F, y0: &[R], (start, end): (R, R), steps: u64) -> Result<Self, Error> {
+        if steps == 0 && end > start {
+            return Err(Error::Argument { name: "steps", value: 0.0, rule: "at least one step" });
+        }
+        let span = Twofold::new(end) - Twofold::new(start);
+        let h = span.over(Twofold::new(R::of(steps.max(1) as f64)));
+        Self::paced(field, y0, (start, end), Pace::Equal { h, steps })
+    }
+
+    fn paced(field: F, y0: &[R], (start, end): (R, R), pace: Pace<R>) -> Result<Self, Error> {
+        let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
+        if !start.is_finite() {
+            return argument("start", start, "a time is finite");
+        }
+        if !(end.is_finite() && end >= start) {
+            return argument("end", end, "the end is finite and not before the start");
+        }
+        if y0.is_empty() || y0.len() != field.dim() {
+            return argument("y0", R::of(y0.len() as f64), "as many components as the field, at least one");
+        }
+        if let Some(&value) = y0.iter().find(|value| !value.is_finite()) {
+            return argument("y0", value, "every component of the state is finite");
+        }
+        let step = Step::new(y0);
+        Ok(Self {
+            field,
+            dense: Dense::new(step.padded()),
+            step,
+            pace,
+            start,
+            end,
+            time: Twofold::new(start),
+            last: None,
+            round_off: controller::round_off(),
+            stretch: R::decimal("1.01"),
+            begun: false,
+            trials: 0,
+            stats: Stats::default(),
+        })
+    }
+
+    /// Steps tried so far: accepted, rejected, and those rejected before the first was accepted.
+    pub fn trials(&self) -> u64 {
+        self.trials
+    }
+
+    fn not_finite(&self, index: usize) -> Error {
+        Error::NotFinite { t: self.time.value().f64(), step: self.stats.steps, index }
+    }
+
+    /// The first slope and, if nobody chose it, the first step.
+    fn begin(&mut self) -> Result<(), Error> {
+        self.step.begin(&mut self.field, self.start);
+        self.stats.force_evaluations += 1;
+        self.step.check(0).map_err(|index| self.not_finite(index))?;
+        if let Pace::Controlled { options, controller, next } = &mut self.pace {
+            let max_step = controller.max_step();
+            *next = match options.first_step {
+                Some(h) => h.min(max_step),
+                None => {
+                    let guess = Guess::new(options.scale(), max_step, self.step.state(), self.step.slope(0));
+                    self.step.euler(&mut self.field, self.start, guess.euler);
+                    self.stats.force_evaluations += 1;
+                    guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1))
+                }
+            };
+        }
+        self.begun = true;
+        Ok(())
+    }
+
+    /// The step to try next.
+    fn propose(&self) -> Result<Leap<R>, Error> {
+        let (from, end) = (self.time, Twofold::new(self.end));
+        let t = from.value();
+        let (h, to) = match &self.pace {
+            Pace::Controlled { options, next, .. } => {
+                if self.trials >= options.max_steps {
+                    return Err(Error::TooManySteps { t: t.f64(), steps: self.trials });
+                }
+                // No tiny last step: one that nearly reaches the end is stretched to it.
+                let last = t + self.stretch * *next > self.end;
+                (*next, if last { end } else { from + Twofold::new(*next) })
+            }
+            Pace::Equal { h, steps } => {
+                let taken = self.stats.steps + 1;
+                let to = Twofold::new(self.start) + *h * Twofold::new(R::of(taken as f64));
+                (h.value(), if taken == *steps { end } else { to })
+            }
+        };
+        if h * R::of(0.1) <= t.abs() * self.round_off {
+            return Err(Error::StepUnderflow { t: t.f64(), h: h.f64() });
+        }
+        Ok(Leap { from, to, h: if to == end { (end - from).value() } else { h } })
+    }
+}
+
+impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
+    fn dim(&self) -> usize {
+        self.step.dim()
+    }
+
+    fn time(&self) -> R {
+        self.time.value()
+    }
+
+    fn done(&self) -> bool {
+        self.time.value() >= self.end
+    }
+
+    /// One accepted step, and the trials rejected on the way to it.
+    ///
+    /// After an error only the last good state can be sampled, not the inside of the last step.
+    fn step(&mut self) -> Result<(), Error> {
+        if !self.begun {
+            self.begin()?;
+        }
+        loop {
+            let leap = self.propose()?;
+            if self.last.take().is_some() {
+                self.step.advance();
+                self.dense.clear();
+            }
+            self.trials += 1;
+            self.stats.force_evaluations += 11;
+            let scale = match &self.pace {
+                Pace::Controlled { options, .. } => Some(options.scale()),
+                Pace::Equal { .. } => None,
+            };
+            let trial = self.step.attempt(&mut self.field, leap, scale);
+            let error = trial.map_err(|index| self.not_finite(index))?;
+            if let Pace::Controlled { controller, next, .. } = &mut self.pace {
+                match controller.judge(leap.h, error) {
+                    Verdict::Accept(h) => *next = h,
+                    Verdict::Reject(h) => {
+                        *next = h;
+                        // The search for a first step counts as no rejection.
+                        self.stats.rejected += u64::from(self.stats.steps > 0);
+                        continue;
+                    }
+                }
+            }
+            self.stats.force_evaluations += 1;
+            let accepted = self.step.accept(&mut self.field, leap.to.value());
+            accepted.map_err(|index| self.not_finite(index))?;
+            self.stats.steps += 1;
+            self.time = leap.to;
+            self.last = Some(leap);
+            return Ok(());
+        }
+    }
+
+    /// Inside the last step the state is that of dense output; the first look costs three evaluations. Anywhere else it
+    /// is the state reached.
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        match self.last {
+            Some(leap) if t <= leap.from.value() => y.copy_from_slice(self.step.before()),
+            Some(leap) if t < leap.to.value() => {
+                self.stats.force_evaluations += self.dense.prepare(&mut self.step, &mut self.field, leap);
+                let share = (Twofold::new(t) - leap.from).over(Twofold::new(leap.h)).value();
+                self.dense.eval(self.step.before(), share, y);
+            }
+            _ => y.copy_from_slice(self.step.state()),
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}

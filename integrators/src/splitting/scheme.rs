@@ -12,7 +12,7 @@ pub enum First {
 }
 
 /// The shorter half of a palindrome, without its innermost entries: those follow from the sums being one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coefficients {
     /// `gamma_1, gamma_2, ..`: a symmetric composition of an odd number of Strang steps, without the middle one.
     Composition(&'static [&'static str]),
@@ -33,7 +33,7 @@ pub enum Coefficients {
 }
 
 /// A symmetric splitting scheme.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
     /// Short name, the one users type.
     pub name: &'static str,

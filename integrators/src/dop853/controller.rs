@@ -1,0 +1,176 @@
+//! The step-size controller: what error to allow, and the step to try next.
+
+use super::step::Scale;
+use crate::{error::Error, real::Real};
+
+/// What an adaptive run is asked for. [`new`](Self::new) gives every rule but the tolerance its default.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options<R> {
+    /// Relative tolerance of every component.
+    pub rtol: R,
+    /// Absolute tolerance of every component.
+    pub atol: R,
+    /// The first step to try; by default it is guessed from two slopes.
+    pub first_step: Option<R>,
+    /// The longest step; by default the whole span.
+    pub max_step: Option<R>,
+    /// How many steps may be tried, rejected ones included.
+    pub max_steps: u64,
+    /// Stabilisation of the step size (Lund): 0, the default, is none; useful values are up to 0.04.
+    pub stabilisation: R,
+}
+
+impl<R: Real> Options<R> {
+    /// The same relative and absolute tolerance.
+    pub fn new(tolerance: R) -> Self {
+        Self {
+            rtol: tolerance,
+            atol: tolerance,
+            first_step: None,
+            max_step: None,
+            max_steps: 1_000_000_000,
+            stabilisation: R::zero(),
+        }
+    }
+
+    /// The options, if they obey their rules.
+    pub(super) fn checked(self) -> Result<Self, Error> {
+        let positive = |value: R| value.is_finite() && value > R::zero();
+        let rules = [
+            (
+                "rtol",
+                Some(self.rtol),
+                self.rtol.is_finite() && self.rtol > R::of(10.0) * round_off::<R>(),
+                "a relative tolerance is finite and above 10 unit round-offs",
+            ),
+            ("atol", Some(self.atol), positive(self.atol), "an absolute tolerance is finite and above zero"),
+            ("first_step", self.first_step, self.first_step.is_none_or(positive), "a step is finite and above zero"),
+            ("max_step", self.max_step, self.max_step.is_none_or(positive), "a step is finite and above zero"),
+            ("max_steps", Some(R::of(self.max_steps as f64)), self.max_steps > 0, "at least one step"),
+            (
+                "stabilisation",
+                Some(self.stabilisation),
+                self.stabilisation >= R::zero() && self.stabilisation <= R::decimal("0.2"),
+                "the stabilisation lies in [0, 0.2]",
+            ),
+        ];
+        match rules.into_iter().find(|&(_, _, holds, _)| !holds) {
+            Some((name, value, _, rule)) => Err(Error::Argument { name, value: value.map_or(f64::NAN, R::f64), rule }),
+            None => Ok(self),
+        }
+    }
+
+    pub(super) fn scale(&self) -> Scale<R> {
+        Scale { atol: self.atol, rtol: self.rtol }
+    }
+}
+
+/// The unit round-off of the scalar: that of `f64`, or its square for double-double.
+///
+/// `Float::epsilon` of a double-double is the smallest number that 1 can be told from, far below its rounding.
+pub(super) fn round_off<R: Real>() -> R {
+    let plain = R::of(f64::EPSILON);
+    if R::decimal("0.1") == R::of(0.1) { plain } else { plain * plain }
+}
+
+/// What becomes of a trial, with the step to try next.
+pub(super) enum Verdict<R> {
+    Accept(R),
+    Reject(R),
+}
+
+/// Chooses steps by the error of the last ones.
+pub(super) struct Controller<R> {
+    safety: R,
+    /// Bounds of `h / h_next`: when growing, when shrinking.
+    bounds: (R, R),
+    exponent: R,
+    stabilisation: R,
+    max_step: R,
+    /// The last accepted error, not below `floor`.
+    memory: R,
+    floor: R,
+    /// Whether the last trial was rejected.
+    rejected: bool,
+}
+
+impl<R: Real> Controller<R> {
+    pub(super) fn new(options: &Options<R>, span: R) -> Self {
+        Self {
+            safety: R::decimal("0.9"),
+            bounds: (R::of(6.0).recip(), R::decimal("0.333").recip()),
+            exponent: R::of(0.125) - options.stabilisation * R::decimal("0.2"),
+            stabilisation: options.stabilisation,
+            max_step: options.max_step.unwrap_or(span),
+            memory: R::decimal("0.0001"),
+            floor: R::decimal("0.0001"),
+            rejected: false,
+        }
+    }
+
+    /// Judges a trial of length `h` by the norm of its error: 1 is just right.
+    pub(super) fn judge(&mut self, h: R, error: R) -> Verdict<R> {
+        let (growing, shrinking) = self.bounds;
+        let plain = error.powf(self.exponent);
+        if error > R::one() {
+            self.rejected = true;
+            return Verdict::Reject(h / shrinking.min(plain / self.safety));
+        }
+        let stable = plain / self.memory.powf(self.stabilisation);
+        let next = (h / growing.max(shrinking.min(stable / self.safety))).min(self.max_step);
+        self.memory = error.max(self.floor);
+        // After a rejection the step may not grow at once.
+        let next = if std::mem::take(&mut self.rejected) { next.min(h) } else { next };
+        Verdict::Accept(next)
+    }
+
+    /// The longest step.
+    pub(super) fn max_step(&self) -> R {
+        self.max_step
+    }
+}
+
+/// A first step, guessed in two parts around an explicit Euler step.
+pub(super) struct Guess<R> {
+    scale: Scale<R>,
+    max_step: R,
+    slope: R,
+    /// The length of the Euler step.
+    pub(super) euler: R,
+}
+
+impl<R: Real> Guess<R> {
+    /// From the state and the slope at the start: an Euler step that changes the state by a hundredth.
+    pub(super) fn new(scale: Scale<R>, max_step: R, y: &[R], slope: &[R]) -> Self {
+        let square = norm(scale, y, slope.iter().copied());
+        let size = norm(scale, y, y.iter().copied());
+        let tiny = R::decimal("0.0000000001");
+        let guess = if square <= tiny || size <= tiny {
+            R::decimal("0.000001")
+        } else {
+            (size / square).sqrt() * R::decimal("0.01")
+        };
+        Self { scale, max_step, slope: square.sqrt(), euler: guess.min(max_step) }
+    }
+
+    /// From the slope after the Euler step: `h^8 max(|y'|, |y''|) = 0.01`, and at most a hundred Euler steps.
+    pub(super) fn refine(self, y: &[R], slope: &[R], after: &[R]) -> R {
+        let change = slope.iter().zip(after).map(|(&before, &after)| after - before);
+        let second = norm(self.scale, y, change).sqrt() / self.euler;
+        // An Euler step may leave where the field is defined.
+        let second = if second.is_finite() { second } else { R::zero() };
+        let bend = second.max(self.slope);
+        let h = if bend <= R::decimal("0.000000000000001") {
+            R::decimal("0.000001").max(self.euler * R::decimal("0.001"))
+        } else {
+            (R::decimal("0.01") / bend).powf(R::of(0.125))
+        };
+        (R::of(100.0) * self.euler).min(h).min(self.max_step)
+    }
+}
+
+/// The sum of squares of `x` in units of the tolerance at `y`.
+fn norm<R: Real>(scale: Scale<R>, y: &[R], x: impl Iterator<Item = R>) -> R {
+    let shares = y.iter().zip(x).map(|(&y, x)| x / scale.at(y.abs()));
+    shares.fold(R::zero(), |sum, share| sum + share * share)
+}

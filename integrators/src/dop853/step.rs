@@ -1,0 +1,400 @@
+//! One trial step: the twelve stages, the result and its error norm.
+
+use super::tableau::{self, Weights};
+use crate::{
+    clock::Twofold,
+    real::{Kernel, Real},
+    system::VectorField,
+};
+
+/// Components that one turn of an inner loop takes together. Arrays are padded to a multiple of it.
+const LANES: usize = 8;
+
+/// Stages 1 to 12, the slope at the end, and three more for dense output.
+pub(super) const SLOPES: usize = 16;
+
+/// Weights of slopes in the working precision: `(index, weight)`, indices from 0.
+pub(super) type Row<R> = Vec<(usize, R)>;
+
+/// A row of weights in the working precision.
+pub(super) fn row<R: Real>(weights: &Weights) -> Row<R> {
+    weights.iter().map(|&(stage, weight)| (stage - 1, R::decimal(weight))).collect()
+}
+
+/// A table of stages in the working precision: nodes and rows.
+pub(super) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
+    table.iter().map(|&(c, a)| (R::decimal(c), row(a))).collect()
+}
+
+/// A step: where it leads from and to, and its length to the working precision.
+#[derive(Clone, Copy)]
+pub(super) struct Leap<R> {
+    pub(super) from: Twofold<R>,
+    pub(super) to: Twofold<R>,
+    pub(super) h: R,
+}
+
+/// The bound `atol + rtol |y|` that local errors are measured against.
+#[derive(Clone, Copy)]
+pub(super) struct Scale<R> {
+    pub(super) atol: R,
+    pub(super) rtol: R,
+}
+
+impl<R: Real> Scale<R> {
+    #[inline(always)]
+    pub(super) fn at(self, size: R) -> R {
+        self.atol + self.rtol * size
+    }
+}
+
+/// The larger of two numbers that are not NaN.
+#[inline(always)]
+fn larger<R: Real>(a: R, b: R) -> R {
+    if a > b { a } else { b }
+}
+
+/// The twelve-stage step and the arrays it works in.
+pub(super) struct Step<R> {
+    dim: usize,
+    stages: Vec<(R, Row<R>)>,
+    b: Row<R>,
+    error_5: Row<R>,
+    error_3: Row<R>,
+    /// The state at the start of a trial.
+    y: Vec<R>,
+    /// The trial's result; once it is accepted, the state before it.
+    other: Vec<R>,
+    /// The state of a stage.
+    inner: Vec<R>,
+    k: [Vec<R>; SLOPES],
+}
+
+impl<R: Real> Step<R> {
+    pub(super) fn new(y0: &[R]) -> Self {
+        let dim = y0.len();
+        let zeros = vec![R::zero(); dim.next_multiple_of(LANES)];
+        let mut y = zeros.clone();
+        y[..dim].copy_from_slice(y0);
+        Self {
+            dim,
+            stages: stages(&tableau::STAGES),
+            b: row(tableau::B),
+            error_5: row(tableau::ERROR_5),
+            error_3: row(tableau::BHH),
+            y,
+            other: zeros.clone(),
+            inner: zeros.clone(),
+            k: std::array::from_fn(|_| zeros.clone()),
+        }
+    }
+
+    pub(super) fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// The state reached.
+    pub(super) fn state(&self) -> &[R] {
+        &self.y[..self.dim]
+    }
+
+    /// The state before the last accepted step.
+    pub(super) fn before(&self) -> &[R] {
+        &self.other[..self.dim]
+    }
+
+    /// Slope `index`, from 0: number 0 belongs to the start of the step, number 12 to its end.
+    pub(super) fn slope(&self, index: usize) -> &[R] {
+        &self.k[index][..self.dim]
+    }
+
+    /// The slope at the start of the run.
+    pub(super) fn begin<F: VectorField<R>>(&mut self, field: &mut F, t: R) {
+        field.eval(t, &self.y[..self.dim], &mut self.k[0][..self.dim]);
+    }
+
+    /// An explicit Euler step; its slope goes where the second stage will be.
+    pub(super) fn euler<F: VectorField<R>>(&mut self, field: &mut F, t: R, h: R) {
+        for ((inner, &y), &slope) in self.inner.iter_mut().zip(&self.y).zip(&self.k[0]) {
+            *inner = y + h * slope;
+        }
+        field.eval(t + h, &self.inner[..self.dim], &mut self.k[1][..self.dim]);
+    }
+
+    /// Slope `index` of the last accepted step, at the inner state `y + h sum a k`.
+    pub(super) fn slope_inside<F: VectorField<R>>(
+        &mut self,
+        field: &mut F,
+        leap: Leap<R>,
+        (c, a): (R, &[(usize, R)]),
+        index: usize,
+    ) {
+        R::run(Combine { out: &mut self.inner, base: Some(&self.other), h: leap.h, a, k: &self.k });
+        let t = leap.from.value() + c * leap.h;
+        field.eval(t, &self.inner[..self.dim], &mut self.k[index][..self.dim]);
+    }
+
+    /// `out = h sum a k`; `out` is as long as [`padded`](Self::padded).
+    pub(super) fn combine(&self, out: &mut [R], h: R, a: &[(usize, R)]) {
+        R::run(Combine { out, base: None, h, a, k: &self.k });
+    }
+
+    /// Length of the arrays.
+    pub(super) fn padded(&self) -> usize {
+        self.y.len()
+    }
+
+    /// Tries a step: eleven evaluations, as the first slope is there already.
+    ///
+    /// Returns the norm of its error in units of `scale` (zero if there is none), or a component that is not finite.
+    pub(super) fn attempt<F: VectorField<R>>(
+        &mut self,
+        field: &mut F,
+        leap: Leap<R>,
+        scale: Option<Scale<R>>,
+    ) -> Result<R, usize> {
+        let (h, dim) = (leap.h, self.dim);
+        for (index, (c, a)) in (1..).zip(&self.stages) {
+            R::run(Combine { out: &mut self.inner, base: Some(&self.y), h, a, k: &self.k });
+            let t = if index == 11 { leap.to.value() } else { leap.from.value() + *c * h };
+            field.eval(t, &self.inner[..dim], &mut self.k[index][..dim]);
+        }
+        // The slopes of dense output are free meanwhile.
+        let [slopes @ .., one, two, three] = &mut self.k;
+        let sums = R::run(Finish {
+            out: &mut self.other,
+            scratch: [one, two, three],
+            y: &self.y,
+            h,
+            b: &self.b,
+            error_5: &self.error_5,
+            error_3: &self.error_3,
+            scale: scale.unwrap_or(Scale { atol: R::one(), rtol: R::zero() }),
+            k: slopes,
+        });
+        if sums.zero != R::zero() {
+            return Err(self.culprit());
+        }
+        if scale.is_none() {
+            return Ok(R::zero());
+        }
+        let weight = sums.error_5 + R::of(0.01) * sums.error_3;
+        if !weight.is_finite() {
+            return Err(self.culprit());
+        }
+        let weight = if weight > R::zero() { weight } else { R::one() };
+        Ok(h * sums.error_5 * (R::of(dim as f64) * weight).recip().sqrt())
+    }
+
+    /// Makes the trial the state reached, with the slope there. If that slope is not finite, leaves all as it was.
+    pub(super) fn accept<F: VectorField<R>>(&mut self, field: &mut F, t: R) -> Result<(), usize> {
+        field.eval(t, &self.other[..self.dim], &mut self.k[12][..self.dim]);
+        self.check(12)?;
+        std::mem::swap(&mut self.y, &mut self.other);
+        Ok(())
+    }
+
+    /// Forgets the last step: its last slope becomes the first of the next.
+    pub(super) fn advance(&mut self) {
+        self.k.swap(0, 12);
+    }
+
+    /// The first component of a slope that is not finite, as an error.
+    pub(super) fn check(&self, index: usize) -> Result<(), usize> {
+        if R::run(Zeros(&self.k[index])) == R::zero() {
+            return Ok(());
+        }
+        self.slope(index).iter().position(|slope| !slope.is_finite()).map_or(Ok(()), Err)
+    }
+
+    /// The first component with a slope or a result that is not finite; 0 if only sums of them overflow.
+    fn culprit(&self) -> usize {
+        let finite = |i: usize| self.other[i].is_finite() && self.k[..12].iter().all(|k| k[i].is_finite());
+        (0..self.dim).find(|&i| !finite(i)).unwrap_or(0)
+    }
+}
+
+/// Weights and slopes for a sum of `M` terms.
+#[inline(always)]
+fn terms<'a, R: Real, const M: usize>(a: &[(usize, R)], k: &'a [Vec<R>], len: usize) -> ([R; M], [&'a [R]; M]) {
+    let mut weights = [R::zero(); M];
+    let mut slopes: [&[R]; M] = [&[]; M];
+    for m in 0..M {
+        weights[m] = a[m].1;
+        slopes[m] = &k[a[m].0][..len];
+    }
+    (weights, slopes)
+}
+
+/// `sum a k` of component `i`. The terms are added in the order of the table.
+#[inline(always)]
+fn sum<R: Real, const M: usize>((a, k): (&[R; M], &[&[R]; M]), i: usize) -> R {
+    let mut sum = a[0] * k[0][i];
+    for m in 1..M {
+        sum += a[m] * k[m][i];
+    }
+    sum
+}
+
+// The loops below are functions of their own, and not methods, because `&mut` arguments tell the compiler that nothing
+// else is written through; without that it does not vectorise them.
+
+/// `out = base + h sum a k`.
+#[inline(always)]
+fn step_from<R: Real, const M: usize>(out: &mut [R], base: &[R], h: R, terms: (&[R; M], &[&[R]; M])) {
+    let base = &base[..out.len()];
+    for i in 0..out.len() {
+        out[i] = base[i] + h * sum(terms, i);
+    }
+}
+
+/// `out = h sum a k`.
+#[inline(always)]
+fn weigh<R: Real, const M: usize>(out: &mut [R], h: R, terms: (&[R; M], &[&[R]; M])) {
+    for (i, out) in out.iter_mut().enumerate() {
+        *out = h * sum(terms, i);
+    }
+}
+
+/// The sum of all components, times `weight`.
+#[inline(always)]
+fn total<R: Real>(x: &[R], weight: R) -> R {
+    let mut lanes = [R::zero(); LANES];
+    for block in x.as_chunks::<LANES>().0 {
+        for lane in 0..LANES {
+            lanes[lane] += block[lane] * weight;
+        }
+    }
+    lanes.into_iter().fold(R::zero(), |sum, lane| sum + lane)
+}
+
+/// Zero, if all components are finite; otherwise not a number.
+struct Zeros<'a, R>(&'a [R]);
+
+impl<R: Real> Kernel for Zeros<'_, R> {
+    type Output = R;
+    #[inline(always)]
+    fn run(self) -> R {
+        total(self.0, R::zero())
+    }
+}
+
+/// `out = base + h sum a k`.
+struct Combine<'a, R> {
+    out: &'a mut [R],
+    base: Option<&'a [R]>,
+    h: R,
+    a: &'a [(usize, R)],
+    k: &'a [Vec<R>],
+}
+
+impl<R: Real> Combine<'_, R> {
+    #[inline(always)]
+    fn of<const M: usize>(self) {
+        let (a, k) = terms::<R, M>(self.a, self.k, self.out.len());
+        match self.base {
+            Some(base) => step_from(self.out, base, self.h, (&a, &k)),
+            None => weigh(self.out, self.h, (&a, &k)),
+        }
+    }
+}
+
+impl<R: Real> Kernel for Combine<'_, R> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        match self.a.len() {
+            1 => self.of::<1>(),
+            2 => self.of::<2>(),
+            3 => self.of::<3>(),
+            4 => self.of::<4>(),
+            5 => self.of::<5>(),
+            6 => self.of::<6>(),
+            7 => self.of::<7>(),
+            8 => self.of::<8>(),
+            9 => self.of::<9>(),
+            12 => self.of::<12>(),
+            terms => unreachable!("no row of the table has {terms} terms"),
+        }
+    }
+}
+
+/// Sums over all components.
+struct Sums<R> {
+    /// Squares of the scaled error of order 5.
+    error_5: R,
+    /// Squares of the scaled error of order 3.
+    error_3: R,
+    /// Zero, unless a slope or the result is not finite.
+    zero: R,
+}
+
+/// The result of a trial, and the sums its norm is made of.
+struct Finish<'a, R> {
+    out: &'a mut [R],
+    scratch: [&'a mut [R]; 3],
+    y: &'a [R],
+    h: R,
+    b: &'a [(usize, R)],
+    error_5: &'a [(usize, R)],
+    error_3: &'a [(usize, R)],
+    scale: Scale<R>,
+    k: &'a [Vec<R>],
+}
+
+impl<R: Real> Kernel for Finish<'_, R> {
+    type Output = Sums<R>;
+    #[inline(always)]
+    fn run(self) -> Sums<R> {
+        let len = self.out.len();
+        let [error_5, error_3, all] = self.scratch;
+        let (b, slopes) = terms::<R, 8>(self.b, self.k, len);
+        weigh(error_3, R::one(), (&b, &slopes));
+        let (b, slopes) = terms::<R, 8>(self.error_5, self.k, len);
+        weigh(error_5, R::one(), (&b, &slopes));
+        let (b, slopes) = terms::<R, 3>(self.error_3, self.k, len);
+        let early = std::array::from_fn(|m| &self.k[m + 1][..len]);
+        let measure = Measure { h: self.h, scale: self.scale, lower: (&b, &slopes), early };
+        measure_errors(self.out, error_5, error_3, all, self.y, &measure);
+        let one = R::one();
+        Sums { error_5: total(error_5, one), error_3: total(error_3, one), zero: total(all, R::zero()) }
+    }
+}
+
+/// What turns slopes into a result and errors.
+struct Measure<'a, R> {
+    h: R,
+    scale: Scale<R>,
+    /// The embedded formula of order 3.
+    lower: (&'a [R; 3], &'a [&'a [R]; 3]),
+    /// Slopes 2 to 5, which are in no weight of the result; a field may swallow a NaN of theirs (`max` does).
+    early: [&'a [R]; 4],
+}
+
+/// Makes the result from `error_3`, which holds the mean slope; then makes errors squares in units of the tolerance.
+///
+/// `all` becomes finite only where the result and all slopes are.
+#[inline(always)]
+fn measure_errors<R: Real>(
+    out: &mut [R],
+    error_5: &mut [R],
+    error_3: &mut [R],
+    all: &mut [R],
+    y: &[R],
+    measure: &Measure<R>,
+) {
+    let len = out.len();
+    let (error_5, error_3, all, y) = (&mut error_5[..len], &mut error_3[..len], &mut all[..len], &y[..len]);
+    let Measure { h, scale, lower: (b, k), early } = *measure;
+    for i in 0..len {
+        let slope = error_3[i];
+        let new = y[i] + h * slope;
+        out[i] = new;
+        let scale = scale.at(larger(y[i].abs(), new.abs()));
+        let share_5 = error_5[i] / scale;
+        let share_3 = (slope - b[0] * k[0][i] - b[1] * k[1][i] - b[2] * k[2][i]) / scale;
+        error_5[i] = share_5 * share_5;
+        error_3[i] = share_3 * share_3;
+        all[i] = new + early[0][i] + early[1][i] + early[2][i] + early[3][i];
+    }
+}

@@ -1,0 +1,99 @@
+//! The raw flags.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Nonlinear waves in locally resonant Hertzian chains: which integrator buys which error for which run time.
+///
+/// All quantities are dimensionless, in the units of the paper (bead mass 1, contact constant 1).
+#[derive(Parser)]
+#[command(version, about, arg_required_else_help = true)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    /// Compare integrators on a scene: error against run time, as a table, a CSV and a PNG.
+    Compare(CompareArgs),
+    /// Run one scene with one integrator.
+    Run(RunArgs),
+    /// List the built-in scenes, or show one as TOML.
+    Scenes(ScenesArgs),
+    /// List the integrators with order, stages and source.
+    Integrators(IntegratorsArgs),
+}
+
+#[derive(Args)]
+pub(super) struct CompareArgs {
+    /// Name of a built-in scene, or a TOML file.
+    pub(super) scene: String,
+    /// Integrators, separated by commas [default: all].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    pub(super) integrators: Vec<String>,
+    /// Wall time for the whole comparison, in seconds; rungs that would not fit are left out.
+    #[arg(long, value_name = "S", default_value_t = 45.0, allow_negative_numbers = true)]
+    pub(super) max_time: f64,
+    /// Folder for compare.csv, compare.json and compare.png [default: out/compare-SCENE; with --json: none].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct RunArgs {
+    /// Name of a built-in scene, or a TOML file.
+    pub(super) scene: String,
+    /// Integrator; `hertzchain integrators` lists them.
+    #[arg(long, value_name = "NAME", default_value = "strang-linear")]
+    pub(super) integrator: String,
+    /// Steps a period of the scene, for splitting schemes [default: 512].
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"], allow_negative_numbers = true)]
+    pub(super) steps_per_period: Option<f64>,
+    /// Step size, in units of time; made smaller where a whole number of steps must fit the span.
+    #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
+    pub(super) step: Option<f64>,
+    /// Relative and absolute tolerance of a step, for dop853 [default: 1e-10].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) tol: Option<f64>,
+    /// End time, in units of time [default: the scene's].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) until: Option<f64>,
+    /// Folder for summary.json, scene.toml, final.csv, energy.csv, profiles.npz and PNGs [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Say what this scene needs and what is left out, and stop.
+    #[arg(long)]
+    pub(super) plan: bool,
+    /// Print JSON instead of the summary.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ScenesArgs {
+    #[command(subcommand)]
+    pub(super) action: Option<ScenesAction>,
+    /// Print JSON instead of the table.
+    #[arg(long, global = true)]
+    pub(super) json: bool,
+}
+
+#[derive(Subcommand)]
+pub(super) enum ScenesAction {
+    /// Print the TOML of a scene: a start for your own.
+    Show {
+        /// Name of a built-in scene, or a TOML file.
+        name: String,
+    },
+}
+
+#[derive(Args)]
+pub(super) struct IntegratorsArgs {
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}

@@ -1,0 +1,40 @@
+//! `hertzchain integrators`.
+
+use super::{Exit, args::IntegratorsArgs, print};
+use crate::{method::Method, output::to_json, report::table};
+use serde_json::json;
+use std::process::ExitCode;
+
+pub(super) fn main(args: &IntegratorsArgs) -> Exit {
+    let all = Method::all();
+    if args.json {
+        let list: Vec<_> = all
+            .iter()
+            .map(|method| {
+                json!({
+                    "name": method.name(),
+                    "order": method.order(),
+                    "stages": method.stages(),
+                    "family": method.family(),
+                    "source": method.source(),
+                })
+            })
+            .collect();
+        print(&(to_json(&json!({"integrators": list})) + "\n"));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let rows: Vec<_> = all
+        .iter()
+        .map(|method| {
+            vec![
+                method.name(),
+                method.order().to_string(),
+                method.stages().to_string(),
+                method.family().to_owned(),
+                method.source().to_owned(),
+            ]
+        })
+        .collect();
+    print(&table(&["integrator", "order", "stages", "family", "source"], &rows));
+    Ok(ExitCode::SUCCESS)
+}

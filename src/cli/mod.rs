@@ -1,0 +1,54 @@
+//! The command line: raw flags in [`args`], their meaning in one file a command.
+
+mod args;
+mod compare;
+mod integrators;
+mod run;
+mod scenes;
+
+use crate::error::Result;
+use args::{Cli, Command};
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::{io::Write, process::ExitCode};
+
+/// Reads the arguments, runs the command, says what went wrong.
+pub fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Compare(args) => compare::main(&args),
+        Command::Run(args) => run::main(&args),
+        Command::Scenes(args) => scenes::main(&args),
+        Command::Integrators(args) => integrators::main(&args),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Writes to stdout. A reader that has gone away is no error of ours.
+fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// A bar on stderr, seen only on a terminal.
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Where results go: the folder asked for; `out/COMMAND-SCENE` by default.
+fn default_folder(command: &str, scene: &str) -> String {
+    let safe: String =
+        scene.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '_' }).collect();
+    format!("out/{command}-{safe}")
+}
+
+type Exit = Result<ExitCode>;

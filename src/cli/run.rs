@@ -1,0 +1,86 @@
+//! `hertzchain run`.
+
+use super::{Exit, args::RunArgs, print, progress_bar};
+use crate::{
+    error::{Error, Result},
+    experiments::{Records, run},
+    method::{Method, Setting},
+    output::{Folder, to_json},
+    report,
+    scene::Scene,
+};
+use std::process::ExitCode;
+
+const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
+const DEFAULT_TOLERANCE: f64 = 1e-10;
+/// More steps than a run of years takes.
+const MOST_STEPS: f64 = 1e15;
+
+pub(super) fn main(args: &RunArgs) -> Exit {
+    let mut scene = Scene::load(&args.scene)?;
+    if let Some(until) = args.until {
+        scene = scene.until(until)?;
+    }
+    let method = Method::named(&args.integrator)?;
+    let (setting, wording) = setting(args, method, &scene)?;
+    if args.plan {
+        let plan = scene.plan();
+        let text = if args.json {
+            to_json(&serde_json::json!({"scene": scene.name(), "integrator": method.name(), "plan": plan})) + "\n"
+        } else {
+            format!("{}, {}, {wording}\n  {}\n", scene.name(), method.name(), plan.join("\n  "))
+        };
+        print(&text);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
+    let bar = progress_bar();
+    let outcome = run(&scene, method, setting, records, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    let json = report::run_json(&scene, method, &wording, &outcome);
+    print(&if args.json { json.clone() + "\n" } else { report::run_summary(&scene, method, &wording, &outcome) });
+    if let Some(folder) = folder {
+        report::run_files(&folder, &scene, &outcome, &json)?;
+        #[cfg(feature = "plot")]
+        for (name, png) in report::run_pictures(&scene, method, &wording, &outcome)? {
+            folder.write(name, &png)?;
+        }
+        eprintln!("written to {}", folder.path().display());
+    }
+    outcome.failure.map_or(Ok(ExitCode::SUCCESS), |failure| Err(failure.into()))
+}
+
+/// What the flags mean for this method on this scene, and in words.
+fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, String)> {
+    let positive = |name, value: f64| {
+        let good = value.is_finite() && value > 0.0;
+        if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+    };
+    if method == Method::Dop853 {
+        if let Some(value) = args.step.or(args.steps_per_period) {
+            return Err(Error::parameter("step", value, "dop853 chooses its steps: give it --tol"));
+        }
+        let tol = positive("tol", args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
+        return Ok((Setting::Tolerance(tol), format!("tol {tol:e}")));
+    }
+    if let Some(tol) = args.tol {
+        return Err(Error::parameter("tol", tol, "splitting schemes take --steps-per-period or --step"));
+    }
+    let steps = match args.step {
+        Some(step) => scene.end() / positive("step", step)?,
+        None => {
+            let per_period = args.steps_per_period.unwrap_or(DEFAULT_STEPS_PER_PERIOD);
+            scene.end() / scene.period() * positive("steps-per-period", per_period)?
+        }
+    };
+    // A step that fits but for rounding is taken as it is.
+    let steps = (steps * (1.0 - 1e-12)).ceil().max(1.0);
+    if steps > MOST_STEPS {
+        return Err(Error::parameter("steps", steps, "at most 1e15 steps"));
+    }
+    let words =
+        format!("{} steps of {:e} ({:.6} a period)", steps, scene.end() / steps, steps * scene.period() / scene.end());
+    Ok((Setting::Steps(steps as u64), words))
+}

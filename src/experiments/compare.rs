@@ -1,0 +1,330 @@
+//! Error against run time: every integrator over a ladder of steps or tolerances on one scene.
+
+use super::run::{Outcome, Records, run};
+use crate::{
+    error::{Error, Result},
+    method::{Method, Setting},
+    scene::{Scene, Theory},
+};
+use hertzchain_integrators::{Silent, Stats, drive};
+use std::time::{Duration, Instant};
+
+/// Contact kicks a period on the rungs of the ladder of a splitting scheme: the same work for every scheme.
+const KICKS: [f64; 6] = [16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
+/// Tolerances on the rungs of an adaptive method.
+const TOLERANCES: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
+/// Kicks a period of the reference, time permitting: eight times the last rung.
+const REFERENCE_KICKS: f64 = 131_072.0;
+/// The two methods that references are taken from, so that each row is held against another method than its own.
+const REFERENCES: [&str; 2] = ["aba1064-linear", "srkn11-6-linear"];
+/// Share of the time that references may take.
+const REFERENCE_SHARE: f64 = 0.3;
+/// Rows nearer to the reference than this many times its error estimate are marked.
+const TRUSTED: f64 = 3.0;
+
+/// What to compare.
+#[derive(Clone, Debug)]
+pub struct CompareOptions {
+    /// The methods.
+    pub methods: Vec<Method>,
+    /// Wall time for everything, in seconds; rungs that would not fit are left out.
+    pub max_time: f64,
+}
+
+/// What errors are measured against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Method and setting, in words.
+    pub method: String,
+    /// The difference of two references by different methods, relative to the amplitude: an estimate of the larger error.
+    pub error_estimate: f64,
+}
+
+/// One method at one setting.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The method.
+    pub method: Method,
+    /// The setting, in words.
+    pub setting: String,
+    /// Step size; the mean one for adaptive methods.
+    pub step: f64,
+    /// `max |x - x_ref|` at the end over the amplitude; `None` if the run failed.
+    pub error: Option<f64>,
+    /// Largest relative energy error; `None` if the run failed or the state has no energy.
+    pub energy_error: Option<f64>,
+    /// Median wall time of several runs that record nothing, in seconds; `None` if the run failed.
+    pub wall: Option<f64>,
+    /// Runs behind the median.
+    pub repeats: usize,
+    /// Work of one such run.
+    pub stats: Stats,
+    /// Whether the error is too near to that of the reference to be trusted.
+    pub below_reference: bool,
+    /// Why the run failed.
+    pub failure: Option<String>,
+}
+
+/// The outcome of a comparison.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// Scene.
+    pub scene: Scene,
+    /// What errors are divided by.
+    pub amplitude: f64,
+    /// What they are measured against.
+    pub reference: Reference,
+    /// Rows, method by method, coarse to fine.
+    pub rows: Vec<Row>,
+    /// How many rungs the time allowed, out of how many.
+    pub rungs: (usize, usize),
+}
+
+impl Comparison {
+    /// The rows of one method.
+    pub fn rows_of(&self, method: &Method) -> Vec<&Row> {
+        self.rows.iter().filter(|row| row.method == *method).collect()
+    }
+
+    /// The methods, in the order of their first rows.
+    pub fn methods(&self) -> Vec<Method> {
+        let mut methods: Vec<Method> = Vec::new();
+        for row in &self.rows {
+            if !methods.contains(&row.method) {
+                methods.push(row.method);
+            }
+        }
+        methods
+    }
+
+    /// The order that a method shows: the slope of log error against log step, where at least three rows lie between the
+    /// trusted floor and 1e-2 and on a line (within a factor of 1.5). Adaptive methods have none.
+    pub fn slope(&self, method: &Method) -> Option<f64> {
+        if *method == Method::Dop853 {
+            return None;
+        }
+        let points: Vec<(f64, f64)> = self
+            .rows_of(method)
+            .into_iter()
+            .filter(|row| !row.below_reference)
+            .filter_map(|row| {
+                row.error.filter(|error| (1e-13..1e-2).contains(error)).map(|e| (row.step.log10(), e.log10()))
+            })
+            .collect();
+        fit_line(&points)
+            .filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10())
+            .map(|(slope, _)| slope)
+    }
+
+    /// The fastest row whose error is at most `error`, marked rows left out.
+    pub fn fastest(&self, error: f64) -> Option<&Row> {
+        self.rows
+            .iter()
+            .filter(|row| !row.below_reference && row.error.is_some_and(|e| e <= error))
+            .min_by(|a, b| a.wall.unwrap_or(f64::MAX).total_cmp(&b.wall.unwrap_or(f64::MAX)))
+    }
+}
+
+/// Least-squares slope, and the largest residual.
+fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (sxx, sxy) =
+        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
+    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
+    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
+    Some((slope, residual))
+}
+
+/// Compares methods on a scene. `progress` is told the share of the time budget that is used, and what runs.
+///
+/// Errors and energies come from runs on all cores; wall times from runs that record nothing, one at a time.
+///
+/// # Errors
+/// A budget outside its rule, no method, or references that cannot be had.
+pub fn compare(scene: &Scene, options: &CompareOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Comparison> {
+    let budget = options.max_time;
+    if !(budget.is_finite() && budget > 0.0) {
+        return Err(Error::parameter("max-time", budget, "a finite number of seconds, above zero"));
+    }
+    if options.methods.is_empty() {
+        return Err(Error::parameter("integrators", "\"\"", "name at least one integrator"));
+    }
+    let clock = Instant::now();
+    let spent = || clock.elapsed().as_secs_f64();
+    progress(0.0, "reference");
+    let truth = Truth::find(scene, budget * REFERENCE_SHARE)?;
+    let mut rows: Vec<(usize, Row)> = Vec::new();
+    let mut rungs = 0;
+    let mut rung_cost = 0.0;
+    for rung in 0..KICKS.len() {
+        // A rung costs about four times the one before, and its predecessor was measured.
+        if rung > 0 && spent() + 4.0 * rung_cost > budget {
+            break;
+        }
+        let before = spent();
+        let errors = map(&options.methods, |method| truth.error_row(scene, *method, rung));
+        for (index, row) in errors.into_iter().enumerate() {
+            let mut row = row?;
+            progress(spent() / budget, &format!("{} at {}", row.method.name(), row.setting));
+            if row.failure.is_none() {
+                let (wall, repeats, stats) =
+                    time(scene, row.method, setting(scene, &row.method, rung), budget - spent())?;
+                (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats);
+            }
+            rows.push((index, row));
+        }
+        rung_cost = spent() - before;
+        rungs = rung + 1;
+    }
+    rows.sort_by_key(|(index, _)| *index);
+    Ok(Comparison {
+        scene: scene.clone(),
+        amplitude: truth.amplitude,
+        reference: Reference { method: truth.method, error_estimate: truth.error_estimate },
+        rows: rows.into_iter().map(|(_, row)| row).collect(),
+        rungs: (rungs, KICKS.len()),
+    })
+}
+
+#[cfg(feature = "parallel")]
+fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    use rayon::prelude::*;
+    items.par_iter().map(f).collect()
+}
+
+#[cfg(not(feature = "parallel"))]
+fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
+    items.iter().map(f).collect()
+}
+
+fn setting(scene: &Scene, method: &Method, rung: usize) -> Setting {
+    match method {
+        Method::Splitting(..) => Setting::Steps(steps_for_kicks(scene, method, KICKS[rung])),
+        Method::Dop853 => Setting::Tolerance(TOLERANCES[rung]),
+    }
+}
+
+/// The number of steps over the span that makes about this many kicks a period.
+fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
+    let steps = kicks * scene.end() / scene.period() / method.stages() as f64;
+    (steps.round() as u64).max(1)
+}
+
+fn wording(method: &Method, rung: usize) -> String {
+    match method {
+        Method::Splitting(..) => format!("{} kicks/period", KICKS[rung]),
+        Method::Dop853 => format!("tol {:e}", TOLERANCES[rung]),
+    }
+}
+
+/// Median wall time of runs that record nothing, their number, and their work.
+fn time(scene: &Scene, method: Method, setting: Setting, left: f64) -> Result<(f64, usize, Stats)> {
+    let mut walls = Vec::new();
+    let mut y = scene.initial().as_slice().to_vec();
+    loop {
+        let mut stepper = method.start(scene, setting)?;
+        let clock = Instant::now();
+        drive(&mut *stepper, &mut Silent, &mut y)?;
+        walls.push(clock.elapsed().as_secs_f64());
+        let total: f64 = walls.iter().sum();
+        let wanted = if total > 0.1 { 3 } else { 7 };
+        if walls.len() >= wanted || total + walls[0] > 0.1 * left.max(0.0) {
+            walls.sort_by(f64::total_cmp);
+            return Ok((walls[walls.len() / 2], walls.len(), stepper.stats()));
+        }
+    }
+}
+
+/// The reference strains at the end, from two methods.
+struct Truth {
+    method: String,
+    /// `(method, strains)`: a row is held against the first that is not of its own method.
+    strains: Vec<(String, Vec<f64>)>,
+    amplitude: f64,
+    error_estimate: f64,
+}
+
+impl Truth {
+    fn find(scene: &Scene, budget: f64) -> Result<Self> {
+        let (method, strains) = match scene.theory() {
+            Some(Theory::Breather(breather)) => {
+                let exact = crate::chain::State::from_fn(scene.chain(), |n| breather.site(n, scene.end()))?;
+                ("exact solution (uncpl)".to_owned(), vec![(String::new(), scene.strains(exact.as_slice()))])
+            }
+            _ => {
+                let methods = REFERENCES.map(Method::named).into_iter().collect::<Result<Vec<_>>>()?;
+                let kicks = affordable_kicks(scene, &methods, budget)?;
+                let end = |method: &Method| -> Result<(String, Vec<f64>)> {
+                    let steps = Setting::Steps(steps_for_kicks(scene, method, kicks));
+                    let outcome = run(scene, *method, steps, Records::End, &mut |_| ())?;
+                    outcome.failure.map_or(Ok(()), Err)?;
+                    Ok((method.name(), scene.strains(&outcome.state)))
+                };
+                let strains = map(&methods, end).into_iter().collect::<Result<Vec<_>>>()?;
+                (format!("{} at {kicks} kicks/period, checked by {}", REFERENCES[0], REFERENCES[1]), strains)
+            }
+        };
+        let amplitude = scene.amplitude().unwrap_or_else(|| largest(&strains[0].1));
+        let amplitude = if amplitude > 0.0 { amplitude } else { 1.0 };
+        // No better than a few roundings of the strains themselves.
+        let roundoff = 4.0 * f64::EPSILON * largest(&strains[0].1) / amplitude;
+        let gap = strains.get(1).map_or(0.0, |other| distance(&strains[0].1, &other.1) / amplitude);
+        Ok(Self { method, strains, amplitude, error_estimate: gap.max(roundoff) })
+    }
+
+    fn error_row(&self, scene: &Scene, method: Method, rung: usize) -> Result<Row> {
+        let Outcome { t, state, energy_error, stats, failure, .. } =
+            run(scene, method, setting(scene, &method, rung), Records::Energy, &mut |_| ())?;
+        let name = method.name();
+        let reference = self.strains.iter().find(|(other, _)| *other != name).unwrap_or(&self.strains[0]);
+        let error = distance(&scene.strains(&state), &reference.1) / self.amplitude;
+        Ok(Row {
+            method,
+            setting: wording(&method, rung),
+            step: t / stats.steps.max(1) as f64,
+            error: failure.is_none().then_some(error),
+            energy_error: energy_error.filter(|_| failure.is_none()),
+            wall: None,
+            repeats: 0,
+            stats,
+            below_reference: failure.is_none() && error < TRUSTED * self.error_estimate,
+            failure: failure.map(|failure| failure.to_string()),
+        })
+    }
+}
+
+/// Kicks a period that both references can do within the budget, by the time of a short trial.
+fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f64> {
+    let trial = KICKS[2];
+    let mut wall = Duration::ZERO;
+    for method in methods {
+        let steps = Setting::Steps(steps_for_kicks(scene, method, trial));
+        wall += run(scene, *method, steps, Records::End, &mut |_| ())?.wall;
+    }
+    let affordable = trial * budget / wall.as_secs_f64().max(1e-9);
+    let kicks = (affordable / KICKS[0]).log2().floor().exp2() * KICKS[0];
+    Ok(kicks.clamp(KICKS[1], REFERENCE_KICKS))
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_fitted_and_a_bend_is_seen() {
+        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
+        let (slope, residual) = fit_line(&line).unwrap();
+        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
+        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
+        assert!(fit_line(&[(1.0, 0.0)]).is_none());
+    }
+}

@@ -1,0 +1,181 @@
+//! One run of a scene.
+
+use crate::{
+    chain::Energy,
+    error::Result,
+    method::{Method, Setting},
+    scene::Scene,
+};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
+use std::{
+    ops::ControlFlow,
+    time::{Duration, Instant},
+};
+
+/// A run is called unstable when its energy exceeds the initial one by this factor: no accurate run comes near it.
+const ENERGY_BOUND: f64 = 10.0;
+/// The same for the largest entry of a state that has no energy.
+const SIZE_BOUND: f64 = 1e3;
+
+/// What to keep on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Records {
+    /// Nothing but the end; nothing is checked on the way either.
+    End,
+    /// Energies at the scene's sample times.
+    Energy,
+    /// Energies and strain profiles.
+    Profiles,
+}
+
+/// Energy at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Time.
+    pub t: f64,
+    /// Energy by kind; `None` where the strain ring has none.
+    pub energy: Option<Energy<f64>>,
+}
+
+/// Positions at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Time.
+    pub t: f64,
+    /// Strains of beads, see [`Scene::strains`].
+    pub x: Vec<f64>,
+    /// The whole state.
+    pub state: Vec<f64>,
+}
+
+/// What a run left behind. A run that failed keeps all it had.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Time reached.
+    pub t: f64,
+    /// State there, in the chain's layout.
+    pub state: Vec<f64>,
+    /// Energy there, if the state has one.
+    pub energy: Option<Energy<f64>>,
+    /// Largest `|E(t) - E(0)| / |E(0)|` seen (absolute where `E(0) = 0`).
+    pub energy_error: Option<f64>,
+    /// Energies on the way, the start included.
+    pub samples: Vec<Sample>,
+    /// Profiles on the way.
+    pub profiles: Vec<Profile>,
+    /// Work of the run, samples included.
+    pub stats: Stats,
+    /// Wall time of the run, samples included.
+    pub wall: Duration,
+    /// Why it stopped before the end, if it did.
+    pub failure: Option<Failure>,
+}
+
+/// Runs `scene` with `method`. `progress` is told the time at every sample.
+///
+/// # Errors
+/// A run that cannot start. One that fails on the way is an [`Outcome`] with a `failure`.
+pub fn run(
+    scene: &Scene,
+    method: Method,
+    setting: Setting,
+    records: Records,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome> {
+    let mut stepper = method.start(scene, setting)?;
+    let mut recorder = Recorder::new(scene, records, progress);
+    let mut state = scene.initial().as_slice().to_vec();
+    let clock = Instant::now();
+    let result = drive(&mut *stepper, &mut recorder, &mut state);
+    let wall = clock.elapsed();
+    let (t, stats) = (stepper.time(), stepper.stats());
+    let failure = result.err().or_else(|| recorder.check(t, &state, stats).err());
+    let energy = recorder.energy(&state);
+    let Recorder { samples, profiles, initial_energy, largest, .. } = recorder;
+    let energy_error = energy.map(|_| largest / initial_energy.map_or(1.0, nonzero));
+    Ok(Outcome { t, state, energy, energy_error, samples, profiles, stats, wall, failure })
+}
+
+fn nonzero(energy: f64) -> f64 {
+    if energy == 0.0 { 1.0 } else { energy.abs() }
+}
+
+/// The observer of a run: keeps what was asked for, and stops what has blown up.
+struct Recorder<'a> {
+    scene: &'a Scene,
+    records: Records,
+    progress: &'a mut dyn FnMut(f64),
+    taken: usize,
+    has_energy: bool,
+    initial_energy: Option<f64>,
+    initial_size: f64,
+    /// Largest `|E(t) - E(0)|`.
+    largest: f64,
+    samples: Vec<Sample>,
+    profiles: Vec<Profile>,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(scene: &'a Scene, records: Records, progress: &'a mut dyn FnMut(f64)) -> Self {
+        let y = scene.initial().as_slice();
+        let has_energy = scene.chain().has_energy(y);
+        Self {
+            scene,
+            records,
+            progress,
+            taken: 0,
+            has_energy,
+            initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
+            initial_size: largest_entry(y),
+            largest: 0.0,
+            samples: Vec::new(),
+            profiles: Vec::new(),
+        }
+    }
+
+    fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
+        self.has_energy.then(|| self.scene.chain().energy(y))
+    }
+
+    /// Refuses a state that is not finite or that only an unstable method reaches.
+    fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
+        if let Some(index) = y.iter().position(|value| !value.is_finite()) {
+            return Err(Failure::NotFinite { t, step: stats.steps, index });
+        }
+        let energy = self.energy(y);
+        let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
+            (Some(energy), Some(initial)) => ("energy", initial, energy.total(), ENERGY_BOUND),
+            _ => ("largest entry of the state", self.initial_size, largest_entry(y), SIZE_BOUND),
+        };
+        if energy.is_some() {
+            self.largest = self.largest.max((value - initial).abs());
+        }
+        if initial > 0.0 && value > bound * initial {
+            return Err(Failure::Unstable { quantity, initial, value, t, step: stats.steps });
+        }
+        Ok(energy)
+    }
+}
+
+impl Observer<f64> for Recorder<'_> {
+    fn next(&self) -> Option<f64> {
+        let samples = self.scene.file().record.samples;
+        let wanted = self.records != Records::End && samples > 0 && self.taken <= samples;
+        wanted.then(|| self.scene.end() * (self.taken as f64 / samples as f64))
+    }
+
+    fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
+        self.taken += 1;
+        let energy = self.check(t, y, stats)?;
+        self.samples.push(Sample { t, energy });
+        if self.records == Records::Profiles {
+            self.profiles.push(Profile { t, x: self.scene.strains(y), state: y.to_vec() });
+        }
+        (self.progress)(t);
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+fn largest_entry(y: &[f64]) -> f64 {
+    y.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}

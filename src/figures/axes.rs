@@ -1,0 +1,421 @@
+//! Axes: ranges, ticks and labels, the same for every figure.
+
+use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width, wrap};
+use super::palette::{GRID, INK, PAPER, Style};
+use super::{Error, usable};
+
+/// Radius of a marker.
+const MARKER: f64 = 4.6;
+/// Length of a tick.
+const TICK: f64 = 5.0;
+/// Least space at the left of the axes, so that stacked panels align.
+pub(super) const LEFT: f64 = 100.0;
+/// Height of a line of a label.
+pub(super) const LINE: f64 = 1.3 * LABEL;
+
+/// Ten to an integer power, as it is written: 10⁻⁶.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    let digits = exponent.to_string();
+    let raised = digits.chars().map(|c| match c.to_digit(10) {
+        Some(d) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][d as usize],
+        None => '⁻',
+    });
+    format!("10{}", raised.collect::<String>())
+}
+
+/// A number with so many decimals and a true minus sign; zero has no sign.
+fn fixed(value: f64, decimals: i32) -> String {
+    let text = format!("{value:.*}", decimals.max(0) as usize);
+    if text.trim_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text.replace('-', "−") }
+}
+
+/// A number to two digits, as a power of ten where that is shorter to read.
+pub(super) fn short(value: f64) -> String {
+    let text = format!("{value:.1e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    format!("{}·{}", mantissa.replace('-', "−"), power_of_ten(exponent.parse().unwrap_or(0)))
+}
+
+fn decade(value: f64) -> i32 {
+    value.abs().log10().floor() as i32
+}
+
+/// One axis: a range, linear or in decades, and its ticks.
+pub(super) struct Axis {
+    log: bool,
+    whole: bool,
+    /// The ends of the range; decimal logarithms on a logarithmic axis.
+    lo: f64,
+    hi: f64,
+    /// Positions, from 0 to 1 along the axis, and their labels.
+    pub(super) ticks: Vec<(f64, String)>,
+    minor: Vec<f64>,
+    /// What the labels are to be multiplied by, and what is to be added to them.
+    pub(super) factor: String,
+}
+
+impl Axis {
+    /// An axis over a range; one too narrow for rounding becomes a window of a tenth of its size.
+    fn new(log: bool, whole: bool, lo: f64, hi: f64) -> Self {
+        let size = lo.abs().max(hi.abs());
+        let pad = match () {
+            () if size < 1e-290 => 1.0,
+            () if hi - lo <= 1e-12 * size => 0.05 * size,
+            () => 0.0,
+        };
+        let (lo, hi) = (lo - pad, hi + pad);
+        Self { log, whole, lo, hi, ticks: Vec::new(), minor: Vec::new(), factor: String::new() }
+    }
+
+    /// A linear axis over all usable values, with a margin given as a fraction of their width.
+    pub(super) fn linear(values: impl Iterator<Item = f64>, margin: f64) -> Self {
+        let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
+        Self::new(false, false, lo - margin * (hi - lo), hi + margin * (hi - lo))
+    }
+
+    /// A linear axis with ticks at whole numbers and half a number to spare at either end.
+    pub(super) fn whole(values: impl Iterator<Item = f64>) -> Self {
+        let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
+        let pad = 0.5_f64.max(0.01 * (hi - lo));
+        Self::new(false, true, lo - pad, hi + pad)
+    }
+
+    /// An axis that ends exactly where it is told.
+    pub(super) fn exact(lo: f64, hi: f64, whole: bool) -> Self {
+        Self::new(false, whole, lo, hi)
+    }
+
+    /// A logarithmic axis over all usable positive values, out to the next 1, 2 or 5 of a decade.
+    pub(super) fn log(values: impl Iterator<Item = f64>) -> Self {
+        let (lo, hi) = bounds(values.filter(|&v| v > 0.0)).unwrap_or((1.0, 10.0));
+        let (lo, hi) = (lo.log10(), hi.log10());
+        let pad = 0.05_f64.max(0.02 * (hi - lo));
+        let steps = [0.0, 2_f64.log10(), 5_f64.log10(), 1.0];
+        let (lo, hi) = (lo - pad, hi + pad);
+        let below = steps.iter().rev().find(|&&s| lo.floor() + s <= lo).unwrap_or(&0.0);
+        let above = steps.iter().find(|&&s| hi.floor() + s >= hi).unwrap_or(&1.0);
+        Self::new(true, false, lo.floor() + below, hi.floor() + above)
+    }
+
+    /// Where a value lies, from 0 to 1 along the axis, if it has a place there.
+    pub(super) fn place(&self, value: f64) -> Option<f64> {
+        if !usable(value) || (self.log && value <= 0.0) {
+            return None;
+        }
+        Some(self.fraction(if self.log { value.log10() } else { value }))
+    }
+
+    fn fraction(&self, position: f64) -> f64 {
+        (position - self.lo) / (self.hi - self.lo)
+    }
+
+    /// Sets as many ticks as have room on an axis of so many pixels without touching each other.
+    pub(super) fn tick(&mut self, pixels: f64, upright: bool) {
+        let most = ((pixels / if upright { 48.0 } else { 95.0 }) as usize).clamp(2, 12);
+        for count in (1..=most).rev() {
+            if self.log {
+                self.log_ticks(count)
+            } else {
+                self.linear_ticks(count)
+            }
+            let size = |label: &String| if upright { 1.2 * SMALL } else { text_width(label, SMALL) + 12.0 };
+            let crowded = self
+                .ticks
+                .windows(2)
+                .any(|two| pixels * (two[1].0 - two[0].0) < 0.5 * (size(&two[0].1) + size(&two[1].1)));
+            if !crowded {
+                break;
+            }
+        }
+    }
+
+    fn linear_ticks(&mut self, count: usize) {
+        let raw = (self.hi - self.lo) / count as f64;
+        let mut power = decade(raw);
+        let unit = 10_f64.powi(power);
+        let mut nice = [1.0, 2.0, 5.0, 10.0].into_iter().find(|n| n * unit >= raw).unwrap_or(10.0);
+        if nice == 10.0 {
+            (nice, power) = (1.0, power + 1);
+        }
+        if self.whole && power < 0 {
+            (nice, power) = (1.0, 0);
+        }
+        let step = nice * 10_f64.powi(power);
+        let (first, last) = ((self.lo / step).ceil(), (self.hi / step).floor());
+        let steps: Vec<f64> = (0..=(last - first).max(0.0) as usize).map(|k| first + k as f64).collect();
+        let places = steps.iter().map(|k| self.fraction(k * step));
+
+        let size = first.abs().max(last.abs());
+        let top = if size == 0.0 { 0 } else { decade(size * step) };
+        // More than six digits to tell two ticks apart: they are counted from one in the middle.
+        let origin = if top - power > 5 { steps[steps.len() / 2] } else { 0.0 };
+        let plain = -3..=if self.whole { 6 } else { 4 };
+        let scale = match top {
+            _ if origin != 0.0 => power,
+            top if plain.contains(&top) => 0,
+            top => top,
+        };
+        let labels = steps.iter().map(|k| fixed((k - origin) * nice * 10_f64.powi(power - scale), scale - power));
+        self.ticks = places.zip(labels).filter(|(place, _)| (-1e-9..=1.0 + 1e-9).contains(place)).collect();
+        self.factor = if scale == 0 { String::new() } else { format!("×{}", power_of_ten(scale)) };
+        if origin != 0.0 {
+            let sum = if origin < 0.0 { "−" } else { "+" };
+            let size = (origin * step).abs();
+            let trim = |text: String| match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+                false => text,
+            };
+            let whole = if plain.contains(&top) {
+                trim(fixed(size, -power))
+            } else {
+                format!("{}·{}", trim(fixed(size / 10_f64.powi(top), top - power)), power_of_ten(top))
+            };
+            self.factor = format!("{} {sum} {whole}", self.factor).trim_start().into();
+        }
+    }
+
+    fn log_ticks(&mut self, count: usize) {
+        let near = 1e-9;
+        let decades = (self.lo - near).ceil() as i32..=(self.hi + near).floor() as i32;
+        let number = decades.clone().count();
+        let strides = [1, 2, 3, 5, 10, 20, 50, 100, 200];
+        let stride = strides.into_iter().find(|&s| number <= s as usize * count).unwrap_or(500);
+        let inside = |place: &f64| (-near..=1.0 + near).contains(place);
+        let within: Vec<i32> = (self.lo.floor() as i32..=self.hi.floor() as i32).collect();
+        if number < 2 {
+            let steps: &[i32] = if count > 4 && self.hi - self.lo < 0.75 { &[1, 2, 3, 4, 5, 6, 8] } else { &[1, 2, 5] };
+            let label = |d: i32, m: i32| match d {
+                -3..=3 => fixed(f64::from(m) * 10_f64.powi(d), -d),
+                _ if m == 1 => power_of_ten(d),
+                _ => format!("{m}·{}", power_of_ten(d)),
+            };
+            self.ticks = within
+                .iter()
+                .flat_map(|&d| steps.iter().map(move |&m| (d, m)))
+                .map(|(d, m)| (self.fraction(f64::from(d) + f64::from(m).log10()), label(d, m)))
+                .filter(|(place, _)| inside(place))
+                .collect();
+        } else {
+            self.ticks = decades
+                .clone()
+                .filter(|d| d.rem_euclid(stride) == 0)
+                .map(|d| (self.fraction(f64::from(d)), power_of_ten(d)))
+                .collect();
+        }
+        self.minor = match number {
+            0..=16 if stride <= 2 => within
+                .iter()
+                .flat_map(|&d| (2..10).map(move |m| f64::from(d) + f64::from(m).log10()))
+                .map(|position| self.fraction(position))
+                .filter(inside)
+                .collect(),
+            _ if stride <= 10 => decades.map(|d| self.fraction(f64::from(d))).collect(),
+            _ => Vec::new(),
+        };
+    }
+
+    /// The width of the widest label.
+    pub(super) fn label_width(&self) -> f64 {
+        self.ticks.iter().map(|(_, label)| text_width(label, SMALL)).fold(0.0, f64::max)
+    }
+}
+
+fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.filter(|&v| usable(v)).fold(None, |range, v| {
+        let (lo, hi) = range.unwrap_or((v, v));
+        Some((v.min(lo), v.max(hi)))
+    })
+}
+
+/// A pair of axes drawn on a canvas.
+pub(super) struct Axes {
+    /// The area between the axes.
+    pub(super) frame: Rect,
+    x: Axis,
+    y: Axis,
+}
+
+impl Axes {
+    /// Draws axes, labels and, if wanted, a grid into an area; nothing of them leaves it.
+    pub(super) fn draw(
+        canvas: &mut Canvas,
+        area: Rect,
+        (mut x, x_label): (Axis, &str),
+        (mut y, y_label): (Axis, &str),
+        grid: bool,
+    ) -> Result<Self, Error> {
+        let x_lines = wrap(x_label, LABEL, 0.6 * area.width());
+        let bottom = TICK + 1.5 * SMALL + LINE * x_lines.len() as f64 + 4.0;
+        y.tick(area.height() - bottom, true);
+        let top = if y.factor.is_empty() { 0.5 * SMALL } else { 1.7 * SMALL };
+        let mut frame = Rect { y0: (area.y0 + top).round(), y1: (area.y1 - bottom).round(), ..area };
+        y.tick(frame.height(), true);
+        let y_lines = wrap(y_label, LABEL, frame.height());
+        let left = TICK + 8.0 + y.label_width() + LINE * y_lines.len() as f64;
+        frame.x0 = (area.x0 + left.max(LEFT)).round();
+        x.tick(area.x1 - frame.x0, false);
+        frame.x1 = (area.x1 - (0.5 * x.label_width()).max(10.0)).round();
+        x.tick(frame.width(), false);
+        if frame.width() < 60.0 || frame.height() < 60.0 {
+            return Err(Error("labels and captions leave no room for the axes".into()));
+        }
+
+        let axes = Self { frame, x, y };
+        let Self { frame, x, y } = &axes;
+        let (across, up) = (|p: f64| frame.x0 + p * frame.width(), |p: f64| frame.y1 - p * frame.height());
+        if grid {
+            for (p, _) in &x.ticks {
+                canvas.line(&[(across(*p), frame.y0), (across(*p), frame.y1)], GRID, 1.0, &[])?;
+            }
+            for (p, _) in &y.ticks {
+                canvas.line(&[(frame.x0, up(*p)), (frame.x1, up(*p))], GRID, 1.0, &[])?;
+            }
+        }
+        for (place, label) in &x.ticks {
+            let at = across(*place);
+            canvas.line(&[(at, frame.y1), (at, frame.y1 + TICK)], INK, 1.0, &[])?;
+            canvas.text(label, (at, frame.y1 + TICK + 5.0), SMALL, INK, (0.5, 0.0))?;
+        }
+        for (place, label) in &y.ticks {
+            let at = up(*place);
+            canvas.line(&[(frame.x0 - TICK, at), (frame.x0, at)], INK, 1.0, &[])?;
+            canvas.text(label, (frame.x0 - TICK - 4.0, at), SMALL, INK, (1.0, 0.5))?;
+        }
+        for &place in &x.minor {
+            canvas.line(&[(across(place), frame.y1), (across(place), frame.y1 + 0.5 * TICK)], INK, 0.7, &[])?;
+        }
+        for &place in &y.minor {
+            canvas.line(&[(frame.x0 - 0.5 * TICK, up(place)), (frame.x0, up(place))], INK, 0.7, &[])?;
+        }
+        let label_top = frame.y1 + TICK + 1.5 * SMALL + 2.0;
+        canvas.text(&x.factor, (frame.x1, label_top), SMALL, INK, (1.0, 0.0))?;
+        canvas.text(&y.factor, (frame.x0 - TICK, frame.y0 - 0.6 * SMALL), SMALL, INK, (0.0, 1.0))?;
+        let (middle_x, middle_y) = ((frame.x0 + frame.x1) / 2.0, (frame.y0 + frame.y1) / 2.0);
+        for (k, line) in x_lines.iter().enumerate() {
+            canvas.text(line, (middle_x, label_top + LINE * k as f64), LABEL, INK, (0.5, 0.0))?;
+        }
+        for (k, line) in y_lines.iter().enumerate() {
+            let at = frame.x0 - left.max(LEFT) + LINE * k as f64;
+            canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0))?;
+        }
+        axes.close(canvas)?;
+        Ok(axes)
+    }
+
+    /// Draws the frame, again after a picture has covered its edge.
+    pub(super) fn close(&self, canvas: &mut Canvas) -> Result<(), Error> {
+        canvas.border(&self.frame, INK)
+    }
+
+    /// Where a point lies on the canvas, if it has a place on both axes.
+    pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let (x, y) = (self.x.place(x)?, self.y.place(y)?);
+        Some((self.frame.x0 + x * self.frame.width(), self.frame.y1 - y * self.frame.height()))
+    }
+
+    /// Joins points, with a gap wherever one has no place; a point alone between two gaps becomes a dot.
+    pub(super) fn join(&self, canvas: &mut Canvas, points: &[(f64, f64)], style: &Style) -> Result<(), Error> {
+        let places: Vec<_> = points.iter().map(|&point| self.place(point)).collect();
+        for run in places.split(Option::is_none) {
+            let run = thin(run.iter().flatten().copied());
+            match run.as_slice() {
+                [] => {}
+                &[(x, y)] => canvas.line(&[(x - 2.5, y), (x + 2.5, y)], style.colour, 5.0, &[])?,
+                run => canvas.line(run, style.colour, 1.6, style.dash)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Draws the marker of a style.
+pub(super) fn mark(canvas: &mut Canvas, style: &Style, (x, y): (f64, f64), hollow: bool) -> Result<(), Error> {
+    let Some(marker) = style.marker else { return Ok(()) };
+    let mut outline: Vec<_> = marker.outline(MARKER).into_iter().map(|(u, v)| (x + u, y + v)).collect();
+    if !outline.is_empty() {
+        canvas.polygon(&outline, if hollow { PAPER } else { style.colour })?;
+        if hollow {
+            outline.extend_from_within(..2);
+            canvas.line(&outline, style.colour, 1.3, &[])?;
+        }
+    }
+    marker
+        .strokes(MARKER)
+        .into_iter()
+        .try_for_each(|stroke| canvas.line(&stroke.map(|(u, v)| (x + u, y + v)), style.colour, 1.4, &[]))
+}
+
+/// Leaves out points that change nothing: of those in one column of pixels the first, the extremes and the last stay.
+fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    let mut column: Vec<(f64, f64)> = Vec::new();
+    let flush = |column: &mut Vec<(f64, f64)>, kept: &mut Vec<(f64, f64)>| {
+        if column.len() > 4 {
+            let by_height = |a: &usize, b: &usize| column[*a].1.total_cmp(&column[*b].1);
+            let low = (0..column.len()).min_by(by_height).unwrap_or(0);
+            let high = (0..column.len()).max_by(by_height).unwrap_or(0);
+            let mut chosen = vec![0, low, high, column.len() - 1];
+            chosen.sort_unstable();
+            chosen.dedup();
+            kept.extend(chosen.into_iter().map(|k| column[k]));
+            column.clear();
+        }
+        kept.append(column);
+    };
+    for point in points {
+        if column.first().is_some_and(|first| first.0.floor() != point.0.floor()) {
+            flush(&mut column, &mut kept);
+        }
+        column.push(point);
+    }
+    flush(&mut column, &mut kept);
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(mut axis: Axis) -> (Vec<String>, String) {
+        axis.tick(800.0, false);
+        let wide: Vec<_> = axis.ticks.iter().map(|(p, l)| (800.0 * p, text_width(l, SMALL))).collect();
+        assert!(!wide.is_empty());
+        for two in wide.windows(2) {
+            assert!(two[0].0 + 0.5 * two[0].1 < two[1].0 - 0.5 * two[1].1, "{:?}", axis.ticks);
+        }
+        (axis.ticks.into_iter().map(|(_, label)| label).collect(), axis.factor)
+    }
+
+    fn linear(lo: f64, hi: f64) -> (Vec<String>, String) {
+        labels(Axis::linear([lo, hi].into_iter(), 0.0))
+    }
+
+    #[test]
+    fn numbers_of_any_size_have_short_labels() {
+        assert_eq!(linear(0.0, 1.0).0[..3], ["0.0", "0.2", "0.4"]);
+        assert_eq!(linear(-2e17, 2e17).0[..2], ["−2.0", "−1.5"]);
+        assert_eq!(linear(-2e17, 2e17).1, "×10¹⁷");
+        assert_eq!(linear(0.0, 4e-17).1, "×10⁻¹⁷");
+        assert_eq!(linear(1.0, 1.0 + 4e-9).1, "×10⁻⁹ + 1.000000002");
+        assert_eq!(linear(-1.0 - 4e-9, -1.0).1, "×10⁻⁹ − 1.000000002");
+    }
+
+    #[test]
+    fn extreme_ranges_have_ticks() {
+        for (lo, hi) in [(0.0, 0.0), (3.0, 3.0), (-1e300, 1e300), (0.0, 5e-324), (1e300, 1e300), (1.0, 1.0 + 1e-11)] {
+            linear(lo, hi);
+            labels(Axis::whole([lo, hi].into_iter()));
+        }
+        for (lo, hi) in [(1.0, 1.0), (5e-324, 1e300), (0.11, 0.13), (3e-4, 8.0), (1e-13, 1.0)] {
+            labels(Axis::log([lo, hi].into_iter()));
+        }
+    }
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let spike = (0..10_000).map(|k| (f64::from(k) / 1000.0, if k == 5432 { 7.0 } else { f64::from(k % 2) }));
+        let kept = thin(spike);
+        assert!(kept.len() <= 40);
+        assert!(kept.contains(&(5.432, 7.0)));
+    }
+}

@@ -1,0 +1,89 @@
+//! Figures: the one way in which this crate makes a picture.
+//!
+//! Every function here takes plain numbers and words and returns the bytes of a PNG file. Nothing is computed of the
+//! physics and no file is read: the font travels inside the program, so that a figure needs neither a display nor
+//! anything installed, and the same input gives the same bytes.
+//!
+//! | figure | function |
+//! | --- | --- |
+//! | error against work, log-log | [`work_precision()`] |
+//! | strain against site at one time | [`profile()`] |
+//! | strain against site and time, in colour | [`space_time()`] |
+//! | quantities against time | [`series()`] |
+//!
+//! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
+//! a picture that has lost its page still says how it was made.
+
+mod axes;
+mod canvas;
+mod legend;
+pub mod palette;
+pub mod profile;
+pub mod series;
+pub mod space_time;
+pub mod work_precision;
+
+use canvas::{Canvas, Rect};
+
+pub use canvas::missing_glyphs;
+pub use profile::{Panel, Profile, profile};
+pub use series::{TimeSeries, series};
+pub use space_time::{SpaceTime, space_time};
+pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
+
+/// Width and height of every figure in pixels.
+pub const SIZE: (u32, u32) = (1200, 800);
+
+/// Lines of the caption which are drawn at most; the text chunk of the file always holds all of them.
+const CAPTION_LINES: usize = 7;
+
+/// Why a figure could not be drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Error(pub(crate) String);
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// A named line: points joined in the order in which they are given.
+///
+/// A point that cannot be drawn (not finite, or not positive on a logarithmic axis) leaves a gap, never a bridge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Name in the legend.
+    pub name: String,
+    /// The points (abscissa, ordinate).
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Whether a value can stand on an axis; the bound keeps the width of every range finite.
+fn usable(value: f64) -> bool {
+    value.abs() <= 1e300
+}
+
+/// An empty figure with its title and caption, and the space left between them.
+fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+    let mut canvas = Canvas::new(SIZE);
+    let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
+    let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
+
+    for line in canvas::wrap(title, canvas::TITLE, body.width()) {
+        canvas.text(&line, (width / 2.0, body.y0), canvas::TITLE, palette::INK, (0.5, 0.0))?;
+        body.y0 += 1.35 * canvas::TITLE;
+    }
+    let mut lines = canvas::wrap(caption, canvas::CAPTION, body.width());
+    if lines.len() > CAPTION_LINES {
+        lines.truncate(CAPTION_LINES);
+        lines[CAPTION_LINES - 1] = "… (whole caption in the text of this file)".into();
+    }
+    for line in lines.iter().rev() {
+        canvas.text(line, (body.x0, body.y1 - 0.25 * canvas::CAPTION), canvas::CAPTION, palette::GREY, (0.0, 1.0))?;
+        body.y1 -= 1.35 * canvas::CAPTION;
+    }
+    body.y1 -= 8.0;
+    Ok((canvas, body))
+}

@@ -1,0 +1,131 @@
+//! Space-time maps: the whole history of a chain in colour.
+
+use super::axes::{Axes, Axis, LINE};
+use super::canvas::{LABEL, Rect, SMALL, wrap};
+use super::palette::{self, INK, Rgb};
+use super::{Error, page, usable};
+
+/// Width of the colour bar.
+const BAR: f64 = 22.0;
+
+/// A matrix of values over time and sites.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpaceTime {
+    /// Title above the axes.
+    pub title: String,
+    /// Label of the abscissa, such as “bond n”.
+    pub site_label: String,
+    /// Label of the ordinate, which runs upwards, such as “time t”.
+    pub time_label: String,
+    /// Label of the colour bar, such as “strain xₙ”.
+    pub value_label: String,
+    /// The values, one row after another: all sites at the first time, then at the next.
+    pub values: Vec<f64>,
+    /// Number of sites, the length of a row.
+    pub sites: usize,
+    /// Number of the first site.
+    pub first_site: f64,
+    /// Times of the first and of the last row; those between are evenly spaced.
+    pub times: (f64, f64),
+    /// Whether the colours run from blue over white at 0 to red, in a symmetric range; otherwise from dark to light.
+    pub signed: bool,
+    /// What a reader needs to make the figure again.
+    pub caption: String,
+}
+
+/// Draws a space-time map with its colour bar.
+///
+/// Where several entries of the matrix share a pixel, the one of largest modulus is shown: a wave narrower than a
+/// pixel is drawn too wide rather than lost. Entries that are not finite are grey.
+///
+/// # Errors
+///
+/// A matrix without entries or with a broken row, times that are not finite or run backwards, a letter the font lacks,
+/// or more text than fits.
+pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
+    let (sites, (start, end)) = (figure.sites, figure.times);
+    if sites == 0 || figure.values.is_empty() || !figure.values.len().is_multiple_of(sites) {
+        return Err(Error(format!("{} values are no matrix with rows of {sites} sites", figure.values.len())));
+    }
+    if !(usable(start) && usable(end) && start <= end && usable(figure.first_site)) {
+        return Err(Error(format!("a space-time map cannot run from time {start} to {end}")));
+    }
+    let rows = figure.values.len() / sites;
+    let (lo, hi) = range(figure);
+    let colour = |value: f64| match () {
+        () if !usable(value) => palette::ABSENT,
+        () if figure.signed => palette::signed(value / hi),
+        () => palette::magnitude((value - lo) / (hi - lo)),
+    };
+
+    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let mut bar = Axis::exact(lo, hi, false);
+    bar.tick(body.height() - 80.0, true);
+    let bar_label = wrap(&figure.value_label, LABEL, body.height() - 120.0);
+    let aside = BAR + 27.0 + bar.label_width() + LINE * bar_label.len() as f64;
+
+    // A row stands for the time from half a step before it to half a step after it.
+    let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };
+    let t = Axis::exact(start - half, end + half, false);
+    let n = Axis::exact(figure.first_site - 0.5, figure.first_site + sites as f64 - 0.5, true);
+    let area = Rect { x1: body.x1 - aside, y0: body.y0 + 1.2 * SMALL, ..body };
+    let axes = Axes::draw(&mut canvas, area, (n, &figure.site_label), (t, &figure.time_label), false)?;
+    let frame = axes.frame;
+    let (wide, high) = (frame.width() as usize, frame.height() as usize);
+    let pixels: Vec<Rgb> = largest(&figure.values, sites, (wide, high)).into_iter().map(colour).collect();
+    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
+    axes.close(&mut canvas)?;
+
+    let strip = Rect { x0: frame.x1 + 16.0, x1: frame.x1 + 16.0 + BAR, ..frame };
+    let column = (0..high).map(|k| hi - (hi - lo) * (k as f64 + 0.5) / high as f64);
+    let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); BAR as usize]).collect();
+    canvas.image((strip.x0 as u32, strip.y0 as u32), BAR as usize, &pixels)?;
+    canvas.border(&strip, INK)?;
+    for (place, label) in &bar.ticks {
+        let y = strip.y1 - place * strip.height();
+        canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[])?;
+        canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5))?;
+    }
+    canvas.text(&bar.factor, (body.x1, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
+    let middle = (strip.y0 + strip.y1) / 2.0;
+    for (k, line) in bar_label.iter().rev().enumerate() {
+        let at = body.x1 - 0.25 * LABEL - LINE * k as f64;
+        canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 1.0))?;
+    }
+    canvas.png(&figure.caption)
+}
+
+/// The values at the ends of the colour bar.
+fn range(figure: &SpaceTime) -> (f64, f64) {
+    let values = figure.values.iter().copied().filter(|&value| usable(value));
+    if figure.signed {
+        let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
+        let most = if most < 1e-290 { 1.0 } else { most };
+        (-most, most)
+    } else {
+        let (lo, hi) = values.fold((0.0_f64, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
+        (lo, if hi - lo < 1e-290 { lo + 1.0 } else { hi })
+    }
+}
+
+/// Brings a matrix to a size in pixels, the last row on top; each pixel takes the largest of the entries it covers.
+fn largest(values: &[f64], sites: usize, (wide, high): (usize, usize)) -> Vec<f64> {
+    let rows = values.len() / sites;
+    // A pixel narrower than a cell shows the cell at its middle.
+    let cover = |pixel: usize, pixels: usize, cells: usize| match (2 * pixel + 1) * cells / (2 * pixels) {
+        middle if cells < pixels => middle..middle + 1,
+        _ => pixel * cells / pixels..((pixel + 1) * cells).div_ceil(pixels),
+    };
+    let larger = |a: f64, b: f64| if usable(b) && (!usable(a) || b.abs() > a.abs()) { b } else { a };
+    let mut picture = Vec::with_capacity(wide * high);
+    let mut line = vec![f64::NAN; sites];
+    for y in 0..high {
+        line.fill(f64::NAN);
+        for row in cover(high - 1 - y, high, rows) {
+            let entries = &values[row * sites..(row + 1) * sites];
+            line.iter_mut().zip(entries).for_each(|(best, &value)| *best = larger(*best, value));
+        }
+        picture.extend((0..wide).map(|x| line[cover(x, wide, sites)].iter().copied().fold(f64::NAN, larger)));
+    }
+    picture
+}

@@ -1,0 +1,123 @@
+//! Work-precision diagrams: the error of each method against what it cost.
+
+use super::axes::{Axes, Axis, mark, short};
+use super::legend::{self, Entry};
+use super::palette::{self, Style};
+use super::{Error, page, usable};
+
+/// A method with the points at which it was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Name in the legend.
+    pub name: String,
+    /// Index of its family, which gives the colour and the heading in the legend.
+    pub family: usize,
+    /// The measured points, joined in this order.
+    pub points: Vec<Point>,
+    /// The order fitted where the error falls cleanly, for the legend.
+    pub slope: Option<f64>,
+}
+
+/// One measurement of a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// What it cost: seconds, or evaluations of the force.
+    pub work: f64,
+    /// The relative error.
+    pub error: f64,
+    /// Whether the error is too small for the reference to judge; such a point is drawn hollow.
+    pub below_reference: bool,
+}
+
+impl Point {
+    /// Whether both numbers have a place on logarithmic axes.
+    fn drawable(&self) -> bool {
+        usable(self.work) && usable(self.error) && self.work > 0.0 && self.error > 0.0
+    }
+}
+
+/// A work-precision diagram.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WorkPrecision {
+    /// Title above the axes.
+    pub title: String,
+    /// Label of the abscissa, with its unit.
+    pub work_label: String,
+    /// Label of the ordinate.
+    pub error_label: String,
+    /// The methods.
+    pub curves: Vec<Curve>,
+    /// The error of the reference itself, drawn as a grey line: below it nothing is known.
+    pub floor: Option<f64>,
+    /// What a reader needs to make the figure again.
+    pub caption: String,
+    /// The names of the families, by index.
+    pub families: Vec<String>,
+}
+
+/// Draws a work-precision diagram, both axes logarithmic, with the legend at the right of them.
+///
+/// Points that are not finite or not positive are left out; a curve without any other is named as such in the legend.
+///
+/// # Errors
+///
+/// No curve, no point that can be drawn, a letter the font lacks, or more text than fits.
+pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
+    let drawable = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.drawable());
+    if drawable().next().is_none() {
+        return Err(Error("a work-precision diagram needs a point with positive finite work and error".into()));
+    }
+    let floor = figure.floor.filter(|&floor| usable(floor) && floor > 0.0);
+
+    let mut families: Vec<usize> = figure.curves.iter().map(|curve| curve.family).collect();
+    families.sort_unstable();
+    families.dedup();
+    let mut entries = Vec::new();
+    let mut styled = Vec::new();
+    for family in families {
+        if let Some(name) = figure.families.get(family) {
+            entries.push(Entry::heading(name, palette::family(family)));
+        }
+        for (nth, curve) in figure.curves.iter().filter(|curve| curve.family == family).enumerate() {
+            let style = Style::of_family(family, nth);
+            let note = match curve.slope {
+                _ if !curve.points.iter().any(Point::drawable) => ", no point".into(),
+                Some(slope) if slope.is_finite() => format!(", order {slope:.1}").replace('-', "−"),
+                _ => String::new(),
+            };
+            entries.push(Entry::line(&format!("{}{note}", curve.name), style));
+            styled.push((curve, style));
+        }
+    }
+    if floor.is_some() || drawable().any(|point| point.below_reference) {
+        entries.push(Entry::heading("Reference", palette::GREY));
+    }
+    let grey = Style { colour: palette::GREY, dash: &[], marker: None };
+    if let Some(floor) = floor {
+        entries.push(Entry::line(&format!("its own error, {}", short(floor)), grey));
+    }
+    if drawable().any(|point| point.below_reference) {
+        let hollow = Style { marker: Some(palette::Marker::Circle), ..grey };
+        entries.push(Entry { sample: Some((hollow, true)), ..Entry::line("hollow: not resolved by it", hollow) });
+    }
+
+    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let body = legend::beside(&mut canvas, body, &entries)?;
+    let x = Axis::log(drawable().map(|point| point.work));
+    let y = Axis::log(drawable().map(|point| point.error).chain(floor));
+    let axes = Axes::draw(&mut canvas, body, (x, &figure.work_label), (y, &figure.error_label), true)?;
+    if let Some((_, at)) = floor.zip(drawable().next()).and_then(|(floor, point)| axes.place((point.work, floor))) {
+        canvas.line(&[(axes.frame.x0, at), (axes.frame.x1, at)], palette::GREY, 1.6, &[])?;
+    }
+    for (curve, style) in styled {
+        let points: Vec<_> = curve.points.iter().filter(|point| point.drawable()).collect();
+        let line: Vec<_> = points.iter().map(|point| (point.work, point.error)).collect();
+        axes.join(&mut canvas, &line, &style)?;
+        for (point, at) in points.iter().zip(&line) {
+            if let Some(at) = axes.place(*at) {
+                mark(&mut canvas, &style, at, point.below_reference)?;
+            }
+        }
+    }
+    canvas.png(&figure.caption)
+}

@@ -1,0 +1,7 @@
+//! The command line of hertzchain.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    hertzchain::cli::main()
+}

@@ -1,0 +1,137 @@
+//! The integrators by name: the one place that knows all of them.
+
+use crate::{
+    chain::{Field, KineticFlow, LinearFlow},
+    error::{Error, Result},
+    scene::Scene,
+};
+use hertzchain_integrators::{
+    Dop853, Scheme, SplitFlow, Splitting, Stepper, VectorField,
+    dop853::Options,
+    splitting::{First, tables},
+};
+
+/// How the chain is split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// Kinetic and potential energy.
+    Kinetic,
+    /// Exact linear flow and contacts.
+    Linear,
+}
+
+/// A method that a user can name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// A splitting scheme on one of the two splits.
+    Splitting(&'static Scheme, Split),
+    /// The adaptive 8(5,3) pair.
+    Dop853,
+}
+
+/// How finely a method works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// This many equal steps over the whole span.
+    Steps(u64),
+    /// Relative and absolute tolerance of a step.
+    Tolerance(f64),
+}
+
+impl Method {
+    /// All methods: kinetic splits, linear splits, then the adaptive one.
+    pub fn all() -> Vec<Self> {
+        let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
+        on(Split::Kinetic).chain(on(Split::Linear)).chain([Self::Dop853]).collect()
+    }
+
+    /// The method of this name.
+    ///
+    /// # Errors
+    /// An unknown name, with the nearest one.
+    pub fn named(name: &str) -> Result<Self> {
+        let all = Self::all();
+        let names: Vec<String> = all.iter().map(Self::name).collect();
+        match names.iter().position(|known| known == name) {
+            Some(i) => Ok(all[i]),
+            None => Err(Error::unknown("integrator", name, names.iter().map(String::as_str))),
+        }
+    }
+
+    /// Its name: that of the scheme, with `-linear` on the exact linear flow; `verlet` for Strang's on the kinetic split.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Splitting(scheme, Split::Kinetic) if scheme.name == tables::STRANG.name => "verlet".to_owned(),
+            Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
+            Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
+            Self::Dop853 => "dop853".to_owned(),
+        }
+    }
+
+    /// Order on smooth problems.
+    pub fn order(&self) -> u32 {
+        match self {
+            Self::Splitting(scheme, _) => scheme.order,
+            Self::Dop853 => 8,
+        }
+    }
+
+    /// Force evaluations a step.
+    pub fn stages(&self) -> usize {
+        match self {
+            Self::Splitting(scheme, _) => scheme.stages(),
+            Self::Dop853 => 12,
+        }
+    }
+
+    /// Article that the coefficients come from.
+    pub fn source(&self) -> &'static str {
+        match self {
+            Self::Splitting(scheme, _) => scheme.source,
+            Self::Dop853 => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
+        }
+    }
+
+    /// The family, for tables and colours.
+    pub fn family(&self) -> &'static str {
+        match self {
+            Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
+            Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
+            Self::Dop853 => "adaptive",
+        }
+    }
+
+    /// The method at work on a scene.
+    ///
+    /// # Errors
+    /// A setting of the wrong kind for the method, or outside its rule.
+    pub fn start(&self, scene: &Scene, setting: Setting) -> Result<Box<dyn Stepper<f64> + Send>> {
+        let (chain, y, span) = (scene.chain().clone(), scene.initial().as_slice(), (0.0, scene.end()));
+        match (self, setting) {
+            (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
+                let flow = loaded(KineticFlow::new(chain), y);
+                Ok(Box::new(Splitting::new(scheme, First::Kick, flow, span, steps)?))
+            }
+            (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
+                let flow = loaded(LinearFlow::new(chain), y);
+                Ok(Box::new(Splitting::new(scheme, First::Drift, flow, span, steps)?))
+            }
+            (Self::Dop853, Setting::Tolerance(tol)) => {
+                let field = Field::new(chain);
+                debug_assert_eq!(VectorField::<f64>::dim(&field), y.len());
+                Ok(Box::new(Dop853::new(field, y, span, Options::new(tol))?))
+            }
+            (Self::Splitting(..), Setting::Tolerance(tol)) => {
+                Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
+            }
+            (Self::Dop853, Setting::Steps(steps)) => {
+                Err(Error::parameter("steps", steps, "dop853 chooses its steps: give it --tol"))
+            }
+        }
+    }
+}
+
+fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
+    flow.load(y);
+    flow
+}

@@ -1,0 +1,251 @@
+//! Reports of one run.
+
+use super::provenance;
+use crate::{
+    chain::{Boundary, Energy},
+    error::Result,
+    experiments::{Outcome, Profile},
+    method::Method,
+    output::{Array, Folder, csv, npz, to_json},
+    scene::{Scene, Theory},
+};
+use serde_json::{Map, Value, json};
+
+/// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
+///
+/// Arrays of resonators are empty where none moves.
+fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
+    let (layout, rho) = (scene.chain().layout(), scene.chain().params().rho);
+    let u = layout.u(state).to_vec();
+    let v = layout.v(state).unwrap_or_default().to_vec();
+    let u_dot = layout.u_dot(state).to_vec();
+    let v_dot = layout.v_dot(state).unwrap_or_default();
+    if scene.chain().boundary() == Boundary::StrainRing {
+        [("x", u), ("y", v), ("vx", u_dot), ("vy", v_dot.to_vec())]
+    } else {
+        [("u", u), ("v", v), ("pu", u_dot), ("pv", v_dot.iter().map(|v_dot| rho * v_dot).collect())]
+    }
+}
+
+/// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
+fn wave_errors(scene: &Scene, outcome: &Outcome) -> Option<(f64, f64)> {
+    let layout = scene.chain().layout();
+    match (scene.theory(), layout.v(&outcome.state)) {
+        (Some(Theory::Wave(wave)), Some(y)) => Some(wave.errors(outcome.t, layout.u(&outcome.state), y)),
+        _ => None,
+    }
+}
+
+fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
+    [
+        ("beads", energy.beads),
+        ("resonators", energy.resonators),
+        ("springs", energy.springs),
+        ("contacts", energy.contacts),
+    ]
+}
+
+/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy.
+pub fn run_json(scene: &Scene, method: Method, setting: &str, outcome: &Outcome) -> String {
+    let mut object = Map::new();
+    let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
+    put("scene", json!(scene.name()));
+    put("integrator", json!(method.name()));
+    put("setting", json!(setting));
+    put("t", json!(outcome.t));
+    put("period", json!(scene.period()));
+    for (name, values) in state_arrays(scene, &outcome.state) {
+        put(name, json!(values));
+    }
+    put("energy", json!(outcome.energy.map(|energy| energy.total())));
+    put("energy_error", json!(outcome.energy_error));
+    put(
+        "energies",
+        outcome.energy.map_or(Value::Null, |energy| {
+            json!(kinds(&energy).into_iter().collect::<std::collections::BTreeMap<_, _>>())
+        }),
+    );
+    if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
+        put("e_x_final", json!(e_x));
+        put("e_y_final", json!(e_y));
+    }
+    put("force_evaluations", json!(outcome.stats.force_evaluations));
+    put("steps", json!(outcome.stats.steps));
+    put("rejected", json!(outcome.stats.rejected));
+    put("wall_s", json!(outcome.wall.as_secs_f64()));
+    put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
+    put("version", json!(env!("CARGO_PKG_VERSION")));
+    to_json(&Value::Object(object))
+}
+
+/// The run in a few readable lines.
+pub fn run_summary(scene: &Scene, method: Method, setting: &str, outcome: &Outcome) -> String {
+    let mut lines = vec![
+        format!("scene       {} ({})", scene.name(), scene.file().summary),
+        format!("integrator  {}, {setting}", method.name()),
+        format!("reached     t = {} = {:.6} periods of {}", outcome.t, outcome.t / scene.period(), scene.period()),
+    ];
+    match outcome.energy {
+        Some(energy) => {
+            let parts = kinds(&energy).map(|(kind, value)| format!("{kind} {value:.6e}")).join(", ");
+            lines.push(format!("energy      {:.16e} ({parts})", energy.total()));
+            lines
+                .push(format!("            largest error on the way {:.3e}", outcome.energy_error.unwrap_or(f64::NAN)));
+        }
+        None => lines.push("energy      none on this strain ring: sum x != sum y".to_owned()),
+    }
+    if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
+        lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
+    }
+    let stats = outcome.stats;
+    lines.push(format!(
+        "work        {} steps, {} rejected, {} force evaluations, {:.3e} s",
+        stats.steps,
+        stats.rejected,
+        stats.force_evaluations,
+        outcome.wall.as_secs_f64()
+    ));
+    if let Some(failure) = &outcome.failure {
+        lines.push(format!("FAILED      {failure}"));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Outcome, json: &str) -> Result<()> {
+    folder.write("summary.json", json.as_bytes())?;
+    folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
+    let arrays = state_arrays(scene, &outcome.state);
+    let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
+    let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
+    let rows = (0..scene.chain().sites())
+        .map(|n| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect());
+    folder.write("final.csv", &csv(&names, rows))?;
+    let energies = outcome.samples.iter().filter_map(|sample| {
+        let energy = sample.energy?;
+        Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).collect())
+    });
+    folder.write("energy.csv", &csv(&["t", "beads", "resonators", "springs", "contacts", "total"], energies))?;
+    let profiles: &[Profile] = &outcome.profiles;
+    let mut archive = vec![
+        Array::vector("t", profiles.iter().map(|profile| profile.t).collect()),
+        Array::matrix("strain", profiles.iter().map(|profile| &profile.x[..])),
+    ];
+    for (i, (name, _)) in present.iter().enumerate() {
+        let rows: Vec<Vec<f64>> = profiles
+            .iter()
+            .map(|profile| {
+                let mut arrays =
+                    state_arrays(scene, &profile.state).into_iter().filter(|(_, values)| !values.is_empty());
+                arrays.nth(i).map(|(_, values)| values).unwrap_or_default()
+            })
+            .collect();
+        archive.push(Array::matrix(name, rows.iter().map(|row| &row[..])));
+    }
+    folder.write("profiles.npz", &npz(&archive)?)?;
+    Ok(())
+}
+
+/// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and time, the energy error.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+#[cfg(feature = "plot")]
+pub fn run_pictures(
+    scene: &Scene,
+    method: Method,
+    setting: &str,
+    outcome: &Outcome,
+) -> Result<Vec<(&'static str, Vec<u8>)>> {
+    use crate::figures;
+    let params = scene.chain().params();
+    let caption = |what: &str| {
+        format!(
+            "{what} Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}. Integrator {}, {setting}. {}.",
+            scene.name(),
+            scene.file().summary,
+            scene.chain().sites(),
+            params.alpha,
+            params.kappa,
+            params.rho,
+            method.name(),
+            provenance()
+        )
+    };
+    let mut pictures = vec![("profile.png", figures::profile(&profile_figure(scene, outcome, &caption))?)];
+    if let Some(last) = outcome.profiles.last() {
+        let figure = figures::SpaceTime {
+            title: format!("{}: strain over space and time", scene.name()),
+            site_label: "bond n".to_owned(),
+            time_label: "time t".to_owned(),
+            value_label: "strain xₙ".to_owned(),
+            values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
+            sites: last.x.len(),
+            first_site: 0.0,
+            times: (0.0, last.t),
+            signed: true,
+            caption: caption("Negative strain (blue) is contact, positive (red) a gap."),
+        };
+        pictures.push(("spacetime.png", figures::space_time(&figure)?));
+    }
+    let errors = energy_errors(outcome);
+    if !errors.is_empty() {
+        let figure = figures::TimeSeries {
+            title: format!("{}: relative energy error", scene.name()),
+            time_label: "time t".to_owned(),
+            value_label: "|E(t) − E(0)| / |E(0)|".to_owned(),
+            log: true,
+            lines: vec![figures::Line { name: method.name(), points: errors }],
+            caption: caption(
+                "Relative error of the total energy at the sample times; points without error are left out.",
+            ),
+        };
+        pictures.push(("energy.png", figures::series(&figure)?));
+    }
+    Ok(pictures)
+}
+
+/// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.
+#[cfg(feature = "plot")]
+fn energy_errors(outcome: &Outcome) -> Vec<(f64, f64)> {
+    let totals: Vec<(f64, f64)> =
+        outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.total()))).collect();
+    let Some(&(_, initial)) = totals.first().filter(|(_, energy)| *energy != 0.0) else { return Vec::new() };
+    totals.iter().map(|&(t, e)| (t, ((e - initial) / initial).abs())).filter(|(_, error)| *error > 0.0).collect()
+}
+
+#[cfg(feature = "plot")]
+fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> String) -> crate::figures::Profile {
+    use crate::figures::{Line, Panel, Profile};
+    let layout = scene.chain().layout();
+    let ring = scene.chain().boundary() == Boundary::StrainRing;
+    let points = |values: &[f64]| values.iter().enumerate().map(|(n, &value)| (n as f64, value)).collect::<Vec<_>>();
+    let line = |name: &str, values: &[f64]| Line { name: name.to_owned(), points: points(values) };
+    let mut panels = vec![("xₙ", "strain xₙ", scene.strains(&outcome.state))];
+    if let (true, Some(y)) = (ring, layout.v(&outcome.state)) {
+        panels.push(("yₙ", "strain yₙ", y.to_vec()));
+    }
+    let panels = panels.into_iter().enumerate().map(|(i, (_, label, values))| {
+        let mut lines = vec![line("numerical", &values)];
+        if let Some(Theory::Wave(wave)) = scene.theory() {
+            let ansatz = |n| {
+                let site = wave.site(n, outcome.t);
+                if i == 0 { site.u } else { site.v }
+            };
+            lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
+        }
+        Panel { label: label.to_owned(), lines }
+    });
+    Profile {
+        title: format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t),
+        site_label: if ring { "site n" } else { "bond n" }.to_owned(),
+        panels: panels.collect(),
+        caption: caption(match scene.theory() {
+            Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
+            _ => "Strains at the end of the run.",
+        }),
+    }
+}

@@ -1,0 +1,30 @@
+//! Tables in plain text.
+
+/// Columns aligned to the left for words and to the right for what looks like a number; two spaces between.
+pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        cells.chain([head[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let numeric: Vec<bool> = (0..head.len())
+        .map(|column| {
+            let mut cells = rows.iter().filter_map(|row| row.get(column)).filter(|cell| !cell.is_empty());
+            rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()))
+                && cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        })
+        .collect();
+    let line = |cells: Vec<&str>| {
+        let padded = cells.iter().enumerate().map(|(column, cell)| {
+            let width = widths[column];
+            if numeric[column] { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+    };
+    let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
+    let mut text = line(head.to_vec()) + &line(rule.iter().map(String::as_str).collect());
+    for row in rows {
+        text += &line((0..head.len()).map(|column| row.get(column).map_or("", String::as_str)).collect());
+    }
+    text
+}

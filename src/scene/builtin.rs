@@ -1,0 +1,16 @@
+//! The scenes that come with the program.
+
+/// `(name, TOML)` of every built-in scene, in the order in which they are listed.
+pub(super) const BUILTIN: &[(&str, &str)] = &[
+    ("tw-q15", include_str!("builtin/tw-q15.toml")),
+    ("tw-q45", include_str!("builtin/tw-q45.toml")),
+    ("tw-breakdown-q15", include_str!("builtin/tw-breakdown-q15.toml")),
+    ("tw-breakdown-q45", include_str!("builtin/tw-breakdown-q45.toml")),
+    ("tw-rho3", include_str!("builtin/tw-rho3.toml")),
+    ("tw-rho10", include_str!("builtin/tw-rho10.toml")),
+    ("tw-rho1000", include_str!("builtin/tw-rho1000.toml")),
+    ("impact", include_str!("builtin/impact.toml")),
+    ("cradle", include_str!("builtin/cradle.toml")),
+    ("precompressed", include_str!("builtin/precompressed.toml")),
+    ("trivial-breather", include_str!("builtin/trivial-breather.toml")),
+];

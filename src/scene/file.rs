@@ -1,0 +1,175 @@
+//! A scene as it stands in a TOML file.
+
+use crate::{
+    chain::{Boundary, Params},
+    error::{Error, Result, nearest},
+};
+use serde::{Deserialize, Serialize};
+
+/// The whole file. Keys that nobody knows are errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Short name.
+    pub name: String,
+    /// One line that says what it shows.
+    #[serde(default)]
+    pub summary: String,
+    /// The chain.
+    pub chain: ChainSection,
+    /// The initial state.
+    pub initial: Initial,
+    /// How long it runs.
+    pub span: Span,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// `[chain]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChainSection {
+    /// Number of beads.
+    pub sites: usize,
+    /// Exponent.
+    pub alpha: f64,
+    /// Spring constant.
+    pub kappa: f64,
+    /// Mass ratio; `inf` for the cradle.
+    pub rho: f64,
+    /// What holds the ends.
+    pub boundary: Boundary,
+    /// Static overlap of every bond.
+    #[serde(default)]
+    pub precompression: f64,
+}
+
+impl ChainSection {
+    /// The three parameters.
+    pub fn params(&self) -> Params {
+        Params { alpha: self.alpha, kappa: self.kappa, rho: self.rho }
+    }
+}
+
+/// `[initial]`, by `kind`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Initial {
+    /// (eq:ini_tw) on a strain ring. Exactly one of `epsilon` and `detuning = omega_tw - omega`.
+    TravellingWave {
+        /// Wave number over pi.
+        q_over_pi: f64,
+        /// Amplitude.
+        a: f64,
+        /// Mean strain.
+        b: f64,
+        /// Phase.
+        #[serde(default)]
+        phi: f64,
+        /// Size of the wave.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        epsilon: Option<f64>,
+        /// Frequency above `omega`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        detuning: Option<f64>,
+    },
+    /// Everything at rest but one bead.
+    SingleBead {
+        /// Which bead, from 0.
+        site: usize,
+        /// Its displacement.
+        #[serde(default)]
+        displacement: f64,
+        /// Its velocity.
+        #[serde(default)]
+        velocity: f64,
+    },
+    /// `u_n = v_n = amplitude sin(pi mode (n+1)/(N+1))`, at rest: a mode of a precompressed chain between walls.
+    NormalMode {
+        /// Number of half waves.
+        mode: u32,
+        /// Amplitude.
+        amplitude: f64,
+    },
+    /// (uncpl) with `a_n = amplitude e^{-|n - center| / decay}`, neighbours in antiphase.
+    TrivialBreather {
+        /// Site of the centre, between sites if fractional.
+        center: f64,
+        /// Largest `a_n`.
+        amplitude: f64,
+        /// Decay length, in sites.
+        decay: f64,
+        /// Gap beyond what contacts demand.
+        #[serde(default)]
+        gap: f64,
+    },
+    /// Any state, array by array; an array left out is zero. Strains and their rates on a strain ring.
+    State {
+        /// Displacements of the beads.
+        #[serde(default)]
+        u: Vec<f64>,
+        /// Displacements of the resonators.
+        #[serde(default)]
+        v: Vec<f64>,
+        /// Velocities of the beads.
+        #[serde(default)]
+        u_dot: Vec<f64>,
+        /// Velocities of the resonators.
+        #[serde(default)]
+        v_dot: Vec<f64>,
+    },
+}
+
+/// `[span]`: exactly one of `periods` and `until`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Span {
+    /// Length in periods of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub periods: Option<f64>,
+    /// End time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
+    /// The unit that steps per period refer to, for scenes without a frequency of their own (1 if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
+}
+
+/// `[record]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// Equally spaced times at which energy and strains are kept; 0: the end only.
+    #[serde(default)]
+    pub samples: usize,
+}
+
+impl SceneFile {
+    /// Reads a scene; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// The line, the key and the rule; the nearest key, where one is unknown.
+    pub fn parse(text: &str, file: &str) -> Result<Self> {
+        toml::from_str(text).map_err(|error| Error::Scene { file: file.to_owned(), message: explain(&error, text) })
+    }
+
+    /// The scene as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+}
+
+fn explain(error: &toml::de::Error, text: &str) -> String {
+    let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+    let message = error.message().lines().collect::<Vec<_>>().join("; ");
+    // serde says: unknown field `x`, expected one of `a`, `b`.
+    let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let hint = match names.split_first() {
+        Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
+        _ => None,
+    };
+    let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
+    let hint = hint.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+    format!("{line}{message}{hint}")
+}

@@ -1,0 +1,289 @@
+//! Scenes: a named, complete set-up. Chain, initial state, time span, what to record.
+
+mod builtin;
+mod file;
+
+pub use file::{ChainSection, Initial, Record, SceneFile, Span};
+
+use crate::{
+    breathers::TrivialBreather,
+    chain::{Boundary, Chain, Resonators, Site, State},
+    error::{Error, Result},
+    waves::{Shape, Size, TravellingWave},
+};
+use builtin::BUILTIN;
+use std::{f64::consts::PI, path::Path};
+
+/// More sites than any machine's memory holds states of.
+const MOST_SITES: usize = 100_000_000;
+/// More samples than a figure can show or a file should hold.
+const MOST_SAMPLES: usize = 1_000_000;
+
+/// Theory that a scene can be held against.
+#[derive(Clone, Debug)]
+pub enum Theory {
+    /// The first-order wave (eq:xytw_app).
+    Wave(TravellingWave),
+    /// The exact solution (uncpl).
+    Breather(TrivialBreather),
+}
+
+/// A scene that has been checked: ready to run.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    file: SceneFile,
+    chain: Chain<f64>,
+    initial: State<f64>,
+    theory: Option<Theory>,
+    period: f64,
+    end: f64,
+}
+
+impl Scene {
+    /// Names and one-line summaries of the built-in scenes.
+    pub fn list() -> Vec<(&'static str, String)> {
+        BUILTIN
+            .iter()
+            .map(|&(name, text)| (name, SceneFile::parse(text, name).map(|file| file.summary).unwrap_or_default()))
+            .collect()
+    }
+
+    /// The TOML of a built-in scene or of a file.
+    ///
+    /// # Errors
+    /// An unknown name (with the nearest one), or a file that cannot be read.
+    pub fn source(name_or_file: &str) -> Result<String> {
+        if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| *name == name_or_file) {
+            return Ok((*text).to_owned());
+        }
+        let path = Path::new(name_or_file);
+        if path.extension().is_some() || path.components().count() > 1 || path.exists() {
+            return std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source });
+        }
+        Err(Error::unknown("scene", name_or_file, BUILTIN.iter().map(|(name, _)| *name)))
+    }
+
+    /// A built-in scene by name, or the scene in a file.
+    ///
+    /// # Errors
+    /// See [`source`](Self::source), [`SceneFile::parse`] and [`build`](Self::build).
+    pub fn load(name_or_file: &str) -> Result<Self> {
+        Self::build(SceneFile::parse(&Self::source(name_or_file)?, name_or_file)?)
+    }
+
+    /// Checks a scene and computes its initial state.
+    ///
+    /// # Errors
+    /// The first parameter outside its rule.
+    pub fn build(file: SceneFile) -> Result<Self> {
+        let section = &file.chain;
+        if section.sites > MOST_SITES {
+            return Err(Error::parameter("sites", section.sites, "at most 10^8"));
+        }
+        if file.record.samples > MOST_SAMPLES {
+            return Err(Error::parameter("samples", file.record.samples, "at most 10^6"));
+        }
+        let chain =
+            Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
+        let (initial, theory) = initial_state(&chain, &file.initial)?;
+        let period = match &theory {
+            Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
+            _ if chain.params().resonators() != Resonators::None => 2.0 * PI / chain.params().omega(),
+            _ => file.span.period.unwrap_or(1.0),
+        };
+        let positive = |name, value: f64| {
+            let good = value.is_finite() && value > 0.0;
+            if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+        };
+        let period = positive("period", period)?;
+        let end = match (file.span.periods, file.span.until) {
+            (Some(periods), None) => positive("periods", periods)? * period,
+            (None, Some(until)) => positive("until", until)?,
+            _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
+        };
+        Ok(Self { chain, initial, theory, period, end, file })
+    }
+
+    /// The same scene until another time.
+    ///
+    /// # Errors
+    /// A time that is not finite or not positive.
+    pub fn until(mut self, end: f64) -> Result<Self> {
+        if !(end.is_finite() && end > 0.0) {
+            return Err(Error::parameter("until", end, "finite and positive"));
+        }
+        self.end = end;
+        (self.file.span.periods, self.file.span.until) = (None, Some(end));
+        Ok(self)
+    }
+
+    /// Short name.
+    pub fn name(&self) -> &str {
+        &self.file.name
+    }
+
+    /// The file it came from, as it runs.
+    pub fn file(&self) -> &SceneFile {
+        &self.file
+    }
+
+    /// The chain.
+    pub fn chain(&self) -> &Chain<f64> {
+        &self.chain
+    }
+
+    /// The initial state.
+    pub fn initial(&self) -> &State<f64> {
+        &self.initial
+    }
+
+    /// Theory to hold it against, if there is one.
+    pub fn theory(&self) -> Option<&Theory> {
+        self.theory.as_ref()
+    }
+
+    /// The unit of "steps per period": `2 pi/omega_tw` for waves, `2 pi/omega` with resonators (`2 pi/sqrt(kappa)` for the
+    /// cradle), else what the scene states.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// The end of the time span, which starts at 0.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// The amplitude that errors are divided by, where theory gives one: `2 epsilon kappa a` for waves.
+    pub fn amplitude(&self) -> Option<f64> {
+        match &self.theory {
+            Some(Theory::Wave(wave)) => Some(wave.amplitude()),
+            _ => None,
+        }
+    }
+
+    /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond that can close, those with
+    /// walls included. A single free bead has none: its displacement stands in.
+    pub fn strains(&self, y: &[f64]) -> Vec<f64> {
+        let u = self.chain.layout().u(y);
+        let strains: Vec<f64> = match self.chain.boundary() {
+            Boundary::StrainRing => u.to_vec(),
+            _ => {
+                let rest = self.chain.precompression();
+                self.chain.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| rest - g).collect()
+            }
+        };
+        if strains.is_empty() { u.to_vec() } else { strains }
+    }
+
+    /// What runs and what is left out, in words, a line each.
+    pub fn plan(&self) -> Vec<String> {
+        let (params, n, dim) = (self.chain.params(), self.chain.sites(), self.chain.layout().dim());
+        let Record { samples } = self.file.record;
+        let resonators = match params.resonators() {
+            Resonators::Moving => format!("{n} beads with resonators: 4 numbers a site, {dim} in all"),
+            Resonators::Fixed => format!("{n} beads; rho = inf: resonators left out, 2 numbers a site, {dim} in all"),
+            Resonators::None if params.rho == 0.0 => {
+                format!("{n} beads; rho = 0: resonators left out, 2 numbers a site, {dim} in all")
+            }
+            Resonators::None => {
+                format!("{n} beads; kappa = 0: nothing ties the resonators, left out, 2 numbers a site, {dim} in all")
+            }
+        };
+        let law = match params.alpha {
+            1.5 => "contact force as g sqrt(g), vectorised".to_owned(),
+            a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised".to_owned(),
+            a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications".to_owned(),
+            _ => "contact force by powf: slower than alpha = 3/2 or an integer".to_owned(),
+        };
+        let energy = if self.chain.has_energy(self.initial.as_slice()) {
+            "energy: conserved, checked along the run"
+        } else {
+            "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead"
+        };
+        let record = if samples == 0 {
+            "records: the end only; nothing is allocated per step".to_owned()
+        } else {
+            format!("records: energy and strains at {samples} times; strains only when an output folder is given")
+        };
+        let theory = match &self.theory {
+            Some(Theory::Wave(wave)) => {
+                format!("theory: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw())
+            }
+            Some(Theory::Breather(_)) => "theory: exact solution, the reference of `compare`".to_owned(),
+            None => "theory: none".to_owned(),
+        };
+        let span = format!("t from 0 to {}, period {}", self.end, self.period);
+        let left_out =
+            "left out: event search, tangent map, dense output (made only where a sample asks for it)".to_owned();
+        vec![resonators, law, energy.to_owned(), theory, span, record, left_out]
+    }
+}
+
+fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, Option<Theory>)> {
+    let n = chain.sites();
+    let rest = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
+    match *initial {
+        Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning } => {
+            if chain.boundary() != Boundary::StrainRing {
+                let rule = "a travelling wave lives on a strain-ring";
+                return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+            }
+            let waves = 0.5 * q_over_pi * n as f64;
+            if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
+                let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
+                return Err(Error::parameter("q_over_pi", q_over_pi, rule));
+            }
+            let size = match (epsilon, detuning) {
+                (Some(epsilon), None) => Size::Epsilon(epsilon),
+                (None, Some(detuning)) => Size::Detuning(detuning),
+                _ => {
+                    return Err(Error::parameter(
+                        "initial",
+                        "[initial]",
+                        "give exactly one of `epsilon` and `detuning`",
+                    ));
+                }
+            };
+            let wave = TravellingWave::new(chain.params(), Shape { q: q_over_pi * PI, a, b, phi }, size)?;
+            Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave))))
+        }
+        Initial::SingleBead { site, displacement, velocity } => {
+            if site >= n {
+                return Err(Error::parameter("site", site, "a site of the chain, counted from 0"));
+            }
+            let bead = Site { u: displacement, u_dot: velocity, ..rest };
+            Ok((State::from_fn(chain, |i| if i == site { bead } else { rest })?, None))
+        }
+        Initial::NormalMode { mode, amplitude } => {
+            if mode == 0 || mode as usize > n {
+                return Err(Error::parameter("mode", mode, "from 1 to the number of sites"));
+            }
+            let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
+            Ok((State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..rest })?, None))
+        }
+        Initial::TrivialBreather { center, amplitude, decay, gap } => {
+            if !(decay.is_finite() && decay > 0.0) {
+                return Err(Error::parameter("decay", decay, "finite and positive"));
+            }
+            if chain.boundary() != Boundary::Free || !center.is_finite() {
+                let rule = "a trivial breather has a finite center and free ends";
+                return Err(Error::parameter("center", center, rule));
+            }
+            let amplitudes = (0..n).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect();
+            let phases = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { PI }).collect();
+            let breather = TrivialBreather::new(chain.params(), amplitudes, phases, gap)?;
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
+        }
+        Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
+            for (name, array) in [("u", u), ("v", v), ("u_dot", u_dot), ("v_dot", v_dot)] {
+                if !array.is_empty() && array.len() != n {
+                    let rule = "an array of the state has one number a site, or is left out";
+                    return Err(Error::parameter(name, format!("{} numbers", array.len()), rule));
+                }
+            }
+            let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
+            let site = |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) };
+            Ok((State::from_fn(chain, site)?, None))
+        }
+    }
+}

@@ -1,0 +1,627 @@
+//! The chain: forces against the energy, sweeps against naive loops, the linear flow against its closed form.
+
+use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
+use hertzchain::integrators::{
+    SplitFlow, Splitting, Stepper, Twofold, VectorField,
+    splitting::{First, tables},
+};
+use std::{f64::consts::SQRT_2, num::FpCategory};
+
+const EPS: f64 = f64::EPSILON;
+const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+/// A law by `sqrt`, two by multiplications, one by a longer product, one by `powf`.
+const ALPHAS: [f64; 5] = [1.5, 2.0, 3.0, 5.0, 1.2];
+/// No resonators, moving ones, fixed ones.
+const RHOS: [f64; 3] = [0.0, 0.5, f64::INFINITY];
+/// Around one, two and three times the block of 128 sites that a sweep works in, and the shortest chains.
+const SIZES: [usize; 12] = [1, 2, 3, 4, 127, 128, 129, 255, 256, 257, 300, 385];
+
+fn assert_below(value: f64, bound: f64, what: &str) {
+    println!("{what}: {value:.2e}, bound {bound:.1e}");
+    assert!(value <= bound, "{what}: {value:e} > {bound:e}");
+}
+
+/// Numbers in (-1, 1) that look random: splitmix64.
+fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A chain, precompressed where it can be.
+fn chain(alpha: f64, rho: f64, boundary: Boundary, sites: usize) -> Chain<f64> {
+    let chain = Chain::new(Params::new(alpha, 0.7, rho).unwrap(), boundary, sites).unwrap();
+    match boundary {
+        Boundary::Fixed | Boundary::Ring => chain.precompressed(0.3).unwrap(),
+        Boundary::Free | Boundary::StrainRing => chain,
+    }
+}
+
+fn every_chain(sizes: &[usize]) -> Vec<Chain<f64>> {
+    let mut chains = Vec::new();
+    for &sites in sizes {
+        for boundary in BOUNDARIES {
+            for rho in RHOS {
+                chains.extend(ALPHAS.map(|alpha| chain(alpha, rho, boundary, sites)));
+            }
+        }
+    }
+    chains
+}
+
+/// A random state. On a strain ring one that has an energy: the mean strain is at rest, and the same for both kinds.
+fn state(chain: &Chain<f64>) -> Vec<f64> {
+    let n = chain.sites();
+    let mut next = random(n as u64);
+    let mut y: Vec<f64> = (0..chain.layout().dim()).map(|_| next()).collect();
+    if chain.boundary() == Boundary::StrainRing {
+        for array in y.chunks_mut(n) {
+            let old = array.to_vec();
+            (0..n).for_each(|i| array[i] = old[i] - old[(i + n - 1) % n]);
+        }
+    }
+    y
+}
+
+/// A random state without an overlap near the kink of the force at zero.
+fn state_off_the_kinks(chain: &Chain<f64>) -> Vec<f64> {
+    let (mut y, mut next) = (state(chain), random(0));
+    while let Some(bond) = chain.overlaps(chain.layout().u(&y)).iter().position(|g| g.abs() < 0.02) {
+        y[bond % chain.sites()] = next();
+    }
+    y
+}
+
+fn power(alpha: f64, g: f64) -> f64 {
+    if alpha == 1.5 {
+        g * g.sqrt()
+    } else if alpha.fract() != 0.0 {
+        g.powf(alpha)
+    } else if alpha <= 3.0 {
+        (1..alpha as u32).fold(g, |power, _| power * g)
+    } else {
+        num_traits::pow(g, alpha as usize)
+    }
+}
+
+/// The contact force on every site, bond by bond.
+fn naive_forces(chain: &Chain<f64>, q: &[f64]) -> Vec<f64> {
+    let n = chain.sites() as isize;
+    let around = |i: isize| q[i.rem_euclid(n) as usize];
+    let position = |i: isize| match chain.boundary() {
+        Boundary::Free => (0..n).contains(&i).then(|| around(i)),
+        Boundary::Fixed => Some(if (0..n).contains(&i) { around(i) } else { 0.0 }),
+        Boundary::Ring | Boundary::StrainRing => Some(around(i)),
+    };
+    let law = |g: f64| if g > 0.0 { power(chain.params().alpha, g) } else { 0.0 };
+    let bond = |i: isize| match (position(i - 1), position(i)) {
+        (_, Some(x)) if chain.boundary() == Boundary::StrainRing => law(-x),
+        (Some(left), Some(right)) => law(chain.precompression() + (left - right)),
+        _ => 0.0,
+    };
+    let force = |i: isize| match chain.boundary() {
+        Boundary::StrainRing => (bond(i) - bond(i - 1)) - (bond(i + 1) - bond(i)),
+        _ => bond(i) - bond(i + 1),
+    };
+    (0..n).map(force).collect()
+}
+
+/// The second half of the vector field: `u''`, and `v''` where resonators move.
+fn accelerations(chain: &Chain<f64>, y: &[f64]) -> Vec<f64> {
+    let mut dy = vec![0.0; y.len()];
+    Field::new(chain.clone()).eval(0.0, y, &mut dy);
+    assert_eq!(dy[..y.len() / 2], y[y.len() / 2..], "q' is the velocity");
+    dy.split_off(y.len() / 2)
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |max: f64, value| if value.is_nan() { value } else { max.max(value.abs()) })
+}
+
+fn largest_gap(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+#[test]
+fn forces_are_minus_the_gradient_of_the_energy() {
+    // Truth: central differences of the energy. Their error is d^2 E'''/6 + eps E/d.
+    let d = 1e-5;
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&[1, 2, 3, 127, 128, 129, 300]) {
+        if chain.boundary() == Boundary::StrainRing {
+            continue;
+        }
+        let mut y = state_off_the_kinks(&chain);
+        let mut energy = |i: usize, by: f64| {
+            let old = y[i];
+            y[i] += by;
+            let energy = chain.energy(&y).total();
+            y[i] = old;
+            energy
+        };
+        let gradient: Vec<f64> =
+            (0..chain.layout().dim() / 2).map(|i| (energy(i, d) - energy(i, -d)) / (2.0 * d)).collect();
+        let n = chain.sites();
+        for (i, a) in accelerations(&chain, &y).into_iter().enumerate() {
+            let mass = if i < n { 1.0 } else { chain.params().rho };
+            worst = worst.max((mass * a + gradient[i]).abs());
+        }
+    }
+    assert_below(worst, 1e-8, "force + dE/du");
+}
+
+#[test]
+fn the_energy_of_a_strain_ring_is_invariant() {
+    // Truth: dE/dt = 0 along the vector field; the derivative by central differences.
+    let d = 1e-5;
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&[1, 2, 3, 127, 129, 300]) {
+        if chain.boundary() != Boundary::StrainRing {
+            continue;
+        }
+        let y = state(&chain);
+        assert!(chain.has_energy(&y));
+        let mut dy = vec![0.0; y.len()];
+        Field::new(chain.clone()).eval(0.0, &y, &mut dy);
+        let energy = |by: f64| {
+            let moved: Vec<f64> = y.iter().zip(&dy).map(|(y, dy)| y + by * dy).collect();
+            chain.energy(&moved).total()
+        };
+        worst = worst.max((energy(d) - energy(-d)).abs() / (2.0 * d) / (1.0 + energy(0.0)));
+    }
+    assert_below(worst, 1e-9, "dE/dt over E");
+}
+
+#[test]
+fn a_strain_ring_has_an_energy_only_where_its_mean_strain_rests() {
+    // Truth: x'' - y'' of the mean is -omega^2 (x - y), Hamiltonian in no displacement unless it is zero.
+    for rho in RHOS {
+        let chain = chain(1.5, rho, Boundary::StrainRing, 5);
+        let half = chain.layout().dim() / 2;
+        let y = state(&chain);
+        let shifted = |i: usize| {
+            let mut y = y.clone();
+            y[i] += 1e-3;
+            chain.has_energy(&y)
+        };
+        assert!(chain.has_energy(&y));
+        assert_eq!(shifted(0), chain.params().resonators() == Resonators::None, "strain, rho = {rho}");
+        assert!(!shifted(half), "its velocity, rho = {rho}");
+    }
+}
+
+#[test]
+fn a_strain_ring_moves_as_the_differences_of_a_ring() {
+    // Truth: the displacement chain, an independent formula; equal up to the rounding of sums of a few forces.
+    let (mut worst, mut worst_energy) = (0.0_f64, 0.0_f64);
+    for ring in every_chain(&[1, 2, 3, 128, 129]) {
+        if ring.boundary() != Boundary::Ring {
+            continue;
+        }
+        let ring = ring.precompressed(0.0).unwrap();
+        let strains = Chain::new(ring.params(), Boundary::StrainRing, ring.sites()).unwrap();
+        let n = ring.sites();
+        let differences =
+            |y: &[f64]| -> Vec<f64> { y.chunks(n).flat_map(|q| (0..n).map(|i| q[i] - q[(i + n - 1) % n])).collect() };
+        let mut y = state(&ring);
+        let want = differences(&accelerations(&ring, &y));
+        let got = accelerations(&strains, &differences(&y));
+        let scale = 1.0 + largest(want.iter().copied());
+        worst = worst.max(largest_gap(&got, &want) / scale);
+        // Their energies agree where the mean displacement of the ring is zero and at rest.
+        for q in y.chunks_mut(n) {
+            let mean = q.iter().sum::<f64>() / n as f64;
+            q.iter_mut().for_each(|q| *q -= mean);
+        }
+        let energies = (strains.energy(&differences(&y)).total(), ring.energy(&y).total());
+        worst_energy = worst_energy.max((energies.0 - energies.1).abs() / (1.0 + energies.1));
+    }
+    assert_below(worst, 2.0 * EPS, "accelerations");
+    assert_below(worst_energy, 16.0 * EPS, "energies");
+}
+
+#[test]
+fn the_sweep_equals_a_naive_loop_bit_for_bit_at_every_length() {
+    // Truth: one scalar loop, compiled without vector instructions beyond the baseline, without blocks.
+    for chain in every_chain(&SIZES) {
+        let y = state(&chain);
+        let (n, u) = (chain.sites(), chain.layout().u(&y));
+        let forces = naive_forces(&chain, u);
+        let kappa = chain.params().kappa;
+        let want: Vec<f64> = match chain.params().resonators() {
+            Resonators::None => forces,
+            Resonators::Fixed => (0..n).map(|i| forces[i] - kappa * y[i]).collect(),
+            Resonators::Moving => {
+                let beads = (0..n).map(|i| forces[i] - kappa * (y[i] - y[n + i]));
+                let per_rho = kappa / chain.params().rho;
+                beads.chain((0..n).map(|i| per_rho * (y[i] - y[n + i]))).collect()
+            }
+        };
+        assert_eq!(accelerations(&chain, &y), want, "{chain:?}");
+    }
+}
+
+/// The kick of the split kinetic + potential energy and the drift after it, as one reads it in a book.
+fn kinetic_reference(chain: &Chain<f64>, y: &mut [f64], kick: f64, dt: f64) {
+    let (n, half) = (chain.sites(), chain.layout().dim() / 2);
+    let Params { kappa, rho, .. } = chain.params();
+    let forces = naive_forces(chain, &y[..n]);
+    for i in 0..n {
+        match chain.params().resonators() {
+            Resonators::None => y[half + i] += kick * forces[i],
+            Resonators::Fixed => y[half + i] += kick * (forces[i] - kappa * y[i]),
+            Resonators::Moving => {
+                let d = y[i] - y[n + i];
+                y[half + i] += kick * (forces[i] - kappa * d);
+                y[half + n + i] += kick * kappa / rho * d;
+            }
+        }
+    }
+    for i in 0..half {
+        y[i] += dt * y[half + i];
+    }
+}
+
+fn stored(flow: &impl SplitFlow<f64>) -> Vec<f64> {
+    let mut y = vec![f64::NAN; flow.dim()];
+    flow.store(&mut y);
+    y
+}
+
+#[test]
+fn kinetic_sweeps_equal_a_scalar_loop_bit_for_bit() {
+    // Truth: a scalar loop in the same order of operations; no instruction set may contract or reorder any of it.
+    for chain in every_chain(&SIZES) {
+        let mut want = state(&chain);
+        let mut flow = KineticFlow::new(chain.clone());
+        flow.load(&want);
+        for step in 0..5 {
+            flow.kick_drift(0.01, Twofold::new(0.02));
+            kinetic_reference(&chain, &mut want, 0.01, 0.02);
+            assert_eq!(stored(&flow), want, "step {step} of {chain:?}");
+        }
+        flow.drift(Twofold::new(0.25));
+        let (q, q_dot) = want.split_at_mut(chain.layout().dim() / 2);
+        q.iter_mut().zip(q_dot).for_each(|(q, q_dot)| *q += 0.25 * *q_dot);
+        assert_eq!(stored(&flow), want);
+    }
+}
+
+/// One site in the variables that the linear flow leaves alone, as the documentation of that flow defines them.
+#[derive(Clone, Copy)]
+struct Modes {
+    r0: f64,
+    v: f64,
+    c: f64,
+    s: f64,
+}
+
+/// The exact linear flow and its kicks, site after site.
+struct LinearReference {
+    chain: Chain<f64>,
+    sites: Vec<Modes>,
+    m: f64,
+    mu: f64,
+    omega: Twofold<f64>,
+    theta: Twofold<f64>,
+    tau: Twofold<f64>,
+    kicks: u32,
+}
+
+impl LinearReference {
+    fn new(chain: &Chain<f64>, y: &[f64]) -> Self {
+        let (layout, rho) = (chain.layout(), chain.params().rho);
+        let omega = chain.params().omega_twofold::<f64>();
+        let (m, mu) = match chain.params().resonators() {
+            Resonators::None => (1.0, 0.0),
+            Resonators::Fixed => (0.0, 1.0),
+            Resonators::Moving => (1.0 / (1.0 + rho), 1.0 / (1.0 + 1.0 / rho)),
+        };
+        let site = |i: usize| {
+            let (u, u_dot) = (layout.u(y)[i], layout.u_dot(y)[i]);
+            let (v, v_dot) = (layout.v(y).map_or(0.0, |v| v[i]), layout.v_dot(y).map_or(0.0, |v| v[i]));
+            let s = if mu == 0.0 { 0.0 } else { mu * (u_dot - v_dot) / omega.value() };
+            Modes { r0: m * u + mu * v, v: m * u_dot + mu * v_dot, c: mu * (u - v), s }
+        };
+        let zero = Twofold::zero();
+        let sites = (0..chain.sites()).map(site).collect();
+        Self { chain: chain.clone(), sites, m, mu, omega, theta: zero, tau: zero, kicks: 0 }
+    }
+
+    fn kick_drift(&mut self, kick: f64, dt: Twofold<f64>) {
+        let (sin, cos) = self.theta.sin_cos();
+        if self.kicks == 64 {
+            let tau = self.tau.value();
+            self.sites.iter_mut().for_each(|site| site.r0 += site.v * tau);
+            (self.tau, self.kicks) = (Twofold::zero(), 0);
+        }
+        self.kicks += 1;
+        let (tau, m) = (self.tau.value(), self.m);
+        let position = |site: &Modes| (site.r0 + site.v * tau) + (site.c * cos + site.s * sin);
+        let q: Vec<f64> = self.sites.iter().map(position).collect();
+        let per_omega = if self.mu == 0.0 { 0.0 } else { kick * self.mu / self.omega.value() };
+        for (site, force) in self.sites.iter_mut().zip(naive_forces(&self.chain, &q)) {
+            site.r0 -= kick * m * tau * force;
+            site.v += kick * m * force;
+            site.c -= per_omega * sin * force;
+            site.s += per_omega * cos * force;
+        }
+        self.theta = (self.theta + self.omega * dt).reduced(Twofold::two_pi());
+        self.tau = self.tau + dt;
+    }
+
+    fn store(&self) -> Vec<f64> {
+        let ((sin, cos), tau, omega) = (self.theta.sin_cos(), self.tau.value(), self.omega.value());
+        let rho = self.chain.params().rho;
+        let centre = |s: &Modes| (s.r0 + s.v * tau, s.v);
+        let oscillation = |s: &Modes| (s.c * cos + s.s * sin, omega * (s.s * cos - s.c * sin));
+        let beads = |part: fn((f64, f64)) -> f64| {
+            self.sites.iter().map(move |s| part(centre(s)) + part(oscillation(s))).collect::<Vec<_>>()
+        };
+        let resonators = |part: fn((f64, f64)) -> f64| {
+            self.sites.iter().map(move |s| part(centre(s)) - part(oscillation(s)) / rho).collect::<Vec<_>>()
+        };
+        let (position, velocity): (fn((f64, f64)) -> f64, fn((f64, f64)) -> f64) = (|pair| pair.0, |pair| pair.1);
+        if self.chain.layout().resonators() {
+            [beads(position), resonators(position), beads(velocity), resonators(velocity)].concat()
+        } else {
+            [beads(position), beads(velocity)].concat()
+        }
+    }
+}
+
+#[test]
+fn linear_sweeps_equal_a_scalar_loop_bit_for_bit() {
+    // Truth: a scalar loop in the same order of operations; long enough for the centre of mass to be re-anchored twice.
+    for chain in every_chain(&SIZES) {
+        let y = state(&chain);
+        let mut flow = LinearFlow::new(chain.clone());
+        flow.load(&y);
+        let mut want = LinearReference::new(&chain, &y);
+        for step in 0..140 {
+            let dt = Twofold::new(0.03);
+            flow.kick_drift(0.02, dt);
+            want.kick_drift(0.02, dt);
+            if step % 10 == 4 {
+                assert_eq!(stored(&flow), want.store(), "step {step} of {chain:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_kick_of_either_flow_adds_the_force_to_the_velocity_and_moves_nothing() {
+    // Truth: u' + j f, and for the kinetic flow the springs as well; equal up to the rounding of the change of variables.
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&[1, 2, 3, 129, 300]) {
+        let (n, half) = (chain.sites(), chain.layout().dim() / 2);
+        let y = state(&chain);
+        let mut flow = LinearFlow::new(chain.clone());
+        flow.load(&y);
+        flow.drift(Twofold::new(0.4));
+        let before = stored(&flow);
+        flow.kick_drift(0.1, Twofold::zero());
+        let mut want = before.clone();
+        let forces = naive_forces(&chain, &before[..n]);
+        (0..n).for_each(|i| want[half + i] += 0.1 * forces[i]);
+        let scale = 1.0 + largest(want.iter().copied());
+        worst = worst.max(largest_gap(&stored(&flow), &want) / scale);
+
+        let mut flow = KineticFlow::new(chain.clone());
+        flow.load(&y);
+        flow.kick_drift(0.1, Twofold::zero());
+        let mut want = y.clone();
+        accelerations(&chain, &y).iter().zip(&mut want[half..]).for_each(|(a, q_dot)| *q_dot += 0.1 * a);
+        let scale = 1.0 + largest(want.iter().copied());
+        worst = worst.max(largest_gap(&stored(&flow), &want) / scale);
+    }
+    assert_below(worst, 2.0 * EPS, "kick");
+}
+
+#[test]
+fn the_linear_flow_is_the_closed_form_at_any_time() {
+    // Truth: R0 + R0' t and D0 cos(omega t) + D0' sin(omega t)/omega, with omega to 32 digits and times that are powers of
+    // two, so that the phase is exact. Bound: a few roundings of each term.
+    let root_2 = (SQRT_2, -9.667_293_313_452_913e-17);
+    let root_3 = (1.732_050_807_568_877_2, 1.003_508_422_180_691_7e-16);
+    let cases = [(3.0, 0.5, (3.0, 0.0)), (1.0, 0.5, root_3), (2.0, f64::INFINITY, root_2), (1.0, 0.0, (1.0, 0.0))];
+    let mut worst = 0.0_f64;
+    for (kappa, rho, (omega, omega_low)) in cases {
+        let chain = Chain::new(Params::new(1.5, kappa, rho).unwrap(), Boundary::Free, 1).unwrap();
+        for t in [0.125, 1.0, 64.0, 16_384.0, 1_048_576.0, 1_073_741_824.0_f64] {
+            let y = state(&chain);
+            let mut flow = LinearFlow::new(chain.clone());
+            flow.load(&y);
+            flow.drift(Twofold::new(t));
+            let ((s, c), low) = ((omega * t).sin_cos(), omega_low * t);
+            let (s, c) = (s + c * low - s * low * low / 2.0, c - s * low - c * low * low / 2.0);
+            let turn = |d: f64, d_dot: f64| (d * c + d_dot * s / omega, d_dot * c - d * s * omega);
+            let (want, terms) = match chain.params().resonators() {
+                Resonators::None => (vec![y[0] + y[1] * t, y[1]], 1.0 + t),
+                Resonators::Fixed => {
+                    let (u, u_dot) = turn(y[0], y[1]);
+                    (vec![u, u_dot], 1.0 + omega)
+                }
+                Resonators::Moving => {
+                    let [u, v, u_dot, v_dot] = [y[0], y[1], y[2], y[3]];
+                    let (r, r_dot) = ((u + rho * v) / (1.0 + rho), (u_dot + rho * v_dot) / (1.0 + rho));
+                    let (d, d_dot) = turn(u - v, u_dot - v_dot);
+                    let (bead, resonator) = (rho / (1.0 + rho), -1.0 / (1.0 + rho));
+                    let r = r + r_dot * t;
+                    let at = |weight: f64| (r + weight * d, r_dot + weight * d_dot);
+                    let ((u, u_dot), (v, v_dot)) = (at(bead), at(resonator));
+                    (vec![u, v, u_dot, v_dot], 1.0 + omega + t)
+                }
+            };
+            worst = worst.max(largest_gap(&stored(&flow), &want) / terms);
+        }
+    }
+    assert_below(worst, 2.0 * EPS, "drift over the size of its terms");
+}
+
+#[test]
+fn a_state_survives_loading_and_storing() {
+    // Truth: the state itself; exactly for the kinetic flow, up to the rounding of a change of variables for the other.
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&[1, 3, 129]) {
+        let y = state(&chain);
+        let mut kinetic = KineticFlow::new(chain.clone());
+        kinetic.load(&y);
+        assert_eq!(stored(&kinetic), y);
+        assert_eq!(stored(&kinetic.duplicate()), y);
+        let mut linear = LinearFlow::new(chain.clone());
+        linear.kick_drift(0.3, Twofold::new(0.7));
+        linear.load(&y);
+        worst = worst.max(largest_gap(&stored(&linear), &y));
+        linear.kick_drift(0.3, Twofold::new(0.7));
+        assert_eq!(stored(&linear.duplicate()), stored(&linear));
+    }
+    assert_below(worst, 4.0 * EPS, "round trip");
+}
+
+#[test]
+fn the_parts_of_a_state_are_where_its_layout_says() {
+    // Truth: what was put in, site by site.
+    for rho in RHOS {
+        let chain = chain(1.5, rho, Boundary::Free, 3);
+        let site = |i: usize| Site { u: i as f64, v: 10.0, u_dot: -(i as f64), v_dot: -10.0 };
+        let state = State::from_fn(&chain, site).unwrap();
+        let (layout, y) = (state.layout(), state.as_slice());
+        assert_eq!((layout.u(y), layout.u_dot(y)), (&[0.0, 1.0, 2.0][..], &[-0.0, -1.0, -2.0][..]));
+        let moving = chain.params().resonators() == Resonators::Moving;
+        assert_eq!(
+            (layout.v(y), layout.v_dot(y)),
+            if moving { (Some(&[10.0; 3][..]), Some(&[-10.0; 3][..])) } else { (None, None) }
+        );
+        assert_eq!(y.len(), layout.dim());
+        let bad = State::from_fn(&chain, |i| Site { u_dot: if i == 2 { f64::NAN } else { 0.0 }, ..site(i) });
+        assert!(bad.unwrap_err().to_string().contains("site 2"));
+    }
+}
+
+#[test]
+fn site_energies_sum_to_the_energy() {
+    // Truth: two different sums of the same terms; bound: the rounding of a sum of N positive numbers.
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&SIZES) {
+        let y = state(&chain);
+        let total = chain.energy(&y).total();
+        let sites = chain.site_energies(&y);
+        assert!(sites.len() == chain.sites() && sites.iter().all(|&energy| energy >= 0.0));
+        worst = worst.max((sites.iter().sum::<f64>() / total - 1.0).abs());
+    }
+    assert_below(worst, 16.0 * EPS, "sum over sites");
+}
+
+#[test]
+fn momentum_is_conserved_where_nothing_outside_pushes() {
+    // Truth: forces come in pairs. Bound: the rounding of 200 sums of forces of order one; walls and cradles break it.
+    let mut worst = 0.0_f64;
+    for chain in every_chain(&[2, 3, 20, 129]) {
+        let isolated = matches!(chain.boundary(), Boundary::Free | Boundary::Ring);
+        let y = state(&chain);
+        let mut drifts = Vec::new();
+        for end in [run(KineticFlow::new(chain.clone()), &y), run(LinearFlow::new(chain.clone()), &y)] {
+            drifts.push((chain.momentum(&end) - chain.momentum(&y)).abs());
+        }
+        let fixed = chain.params().resonators() == Resonators::Fixed;
+        if isolated && !fixed {
+            worst = worst.max(drifts[0].max(drifts[1]));
+        } else if chain.boundary() != Boundary::StrainRing {
+            assert!(drifts.iter().all(|&drift| drift > 1e-6), "{chain:?}");
+        }
+    }
+    assert_below(worst, 4e-14, "drift of the momentum");
+}
+
+/// 200 steps of Strang's scheme.
+fn run(mut flow: impl SplitFlow<f64>, y: &[f64]) -> Vec<f64> {
+    flow.load(y);
+    let mut run = Splitting::new(&tables::STRANG, First::Drift, flow, (0.0, 2.0), 200).unwrap();
+    let mut end = y.to_vec();
+    while !run.done() {
+        run.step().unwrap();
+    }
+    run.sample(2.0, &mut end);
+    end
+}
+
+fn assert_no_subnormal(chain: &Chain<f64>, flow: impl SplitFlow<f64>) {
+    let (n, steps) = (chain.sites(), 3000);
+    let mut run = Splitting::new(&tables::STRANG, First::Drift, flow, (0.0, 150.0), steps).unwrap();
+    let mut y = vec![0.0; chain.layout().dim()];
+    let mut reached = 0;
+    while !run.done() {
+        run.step().unwrap();
+        run.sample(run.time(), &mut y);
+        let forces = chain.overlaps(chain.layout().u(&y)).into_iter().map(|g| chain.law().force(g));
+        let subnormal = y.iter().copied().chain(forces).find(|value| value.classify() == FpCategory::Subnormal);
+        assert_eq!(subnormal, None, "t = {}, alpha = {}", run.time(), chain.params().alpha);
+        reached = (0..n).rfind(|&i| y[i] != 0.0).unwrap();
+    }
+    assert!(reached > n / 4 && reached < n - 1, "the wave is on its way: site {reached} of {n}");
+}
+
+#[test]
+fn no_number_becomes_subnormal_ahead_of_a_wave() {
+    // Truth: the classification of every number of every state of a run. The front decays doubly exponentially, from one
+    // to nothing within some ten sites, so that without the dead band of the contact law it holds subnormals all the time.
+    for alpha in [1.2, 1.5, 3.0] {
+        let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 400).unwrap();
+        let mut y = vec![0.0; chain.layout().dim()];
+        y[chain.sites()] = 1.0;
+        let (mut kinetic, mut linear) = (KineticFlow::new(chain.clone()), LinearFlow::new(chain.clone()));
+        kinetic.load(&y);
+        linear.load(&y);
+        assert_no_subnormal(&chain, kinetic);
+        assert_no_subnormal(&chain, linear);
+    }
+}
+
+fn message<T>(outcome: hertzchain::Result<T>) -> String {
+    outcome.err().map(|error| error.to_string()).unwrap_or_default()
+}
+
+#[test]
+fn parameters_outside_their_rules_are_refused_by_name() {
+    // Truth: the rules of the documentation.
+    let (nan, inf) = (f64::NAN, f64::INFINITY);
+    for alpha in [nan, inf, -inf, 0.0, -1.5] {
+        assert!(message(Params::new(alpha, 1.0, 1.0)).starts_with("alpha = "), "{alpha}");
+    }
+    for kappa in [nan, inf, -inf, -1e-300] {
+        assert!(message(Params::new(1.5, kappa, 1.0)).starts_with("kappa = "), "{kappa}");
+    }
+    for rho in [nan, -inf, -1.0] {
+        assert!(message(Params::new(1.5, 1.0, rho)).starts_with("rho = "), "{rho}");
+    }
+    for (kappa, rho) in [(0.0, 0.0), (1.0, -0.0), (0.0, inf), (1.0, inf), (1e300, 1e-3)] {
+        assert!(Params::new(1.5, kappa, rho).is_ok(), "{kappa} {rho}");
+    }
+    let (good, bad) = (Params::new(1.5, 1.0, 1.0).unwrap(), Params { alpha: nan, kappa: 1.0, rho: 1.0 });
+    assert!(message(Chain::<f64>::new(good, Boundary::Free, 0)).starts_with("sites = 0 "));
+    assert!(message(Chain::<f64>::new(bad, Boundary::Free, 1)).starts_with("alpha = NaN "));
+}
+
+#[test]
+fn only_walls_and_rings_hold_a_precompression() {
+    // Truth: the rules of the documentation.
+    let chain = |boundary| Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, 4).unwrap();
+    for boundary in BOUNDARIES {
+        for delta in [f64::NAN, f64::INFINITY, -0.1] {
+            assert!(message(chain(boundary).precompressed(delta)).starts_with("precompression = "), "{delta}");
+        }
+        assert!(chain(boundary).precompressed(0.0).is_ok());
+        let holds = matches!(boundary, Boundary::Fixed | Boundary::Ring);
+        assert_eq!(chain(boundary).precompressed(0.5).is_ok(), holds, "{boundary:?}");
+    }
+    // At rest it presses every bead equally from both sides.
+    for boundary in [Boundary::Fixed, Boundary::Ring] {
+        let chain = chain(boundary).precompressed(0.5).unwrap();
+        assert_eq!(accelerations(&chain, &[0.0; 16]), [0.0; 8]);
+    }
+}
