@@ -177,17 +177,20 @@ pub fn run_pictures(
     };
     let mut pictures = vec![("profile.png", figures::profile(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
+        let range = strain_range(outcome);
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
             time_label: "time t".to_owned(),
             value_label: "strain xₙ".to_owned(),
-            values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
+            values: outcome.profiles.iter().flat_map(|profile| &profile.x).map(|x| x.clamp(-range, range)).collect(),
             sites: last.x.len(),
             first_site: 0.0,
             times: (0.0, last.t),
             signed: true,
-            caption: caption("Negative strain (blue) is contact, positive (red) a gap."),
+            caption: caption(&format!(
+                "Negative strain (blue) is contact, positive (red) a gap; gaps beyond {range:.3e} have the darkest red."
+            )),
         };
         pictures.push(("spacetime.png", figures::space_time(&figure)?));
     }
@@ -206,6 +209,14 @@ pub fn run_pictures(
         pictures.push(("energy.png", figures::series(&figure)?));
     }
     Ok(pictures)
+}
+
+/// The range of colours: all strains, but gaps only up to three times the largest overlap, so that contacts stay visible.
+#[cfg(feature = "plot")]
+fn strain_range(outcome: &Outcome) -> f64 {
+    let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
+    let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
+    if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) }
 }
 
 /// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.

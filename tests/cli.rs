@@ -1,0 +1,255 @@
+//! The program as people and machines use it: what it prints, writes and refuses.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::{
+    path::Path,
+    process::{Command, Output},
+};
+
+fn hertzchain(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn json(args: &[&str]) -> Value {
+    let output = hertzchain(args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "no bar off a terminal: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_str(&stdout(&output)).unwrap()
+}
+
+/// The one line of a refusal, with a non-zero exit code.
+fn refusal(args: &[&str]) -> String {
+    let output = hertzchain(args);
+    let text = String::from_utf8(output.stderr.clone()).unwrap();
+    assert!(!output.status.success(), "{args:?} must be refused");
+    assert!(!text.contains("panicked"), "{args:?}: {text}");
+    text
+}
+
+fn scene_file(folder: &Path, from: &str, to: &str) -> String {
+    let text = stdout(&hertzchain(&["scenes", "show", "tw-q15"]));
+    assert!(text.contains(from), "{from}");
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn run_json_keeps_its_contract() {
+    let ring = json(&["run", "tw-q15", "--until", "3", "--json"]);
+    for key in ["x", "y", "vx", "vy"] {
+        assert_eq!(ring[key].as_array().unwrap().len(), 50, "{key}");
+    }
+    assert_eq!(ring["scene"], "tw-q15");
+    assert_eq!(ring["integrator"], "strang-linear");
+    for key in ["t", "energy", "energy_error", "wall_s"] {
+        assert!(ring[key].is_f64(), "{key}: {}", ring[key]);
+    }
+    for key in ["force_evaluations", "steps", "rejected"] {
+        assert!(ring[key].is_u64(), "{key}");
+    }
+    let chain = json(&["run", "cradle", "--until", "3", "--json", "--integrator", "dop853"]);
+    assert_eq!(chain["u"].as_array().unwrap().len(), 20);
+    assert_eq!(chain["pu"].as_array().unwrap().len(), 20);
+    assert_eq!(chain["v"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn a_strain_ring_without_balance_has_no_energy() {
+    let folder = tempfile::tempdir().unwrap();
+    let initial = "[initial]\nkind = \"state\"\nu = [-0.1, 0.2, 0.3]\n[span]\nuntil = 2.0\n";
+    let chain = "name = \"odd\"\n[chain]\nsites = 3\nalpha = 1.5\nkappa = 1.0\nrho = 1.0\nboundary = \"strain-ring\"\n";
+    let path = folder.path().join("odd.toml");
+    std::fs::write(&path, format!("{chain}{initial}")).unwrap();
+    let run = json(&["run", path.to_str().unwrap(), "--json"]);
+    assert!(run["energy"].is_null() && run["energy_error"].is_null());
+    assert!(run["x"][0].is_f64());
+}
+
+#[test]
+fn numbers_have_seventeen_significant_digits() {
+    let text = stdout(&hertzchain(&["run", "tw-q15", "--until", "3", "--json"]));
+    let t = text.split("\"t\": ").nth(1).unwrap().split(',').next().unwrap();
+    assert_eq!(t, "3.0000000000000000e0");
+}
+
+#[test]
+fn compare_json_keeps_its_contract_and_writes_nothing_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hertzchain"))
+        .args(["compare", "precompressed", "--integrators", "verlet,srkn11-6-linear", "--max-time", "3", "--json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let value: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    for key in ["scene", "period", "amplitude", "reference", "rows"] {
+        assert!(!value[key].is_null(), "{key}");
+    }
+    assert!(value["reference"]["method"].is_string() && value["reference"]["error_estimate"].is_f64());
+    for key in ["integrator", "setting", "step", "error", "energy_error", "wall_s", "force_evaluations"] {
+        assert!(!value["rows"][3][key].is_null(), "{key}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn compare_writes_table_csv_and_png() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("deep/er");
+    let args = ["compare", "cradle", "--integrators", "verlet,strang-linear,dop853", "--max-time", "2", "--out"];
+    let output = hertzchain(&[&args[..], &[out.to_str().unwrap()]].concat());
+    let text = stdout(&output);
+    assert!(output.status.success() && text.contains("strang-linear") && text.contains("fastest to reach"), "{text}");
+    let csv = std::fs::read_to_string(out.join("compare.csv")).unwrap();
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().skip(1).all(|line| line.split(',').count() >= columns));
+    let png = std::fs::read(out.join("compare.png"));
+    assert_eq!(png.is_ok(), cfg!(feature = "plot"));
+    assert!(png.is_ok_and(|png| png.starts_with(b"\x89PNG")) || !cfg!(feature = "plot"));
+}
+
+#[test]
+fn run_writes_files_that_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = json(&["run", "impact", "--until", "5", "--json"]);
+    let output = hertzchain(&["run", "impact", "--until", "5", "--out", out]);
+    assert!(output.status.success());
+    // CSV: what was printed, to the last digit.
+    let csv = std::fs::read_to_string(folder.path().join("final.csv")).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("n,u,pu"));
+    let first: Vec<f64> = lines.next().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert_eq!((first[1], first[2]), (run["u"][0].as_f64().unwrap(), run["pu"][0].as_f64().unwrap()));
+    // NPZ: the last profile is the final state.
+    let mut archive = npyz::npz::NpzArchive::open(folder.path().join("profiles.npz")).unwrap();
+    let u = archive.by_name("u").unwrap().unwrap();
+    assert_eq!(u.shape(), [401, 100]);
+    let u: Vec<f64> = u.into_vec().unwrap();
+    assert_eq!(u[400 * 100], first[1]);
+    // The scene that was written is the scene that ran.
+    let again = folder.path().join("scene.toml");
+    assert_eq!(json(&["run", again.to_str().unwrap(), "--json"])["u"], run["u"]);
+}
+
+#[test]
+fn scenes_and_integrators_are_listed() {
+    let scenes = json(&["scenes", "--json"]);
+    assert_eq!(scenes["scenes"].as_array().unwrap().len(), 11);
+    for scene in scenes["scenes"].as_array().unwrap() {
+        let name = scene["name"].as_str().unwrap();
+        assert!(!scene["summary"].as_str().unwrap().is_empty());
+        assert_eq!(json(&["scenes", "show", name, "--json"])["name"], name);
+        assert!(stdout(&hertzchain(&["run", name, "--plan"])).contains("left out"));
+    }
+    let integrators = json(&["integrators", "--json"]);
+    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 25);
+}
+
+#[test]
+fn unknown_names_are_answered_with_the_nearest() {
+    assert!(refusal(&["run", "tw-q51"]).contains("did you mean \"tw-q15\"?"));
+    assert!(refusal(&["run", "tw-q15", "--integrator", "yosida4"]).contains("did you mean \"yoshida4\"?"));
+    assert!(refusal(&["compare", "tw-q15", "--integrators", "verlet,strang"]).contains("unknown integrator \"strang\""));
+    let folder = tempfile::tempdir().unwrap();
+    let file = scene_file(folder.path(), "alpha =", "alhpa =");
+    assert!(refusal(&["run", &file]).contains("line 6: unknown field `alhpa`"), "{}", refusal(&["run", &file]));
+    assert!(refusal(&["run", &file]).contains("did you mean `alpha`?"));
+}
+
+#[test]
+fn bad_numbers_are_refused_by_name_and_rule() {
+    let rules = [
+        ("sites = 50", "sites = 0", "sites = 0 is not valid: a chain has at least one bead"),
+        ("sites = 50", "sites = 1000000000000000000", "at most 10^8"),
+        ("sites = 50", "sites = -3", "line 5"),
+        ("sites = 50", "sites = 51", "a whole number of waves fits the ring"),
+        ("alpha = 1.5", "alpha = nan", "alpha = NaN is not valid"),
+        ("alpha = 1.5", "alpha = 0.0", "alpha = 0 is not valid"),
+        ("kappa = 1.0", "kappa = -1.0", "kappa = -1 is not valid"),
+        ("rho = 0.3333333333333333", "rho = -0.5", "rho = -0.5 is not valid"),
+        ("rho = 0.3333333333333333", "rho = inf", "travelling waves need resonators"),
+        ("detuning = 0.001", "detuning = -0.001", "detuning = -0.001 is not valid"),
+        ("detuning = 0.001", "detuning = 0.001\nepsilon = 0.1", "exactly one of `epsilon` and `detuning`"),
+        ("b = 1.0", "b = 2.5", "below 2 kappa a"),
+        ("periods = 100", "periods = 100\nuntil = 3.0", "exactly one of `periods` and `until`"),
+        ("periods = 100", "periods = 0", "periods = 0 is not valid"),
+        ("samples = 400", "samples = 100000000", "at most 10^6"),
+        ("boundary = \"strain-ring\"", "boundary = \"ring\"", "lives on a strain-ring"),
+        ("boundary = \"strain-ring\"", "boundary = \"rings\"", "did you mean `ring`?"),
+        ("alpha = 1.5", "alpha = 1.5\nalpha = 1.5", "duplicate key"),
+    ];
+    for (from, to, rule) in rules {
+        let folder = tempfile::tempdir().unwrap();
+        let message = refusal(&["run", &scene_file(folder.path(), from, to)]);
+        assert!(message.contains(rule) && message.lines().count() == 1, "{to}: {message}");
+    }
+    for (flag, value, rule) in [
+        ("--step", "0", "step = 0 is not valid"),
+        ("--step", "nan", "step = NaN is not valid"),
+        ("--step", "1e-30", "at most 1e15 steps"),
+        ("--steps-per-period", "-3", "steps-per-period = -3 is not valid"),
+        ("--until", "-1", "until = -1 is not valid"),
+        ("--until", "inf", "until = inf is not valid"),
+        ("--tol", "1e-9", "splitting schemes take"),
+    ] {
+        let message = refusal(&["run", "tw-q15", flag, value]);
+        assert!(message.contains(rule), "{flag} {value}: {message}");
+    }
+    for (value, rule) in [("0", "tol = 0"), ("-1", "tol = -1"), ("nan", "tol = NaN")] {
+        assert!(refusal(&["run", "tw-q15", "--integrator", "dop853", "--tol", value]).contains(rule));
+    }
+    assert!(refusal(&["compare", "tw-q15", "--max-time", "0"]).contains("max-time = 0 is not valid"));
+    assert!(refusal(&["run", "no/such/file.toml"]).contains("no/such/file.toml"));
+}
+
+#[test]
+fn an_unstable_step_is_reported_with_time_and_step_and_keeps_what_it_had() {
+    // Velocity Verlet needs h omega < 2: omega = 2 here, and two steps a period are h omega = pi.
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let message = refusal(&["run", "tw-q15", "--integrator", "verlet", "--steps-per-period", "2", "--out", out]);
+    assert!(message.contains("unstable: energy went from") && message.contains("step"), "{message}");
+    let energies = std::fs::read_to_string(folder.path().join("energy.csv")).unwrap();
+    assert!(energies.lines().count() > 1, "what it had is kept");
+    let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert!(summary["failure"].as_str().unwrap().contains("unstable"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "in the way").unwrap();
+    let out = file.join("under");
+    for command in ["run", "compare"] {
+        let message = refusal(&[command, "tw-q15", "--out", out.to_str().unwrap()]);
+        assert!(message.contains("under") && message.lines().count() == 1, "{message}");
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "in the way");
+}
+
+#[test]
+fn chains_of_one_and_two_beads_run_with_every_method() {
+    let folder = tempfile::tempdir().unwrap();
+    for sites in [1, 2] {
+        for boundary in ["free", "fixed", "ring", "strain-ring"] {
+            let path = folder.path().join("short.toml");
+            let u = vec!["0.1"; sites].join(", ");
+            let text = format!(
+                "name = \"short\"\n[chain]\nsites = {sites}\nalpha = 1.5\nkappa = 1.0\nrho = 1.0\nboundary = \"{boundary}\"\n\
+                 [initial]\nkind = \"state\"\nu = [{u}]\nv = [{u}]\n[span]\nperiods = 3\n"
+            );
+            std::fs::write(&path, text).unwrap();
+            for method in ["verlet", "strang-linear", "dop853"] {
+                json(&["run", path.to_str().unwrap(), "--integrator", method, "--json"]);
+            }
+        }
+    }
+}
