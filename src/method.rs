@@ -34,7 +34,7 @@ pub enum Method {
 pub enum Setting {
     /// This many equal steps over the whole span.
     Steps(u64),
-    /// Relative and absolute tolerance of a step.
+    /// Tolerance of a step: relative, and absolute in units of the largest entry of the initial state.
     Tolerance(f64),
 }
 
@@ -119,7 +119,10 @@ impl Method {
             (Self::Dop853, Setting::Tolerance(tol)) => {
                 let field = Field::new(chain);
                 debug_assert_eq!(VectorField::<f64>::dim(&field), y.len());
-                Ok(Box::new(Dop853::new(field, y, span, Options::new(tol))?))
+                // Absolute errors are counted in units of the state, so that small waves are not waved through.
+                let size = y.iter().fold(0.0, |largest: f64, value| value.abs().max(largest));
+                let atol = if size > 0.0 { tol * size } else { tol };
+                Ok(Box::new(Dop853::new(field, y, span, Options { atol, ..Options::new(tol) })?))
             }
             (Self::Splitting(..), Setting::Tolerance(tol)) => {
                 Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))

@@ -357,20 +357,13 @@ impl LinearReference {
     fn store(&self) -> Vec<f64> {
         let ((sin, cos), tau, omega) = (self.theta.sin_cos(), self.tau.value(), self.omega.value());
         let rho = self.chain.params().rho;
-        let centre = |s: &Modes| (s.r0 + s.v * tau, s.v);
-        let oscillation = |s: &Modes| (s.c * cos + s.s * sin, omega * (s.s * cos - s.c * sin));
-        let beads = |part: fn((f64, f64)) -> f64| {
-            self.sites.iter().map(move |s| part(centre(s)) + part(oscillation(s))).collect::<Vec<_>>()
-        };
-        let resonators = |part: fn((f64, f64)) -> f64| {
-            self.sites.iter().map(move |s| part(centre(s)) - part(oscillation(s)) / rho).collect::<Vec<_>>()
-        };
-        let (position, velocity): (fn((f64, f64)) -> f64, fn((f64, f64)) -> f64) = (|pair| pair.0, |pair| pair.1);
-        if self.chain.layout().resonators() {
-            [beads(position), resonators(position), beads(velocity), resonators(velocity)].concat()
-        } else {
-            [beads(position), beads(velocity)].concat()
-        }
+        let centre = |s: &Modes| [s.r0 + s.v * tau, s.v];
+        let oscillation = |s: &Modes| [s.c * cos + s.s * sin, omega * (s.s * cos - s.c * sin)];
+        let beads = |part: usize| self.sites.iter().map(move |s| centre(s)[part] + oscillation(s)[part]);
+        let resonators = |part: usize| self.sites.iter().map(move |s| centre(s)[part] - oscillation(s)[part] / rho);
+        let moving = self.chain.layout().resonators();
+        let half = |part: usize| beads(part).chain(resonators(part).take(if moving { usize::MAX } else { 0 }));
+        half(0).chain(half(1)).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every scheme on both flows of the chain: structure, order with and without contacts that open, exactness, counts.
 
-use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
+use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, State};
 use hertzchain::integrators::{
     Dop853, Error, Observer, Scheme, Silent, SplitFlow, Splitting, Stats, Stepper, Stop, Twofold, VectorField,
     dop853::Options,
@@ -9,7 +9,7 @@ use hertzchain::integrators::{
 };
 use nalgebra::DMatrix;
 use std::{f64::consts::PI, ops::ControlFlow};
-use tables::{ABA864, ALL, KAHAN_LI8, SRKN6_4, STRANG, YOSHIDA4, YOSHIDA6, YOSHIDA8};
+use tables::{ALL, STRANG, YOSHIDA4};
 
 const EPS: f64 = f64::EPSILON;
 const FLOWS: [Flow; 2] = [Flow::Kinetic, Flow::Linear];
@@ -58,17 +58,14 @@ fn natural(flow: Flow) -> First {
     }
 }
 
-fn start<S: SplitFlow<f64>>(
+fn start<S: SplitFlow<f64> + 'static>(
     scheme: &Scheme,
     first: First,
     mut flow: S,
     y: &[f64],
     end: f64,
     steps: u64,
-) -> Box<dyn Stepper<f64>>
-where
-    S: 'static,
-{
+) -> Box<dyn Stepper<f64>> {
     flow.load(y);
     Box::new(Splitting::new(scheme, first, flow, (0.0, end), steps).unwrap())
 }
@@ -184,7 +181,7 @@ fn every_step_is_symplectic() {
             }
         }
     }
-    assert_below(worst, 1e-10, "J^T W J - W");
+    assert_below(worst, 6e-12, "J^T W J - W");
     // A check that lets everything pass is none: Euler's step is off by h^2 f'.
     let euler = |y: &[f64]| {
         let mut dy = vec![0.0; y.len()];
@@ -217,7 +214,7 @@ fn a_run_with_reversed_velocities_leads_back_to_its_start() {
             }
         }
     }
-    assert_below(worst, 300.0, "way back, in eps");
+    assert_below(worst, 80.0, "way back, in eps");
 }
 
 /// Looks at the given times and keeps what it sees.
@@ -313,7 +310,7 @@ fn every_scheme_has_its_order_and_no_more_while_no_contact_opens() {
 fn a_look_inside_a_step_is_as_accurate_as_the_run() {
     // Truth: DOP853. The time lies elsewhere in the step on every rung of the ladder.
     let (chain, y) = smooth_motion();
-    let t = 2.718;
+    let t = 2.7;
     let truth = by_dop853(&chain, &y, t);
     for flow in FLOWS {
         for scheme in ALL {
@@ -330,7 +327,7 @@ fn a_look_inside_a_step_is_as_accurate_as_the_run() {
 
 /// The order of every scheme on both flows where some twenty contacts close or open: typical errors over eight motions,
 /// since a single one depends on where in a step each event falls.
-fn orders_with_events(alpha: f64, steps: &[u64], assert: impl Fn(Flow, &Scheme, f64)) {
+fn orders_with_events(alpha: f64, schemes: &[Scheme], steps: &[u64], want: impl Fn(&Scheme) -> (f64, f64)) {
     let end = 12.0;
     let chain = walled(alpha, 0.5, 6);
     let motions: Vec<_> = (0..8).map(|seed| random_state(&chain, 100 + seed, 1.0)).collect();
@@ -351,10 +348,10 @@ fn orders_with_events(alpha: f64, steps: &[u64], assert: impl Fn(Flow, &Scheme, 
         (errors[3] * errors[4]).sqrt()
     };
     for flow in FLOWS {
-        for scheme in ALL {
+        for scheme in schemes {
             let errors: Vec<_> = steps.iter().map(|&steps| (steps as f64, typical(flow, scheme, steps))).collect();
-            println!("{errors:?}");
-            assert(flow, scheme, slope(&errors));
+            let (order, tolerance) = want(scheme);
+            assert_near(slope(&errors), order, tolerance, &format!("events, {alpha}, {} {flow:?}", scheme.name));
         }
     }
 }
@@ -362,25 +359,16 @@ fn orders_with_events(alpha: f64, steps: &[u64], assert: impl Fn(Flow, &Scheme, 
 #[test]
 fn events_bring_every_order_down_to_alpha_plus_one() {
     // Truth: a step that meets an event is off by h^(alpha+1), and the number of events does not depend on h.
-    orders_with_events(1.5, &[256, 512, 1024, 2048, 4096, 8192], |flow, scheme, order| {
-        let what = format!("events, {} {flow:?}", scheme.name);
-        match scheme.order {
-            2 => assert_near(order, 2.0, 0.15, &what),
-            _ => assert_near(order, 2.5, 0.3, &what),
-        }
-    });
+    let steps = [256, 512, 1024, 2048, 4096, 8192];
+    orders_with_events(1.5, ALL, &steps, |scheme| if scheme.order == 2 { (2.0, 0.15) } else { (2.5, 0.3) });
 }
 
 #[test]
 fn events_of_a_smooth_enough_law_leave_order_four() {
-    // Truth: as above, min(p, alpha + 1).
-    orders_with_events(3.0, &[256, 362, 512, 724, 1024], |flow, scheme, order| {
-        let what = format!("events, alpha = 3, {} {flow:?}", scheme.name);
-        match scheme.order {
-            4 => assert_near(order, 4.0, 0.3, &what),
-            p => println!("{what}: {order}, {p}"),
-        }
-    });
+    // Truth: min(p, alpha + 1), as above.
+    let low: Vec<Scheme> = ALL.iter().copied().filter(|scheme| scheme.order <= 4).collect();
+    let want = |scheme: &Scheme| (f64::from(scheme.order), 0.3);
+    orders_with_events(3.0, &low, &[256, 362, 512, 724, 1024], want);
 }
 
 /// Beads that never touch, each against its resonator with its own amplitude and phase.
@@ -445,51 +433,77 @@ fn a_million_steps_lose_nothing_where_no_contact_acts() {
     // Truth: the closed form. The flow stores no rotated state, so that nothing piles up.
     let breather = Breather::new();
     let got = integrate(&breather.chain, Flow::Linear, &STRANG, &breather.at(0.0), 1e5, 1_000_000);
-    assert_below(gap(&got, &breather.at(1e5)) / EPS, 30.0, "a million steps, in eps");
+    assert_below(gap(&got, &breather.at(1e5)) / EPS, 16.0, "a million steps, in eps");
+}
+
+/// Relative errors of the energy over time, every 331 steps (nothing a period could be a multiple of).
+fn energy_errors(chain: &Chain<f64>, run: &mut dyn Stepper<f64>, y: &[f64]) -> Vec<(f64, f64)> {
+    let initial = chain.energy(y).total();
+    let (mut y, mut errors) = (y.to_vec(), Vec::new());
+    while !run.done() {
+        run.step().unwrap();
+        if run.stats().steps % 331 == 0 {
+            run.sample(run.time(), &mut y);
+            errors.push((run.time(), chain.energy(&y).total() / initial - 1.0));
+        }
+    }
+    errors
+}
+
+/// What the fitted line gains over the run, and the root mean square of what it leaves.
+fn drift_and_scatter(errors: &[(f64, f64)]) -> (f64, f64) {
+    let (slope, at_zero) = line(errors);
+    let rest: f64 = errors.iter().map(|(t, error)| (error - at_zero - slope * t).powi(2)).sum();
+    (slope * errors[errors.len() - 1].0, (rest / errors.len() as f64).sqrt())
 }
 
 #[test]
-fn explore_energy() {
-    let go = |chain: &Chain<f64>, flow: Flow, y: &[f64], periods: u64, per: u64, what: &str| {
-        let end = periods as f64 * PI;
-        let e0 = chain.energy(&y).total();
-        let mut run = stepper(&chain, flow, &STRANG, natural(flow), &y, end, per * periods);
-        let mut s = y.to_vec();
-        let mut pts = vec![];
-        let mut k = 0;
-        while !run.done() {
-            run.step().unwrap();
-            k += 1;
-            if k % 331 == 0 {
-                run.sample(run.time(), &mut s);
-                pts.push((run.time(), chain.energy(&s).total() / e0 - 1.0));
-            }
-        }
-        let (sl, _) = line(&pts);
-        let mean = pts.iter().map(|p| p.1).sum::<f64>() / pts.len() as f64;
-        let sd = (pts.iter().map(|p| (p.1 - mean).powi(2)).sum::<f64>() / pts.len() as f64).sqrt();
-        let max = pts.iter().map(|p| (p.1 - mean).abs()).fold(0.0, f64::max);
-        println!("{what}: drift {:.2e} sd {sd:.2e} max {max:.2e}", sl * end);
-        sl * end
+fn the_energy_does_not_drift_over_a_hundred_thousand_periods() {
+    // Truth: a symplectic scheme of a smooth system nearly keeps a nearby energy. Two ways to be smooth enough with
+    // contacts that open: alpha = 3, and a regular motion (at alpha = 3/2 chaos and kinks make a random walk: below).
+    // Measured: 0.16 of the scatter (up to 0.28 over six smooth motions) and 0.001; the largest error is 8.5 and 3.2 times
+    // the scatter.
+    let smooth = (walled(3.0, 1.0 / 3.0, 6), 7, 0.3, 32);
+    let regular = (walled(1.5, f64::INFINITY, 2), 10, 0.1, 64);
+    let mut scatter_of_strang = 0.0;
+    for ((chain, seed, size, steps), name) in [(&regular, "regular"), (&smooth, "smooth")] {
+        let y = random_state(chain, *seed, *size);
+        let period = 2.0 * PI / chain.params().omega();
+        let mut run = stepper(chain, Flow::Linear, &STRANG, First::Drift, &y, 1e5 * period, 100_000 * steps);
+        let errors = energy_errors(chain, &mut *run, &y);
+        let (drift, scatter) = drift_and_scatter(&errors);
+        let largest = errors.iter().fold(0.0, |max: f64, (_, error)| max.max(error.abs()));
+        println!("{name}: drift {drift:.2e}, scatter {scatter:.2e}, largest {largest:.2e}");
+        assert_below(drift.abs() / scatter, 0.5, "drift over scatter");
+        assert_below(largest, 17.0 * scatter, "largest error");
+        scatter_of_strang = scatter;
+    }
+    // A method of order eight with more evaluations a period drifts away in a fiftieth of the time.
+    let (chain, seed, size, _) = &smooth;
+    let y = random_state(chain, *seed, *size);
+    let mut run = Dop853::fixed(Field::new(chain.clone()), &y, (0.0, 2000.0 * PI), 8000).unwrap();
+    let (drift, _) = drift_and_scatter(&energy_errors(chain, &mut run, &y));
+    println!("DOP853 {drift:.2e}");
+    assert!(drift.abs() > 10.0 * scatter_of_strang, "{drift:e}");
+}
+
+#[test]
+fn in_chaos_the_kinks_of_the_law_make_the_energy_wander() {
+    // Truth: every event leaves an error of h^(alpha+1) with a sign that chaos makes random: a random walk with steps of
+    // that size, here h^2.5, in place of the h^2 of the smooth case. Root mean square over 40 motions.
+    let chain = walled(1.5, 1.0 / 3.0, 6);
+    let wandering = |per_period: u64| {
+        let motion = |seed| {
+            let y = random_state(&chain, seed, 1.0);
+            let steps = 2000 * per_period;
+            let mut run = stepper(&chain, Flow::Linear, &STRANG, First::Drift, &y, 2000.0 * PI, steps);
+            drift_and_scatter(&energy_errors(&chain, &mut *run, &y)).0.powi(2)
+        };
+        ((0..40).map(motion).sum::<f64>() / 40.0).sqrt()
     };
-    for rho in [1.0 / 3.0, f64::INFINITY] {
-        for n in [1, 2, 4] {
-            for size in [0.001, 0.01, 0.1] {
-                let chain = Chain::new(Params::new(1.5, 1.0, rho).unwrap(), Boundary::Fixed, n).unwrap();
-                let y = random_state(&chain, 7, size);
-                go(&chain, Flow::Linear, &y, 20_000, 32, &format!("rho {rho} n {n} size {size}"));
-            }
-        }
-    }
-    for per in [32, 64, 128] {
-        let mut sum = 0.0;
-        for seed in 0..8 {
-            let chain = walled(1.5, 1.0 / 3.0, 6);
-            let y = random_state(&chain, 7 + seed, 1.0);
-            sum += go(&chain, Flow::Linear, &y, 10_000, per, &format!("per {per}")).powi(2);
-        }
-        println!("per {per} rms {:.3e}", (sum / 8.0_f64).sqrt());
-    }
+    let points = [32, 64, 128].map(|per_period| (per_period as f64, wandering(per_period)));
+    println!("{points:?}");
+    assert_near(slope(&points), 2.5, 0.4, "order of the wandering");
 }
 
 #[test]

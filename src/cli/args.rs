@@ -56,7 +56,8 @@ pub(super) struct RunArgs {
     /// Step size, in units of time; made smaller where a whole number of steps must fit the span.
     #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
     pub(super) step: Option<f64>,
-    /// Relative and absolute tolerance of a step, for dop853 [default: 1e-10].
+    /// Tolerance of a step, for dop853: relative, and absolute in units of the largest entry of the initial state [default:
+    /// 1e-10].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(super) tol: Option<f64>,
     /// End time, in units of time [default: the scene's].

@@ -116,12 +116,11 @@ impl Comparison {
             .map(|(slope, _)| slope)
     }
 
-    /// The fastest row whose error is at most `error`, marked rows left out.
+    /// The fastest row whose error is certainly at most `error`: its own and that of the reference together.
     pub fn fastest(&self, error: f64) -> Option<&Row> {
-        self.rows
-            .iter()
-            .filter(|row| !row.below_reference && row.error.is_some_and(|e| e <= error))
-            .min_by(|a, b| a.wall.unwrap_or(f64::MAX).total_cmp(&b.wall.unwrap_or(f64::MAX)))
+        let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
+        let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
+        self.rows.iter().filter(reaches).min_by(|a, b| wall(a).total_cmp(&wall(b)))
     }
 }
 

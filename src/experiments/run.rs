@@ -17,6 +17,9 @@ const ENERGY_BOUND: f64 = 10.0;
 /// The same for the largest entry of a state that has no energy.
 const SIZE_BOUND: f64 = 1e3;
 
+/// Most numbers that profiles may hold (half a gigabyte); longer runs of longer chains keep every k-th sample.
+const MOST_NUMBERS: usize = 1 << 26;
+
 /// What to keep on the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Records {
@@ -106,6 +109,8 @@ struct Recorder<'a> {
     records: Records,
     progress: &'a mut dyn FnMut(f64),
     taken: usize,
+    /// Samples from one kept profile to the next.
+    stride: usize,
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
@@ -124,6 +129,7 @@ impl<'a> Recorder<'a> {
             records,
             progress,
             taken: 0,
+            stride: (y.len() * (scene.file().record.samples + 1)).div_ceil(MOST_NUMBERS),
             has_energy,
             initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
             initial_size: largest_entry(y),
@@ -168,7 +174,7 @@ impl Observer<f64> for Recorder<'_> {
         self.taken += 1;
         let energy = self.check(t, y, stats)?;
         self.samples.push(Sample { t, energy });
-        if self.records == Records::Profiles {
+        if self.records == Records::Profiles && (self.taken - 1).is_multiple_of(self.stride) {
             self.profiles.push(Profile { t, x: self.scene.strains(y), state: y.to_vec() });
         }
         (self.progress)(t);

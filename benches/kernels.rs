@@ -1,0 +1,182 @@
+//! Time of one step per site, against the bare loop that a step cannot do without: `x sqrt(max(x, 0))`.
+//!
+//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then criterion's groups.
+
+use criterion::{Criterion, Throughput};
+use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
+use hertzchain::integrators::{
+    Kernel, Real, SplitFlow, Splitting, Stepper,
+    splitting::{First, tables::STRANG},
+};
+use std::{
+    hint::black_box,
+    time::{Duration, Instant},
+};
+
+const SIZES: [usize; 3] = [1_000, 100_000, 1_000_000];
+const STEP: f64 = 0.01;
+
+/// Something that is repeated under the clock, and the check of what it did.
+struct Work {
+    name: String,
+    sites: usize,
+    once: Box<dyn FnMut()>,
+    check: Box<dyn Fn()>,
+}
+
+/// The bare loop, compiled for the vector unit as the sweeps are.
+struct Bare<'a> {
+    x: &'a [f64],
+    f: &'a mut [f64],
+}
+
+impl Kernel for Bare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (f, &x) in self.f.iter_mut().zip(self.x) {
+            *f = x * x.max(0.0).sqrt();
+        }
+    }
+}
+
+/// Entries in (-1/2, 1/2) without a pattern.
+fn noise(len: usize) -> Vec<f64> {
+    (0..len).map(|i| (0.618_033_988_749_894_9 * i as f64 + 0.3 * (i as f64).sin()).fract() - 0.5).collect()
+}
+
+fn bare(sites: usize) -> Work {
+    let x = noise(sites);
+    let mut f = vec![0.0; sites];
+    let once = move || {
+        f64::run(Bare { x: black_box(&x), f: &mut f });
+        let (i, force) = (sites / 3, black_box(&f)[sites / 3]);
+        assert_eq!(force, x[i] * x[i].max(0.0).sqrt());
+    };
+    Work { name: "bare loop".into(), sites, once: Box::new(once), check: Box::new(|| ()) }
+}
+
+/// Strang's scheme on a flow, for ever; the check is that energy is conserved.
+fn steps<S: SplitFlow<f64> + 'static>(name: String, chain: Chain<f64>, mut flow: S, first: First, y: &[f64]) -> Work {
+    use std::{cell::RefCell, rc::Rc};
+    flow.load(y);
+    let count = 1_000_000_000;
+    let run = Splitting::new(&STRANG, first, flow, (0.0, STEP * count as f64), count).unwrap();
+    let run = Rc::new(RefCell::new(run));
+    let (running, sites, initial, dim) = (run.clone(), chain.sites(), chain.energy(y).total(), y.len());
+    let once = move || running.borrow_mut().step().unwrap();
+    let check = move || {
+        let mut y = vec![0.0; dim];
+        let mut run = run.borrow_mut();
+        let now = run.time();
+        run.sample(now, &mut y);
+        let error = (chain.energy(&y).total() / initial - 1.0).abs();
+        assert!(error < 1e-3, "the energy is off by {error:e} at t = {now}");
+    };
+    Work { name, sites, once: Box::new(once), check: Box::new(check) }
+}
+
+fn verlet(name: &str, chain: &Chain<f64>, y: &[f64]) -> Work {
+    steps(format!("verlet, {name}"), chain.clone(), KineticFlow::new(chain.clone()), First::Kick, y)
+}
+
+fn strang(name: &str, chain: &Chain<f64>, y: &[f64]) -> Work {
+    steps(format!("strang-linear, {name}"), chain.clone(), LinearFlow::new(chain.clone()), First::Drift, y)
+}
+
+fn ring(rho: f64, sites: usize) -> Chain<f64> {
+    Chain::new(Params::new(1.5, 1.0, rho).unwrap(), Boundary::Ring, sites).unwrap()
+}
+
+/// The bare loop, then both splittings of the three models; half of the contacts are closed.
+fn kernels(sites: usize) -> Vec<Work> {
+    let mut works = vec![bare(sites)];
+    for (name, rho) in [("resonant", 1.0 / 3.0), ("plain", 0.0), ("cradle", f64::INFINITY)] {
+        let chain = ring(rho, sites);
+        let y = noise(chain.layout().dim());
+        works.push(verlet(name, &chain, &y));
+        works.push(strang(name, &chain, &y));
+    }
+    works
+}
+
+/// A long plain chain at rest but for its first bead, and the same with all beads moving.
+fn subnormals() -> Vec<Work> {
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 100_000).unwrap();
+    let mut struck = vec![0.0; chain.layout().dim()];
+    struck[chain.sites()] = 1.0;
+    let moving = noise(chain.layout().dim());
+    [("struck", struck), ("moving", moving)]
+        .iter()
+        .flat_map(|(name, y)| [verlet(name, &chain, y), strang(name, &chain, y)])
+        .collect()
+}
+
+/// Median nanoseconds per site and step of each work. They take turns, so that a busy machine is unfair to none.
+fn medians(works: &mut [Work]) -> Vec<f64> {
+    let mut samples = vec![Vec::new(); works.len()];
+    for round in 0..31 {
+        for (work, samples) in works.iter_mut().zip(&mut samples) {
+            let repeats = (1_000_000 / work.sites).max(2);
+            let start = Instant::now();
+            (0..repeats).for_each(|_| (work.once)());
+            let time = start.elapsed().as_secs_f64();
+            if round > 0 {
+                samples.push(1e9 * time / (repeats * work.sites) as f64);
+            }
+        }
+    }
+    works.iter().for_each(|work| (work.check)());
+    let median = |samples: &mut Vec<f64>| {
+        samples.sort_by(f64::total_cmp);
+        samples[samples.len() / 2]
+    };
+    samples.iter_mut().map(median).collect()
+}
+
+fn table() {
+    println!("{:>9}  {:24} {:>10} {:>8} {:>11}", "sites", "step", "ns/site", "x bare", "x resonant");
+    for sites in SIZES {
+        let mut works = kernels(sites);
+        let times = medians(&mut works);
+        for (i, (work, &time)) in works.iter().zip(&times).enumerate() {
+            let resonant = if i == 0 { String::new() } else { format!("{:.2}", time / times[2 - i % 2]) };
+            println!("{sites:>9}  {:24} {time:>10.3} {:>8.2} {resonant:>11}", work.name, time / times[0]);
+        }
+    }
+    let mut works = subnormals();
+    let times = medians(&mut works);
+    for (i, (work, &time)) in works.iter().zip(&times).enumerate() {
+        println!("{:>9}  {:24} {time:>10.3}   x moving {:.2}", work.sites, work.name, time / times[2 + i % 2]);
+    }
+    for (struck, moving) in times[..2].iter().zip(&times[2..]) {
+        assert!(struck < &(1.25 * moving), "a wave into a chain at rest is slow: {struck} ns, not {moving} ns");
+    }
+}
+
+fn bench(criterion: &mut Criterion, group: &str, works: Vec<Work>) {
+    let mut group = criterion.benchmark_group(group);
+    for mut work in works {
+        group.throughput(Throughput::Elements(work.sites as u64));
+        group.bench_function(&work.name, |bencher| bencher.iter(|| (work.once)()));
+        (work.check)();
+    }
+    group.finish();
+}
+
+fn main() {
+    if !std::env::args().any(|argument| ["--test", "--list"].contains(&argument.as_str())) {
+        table();
+    }
+    let mut criterion = Criterion::default()
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(2))
+        .sample_size(20)
+        .configure_from_args();
+    for sites in SIZES {
+        bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
+    }
+    bench(&mut criterion, "subnormals", subnormals());
+    criterion.final_summary();
+}

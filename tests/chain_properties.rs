@@ -1,0 +1,160 @@
+//! What every chain keeps, whatever its parameters: energy, momentum, reflection, scaling.
+
+use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
+use hertzchain::integrators::{
+    Silent, SplitFlow, Splitting, drive,
+    splitting::{First, tables::STRANG},
+};
+use proptest::{prelude::*, test_runner::Config};
+
+const EPS: f64 = f64::EPSILON;
+const STEPS: u64 = 200;
+
+/// A chain and a state of it.
+#[derive(Clone, Debug)]
+struct Motion {
+    chain: Chain<f64>,
+    y: Vec<f64>,
+}
+
+fn config() -> Config {
+    Config { cases: 256, failure_persistence: None, ..Config::default() }
+}
+
+fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
+    (from.ln()..to.ln()).prop_map(f64::exp)
+}
+
+fn exponents() -> impl Strategy<Value = f64> {
+    prop_oneof![0.5..5.0, prop::sample::select(vec![1.0, 1.5, 2.0, 3.0, 4.0, 5.0])]
+}
+
+const ISOLATED: &[Boundary] = &[Boundary::Free, Boundary::Ring, Boundary::StrainRing];
+const ALL: &[Boundary] = &[Boundary::Free, Boundary::Ring, Boundary::StrainRing, Boundary::Fixed];
+
+/// Motions of all chains with these boundaries; `heaviest` stands for a sixth of all resonators.
+fn motions(boundaries: &'static [Boundary], heaviest: f64) -> impl Strategy<Value = Motion> {
+    let rho = prop_oneof![1 => Just(0.0), 1 => Just(heaviest), 4 => log_uniform(1e-3, 1e3)];
+    let kappa = prop_oneof![1 => Just(0.0), 9 => log_uniform(1e-3, 1e3)];
+    let entries = prop::collection::vec(-1.0..1.0, 4 * 40);
+    (exponents(), kappa, rho, prop::sample::select(boundaries), 1..=40_usize, 0.0..0.5, 0.1..1.0, entries).prop_map(
+        |(alpha, kappa, rho, boundary, sites, delta, size, entries): (_, _, _, _, _, _, f64, Vec<f64>)| {
+            let params = Params::new(alpha, kappa, rho).unwrap();
+            let delta = if matches!(boundary, Boundary::Fixed | Boundary::Ring) { delta } else { 0.0 };
+            let chain = Chain::new(params, boundary, sites).unwrap().precompressed(delta).unwrap();
+            let y: Vec<f64> = entries[..chain.layout().dim()].iter().map(|entry| size * entry).collect();
+            Motion { y: if boundary == Boundary::StrainRing { strains(&chain, &y) } else { y }, chain }
+        },
+    )
+}
+
+/// Differences of displacements around a ring: strains with an energy.
+fn strains(chain: &Chain<f64>, y: &[f64]) -> Vec<f64> {
+    let n = chain.sites();
+    y.chunks(n).flat_map(|q| (0..n).map(move |i| q[i] - q[(i + n - 1) % n])).collect()
+}
+
+impl Motion {
+    fn energy(&self, y: &[f64]) -> f64 {
+        self.chain.energy(y).total()
+    }
+
+    /// The stiffest frequency: of springs, and of a contact that holds all the energy.
+    fn stiffest(&self) -> f64 {
+        let alpha = self.chain.params().alpha;
+        let overlap = ((alpha + 1.0) * self.energy(&self.y)).powf(1.0 / (alpha + 1.0));
+        let contact = (alpha + 1.0) * overlap.powf(alpha - 1.0);
+        (self.chain.params().omega().powi(2).max(contact)).sqrt().max(1e-9)
+    }
+
+    fn linear(&self, end: f64) -> Vec<f64> {
+        run(LinearFlow::new(self.chain.clone()), &self.y, end)
+    }
+
+    fn kinetic(&self, end: f64) -> Vec<f64> {
+        run(KineticFlow::new(self.chain.clone()), &self.y, end)
+    }
+}
+
+/// The state after `STEPS` steps of Strang's scheme.
+fn run(mut flow: impl SplitFlow<f64>, y: &[f64], end: f64) -> Vec<f64> {
+    flow.load(y);
+    let mut run = Splitting::new(&STRANG, First::Drift, flow, (0.0, end), STEPS).unwrap();
+    let mut y = y.to_vec();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |max: f64, value| max.max(value.abs()))
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    /// Truth: the modified energy of Strang's scheme, E + h^2 ({f, f}/12 - V''/24) with V'' along the linear flow; for
+    /// alpha >= 1 Cauchy's inequality bounds the bracket by 0.75 stiffest^2 E, and it counts at both ends of the run.
+    /// Steeper laws are off by h^(alpha+1) at events. Measured over 20 000 cases: 0.41, and 0.78 for alpha < 1.
+    #[test]
+    fn energy_is_kept_to_the_order_of_the_scheme(motion in motions(ALL, f64::INFINITY)) {
+        let share = 0.05;
+        let end = motion.linear(share / motion.stiffest() * STEPS as f64);
+        let error = (motion.energy(&end) - motion.energy(&motion.y)).abs();
+        let order = (motion.chain.params().alpha + 1.0).min(2.0);
+        prop_assert!(error <= 1.5 * share.powf(order) * motion.energy(&motion.y), "{error:e}");
+    }
+
+    /// Truth: forces come in pairs. Bound: half a rounding a kick, all to the same side; measured over 20 000 cases: 28 in all.
+    #[test]
+    fn momentum_is_kept_to_round_off(motion in motions(ISOLATED, 1e6)) {
+        let chain = &motion.chain;
+        let end = 0.05 * STEPS as f64 / motion.stiffest();
+        for y in [motion.linear(end), motion.kinetic(end)] {
+            let error = (chain.momentum(&y) - chain.momentum(&motion.y)).abs();
+            let masses = chain.sites() as f64 * (1.0 + if chain.layout().resonators() { chain.params().rho } else { 0.0 });
+            let scale = (2.0 * motion.energy(&motion.y) * masses).sqrt();
+            prop_assert!(error <= 0.5 * STEPS as f64 * EPS * scale, "{:e} eps", error / scale / EPS);
+        }
+    }
+
+    /// Truth: every operation of a sweep is odd in its arguments and the same at every site, so the bits are the same, too.
+    #[test]
+    fn a_mirror_image_moves_as_the_image_of_the_motion(motion in motions(ALL, f64::INFINITY)) {
+        let sign = if motion.chain.boundary() == Boundary::StrainRing { 1.0 } else { -1.0 };
+        let mirror = |y: &[f64]| -> Vec<f64> {
+            y.chunks(motion.chain.sites()).flat_map(|q| q.iter().rev().map(|q| sign * q)).collect()
+        };
+        let image = Motion { y: mirror(&motion.y), ..motion.clone() };
+        let end = 0.2 * STEPS as f64 / motion.stiffest();
+        prop_assert_eq!(image.linear(end), mirror(&motion.linear(end)));
+        prop_assert_eq!(image.kinetic(end), mirror(&motion.kinetic(end)));
+    }
+
+    /// Truth: dimensional analysis. What is left are roundings of the scaled parameters, amplified by the motion and, for
+    /// alpha < 1, by the steep onset of the force; measured over 20 000 cases: 650 eps, half of them below 9 eps.
+    #[test]
+    fn lengths_and_times_scale(motion in motions(ALL, f64::INFINITY), s in log_uniform(0.1, 10.0)) {
+        let (chain, params) = (&motion.chain, motion.chain.params());
+        let time = s.powf(0.5 * (1.0 - params.alpha));
+        let kappa = params.kappa * s.powf(params.alpha - 1.0);
+        let scaled = Chain::new(Params { kappa, ..params }, chain.boundary(), chain.sites()).unwrap();
+        let scaled = scaled.precompressed(s * chain.precompression()).unwrap();
+        let scale = |y: &[f64]| -> Vec<f64> {
+            let half = y.len() / 2;
+            y.iter().enumerate().map(|(i, y)| if i < half { s * y } else { s / time * y }).collect()
+        };
+        let larger = Motion { y: scale(&motion.y), chain: scaled };
+        let end = 0.05 * STEPS as f64 / motion.stiffest();
+        for (got, want) in [
+            (larger.linear(time * end), scale(&motion.linear(end))),
+            (larger.kinetic(time * end), scale(&motion.kinetic(end))),
+        ] {
+            let half = want.len() / 2;
+            for part in [0..half, half..2 * half] {
+                let size = largest(want[part.clone()].iter().chain(&larger.y[part.clone()]).copied());
+                let near = |i: usize| (got[i] - want[i]).abs() <= 1e4 * EPS * size;
+                prop_assert!(part.clone().all(near), "{:?}\n{:?}", &got[part.clone()], &want[part]);
+            }
+        }
+    }
+}
