@@ -1,6 +1,7 @@
 //! Time of one step per site, against the bare loop that a step cannot do without: `x sqrt(max(x, 0))`.
 //!
-//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then criterion's groups.
+//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then criterion's
+//! groups.
 
 use criterion::{Criterion, Throughput};
 use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};

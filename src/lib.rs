@@ -34,3 +34,8 @@ pub mod waves;
 
 pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;
+
+/// The example of the README, run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -104,20 +104,23 @@ proptest! {
         prop_assert!(error <= 1.5 * share.powf(order) * motion.energy(&motion.y), "{error:e}");
     }
 
-    /// Truth: forces come in pairs. Bound: half a rounding a kick, all to the same side; measured over 20 000 cases: 28 in all.
+    /// Truth: forces come in pairs. Bound: half a rounding a kick, all to the same side; measured over 20 000 cases: 28
+    /// in all.
     #[test]
     fn momentum_is_kept_to_round_off(motion in motions(ISOLATED, 1e6)) {
         let chain = &motion.chain;
         let end = 0.05 * STEPS as f64 / motion.stiffest();
         for y in [motion.linear(end), motion.kinetic(end)] {
             let error = (chain.momentum(&y) - chain.momentum(&motion.y)).abs();
-            let masses = chain.sites() as f64 * (1.0 + if chain.layout().resonators() { chain.params().rho } else { 0.0 });
+            let rho = if chain.layout().resonators() { chain.params().rho } else { 0.0 };
+            let masses = chain.sites() as f64 * (1.0 + rho);
             let scale = (2.0 * motion.energy(&motion.y) * masses).sqrt();
             prop_assert!(error <= 0.5 * STEPS as f64 * EPS * scale, "{:e} eps", error / scale / EPS);
         }
     }
 
-    /// Truth: every operation of a sweep is odd in its arguments and the same at every site, so the bits are the same, too.
+    /// Truth: every operation of a sweep is odd in its arguments and the same at every site, so the bits are the same,
+    /// too.
     #[test]
     fn a_mirror_image_moves_as_the_image_of_the_motion(motion in motions(ALL, f64::INFINITY)) {
         let sign = if motion.chain.boundary() == Boundary::StrainRing { 1.0 } else { -1.0 };
@@ -130,8 +133,8 @@ proptest! {
         prop_assert_eq!(image.kinetic(end), mirror(&motion.kinetic(end)));
     }
 
-    /// Truth: dimensional analysis. What is left are roundings of the scaled parameters, amplified by the motion and, for
-    /// alpha < 1, by the steep onset of the force; measured over 20 000 cases: 650 eps, half of them below 9 eps.
+    /// Truth: dimensional analysis. What is left are roundings of the scaled parameters, amplified by the motion and,
+    /// for alpha < 1, by the steep onset of the force; measured over 20 000 cases: 650 eps, half of them below 9 eps.
     #[test]
     fn lengths_and_times_scale(motion in motions(ALL, f64::INFINITY), s in log_uniform(0.1, 10.0)) {
         let (chain, params) = (&motion.chain, motion.chain.params());

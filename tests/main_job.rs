@@ -140,7 +140,8 @@ fn a_million_steps_do_not_drift() {
 
 #[test]
 fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
-    let methods = ["verlet", "strang-linear", "yoshida8-linear", "dop853"].map(|name| Method::named(name).unwrap()).to_vec();
+    let methods =
+        ["verlet", "strang-linear", "yoshida8-linear", "dop853"].map(|name| Method::named(name).unwrap()).to_vec();
     let scene = scene("tw-q15").until(31.4).unwrap();
     let comparison = compare(&scene, &CompareOptions { methods: methods.clone(), max_time: 20.0 }, &|_, _| ()).unwrap();
     assert_eq!(comparison.methods(), methods);

@@ -2,7 +2,7 @@
 
 use super::{
     Chain,
-    sweep::{Sites, sweep},
+    sweep::{Sites, positions_are_u, sweep},
 };
 use hertzchain_integrators::{Real, VectorField};
 
@@ -56,15 +56,7 @@ struct Accelerations<'a, R> {
 }
 
 impl<R: Real> Sites<R> for Accelerations<'_, R> {
-    #[inline(always)]
-    fn position(&self, i: usize) -> R {
-        self.u[i]
-    }
-
-    #[inline(always)]
-    fn positions<'a>(&'a self, start: usize, scratch: &'a mut [R]) -> &'a [R] {
-        &self.u[start..start + scratch.len()]
-    }
+    positions_are_u!();
 
     #[inline(always)]
     fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {

@@ -2,7 +2,7 @@
 
 use super::{
     Chain, Resonators,
-    sweep::{Sites, sweep},
+    sweep::{Sites, positions_are_u, sweep},
 };
 use hertzchain_integrators::{Real, SplitFlow, Twofold};
 
@@ -90,21 +90,6 @@ struct Resonant<'a, R> {
     dt: R,
     kappa: R,
     kick_v: R,
-}
-
-/// The positions of a flow that holds them as they are.
-macro_rules! positions_are_u {
-    () => {
-        #[inline(always)]
-        fn position(&self, i: usize) -> R {
-            self.u[i]
-        }
-
-        #[inline(always)]
-        fn positions<'a>(&'a self, start: usize, scratch: &'a mut [R]) -> &'a [R] {
-            &self.u[start..start + scratch.len()]
-        }
-    };
 }
 
 impl<R: Real> Sites<R> for Plain<'_, R> {

@@ -34,7 +34,7 @@ pub struct LinearFlow<R> {
     omega: Twofold<R>,
     two_pi: Twofold<R>,
     theta: Twofold<R>,
-    tau: Twofold<R>,
+    tau: R,
     kicks: u32,
 }
 
@@ -53,7 +53,7 @@ impl<R: Real> LinearFlow<R> {
             omega: chain.params().omega_twofold(),
             two_pi: Twofold::two_pi(),
             theta: Twofold::zero(),
-            tau: Twofold::zero(),
+            tau: R::zero(),
             kicks: 0,
             chain,
         }
@@ -74,12 +74,12 @@ impl<R: Real> LinearFlow<R> {
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
     fn anchor(&mut self) {
-        let tau = self.tau.value();
+        let tau = self.tau;
         let [r0, v] = &mut self.centre;
         for (r0, &v) in r0.iter_mut().zip(v.iter()) {
             *r0 += v * tau;
         }
-        self.tau = Twofold::zero();
+        self.tau = R::zero();
         self.kicks = 0;
     }
 
@@ -87,7 +87,7 @@ impl<R: Real> LinearFlow<R> {
     fn modes(&self, i: usize, (sin, cos): (R, R)) -> (R, R, R, R) {
         let omega = self.omega.value();
         let (r, v) = match &self.centre {
-            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau.value(), v[i]),
+            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
             _ => (R::zero(), R::zero()),
         };
         match &self.oscillation {
@@ -106,7 +106,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         let layout = self.chain.layout();
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         let omega = self.omega.value();
-        (self.theta, self.tau, self.kicks) = (Twofold::zero(), Twofold::zero(), 0);
+        (self.theta, self.tau, self.kicks) = (Twofold::zero(), R::zero(), 0);
         match (layout.v(y), layout.v_dot(y)) {
             (Some(v), Some(v_dot)) => {
                 let (m, mu) = self.shares();
@@ -162,7 +162,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
 
     fn drift(&mut self, dt: Twofold<R>) {
         self.theta = (self.theta + self.omega * dt).reduced(self.two_pi);
-        self.tau = self.tau + dt;
+        self.tau += dt.value();
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
@@ -172,7 +172,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         self.kicks += 1;
         let (m, mu) = self.shares();
         let (sin, cos) = self.theta.sin_cos();
-        let tau = self.tau.value();
+        let tau = self.tau;
         let per_omega = if mu == R::zero() { mu } else { kick * mu / self.omega.value() };
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
         let centre = Centre { r0, v, tau, kick_r0: -(kick * m * tau), kick_v: kick * m };

@@ -1,6 +1,6 @@
 //! One pass over the chain: positions, contact forces, update, a block of sites at a time.
 //!
-//! A block stays in registers and in the first-level cache, so that a sweep reads and writes each array once. Inner loops
+//! A block stays in the first-level cache, so that a sweep reads and writes each array once. Inner loops
 //! have no branch; [`Real::run`] compiles them for the vector unit at hand.
 
 use super::{
@@ -21,6 +21,22 @@ pub(crate) trait Sites<R> {
     /// Hands over the contact force on each of `len` sites from `start` on, and may then move them.
     fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R);
 }
+
+/// The positions of a flow that holds them as they are.
+macro_rules! positions_are_u {
+    () => {
+        #[inline(always)]
+        fn position(&self, i: usize) -> R {
+            self.u[i]
+        }
+
+        #[inline(always)]
+        fn positions<'a>(&'a self, start: usize, scratch: &'a mut [R]) -> &'a [R] {
+            &self.u[start..start + scratch.len()]
+        }
+    };
+}
+pub(crate) use positions_are_u;
 
 /// Visits every site of `chain` once.
 pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &mut S) {

@@ -1,4 +1,4 @@
-//! The command line: raw flags in [`args`], their meaning in one file a command.
+//! The command line: raw flags in `args`, their meaning in one file a command.
 
 mod args;
 mod compare;

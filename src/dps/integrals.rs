@@ -21,7 +21,7 @@ pub fn g_alpha(alpha: f64, kappa: f64, b: f64, r: f64) -> f64 {
 /// ```
 /// // b = 0 has a closed form: h_{3/2}(0, 1) = 2^{1/2} c, c = Gamma(1/2) Gamma(7/4) / (pi Gamma(9/4)).
 /// let h = hertzchain::dps::r_h_alpha(1.5, 1.0, 0.0, 1.0);
-/// assert!((h - 0.647_233_098_602_999_4).abs() < 1e-14);
+/// assert!((h - 0.647_223_121_426_055_2).abs() < 1e-14);
 /// ```
 pub fn r_h_alpha(alpha: f64, kappa: f64, b: f64, r: f64) -> f64 {
     average(alpha, kappa, b, r, f64::cos)

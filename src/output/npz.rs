@@ -1,8 +1,9 @@
-//! NPZ archives, as NumPy writes and reads them.
+//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a fixed date.
 
 use crate::error::{Error, Result};
-use npyz::{WriterBuilder, npz::NpzWriter};
+use npyz::{WriterBuilder, npz::file_name_from_array_name};
 use std::io::Cursor;
+use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
 /// A named array of an archive, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,12 +45,18 @@ pub fn npz(arrays: &[Array<'_>]) -> Result<Vec<u8>> {
 }
 
 fn write(bytes: &mut Cursor<Vec<u8>>, arrays: &[Array<'_>]) -> std::io::Result<()> {
-    let mut archive = NpzWriter::new(bytes);
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .large_file(true);
+    let mut archive = ZipWriter::new(bytes);
     for array in arrays {
+        archive.start_file(file_name_from_array_name(array.name), options)?;
         let mut writer =
-            archive.array(array.name, Default::default())?.default_dtype().shape(&array.shape).begin_nd()?;
+            npyz::WriteOptions::new().default_dtype().shape(&array.shape).writer(&mut archive).begin_nd()?;
         writer.extend(&array.values)?;
         writer.finish()?;
     }
+    archive.finish()?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Reports of a comparison.
 
-use super::{provenance, table};
+use super::table;
 use crate::{
     experiments::{Comparison, Row},
     output::to_json,
@@ -45,16 +45,16 @@ pub fn comparison_json(comparison: &Comparison) -> String {
     }))
 }
 
-/// The comparison as CSV, a line a row.
+/// The comparison as CSV, a line a row; no cell holds a comma or needs quotes.
 pub fn comparison_csv(comparison: &Comparison) -> Vec<u8> {
     let mut text = String::from(
         "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure\n",
     );
     let number = |value: Option<f64>| value.map(|value| format!("{value:e}")).unwrap_or_else(|| "nan".to_owned());
     for row in &comparison.rows {
-        let failure = row.failure.as_deref().unwrap_or_default().replace('"', "'");
+        let failure = row.failure.as_deref().unwrap_or_default().replace(',', ";");
         text += &format!(
-            "{},{},{:e},{},{},{},{},{},{},{},{},\"{failure}\"\n",
+            "{},{},{:e},{},{},{},{},{},{},{},{},{failure}\n",
             row.method.name(),
             row.setting,
             row.step,
@@ -158,27 +158,20 @@ pub fn comparison_png(comparison: &Comparison) -> crate::error::Result<Vec<u8>> 
             Curve { name: method.name(), family, points: points.collect(), slope: comparison.slope(method) }
         })
         .collect();
-    let (scene, params) = (&comparison.scene, comparison.scene.chain().params());
+    let scene = &comparison.scene;
+    let how = format!(
+        "t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
+        scene.end(),
+        comparison.reference.method,
+        comparison.reference.error_estimate,
+    );
     let figure = WorkPrecision {
         title: format!("{}: error against run time", scene.name()),
         work_label: "wall time (s), median of runs".to_owned(),
         error_label: "error max |xₙ − xₙ(ref)| / amplitude".to_owned(),
         curves,
         floor: Some(comparison.reference.error_estimate),
-        caption: format!(
-            "Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}, t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow \
-             points are too near to it to be trusted. {}.",
-            scene.name(),
-            scene.file().summary,
-            scene.chain().sites(),
-            params.alpha,
-            params.kappa,
-            params.rho,
-            scene.end(),
-            comparison.reference.method,
-            comparison.reference.error_estimate,
-            provenance()
-        ),
+        caption: super::provenance(scene, &how),
         families,
     };
     Ok(work_precision(&figure)?)

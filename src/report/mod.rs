@@ -13,7 +13,18 @@ pub use compare::comparison_png;
 #[cfg(feature = "plot")]
 pub use run::run_pictures;
 
-/// What every output says of where it comes from.
-fn provenance() -> String {
-    format!("hertzchain {}", env!("CARGO_PKG_VERSION"))
+/// The end of every caption: the scene with its parameters, and the program.
+#[cfg(feature = "plot")]
+fn provenance(scene: &crate::scene::Scene, how: &str) -> String {
+    let params = scene.chain().params();
+    format!(
+        "Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}. {how} hertzchain {}.",
+        scene.name(),
+        scene.file().summary,
+        scene.chain().sites(),
+        params.alpha,
+        params.kappa,
+        params.rho,
+        env!("CARGO_PKG_VERSION")
+    )
 }

@@ -1,6 +1,5 @@
 //! Reports of one run.
 
-use super::provenance;
 use crate::{
     chain::{Boundary, Energy},
     error::Result,
@@ -161,23 +160,12 @@ pub fn run_pictures(
     outcome: &Outcome,
 ) -> Result<Vec<(&'static str, Vec<u8>)>> {
     use crate::figures;
-    let params = scene.chain().params();
-    let caption = |what: &str| {
-        format!(
-            "{what} Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}. Integrator {}, {setting}. {}.",
-            scene.name(),
-            scene.file().summary,
-            scene.chain().sites(),
-            params.alpha,
-            params.kappa,
-            params.rho,
-            method.name(),
-            provenance()
-        )
-    };
+    let how = format!("Integrator {}, {setting}.", method.name());
+    let caption = |what: &str| format!("{what} {}", super::provenance(scene, &how));
     let mut pictures = vec![("profile.png", figures::profile(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
-        let range = strain_range(outcome);
+        let (range, clips) = strain_range(outcome);
+        let clipped = if clips { format!("; gaps beyond {range:.3e} have the darkest red") } else { String::new() };
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
@@ -188,9 +176,7 @@ pub fn run_pictures(
             first_site: 0.0,
             times: (0.0, last.t),
             signed: true,
-            caption: caption(&format!(
-                "Negative strain (blue) is contact, positive (red) a gap; gaps beyond {range:.3e} have the darkest red."
-            )),
+            caption: caption(&format!("Negative strain (blue) is contact, positive (red) a gap{clipped}.")),
         };
         pictures.push(("spacetime.png", figures::space_time(&figure)?));
     }
@@ -211,12 +197,14 @@ pub fn run_pictures(
     Ok(pictures)
 }
 
-/// The range of colours: all strains, but gaps only up to three times the largest overlap, so that contacts stay visible.
+/// The range of colours, and whether it clips: all strains, but gaps only up to three times the largest overlap, so that
+/// contacts stay visible.
 #[cfg(feature = "plot")]
-fn strain_range(outcome: &Outcome) -> f64 {
+fn strain_range(outcome: &Outcome) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
-    if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) }
+    let range = if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) };
+    (range, gap > range)
 }
 
 /// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.
