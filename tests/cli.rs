@@ -177,6 +177,7 @@ fn bad_numbers_are_refused_by_name_and_rule() {
         ("kappa = 1.0", "kappa = -1.0", "kappa = -1 is not valid"),
         ("rho = 0.3333333333333333", "rho = -0.5", "rho = -0.5 is not valid"),
         ("rho = 0.3333333333333333", "rho = inf", "travelling waves need resonators"),
+        ("rho = 0.3333333333333333", "rho = 1e-310", "rho = 0 leaves the resonators out"),
         ("detuning = 0.001", "detuning = -0.001", "detuning = -0.001 is not valid"),
         ("detuning = 0.001", "detuning = 0.001\nepsilon = 0.1", "exactly one of `epsilon` and `detuning`"),
         ("b = 1.0", "b = 2.5", "below 2 kappa a"),

@@ -67,10 +67,12 @@ where
     O: Observer<R> + ?Sized,
 {
     loop {
-        let time = stepper.time();
-        // A time that is the step's end but for rounding is the step's end.
-        let reached = time + R::of(4.0) * R::epsilon() * time.abs();
-        while let Some(t) = observer.next().filter(|&t| t <= reached) {
+        while let Some(t) = observer.next() {
+            let time = stepper.time();
+            // A time that is the step's end but for rounding is the step's end.
+            if t > time + R::of(4.0) * R::epsilon() * time.abs() {
+                break;
+            }
             stepper.sample(t.min(time), y);
             if observer.observe(t, y, stepper.stats())?.is_break() {
                 return Ok(Stop::Observer);

@@ -31,6 +31,10 @@ pub struct LinearFlow<R> {
     centre: [Vec<R>; 2],
     /// `[C, S]`, without the plain chain's.
     oscillation: [Vec<R>; 2],
+    /// `m, mu`: the shares of an impulse that go to `R'` and to `P'`.
+    m: R,
+    mu: R,
+    mu_over_omega: R,
     omega: Twofold<R>,
     two_pi: Twofold<R>,
     theta: Twofold<R>,
@@ -46,29 +50,25 @@ impl<R: Real> LinearFlow<R> {
             let len = if needed { n } else { 0 };
             [vec![R::zero(); len], vec![R::zero(); len]]
         };
-        let resonators = chain.params().resonators();
+        let params = chain.params();
+        let (one, rho, omega) = (R::one(), R::of(params.rho), params.omega_twofold());
+        let (m, mu) = match params.resonators() {
+            Resonators::None => (one, R::zero()),
+            Resonators::Fixed => (R::zero(), one),
+            Resonators::Moving => (one / (one + rho), one / (one + one / rho)),
+        };
         Self {
-            centre: arrays(resonators != Resonators::Fixed),
-            oscillation: arrays(resonators != Resonators::None),
-            omega: chain.params().omega_twofold(),
+            centre: arrays(params.resonators() != Resonators::Fixed),
+            oscillation: arrays(params.resonators() != Resonators::None),
+            m,
+            mu,
+            mu_over_omega: if params.resonators() == Resonators::None { mu } else { mu / omega.value() },
+            omega,
             two_pi: Twofold::two_pi(),
             theta: Twofold::zero(),
             tau: R::zero(),
             kicks: 0,
             chain,
-        }
-    }
-
-    /// `(m, mu)`: the shares of an impulse that go to `R'` and to `P'`.
-    fn shares(&self) -> (R, R) {
-        let rho = self.chain.params().rho;
-        match self.chain.params().resonators() {
-            Resonators::None => (R::one(), R::zero()),
-            Resonators::Fixed => (R::zero(), R::one()),
-            Resonators::Moving => {
-                let (one, rho) = (R::one(), R::of(rho));
-                (one / (one + rho), one / (one + one / rho))
-            }
         }
     }
 
@@ -109,7 +109,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         (self.theta, self.tau, self.kicks) = (Twofold::zero(), R::zero(), 0);
         match (layout.v(y), layout.v_dot(y)) {
             (Some(v), Some(v_dot)) => {
-                let (m, mu) = self.shares();
+                let (m, mu) = (self.m, self.mu);
                 for i in 0..u.len() {
                     self.centre[0][i] = m * u[i] + mu * v[i];
                     self.centre[1][i] = m * u_dot[i] + mu * v_dot[i];
@@ -170,12 +170,10 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
             self.anchor();
         }
         self.kicks += 1;
-        let (m, mu) = self.shares();
-        let (sin, cos) = self.theta.sin_cos();
-        let tau = self.tau;
-        let per_omega = if mu == R::zero() { mu } else { kick * mu / self.omega.value() };
+        let ((sin, cos), tau) = (self.theta.sin_cos(), self.tau);
+        let (kick_v, per_omega) = (kick * self.m, kick * self.mu_over_omega);
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
-        let centre = Centre { r0, v, tau, kick_r0: -(kick * m * tau), kick_v: kick * m };
+        let centre = Centre { r0, v, tau, kick_r0: -(kick_v * tau), kick_v };
         let oscillation = Oscillation { c, s, cos, sin, kick_c: -(per_omega * sin), kick_s: per_omega * cos };
         match chain.params().resonators() {
             Resonators::None => sweep(chain, &mut Modes::<R, true, false> { centre, oscillation }),

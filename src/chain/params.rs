@@ -46,7 +46,8 @@ impl Params {
         Ok(params)
     }
 
-    /// Checks the rules: `alpha` finite and positive, `kappa` finite and not negative, `rho` in `[0, inf]`.
+    /// Checks the rules: `alpha` finite and positive, `kappa` finite and not negative, `rho` in `[0, inf]`, and
+    /// not so small that `omega` overflows.
     ///
     /// # Errors
     /// The first value outside its rule.
@@ -59,6 +60,10 @@ impl Params {
         }
         if self.rho.is_nan() || self.rho < 0.0 {
             return Err(Error::parameter("rho", self.rho, "the mass ratio is in [0, inf]"));
+        }
+        if self.resonators() == Resonators::Moving && !(self.kappa / self.rho + self.rho.recip()).is_finite() {
+            let rule = "1/rho and kappa/rho are finite numbers; rho = 0 leaves the resonators out";
+            return Err(Error::parameter("rho", self.rho, rule));
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::{
     report::table,
     scene::{Scene, SceneFile},
 };
-use serde_json::json;
+use serde_json::{Value, json};
 use std::process::ExitCode;
 
 pub(super) fn main(args: &ScenesArgs) -> Exit {
@@ -18,7 +18,7 @@ pub(super) fn main(args: &ScenesArgs) -> Exit {
         Some(ScenesAction::Show { name }) => {
             let text = Scene::source(name)?;
             let scene = Scene::build(SceneFile::parse(&text, name)?)?;
-            print(&if args.json { to_json(scene.file()) + "\n" } else { text });
+            print(&if args.json { to_json(&scene_json(scene.file())) + "\n" } else { text });
         }
         None if args.json => {
             let list: Vec<_> =
@@ -32,4 +32,13 @@ pub(super) fn main(args: &ScenesArgs) -> Exit {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The scene as JSON; an infinite mass ratio, which JSON has no number for, as `"inf"`.
+fn scene_json(file: &SceneFile) -> Value {
+    let mut value = json!(file);
+    if file.chain.rho.is_infinite() {
+        value["chain"]["rho"] = json!("inf");
+    }
+    value
 }
