@@ -61,7 +61,12 @@ fn nearest_hint(nearest: &Option<String>) -> String {
 impl Error {
     /// A parameter outside its rule.
     pub fn parameter(name: &'static str, value: impl ToString, rule: &'static str) -> Self {
-        Self::Parameter { name, value: value.to_string(), rule }
+        let mut value = value.to_string();
+        // 1e300 is not told with 300 digits.
+        if let (true, Ok(number)) = (value.len() > 20, value.parse::<f64>()) {
+            value = format!("{number:e}");
+        }
+        Self::Parameter { name, value, rule }
     }
 
     /// An unknown name, with the nearest of the `known` ones.

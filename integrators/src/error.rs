@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// An argument outside its rule.
-    #[error("{name} = {value} is not valid: {rule}")]
+    #[error("{name} = {value:?} is not valid: {rule}")]
     Argument {
         /// Which argument.
         name: &'static str,
