@@ -1,12 +1,12 @@
 //! The integrators by name: the one place that knows all of them.
 
 use crate::{
-    chain::{Field, KineticFlow, LinearFlow},
+    chain::{Field, KineticFlow, LinearFlow, max_norm},
     error::{Error, Result},
     scene::Scene,
 };
 use hertzchain_integrators::{
-    Dop853, Scheme, SplitFlow, Splitting, Stepper, VectorField,
+    Dop853, Scheme, SplitFlow, Splitting, Stepper,
     dop853::Options,
     splitting::{First, tables},
 };
@@ -118,9 +118,8 @@ impl Method {
             }
             (Self::Dop853, Setting::Tolerance(tol)) => {
                 let field = Field::new(chain);
-                debug_assert_eq!(VectorField::<f64>::dim(&field), y.len());
                 // Absolute errors are counted in units of the state, so that small waves are not waved through.
-                let size = y.iter().fold(0.0, |largest: f64, value| value.abs().max(largest));
+                let size = max_norm(y.iter().copied());
                 let atol = if size > 0.0 { tol * size } else { tol };
                 Ok(Box::new(Dop853::new(field, y, span, Options { atol, ..Options::new(tol) })?))
             }

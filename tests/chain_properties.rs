@@ -5,7 +5,10 @@ use hertzchain::integrators::{
     Silent, SplitFlow, Splitting, drive,
     splitting::{First, tables::STRANG},
 };
-use proptest::{prelude::*, test_runner::Config};
+use proptest::{
+    prelude::*,
+    test_runner::{Config, RngSeed},
+};
 
 const EPS: f64 = f64::EPSILON;
 const STEPS: u64 = 200;
@@ -18,7 +21,8 @@ struct Motion {
 }
 
 fn config() -> Config {
-    Config { cases: 256, failure_persistence: None, ..Config::default() }
+    // The same cases in every run: a failure is never luck, and bounds can be twice what was measured.
+    Config { cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() }
 }
 
 fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
@@ -155,7 +159,7 @@ proptest! {
             let half = want.len() / 2;
             for part in [0..half, half..2 * half] {
                 let size = largest(want[part.clone()].iter().chain(&larger.y[part.clone()]).copied());
-                let near = |i: usize| (got[i] - want[i]).abs() <= 1e4 * EPS * size;
+                let near = |i: usize| (got[i] - want[i]).abs() <= 1300.0 * EPS * size;
                 prop_assert!(part.clone().all(near), "{:?}\n{:?}", &got[part.clone()], &want[part]);
             }
         }

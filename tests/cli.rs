@@ -183,6 +183,7 @@ fn bad_numbers_are_refused_by_name_and_rule() {
         ("b = 1.0", "b = 2.5", "below 2 kappa a"),
         ("periods = 100", "periods = 100\nuntil = 3.0", "exactly one of `periods` and `until`"),
         ("periods = 100", "periods = 0", "periods = 0 is not valid"),
+        ("periods = 100", "periods = 100\nperiod = 2.0", "a frequency of its own"),
         ("samples = 400", "samples = 100000000", "at most 10^6"),
         ("boundary = \"strain-ring\"", "boundary = \"ring\"", "lives on a strain-ring"),
         ("boundary = \"strain-ring\"", "boundary = \"rings\"", "did you mean `ring`?"),
@@ -193,6 +194,13 @@ fn bad_numbers_are_refused_by_name_and_rule() {
         let message = refusal(&["run", &scene_file(folder.path(), from, to)]);
         assert!(message.contains(rule) && message.lines().count() == 1, "{to}: {message}");
     }
+    // A key that would do nothing is an error, too.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plain.toml");
+    let text = "name = \"plain\"\n[chain]\nsites = 2\nalpha = 1.5\nkappa = 1.0\nrho = 0.0\nboundary = \"free\"\n\
+                [initial]\nkind = \"state\"\nv = [0.1, 0.2]\n[span]\nuntil = 1.0\n";
+    std::fs::write(&path, text).unwrap();
+    assert!(refusal(&["run", path.to_str().unwrap()]).contains("leave `v` and `v_dot` out"));
     for (flag, value, rule) in [
         ("--step", "0", "step = 0 is not valid"),
         ("--step", "nan", "step = NaN is not valid"),

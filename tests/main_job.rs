@@ -195,3 +195,19 @@ fn the_same_code_in_double_double_shows_the_rounding_of_the_double_run() {
     let gap = end::<f64>().iter().zip(end::<TwoFloat>()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(gap > 0.0 && gap < 5e-15, "{gap:e}");
 }
+
+// Truth: the energy. Resonators of mass 1e-8 make h omega = 100: the exact flow does not notice (measured 1.6e-5, the error
+// of the impact itself), velocity Verlet is beyond its limit h omega = 2 and must be seen to fail.
+#[test]
+fn a_light_resonator_limits_the_step_of_verlet_only() {
+    let mut file = scene("impact").file().clone();
+    (file.chain.kappa, file.chain.rho, file.span.period) = (1.0, 1e-8, None);
+    let scene = Scene::build(file).unwrap();
+    let run =
+        |method| run(&scene, Method::named(method).unwrap(), Setting::Steps(10_000), Records::Energy, &mut |_| ());
+    let exact = run("strang-linear").unwrap();
+    assert_eq!(exact.failure, None);
+    let error = exact.energy_error.unwrap();
+    assert!((8e-6..3.2e-5).contains(&error), "{error:e}");
+    assert!(run("verlet").unwrap().failure.is_some());
+}

@@ -25,6 +25,7 @@ pub use kinetic::KineticFlow;
 pub use law::ContactLaw;
 pub use linear::LinearFlow;
 pub use params::{Params, Resonators};
+pub(crate) use state::max_norm;
 pub use state::{Layout, Site, State};
 
 use crate::error::{Error, Result};

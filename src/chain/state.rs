@@ -55,6 +55,11 @@ impl Layout {
     }
 }
 
+/// `max |y_i|`; entries that are not numbers are passed over.
+pub(crate) fn max_norm(y: impl IntoIterator<Item = f64>) -> f64 {
+    y.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
 /// A state of a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<R> {

@@ -68,17 +68,18 @@ fn double_exponential(f: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use approx::assert_relative_eq;
 
     #[test]
     fn quadratic_contacts_have_elementary_averages() {
         // alpha = 2, b = -c <= -2 kappa r (never open): g = c^2 + (2 kappa r)^2 / 2, r h = c (2 kappa r).
         let (kappa, c, r) = (0.7, 3.0, 1.1);
         let swing = 2.0 * kappa * r;
-        assert!((g_alpha(2.0, kappa, -c, r) / (c * c + 0.5 * swing * swing) - 1.0).abs() < 1e-14);
-        assert!((r_h_alpha(2.0, kappa, -c, r) / (c * swing) - 1.0).abs() < 1e-14);
+        assert_relative_eq!(g_alpha(2.0, kappa, -c, r), c * c + 0.5 * swing * swing, max_relative = 1e-14);
+        assert_relative_eq!(r_h_alpha(2.0, kappa, -c, r), c * swing, max_relative = 1e-14);
         // alpha = 1, b = 0: g = swing / pi, r h = swing / 4.
-        assert!((g_alpha(1.0, kappa, 0.0, r) / (swing / PI) - 1.0).abs() < 1e-14);
-        assert!((r_h_alpha(1.0, kappa, 0.0, r) / (swing / 4.0) - 1.0).abs() < 1e-14);
+        assert_relative_eq!(g_alpha(1.0, kappa, 0.0, r), swing / PI, max_relative = 1e-14);
+        assert_relative_eq!(r_h_alpha(1.0, kappa, 0.0, r), swing / 4.0, max_relative = 1e-14);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::run::{Outcome, Records, run};
 use crate::{
+    chain::max_norm,
     error::{Error, Result},
     method::{Method, Setting},
     scene::{Scene, Theory},
@@ -264,10 +265,10 @@ impl Truth {
                 (format!("{} at {kicks} kicks/period, checked by {}", REFERENCES[0], REFERENCES[1]), strains)
             }
         };
-        let amplitude = scene.amplitude().unwrap_or_else(|| largest(&strains[0].1));
+        let amplitude = scene.amplitude().unwrap_or_else(|| max_norm(strains[0].1.iter().copied()));
         let amplitude = if amplitude > 0.0 { amplitude } else { 1.0 };
         // No better than a few roundings of the strains themselves.
-        let roundoff = 4.0 * f64::EPSILON * largest(&strains[0].1) / amplitude;
+        let roundoff = 4.0 * f64::EPSILON * max_norm(strains[0].1.iter().copied()) / amplitude;
         let gap = strains.get(1).map_or(0.0, |other| distance(&strains[0].1, &other.1) / amplitude);
         Ok(Self { method, strains, amplitude, error_estimate: gap.max(roundoff) })
     }
@@ -306,12 +307,8 @@ fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f6
     Ok(kicks.clamp(KICKS[1], REFERENCE_KICKS))
 }
 
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |largest, value| value.abs().max(largest))
-}
-
 fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    max_norm(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 #[cfg(test)]

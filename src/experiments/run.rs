@@ -1,7 +1,7 @@
 //! One run of a scene.
 
 use crate::{
-    chain::Energy,
+    chain::{Energy, max_norm},
     error::Result,
     method::{Method, Setting},
     scene::Scene,
@@ -132,7 +132,7 @@ impl<'a> Recorder<'a> {
             stride: (y.len() * (scene.file().record.samples + 1)).div_ceil(MOST_NUMBERS),
             has_energy,
             initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
-            initial_size: largest_entry(y),
+            initial_size: max_norm(y.iter().copied()),
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
@@ -151,7 +151,7 @@ impl<'a> Recorder<'a> {
         let energy = self.energy(y);
         let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
             (Some(energy), Some(initial)) => ("energy", initial, energy.total(), ENERGY_BOUND),
-            _ => ("largest entry of the state", self.initial_size, largest_entry(y), SIZE_BOUND),
+            _ => ("largest entry of the state", self.initial_size, max_norm(y.iter().copied()), SIZE_BOUND),
         };
         if energy.is_some() {
             self.largest = self.largest.max((value - initial).abs());
@@ -180,8 +180,4 @@ impl Observer<f64> for Recorder<'_> {
         (self.progress)(t);
         Ok(ControlFlow::Continue(()))
     }
-}
-
-fn largest_entry(y: &[f64]) -> f64 {
-    y.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }

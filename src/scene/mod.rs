@@ -91,6 +91,9 @@ impl Scene {
             _ if chain.params().resonators() != Resonators::None => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
+        if let (Some(given), true) = (file.span.period, chain.params().resonators() != Resonators::None) {
+            return Err(Error::parameter("period", given, "this scene has a frequency of its own: leave `period` out"));
+        }
         let positive = |name, value: f64| {
             let good = value.is_finite() && value > 0.0;
             if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
@@ -280,6 +283,10 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
                     let rule = "an array of the state has one number a site, or is left out";
                     return Err(Error::parameter(name, format!("{} numbers", array.len()), rule));
                 }
+            }
+            if !(chain.layout().resonators() || v.is_empty() && v_dot.is_empty()) {
+                let rule = "no resonator moves in this chain: leave `v` and `v_dot` out";
+                return Err(Error::parameter("v", format!("{} numbers", v.len().max(v_dot.len())), rule));
             }
             let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
             let site = |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) };

@@ -7,7 +7,7 @@
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
 use crate::{
-    chain::{Params, Resonators, Site},
+    chain::{Params, Resonators, Site, max_norm},
     dps::r_h_alpha,
     error::{Error, Result},
 };
@@ -107,11 +107,6 @@ impl TravellingWave {
         self.omega_tw
     }
 
-    /// The wave number.
-    pub fn q(&self) -> f64 {
-        self.q
-    }
-
     /// The amplitude of the strain about its mean, `2 epsilon kappa a`.
     pub fn amplitude(&self) -> f64 {
         2.0 * self.epsilon * self.params.kappa * self.a
@@ -128,8 +123,7 @@ impl TravellingWave {
     /// The relative errors `(E_x, E_y)` of the ansatz at time `t` against strains `x, y` (eq:relerr_tw).
     pub fn errors(&self, t: f64, x: &[f64], y: &[f64]) -> (f64, f64) {
         let largest = |values: &[f64], ansatz: fn(Site<f64>) -> f64| {
-            let gap = |(n, value): (usize, &f64)| (ansatz(self.site(n, t)) - value).abs();
-            values.iter().enumerate().map(gap).fold(0.0, f64::max)
+            max_norm(values.iter().enumerate().map(|(n, value)| ansatz(self.site(n, t)) - value))
         };
         let scale = self.amplitude();
         (largest(x, |site| site.u) / scale, largest(y, |site| site.v) * self.params.rho / scale)
