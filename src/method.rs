@@ -1,13 +1,14 @@
 //! The integrators by name: the one place that knows all of them.
 
 use crate::{
-    chain::{Field, KineticFlow, LinearFlow, max_norm},
+    chain::{Field, KineticFlow, LinearFlow, Overlaps, max_norm},
     error::{Error, Result},
     scene::Scene,
 };
 use hertzchain_integrators::{
-    Dop853, Scheme, SplitFlow, Splitting, Stepper,
+    Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
     dop853::Options,
+    regularised::power,
     splitting::{First, tables},
 };
 
@@ -26,8 +27,21 @@ pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
     /// The adaptive 8(5,3) pair.
-    Dop853,
+    Dop853(Contacts),
 }
+
+/// What an adaptive method does about contacts that begin or end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contacts {
+    /// Steps across them; error control makes the steps short.
+    Crossed,
+    /// Stops at each and starts anew.
+    Landed,
+    /// Starts anew in a variable in which the solution is smooth.
+    Regularised,
+}
+
+const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::Regularised];
 
 /// How finely a method works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,10 +53,10 @@ pub enum Setting {
 }
 
 impl Method {
-    /// All methods: kinetic splits, linear splits, then the adaptive one.
+    /// All methods: kinetic splits, linear splits, then the adaptive ones.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
-        on(Split::Kinetic).chain(on(Split::Linear)).chain([Self::Dop853]).collect()
+        on(Split::Kinetic).chain(on(Split::Linear)).chain(ADAPTIVE.map(Self::Dop853)).collect()
     }
 
     /// The method of this name.
@@ -64,7 +78,9 @@ impl Method {
             Self::Splitting(scheme, Split::Kinetic) if scheme.name == tables::STRANG.name => "verlet".to_owned(),
             Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
             Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
-            Self::Dop853 => "dop853".to_owned(),
+            Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
+            Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
+            Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
         }
     }
 
@@ -72,7 +88,7 @@ impl Method {
     pub fn order(&self) -> u32 {
         match self {
             Self::Splitting(scheme, _) => scheme.order,
-            Self::Dop853 => 8,
+            Self::Dop853(_) => 8,
         }
     }
 
@@ -80,15 +96,20 @@ impl Method {
     pub fn stages(&self) -> usize {
         match self {
             Self::Splitting(scheme, _) => scheme.stages(),
-            Self::Dop853 => 12,
+            Self::Dop853(_) => 12,
         }
+    }
+
+    /// Whether it takes a tolerance; the others take steps.
+    pub fn adaptive(&self) -> bool {
+        matches!(self, Self::Dop853(_))
     }
 
     /// Article that the coefficients come from.
     pub fn source(&self) -> &'static str {
         match self {
             Self::Splitting(scheme, _) => scheme.source,
-            Self::Dop853 => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
+            Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
         }
     }
 
@@ -97,7 +118,7 @@ impl Method {
         match self {
             Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
-            Self::Dop853 => "adaptive",
+            Self::Dop853(_) => "adaptive",
         }
     }
 
@@ -116,24 +137,31 @@ impl Method {
                 let flow = loaded(LinearFlow::new(chain), y);
                 Ok(Box::new(Splitting::new(scheme, First::Drift, flow, span, steps)?))
             }
-            (Self::Dop853, Setting::Tolerance(tol)) => {
-                let field = Field::new(chain);
+            (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
+                let field = Field::new(chain.clone());
                 // Absolute errors are counted in units of the state, so that small waves are not waved through.
                 let size = max_norm(y.iter().copied());
                 let atol = if size > 0.0 { tol * size } else { tol };
-                Ok(Box::new(Dop853::new(field, y, span, Options { atol, ..Options::new(tol) })?))
+                let options = Options { atol, ..Options::new(tol) };
+                let alpha = chain.params().alpha;
+                let q = match contacts {
+                    Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
+                    Contacts::Landed => 1,
+                    Contacts::Regularised => power(alpha, self.order()),
+                };
+                Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Splitting(..), Setting::Tolerance(tol)) => {
                 Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
             }
-            (Self::Dop853, Setting::Steps(steps)) => {
-                Err(Error::parameter("steps", steps, "dop853 chooses its steps: give it --tol"))
+            (Self::Dop853(_), Setting::Steps(steps)) => {
+                Err(Error::parameter("steps", steps, "an adaptive method chooses its steps: give it --tol"))
             }
         }
     }
 }
 
-fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
+pub(crate) fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
     flow.load(y);
     flow
 }

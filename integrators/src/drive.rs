@@ -22,6 +22,32 @@ pub trait Stepper<R: Real> {
     fn stats(&self) -> Stats;
 }
 
+impl<R: Real, S: Stepper<R> + ?Sized> Stepper<R> for Box<S> {
+    fn dim(&self) -> usize {
+        (**self).dim()
+    }
+
+    fn time(&self) -> R {
+        (**self).time()
+    }
+
+    fn done(&self) -> bool {
+        (**self).done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        (**self).step()
+    }
+
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        (**self).sample(t, y);
+    }
+
+    fn stats(&self) -> Stats {
+        (**self).stats()
+    }
+}
+
 /// Somebody who wants to see the run at certain times.
 pub trait Observer<R: Real> {
     /// The next time it wants to see; times never decrease. `None`: no more.

@@ -7,6 +7,8 @@
 //! | [`system`] | what a method may ask of a problem |
 //! | [`splitting`] | schemes as const data, and one loop that runs them all |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
+//! | [`events`] | changes of sign: never missed, never twice |
+//! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
 //! | [`drive`](mod@drive) | the one loop over time: advance, record, stop |
 //! | [`stats`], [`error`] | counted work; what can go wrong |
 
@@ -14,7 +16,9 @@ pub mod clock;
 pub mod dop853;
 pub mod drive;
 pub mod error;
+pub mod events;
 pub mod real;
+pub mod regularised;
 pub mod splitting;
 pub mod stats;
 pub mod system;
@@ -23,7 +27,9 @@ pub use clock::Twofold;
 pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
+pub use events::{Event, EventFunctions, Watch};
 pub use real::{Kernel, Real};
+pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
 pub use stats::Stats;
 pub use system::{SplitFlow, VectorField};

@@ -4,7 +4,7 @@ use super::{
     Chain,
     sweep::{Sites, positions_are_u, sweep},
 };
-use hertzchain_integrators::{Real, VectorField};
+use hertzchain_integrators::{Real, Twofold, VectorField};
 
 /// The vector field of (eq:Hertz), (eq:HertzS) or (eq:NC).
 pub struct Field<R> {
@@ -33,7 +33,8 @@ impl<R: Real> VectorField<R> for Field<R> {
         let kappa = R::of(params.kappa);
         match (params.resonators(), chain.layout().v(y)) {
             (_, Some(v)) => {
-                let per_rho = kappa / R::of(params.rho);
+                // To the last digit also in double-double, whose own division is not.
+                let per_rho = Twofold::new(kappa).over(Twofold::new(R::of(params.rho))).value();
                 for i in 0..n {
                     let d = y[i] - v[i];
                     u_ddot[i] -= kappa * d;

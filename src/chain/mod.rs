@@ -9,6 +9,7 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod boundary;
+mod contacts;
 mod energy;
 mod field;
 mod kinetic;
@@ -19,6 +20,7 @@ mod state;
 mod sweep;
 
 pub use boundary::Boundary;
+pub use contacts::{Contact, ContactLog, Overlaps};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;

@@ -19,6 +19,8 @@ pub(super) enum Command {
     Compare(CompareArgs),
     /// Run one scene with one integrator.
     Run(RunArgs),
+    /// Measure the order of every method through contacts: crossing them, landing on them, regularised.
+    Order(OrderArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -56,7 +58,7 @@ pub(super) struct RunArgs {
     /// Step size, in units of time; made smaller where a whole number of steps must fit the span.
     #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
     pub(super) step: Option<f64>,
-    /// Tolerance of a step, for dop853: relative, and absolute in units of the largest entry of the initial state [default:
+    /// Tolerance of a step, for adaptive methods: relative, and absolute in units of the largest entry of the initial state [default:
     /// 1e-10].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(super) tol: Option<f64>,
@@ -66,10 +68,30 @@ pub(super) struct RunArgs {
     /// Folder for summary.json, scene.toml, final.csv, energy.csv, profiles.npz and PNGs [default: none is written].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// Log every contact: onset, release, speeds, largest overlap, impulse; totals in the summary, and with --out
+    /// contacts.csv, contacts.npz and contacts.png.
+    #[arg(long)]
+    pub(super) events: bool,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(super) plan: bool,
     /// Print JSON instead of the summary.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct OrderArgs {
+    /// Exponent of the contact force; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Number of beads of the chain.
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    pub(super) beads: usize,
+    /// Folder for order.csv, order.json, order-state.png and order-tangent.png [default: out/order-ALPHA; with --json: none].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
     #[arg(long)]
     pub(super) json: bool,
 }

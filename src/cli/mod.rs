@@ -3,6 +3,7 @@
 mod args;
 mod compare;
 mod integrators;
+mod order;
 mod run;
 mod scenes;
 
@@ -17,6 +18,7 @@ pub fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Compare(args) => compare::main(&args),
         Command::Run(args) => run::main(&args),
+        Command::Order(args) => order::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

@@ -58,9 +58,9 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
         let good = value.is_finite() && value > 0.0;
         if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
     };
-    if method == Method::Dop853 {
+    if method.adaptive() {
         if let Some(value) = args.step.or(args.steps_per_period) {
-            return Err(Error::parameter("step", value, "dop853 chooses its steps: give it --tol"));
+            return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
         }
         let tol = positive("tol", args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
         return Ok((Setting::Tolerance(tol), format!("tol {tol:e}")));

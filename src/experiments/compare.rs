@@ -1,6 +1,9 @@
 //! Error against run time: every integrator over a ladder of steps or tolerances on one scene.
 
-use super::run::{Outcome, Records, run};
+use super::{
+    fit_line, map,
+    run::{Outcome, Records, run},
+};
 use crate::{
     chain::max_norm,
     error::{Error, Result},
@@ -101,7 +104,7 @@ impl Comparison {
     /// The order that a method shows: the slope of log error against log step, where at least three rows lie between the
     /// trusted floor and 1e-2 and on a line (within a factor of 1.5). Adaptive methods have none.
     pub fn slope(&self, method: &Method) -> Option<f64> {
-        if *method == Method::Dop853 {
+        if method.adaptive() {
             return None;
         }
         let points: Vec<(f64, f64)> = self
@@ -123,17 +126,6 @@ impl Comparison {
         let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
         self.rows.iter().filter(reaches).min_by(|a, b| wall(a).total_cmp(&wall(b)))
     }
-}
-
-/// Least-squares slope, and the largest residual.
-fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let n = points.len() as f64;
-    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let (sxx, sxy) =
-        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
-    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
-    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
-    Some((slope, residual))
 }
 
 /// Compares methods on a scene. `progress` is told the share of the time budget that is used, and what runs.
@@ -187,21 +179,10 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: &(dyn Fn(f64, 
     })
 }
 
-#[cfg(feature = "parallel")]
-fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
-    use rayon::prelude::*;
-    items.par_iter().map(f).collect()
-}
-
-#[cfg(not(feature = "parallel"))]
-fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
-    items.iter().map(f).collect()
-}
-
 fn setting(scene: &Scene, method: &Method, rung: usize) -> Setting {
     match method {
         Method::Splitting(..) => Setting::Steps(steps_for_kicks(scene, method, KICKS[rung])),
-        Method::Dop853 => Setting::Tolerance(TOLERANCES[rung]),
+        Method::Dop853(_) => Setting::Tolerance(TOLERANCES[rung]),
     }
 }
 
@@ -214,7 +195,7 @@ fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
 fn wording(method: &Method, rung: usize) -> String {
     match method {
         Method::Splitting(..) => format!("{} kicks/period", KICKS[rung]),
-        Method::Dop853 => format!("tol {:e}", TOLERANCES[rung]),
+        Method::Dop853(_) => format!("tol {:e}", TOLERANCES[rung]),
     }
 }
 
@@ -309,18 +290,4 @@ fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f6
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     max_norm(a.iter().zip(b).map(|(a, b)| a - b))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_fitted_and_a_bend_is_seen() {
-        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
-        let (slope, residual) = fit_line(&line).unwrap();
-        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
-        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
-        assert!(fit_line(&[(1.0, 0.0)]).is_none());
-    }
 }

@@ -1,7 +1,45 @@
 //! Experiments: data in, data out; nothing is drawn or printed here.
 
 mod compare;
+mod order;
 mod run;
 
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
-pub use run::{Outcome, Profile, Records, Sample, run};
+pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
+pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
+
+/// Least-squares slope, and the largest residual.
+fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (sxx, sxy) =
+        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
+    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
+    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
+    Some((slope, residual))
+}
+
+#[cfg(feature = "parallel")]
+fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    use rayon::prelude::*;
+    items.par_iter().map(f).collect()
+}
+
+#[cfg(not(feature = "parallel"))]
+fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
+    items.iter().map(f).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_fitted_and_a_bend_is_seen() {
+        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
+        let (slope, residual) = fit_line(&line).unwrap();
+        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
+        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
+        assert!(fit_line(&[(1.0, 0.0)]).is_none());
+    }
+}

@@ -1,12 +1,12 @@
 //! One run of a scene.
 
 use crate::{
-    chain::{Energy, max_norm},
+    chain::{Contact, ContactLog, Energy, Overlaps, max_norm},
     error::Result,
     method::{Method, Setting},
     scene::Scene,
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, Stepper, Watch, drive};
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
@@ -66,6 +66,8 @@ pub struct Outcome {
     pub samples: Vec<Sample>,
     /// Profiles on the way.
     pub profiles: Vec<Profile>,
+    /// Contacts in the order of their onsets, if they were asked for.
+    pub contacts: Option<Vec<Contact>>,
     /// Work of the run, samples included.
     pub stats: Stats,
     /// Wall time of the run, samples included.
@@ -85,18 +87,39 @@ pub fn run(
     records: Records,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
-    let mut stepper = method.start(scene, setting)?;
+    Ok(finish(&mut method.start(scene, setting)?, scene, records, progress))
+}
+
+/// The same run watched for contacts: every step is sampled eight times and searched.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with_contacts(
+    scene: &Scene,
+    method: Method,
+    setting: Setting,
+    records: Records,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome> {
+    let chain = scene.chain();
+    let stepper = method.start(scene, setting)?;
+    let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
+    let outcome = finish(&mut watch, scene, records, progress);
+    Ok(Outcome { contacts: Some(watch.into_listener().contacts()), ..outcome })
+}
+
+fn finish(stepper: &mut impl Stepper<f64>, scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Outcome {
     let mut recorder = Recorder::new(scene, records, progress);
     let mut state = scene.initial().as_slice().to_vec();
     let clock = Instant::now();
-    let result = drive(&mut *stepper, &mut recorder, &mut state);
+    let result = drive(stepper, &mut recorder, &mut state);
     let wall = clock.elapsed();
     let (t, stats) = (stepper.time(), stepper.stats());
     let failure = result.err().or_else(|| recorder.check(t, &state, stats).err());
     let energy = recorder.energy(&state);
     let Recorder { samples, profiles, initial_energy, largest, .. } = recorder;
     let energy_error = energy.map(|_| largest / initial_energy.map_or(1.0, nonzero));
-    Ok(Outcome { t, state, energy, energy_error, samples, profiles, stats, wall, failure })
+    Outcome { t, state, energy, energy_error, samples, profiles, contacts: None, stats, wall, failure }
 }
 
 fn nonzero(energy: f64) -> f64 {

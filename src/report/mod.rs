@@ -1,15 +1,19 @@
 //! From outcomes to what people and machines read: tables, JSON, CSV, NPZ, and the input of figures.
 
 mod compare;
+mod order;
 mod run;
 mod table;
 
 pub use compare::{comparison_csv, comparison_json, comparison_table};
+pub use order::{order_csv, order_json, order_table};
 pub use run::{run_files, run_json, run_summary};
 pub use table::table;
 
 #[cfg(feature = "plot")]
 pub use compare::comparison_png;
+#[cfg(feature = "plot")]
+pub use order::order_pictures;
 #[cfg(feature = "plot")]
 pub use run::run_pictures;
 

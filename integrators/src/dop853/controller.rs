@@ -33,16 +33,11 @@ impl<R: Real> Options<R> {
         }
     }
 
-    /// The options, if they obey their rules.
-    pub(super) fn checked(self) -> Result<Self, Error> {
+    /// The options, if they obey their rules; `floor` is one for the relative tolerance, and how it reads.
+    pub(crate) fn checked(self, (floor, rule): (R, &'static str)) -> Result<Self, Error> {
         let positive = |value: R| value.is_finite() && value > R::zero();
         let rules = [
-            (
-                "rtol",
-                Some(self.rtol),
-                self.rtol.is_finite() && self.rtol > R::of(10.0) * round_off::<R>(),
-                "a relative tolerance is finite and above 10 unit round-offs",
-            ),
+            ("rtol", Some(self.rtol), self.rtol.is_finite() && self.rtol > floor * round_off::<R>(), rule),
             ("atol", Some(self.atol), positive(self.atol), "an absolute tolerance is finite and above zero"),
             ("first_step", self.first_step, self.first_step.is_none_or(positive), "a step is finite and above zero"),
             ("max_step", self.max_step, self.max_step.is_none_or(positive), "a step is finite and above zero"),
@@ -60,7 +55,7 @@ impl<R: Real> Options<R> {
         }
     }
 
-    pub(super) fn scale(&self) -> Scale<R> {
+    pub(crate) fn scale(&self) -> Scale<R> {
         Scale { atol: self.atol, rtol: self.rtol }
     }
 }
@@ -68,19 +63,19 @@ impl<R: Real> Options<R> {
 /// The unit round-off of the scalar: that of `f64`, or its square for double-double.
 ///
 /// `Float::epsilon` of a double-double is the smallest number that 1 can be told from, far below its rounding.
-pub(super) fn round_off<R: Real>() -> R {
+pub(crate) fn round_off<R: Real>() -> R {
     let plain = R::of(f64::EPSILON);
     if R::decimal("0.1") == R::of(0.1) { plain } else { plain * plain }
 }
 
 /// What becomes of a trial, with the step to try next.
-pub(super) enum Verdict<R> {
+pub(crate) enum Verdict<R> {
     Accept(R),
     Reject(R),
 }
 
 /// Chooses steps by the error of the last ones.
-pub(super) struct Controller<R> {
+pub(crate) struct Controller<R> {
     safety: R,
     /// Bounds of `h / h_next`: when growing, when shrinking.
     bounds: (R, R),
@@ -95,7 +90,7 @@ pub(super) struct Controller<R> {
 }
 
 impl<R: Real> Controller<R> {
-    pub(super) fn new(options: &Options<R>, span: R) -> Self {
+    pub(crate) fn new(options: &Options<R>, span: R) -> Self {
         Self {
             safety: R::decimal("0.9"),
             bounds: (R::of(6.0).recip(), R::decimal("0.333").recip()),
@@ -109,7 +104,7 @@ impl<R: Real> Controller<R> {
     }
 
     /// Judges a trial of length `h` by the norm of its error: 1 is just right.
-    pub(super) fn judge(&mut self, h: R, error: R) -> Verdict<R> {
+    pub(crate) fn judge(&mut self, h: R, error: R) -> Verdict<R> {
         let (growing, shrinking) = self.bounds;
         let plain = error.powf(self.exponent);
         if error > R::one() {
@@ -125,23 +120,23 @@ impl<R: Real> Controller<R> {
     }
 
     /// The longest step.
-    pub(super) fn max_step(&self) -> R {
+    pub(crate) fn max_step(&self) -> R {
         self.max_step
     }
 }
 
 /// A first step, guessed in two parts around an explicit Euler step.
-pub(super) struct Guess<R> {
+pub(crate) struct Guess<R> {
     scale: Scale<R>,
     max_step: R,
     slope: R,
     /// The length of the Euler step.
-    pub(super) euler: R,
+    pub(crate) euler: R,
 }
 
 impl<R: Real> Guess<R> {
     /// From the state and the slope at the start: an Euler step that changes the state by a hundredth.
-    pub(super) fn new(scale: Scale<R>, max_step: R, y: &[R], slope: &[R]) -> Self {
+    pub(crate) fn new(scale: Scale<R>, max_step: R, y: &[R], slope: &[R]) -> Self {
         let square = norm(scale, y, slope.iter().copied());
         let size = norm(scale, y, y.iter().copied());
         let tiny = R::decimal("0.0000000001");
@@ -154,7 +149,7 @@ impl<R: Real> Guess<R> {
     }
 
     /// From the slope after the Euler step: `h^8 max(|y'|, |y''|) = 0.01`, and at most a hundred Euler steps.
-    pub(super) fn refine(self, y: &[R], slope: &[R], after: &[R]) -> R {
+    pub(crate) fn refine(self, y: &[R], slope: &[R], after: &[R]) -> R {
         let change = slope.iter().zip(after).map(|(&before, &after)| after - before);
         let second = norm(self.scale, y, change).sqrt() / self.euler;
         // An Euler step may leave where the field is defined.

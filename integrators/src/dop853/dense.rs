@@ -10,7 +10,7 @@ use crate::{real::Real, system::VectorField};
 /// `y0 + s (q1 + (1-s) (q2 + s (q3 + (1-s) (q4 + s (q5 + (1-s) (q6 + s q7))))))` over a step, `0 <= s <= 1`.
 ///
 /// `q1`, `q2` and `q3` give it the states and slopes of both ends.
-pub(super) struct Dense<R> {
+pub(crate) struct Dense<R> {
     stages: Vec<(R, Row<R>)>,
     d: Vec<Row<R>>,
     q: [Vec<R>; 7],
@@ -18,7 +18,7 @@ pub(super) struct Dense<R> {
 }
 
 impl<R: Real> Dense<R> {
-    pub(super) fn new(padded: usize) -> Self {
+    pub(crate) fn new(padded: usize) -> Self {
         Self {
             stages: stages(&tableau::DENSE_STAGES),
             d: tableau::DENSE.map(row).into(),
@@ -28,12 +28,12 @@ impl<R: Real> Dense<R> {
     }
 
     /// Forgets the polynomial.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.ready = false;
     }
 
     /// Makes the polynomial of the last step, unless it is there. Returns the number of evaluations.
-    pub(super) fn prepare<F: VectorField<R>>(&mut self, step: &mut Step<R>, field: &mut F, leap: Leap<R>) -> u64 {
+    pub(crate) fn prepare<F: VectorField<R>>(&mut self, step: &mut Step<R>, field: &mut F, leap: Leap<R>) -> u64 {
         if self.ready {
             return 0;
         }
@@ -57,7 +57,7 @@ impl<R: Real> Dense<R> {
     }
 
     /// Writes the polynomial at `s`, the share of the step.
-    pub(super) fn eval(&self, before: &[R], s: R, y: &mut [R]) {
+    pub(crate) fn eval(&self, before: &[R], s: R, y: &mut [R]) {
         let r = R::one() - s;
         let [q1, q2, q3, q4, q5, q6, q7] = &self.q;
         for (i, (y, &y0)) in y.iter_mut().zip(before).enumerate() {

@@ -4,9 +4,9 @@
 //! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993,
 //! sections II.4 to II.6 and II.10.
 
-mod controller;
-mod dense;
-mod step;
+pub(crate) mod controller;
+pub(crate) mod dense;
+pub(crate) mod step;
 pub mod tableau;
 
 pub use controller::Options;
@@ -35,6 +35,24 @@ pub struct Dop853<R, F> {
     stats: Stats,
 }
 
+/// Refuses a start that no run can have.
+pub(crate) fn check_start<R: Real>(dim: usize, y0: &[R], (start, end): (R, R)) -> Result<(), Error> {
+    let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
+    if !start.is_finite() {
+        return argument("start", start, "a time is finite");
+    }
+    if !(end.is_finite() && end >= start) {
+        return argument("end", end, "the end is finite and not before the start");
+    }
+    if y0.is_empty() || y0.len() != dim {
+        return argument("y0", R::of(y0.len() as f64), "as many components as the field, at least one");
+    }
+    if let Some(&value) = y0.iter().find(|value| !value.is_finite()) {
+        return argument("y0", value, "every component of the state is finite");
+    }
+    Ok(())
+}
+
 /// Where steps come from.
 enum Pace<R> {
     /// The error of each step, and the step to try next.
@@ -49,7 +67,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
     /// # Errors
     /// `end < start`, times or a state that are not finite, a state of the wrong length, options that break a rule.
     pub fn new(field: F, y0: &[R], (start, end): (R, R), options: Options<R>) -> Result<Self, Error> {
-        let options = options.checked()?;
+        let options = options.checked((R::of(10.0), "a relative tolerance is finite and above 10 unit round-offs"))?;
         let controller = Controller::new(&options, end - start);
         Self::paced(field, y0, (start, end), Pace::Controlled { options, controller, next: R::zero() })
     }
@@ -68,19 +86,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
     }
 
     fn paced(field: F, y0: &[R], (start, end): (R, R), pace: Pace<R>) -> Result<Self, Error> {
-        let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
-        if !start.is_finite() {
-            return argument("start", start, "a time is finite");
-        }
-        if !(end.is_finite() && end >= start) {
-            return argument("end", end, "the end is finite and not before the start");
-        }
-        if y0.is_empty() || y0.len() != field.dim() {
-            return argument("y0", R::of(y0.len() as f64), "as many components as the field, at least one");
-        }
-        if let Some(&value) = y0.iter().find(|value| !value.is_finite()) {
-            return argument("y0", value, "every component of the state is finite");
-        }
+        check_start(field.dim(), y0, (start, end))?;
         let step = Step::new(y0);
         Ok(Self {
             field,

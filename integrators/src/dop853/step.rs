@@ -11,39 +11,39 @@ use crate::{
 const LANES: usize = 8;
 
 /// Stages 1 to 12, the slope at the end, and three more for dense output.
-pub(super) const SLOPES: usize = 16;
+pub(crate) const SLOPES: usize = 16;
 
 /// Weights of slopes in the working precision: `(index, weight)`, indices from 0.
-pub(super) type Row<R> = Vec<(usize, R)>;
+pub(crate) type Row<R> = Vec<(usize, R)>;
 
 /// A row of weights in the working precision.
-pub(super) fn row<R: Real>(weights: &Weights) -> Row<R> {
+pub(crate) fn row<R: Real>(weights: &Weights) -> Row<R> {
     weights.iter().map(|&(stage, weight)| (stage - 1, R::decimal(weight))).collect()
 }
 
 /// A table of stages in the working precision: nodes and rows.
-pub(super) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
+pub(crate) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
     table.iter().map(|&(c, a)| (R::decimal(c), row(a))).collect()
 }
 
 /// A step: where it leads from and to, and its length to the working precision.
 #[derive(Clone, Copy)]
-pub(super) struct Leap<R> {
-    pub(super) from: Twofold<R>,
-    pub(super) to: Twofold<R>,
-    pub(super) h: R,
+pub(crate) struct Leap<R> {
+    pub(crate) from: Twofold<R>,
+    pub(crate) to: Twofold<R>,
+    pub(crate) h: R,
 }
 
 /// The bound `atol + rtol |y|` that local errors are measured against.
 #[derive(Clone, Copy)]
-pub(super) struct Scale<R> {
-    pub(super) atol: R,
-    pub(super) rtol: R,
+pub(crate) struct Scale<R> {
+    pub(crate) atol: R,
+    pub(crate) rtol: R,
 }
 
 impl<R: Real> Scale<R> {
     #[inline(always)]
-    pub(super) fn at(self, size: R) -> R {
+    pub(crate) fn at(self, size: R) -> R {
         self.atol + self.rtol * size
     }
 }
@@ -55,7 +55,7 @@ fn larger<R: Real>(a: R, b: R) -> R {
 }
 
 /// The twelve-stage step and the arrays it works in.
-pub(super) struct Step<R> {
+pub(crate) struct Step<R> {
     dim: usize,
     stages: Vec<(R, Row<R>)>,
     b: Row<R>,
@@ -71,7 +71,7 @@ pub(super) struct Step<R> {
 }
 
 impl<R: Real> Step<R> {
-    pub(super) fn new(y0: &[R]) -> Self {
+    pub(crate) fn new(y0: &[R]) -> Self {
         let dim = y0.len();
         let zeros = vec![R::zero(); dim.next_multiple_of(LANES)];
         let mut y = zeros.clone();
@@ -89,32 +89,32 @@ impl<R: Real> Step<R> {
         }
     }
 
-    pub(super) fn dim(&self) -> usize {
+    pub(crate) fn dim(&self) -> usize {
         self.dim
     }
 
     /// The state reached.
-    pub(super) fn state(&self) -> &[R] {
+    pub(crate) fn state(&self) -> &[R] {
         &self.y[..self.dim]
     }
 
     /// The state before the last accepted step.
-    pub(super) fn before(&self) -> &[R] {
+    pub(crate) fn before(&self) -> &[R] {
         &self.other[..self.dim]
     }
 
     /// Slope `index`, from 0: number 0 belongs to the start of the step, number 12 to its end.
-    pub(super) fn slope(&self, index: usize) -> &[R] {
+    pub(crate) fn slope(&self, index: usize) -> &[R] {
         &self.k[index][..self.dim]
     }
 
     /// The slope at the start of the run.
-    pub(super) fn begin<F: VectorField<R>>(&mut self, field: &mut F, t: R) {
+    pub(crate) fn begin<F: VectorField<R>>(&mut self, field: &mut F, t: R) {
         field.eval(t, &self.y[..self.dim], &mut self.k[0][..self.dim]);
     }
 
     /// An explicit Euler step; its slope goes where the second stage will be.
-    pub(super) fn euler<F: VectorField<R>>(&mut self, field: &mut F, t: R, h: R) {
+    pub(crate) fn euler<F: VectorField<R>>(&mut self, field: &mut F, t: R, h: R) {
         for ((inner, &y), &slope) in self.inner.iter_mut().zip(&self.y).zip(&self.k[0]) {
             *inner = y + h * slope;
         }
@@ -122,7 +122,7 @@ impl<R: Real> Step<R> {
     }
 
     /// Slope `index` of the last accepted step, at the inner state `y + h sum a k`.
-    pub(super) fn slope_inside<F: VectorField<R>>(
+    pub(crate) fn slope_inside<F: VectorField<R>>(
         &mut self,
         field: &mut F,
         leap: Leap<R>,
@@ -135,19 +135,19 @@ impl<R: Real> Step<R> {
     }
 
     /// `out = h sum a k`; `out` is as long as [`padded`](Self::padded).
-    pub(super) fn combine(&self, out: &mut [R], h: R, a: &[(usize, R)]) {
+    pub(crate) fn combine(&self, out: &mut [R], h: R, a: &[(usize, R)]) {
         R::run(Combine { out, base: None, h, a, k: &self.k });
     }
 
     /// Length of the arrays.
-    pub(super) fn padded(&self) -> usize {
+    pub(crate) fn padded(&self) -> usize {
         self.y.len()
     }
 
     /// Tries a step: eleven evaluations, as the first slope is there already.
     ///
     /// Returns the norm of its error in units of `scale` (zero if there is none), or a component that is not finite.
-    pub(super) fn attempt<F: VectorField<R>>(
+    pub(crate) fn attempt<F: VectorField<R>>(
         &mut self,
         field: &mut F,
         leap: Leap<R>,
@@ -187,20 +187,30 @@ impl<R: Real> Step<R> {
     }
 
     /// Makes the trial the state reached, with the slope there. If that slope is not finite, leaves all as it was.
-    pub(super) fn accept<F: VectorField<R>>(&mut self, field: &mut F, t: R) -> Result<(), usize> {
+    pub(crate) fn accept<F: VectorField<R>>(&mut self, field: &mut F, t: R) -> Result<(), usize> {
         field.eval(t, &self.other[..self.dim], &mut self.k[12][..self.dim]);
         self.check(12)?;
         std::mem::swap(&mut self.y, &mut self.other);
         Ok(())
     }
 
+    /// Takes an accepted step back; the first slope is still there.
+    pub(crate) fn undo(&mut self) {
+        std::mem::swap(&mut self.y, &mut self.other);
+    }
+
+    /// Starts from another state.
+    pub(crate) fn load(&mut self, y: &[R]) {
+        self.y[..self.dim].copy_from_slice(y);
+    }
+
     /// Forgets the last step: its last slope becomes the first of the next.
-    pub(super) fn advance(&mut self) {
+    pub(crate) fn advance(&mut self) {
         self.k.swap(0, 12);
     }
 
     /// The first component of a slope that is not finite, as an error.
-    pub(super) fn check(&self, index: usize) -> Result<(), usize> {
+    pub(crate) fn check(&self, index: usize) -> Result<(), usize> {
         if R::run(Zeros(&self.k[index])) == R::zero() {
             return Ok(());
         }

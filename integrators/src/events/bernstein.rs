@@ -1,0 +1,232 @@
+//! A step as a polynomial whose coefficients bound it: what makes a search miss nothing.
+
+/// Values that make a polynomial of degree 7, the degree of the dense output of DOP853.
+pub(crate) const NODES: usize = 8;
+
+/// A polynomial of degree 7 on `[0, 1]` in the basis of Bernstein: `sum c_j C(7, j) s^j (1-s)^{7-j}`.
+///
+/// It lies between its smallest and its largest coefficient; halved, it lies between closer ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polynomial([f64; NODES]);
+
+impl Polynomial {
+    /// The value at `s`.
+    pub fn at(&self, s: f64) -> f64 {
+        self.split(s).0.0[NODES - 1]
+    }
+
+    /// The parts on `[0, s]` and `[s, 1]`, each on `[0, 1]` again (de Casteljau).
+    pub(crate) fn split(&self, s: f64) -> (Self, Self) {
+        let (mut left, mut right) = (self.0, self.0);
+        for (level, left) in left.iter_mut().enumerate() {
+            *left = right[0];
+            for j in 0..NODES - 1 - level {
+                right[j] += s * (right[j + 1] - right[j]);
+            }
+        }
+        (Self(left), Self(right))
+    }
+
+    /// The polynomial run through from `s = 1` to `s = 0`.
+    fn reversed(&self) -> Self {
+        let mut c = self.0;
+        c.reverse();
+        Self(c)
+    }
+
+    fn times(&self, sign: f64) -> Self {
+        Self(self.0.map(|c| sign * c))
+    }
+
+    /// The largest value on `[0, 1]`, to a part in a thousand million of the span of its coefficients.
+    pub fn largest(&self) -> f64 {
+        let span = self.0.iter().fold(0.0f64, |span, c| span.max((c - self.0[0]).abs()));
+        let mut best = self.0[0].max(self.0[NODES - 1]);
+        let mut parts = vec![*self];
+        while let Some(part) = parts.pop() {
+            if part.0.iter().any(|&c| c > best + 1e-9 * span) {
+                let (left, right) = part.split(0.5);
+                best = best.max(right.0[0]);
+                parts.extend([left, right]);
+            }
+        }
+        best
+    }
+
+    /// The first `s` at which the polynomial exceeds `level`.
+    fn first_above(&self, level: f64) -> Option<f64> {
+        // The depth-first search meets the leftmost part first.
+        let mut parts = vec![(*self, 0.0, 1.0)];
+        while let Some((part, start, length)) = parts.pop() {
+            if part.0.iter().all(|&c| c <= level) {
+                continue;
+            }
+            if part.0[0] > level || length < f64::EPSILON {
+                return Some(start);
+            }
+            let (left, right) = part.split(0.5);
+            let half = 0.5 * length;
+            parts.extend([(right, start + half, half), (left, start, half)]);
+        }
+        None
+    }
+
+    /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`, after the last zero at
+    /// `zero`. `positive` is the side before; with `late`, the polynomial is first waited for to come to that side.
+    pub(crate) fn first_crossing(&self, positive: bool, late: bool, band: f64) -> Option<(f64, f64)> {
+        let to_far_side = self.times(if positive { -1.0 } else { 1.0 });
+        let from = if late { to_far_side.times(-1.0).first_above(band)? } else { 0.0 };
+        let rest = to_far_side.split(from).1;
+        let left = rest.first_above(band)?;
+        let back = rest.split(left).0.reversed().times(-1.0);
+        let zero = back.first_above(0.0).map_or(0.0, |share| left * (1.0 - share));
+        let whole = |s: f64| from + (1.0 - from) * s;
+        Some((whole(zero), whole(left)))
+    }
+}
+
+/// Makes polynomials from values at fixed nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpolation {
+    /// Shares of the step, both ends included (Chebyshev and Lobatto).
+    pub(crate) nodes: [f64; NODES],
+    coefficients: [[f64; NODES]; NODES],
+    /// Coefficients lie within this many half-ranges of the values about their middle.
+    stretch: f64,
+}
+
+impl Interpolation {
+    pub(crate) fn new() -> Self {
+        let nodes: [f64; NODES] = std::array::from_fn(|k| {
+            let angle = std::f64::consts::FRAC_PI_2 * k as f64 / (NODES - 1) as f64;
+            angle.sin().powi(2)
+        });
+        let basis = nodes.map(|s| {
+            std::array::from_fn(|j| {
+                let mut unit = Polynomial([0.0; NODES]);
+                unit.0[j] = 1.0;
+                unit.at(s)
+            })
+        });
+        let coefficients = inverse(basis);
+        let stretch = coefficients.iter().map(|row| row.iter().map(|c| c.abs()).sum()).fold(1.0, f64::max);
+        Self { nodes, coefficients, stretch }
+    }
+
+    /// The polynomial with these values at the nodes.
+    pub(crate) fn through(&self, values: &[f64; NODES]) -> Polynomial {
+        let mut c: [f64; NODES] =
+            std::array::from_fn(|j| self.coefficients[j].iter().zip(values).map(|(m, value)| m * value).sum());
+        (c[0], c[NODES - 1]) = (values[0], values[NODES - 1]);
+        Polynomial(c)
+    }
+
+    /// The certificate that saves most searches: whether the polynomial through these values surely stays on its side.
+    pub(crate) fn stays(&self, values: &[f64; NODES], positive: bool, band: f64) -> bool {
+        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let nearest = if positive { -middle } else { middle } + self.stretch * half;
+        nearest <= band
+    }
+}
+
+/// The inverse of a small matrix (Gauss and Jordan, largest pivot).
+fn inverse(mut a: [[f64; NODES]; NODES]) -> [[f64; NODES]; NODES] {
+    let mut b: [[f64; NODES]; NODES] = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+    for column in 0..NODES {
+        let pivot = (column..NODES).max_by(|&i, &j| a[i][column].abs().total_cmp(&a[j][column].abs()));
+        let pivot = pivot.unwrap_or(column);
+        a.swap(column, pivot);
+        b.swap(column, pivot);
+        let scale = 1.0 / a[column][column];
+        for j in 0..NODES {
+            a[column][j] *= scale;
+            b[column][j] *= scale;
+        }
+        for i in (0..NODES).filter(|&i| i != column) {
+            let factor = a[i][column];
+            for j in 0..NODES {
+                a[i][j] -= factor * a[column][j];
+                b[i][j] -= factor * b[column][j];
+            }
+        }
+    }
+    b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn through(f: impl Fn(f64) -> f64) -> Polynomial {
+        let interpolation = Interpolation::new();
+        interpolation.through(&interpolation.nodes.map(f))
+    }
+
+    #[test]
+    fn a_polynomial_of_degree_seven_is_met_everywhere() {
+        let f = |s: f64| (s - 0.3) * (s - 0.31) * (s + 1.0) * (s * s + 0.5) * (s - 2.0) * (1.0 - 3.0 * s);
+        let p = through(f);
+        for k in 0..=100 {
+            let s = f64::from(k) / 100.0;
+            assert!((p.at(s) - f(s)).abs() < 1e-14, "{s}");
+        }
+    }
+
+    #[test]
+    fn a_short_excursion_inside_a_step_is_seen_and_a_near_miss_is_none() {
+        // Above zero only on (0.3, 0.3 + 2e-5): 1e-10 high.
+        let f = |shift: f64| move |s: f64| -(s - 0.3) * (s - 0.300_02) - shift;
+        let (zero, left) = through(f(0.0)).first_crossing(false, false, 1e-12).unwrap();
+        assert!((zero - 0.3).abs() < 1e-10 && left > zero && left < 0.300_01, "{zero} {left}");
+        assert!(through(f(2e-10)).first_crossing(false, false, 1e-12).is_none());
+        assert!(through(f(0.0)).first_crossing(false, false, 2e-10).is_none());
+    }
+
+    #[test]
+    fn the_zero_is_the_last_before_the_band_is_left() {
+        // Zeros at 0.2, 0.4 and 0.6; between the first two it stays inside the band.
+        let p = through(|s| 1e-3 * (s - 0.2) * (s - 0.4) * (s - 0.6));
+        let (zero, left) = p.first_crossing(false, false, 2e-5).unwrap();
+        assert!((zero - 0.6).abs() < 1e-12 && left > 0.6);
+        // One that starts inside the band and only leaves it: the zero is the start.
+        let p = through(|s| 1e-12 + s);
+        assert_eq!(p.first_crossing(false, false, 1e-9).unwrap().0, 0.0);
+    }
+
+    #[test]
+    fn a_late_function_is_waited_for() {
+        let p = through(|s| s - 0.25);
+        assert!(p.first_crossing(true, true, 1e-12).is_none());
+        let p = through(|s| (s - 0.25) * (0.75 - s));
+        assert!((p.first_crossing(true, true, 1e-12).unwrap().0 - 0.75).abs() < 1e-12);
+        assert_eq!(p.first_crossing(true, false, 1e-12).unwrap().0, 0.0);
+    }
+
+    #[test]
+    fn the_certificate_never_lies() {
+        let interpolation = Interpolation::new();
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let mut certified = 0;
+        for _ in 0..2000 {
+            let offset = 200.0 * random();
+            let values: [f64; NODES] = std::array::from_fn(|_| offset + random());
+            let positive = offset > 0.0;
+            if interpolation.stays(&values, positive, 0.0) {
+                certified += 1;
+                assert!(interpolation.through(&values).first_crossing(positive, false, 0.0).is_none());
+            }
+        }
+        assert!((200..1900).contains(&certified), "{certified}");
+    }
+
+    #[test]
+    fn the_largest_value_is_found_inside() {
+        let p = through(|s| s * (1.0 - s) * (1.0 - s));
+        assert!((p.largest() - 4.0 / 27.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,142 @@
+//! Remembered signs, and the search of one step for changes of them.
+
+use super::bernstein::{Interpolation, NODES, Polynomial};
+use crate::real::Real;
+
+/// Polynomials through a step are no better than this, relative to the values they go through.
+const POLYNOMIAL_ROUNDING: f64 = 1e-14;
+
+/// A change of side inside a step, in shares of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    pub(crate) index: usize,
+    /// From negative to positive.
+    pub(crate) rising: bool,
+    /// Where: the last zero before the band is left.
+    pub(crate) zero: f64,
+    /// Where the band is left.
+    left: f64,
+}
+
+/// The sides of all functions, and their values at the nodes of the step at hand.
+pub(crate) struct Sides {
+    positive: Vec<bool>,
+    /// Functions whose event was taken a little early: still to arrive on their side.
+    late: Vec<bool>,
+    values: Vec<[f64; NODES]>,
+    band: f64,
+    interpolation: Interpolation,
+}
+
+impl Sides {
+    pub(crate) fn new(count: usize) -> Self {
+        Self {
+            positive: vec![false; count],
+            late: vec![false; count],
+            values: vec![[0.0; NODES]; count],
+            band: 0.0,
+            interpolation: Interpolation::new(),
+        }
+    }
+
+    /// The shares of a step at which values are wanted.
+    pub(crate) fn nodes(&self) -> [f64; NODES] {
+        self.interpolation.nodes
+    }
+
+    /// Takes the values at node `k`.
+    pub(crate) fn put<R: Real>(&mut self, k: usize, values: &[R]) {
+        for (nodes, value) in self.values.iter_mut().zip(values) {
+            nodes[k] = value.f64();
+        }
+    }
+
+    /// The next step starts where this one ended.
+    pub(crate) fn carry(&mut self) {
+        for nodes in &mut self.values {
+            nodes[0] = nodes[NODES - 1];
+        }
+    }
+
+    /// The band of the largest state so far: rounding does not shrink when a state passes through zero.
+    pub(crate) fn set_band(&mut self, band: f64) {
+        self.band = self.band.max(band);
+    }
+
+    fn band(&self, index: usize) -> f64 {
+        let largest = self.values[index].iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
+        self.band.max(POLYNOMIAL_ROUNDING * largest)
+    }
+
+    /// The sides at the start of a run, from the values at node 0: what is in the band is not positive.
+    pub(crate) fn begin(&mut self) {
+        for (positive, nodes) in self.positive.iter_mut().zip(&self.values) {
+            *positive = nodes[0] > self.band;
+        }
+    }
+
+    pub(crate) fn positive(&self, index: usize) -> bool {
+        self.positive[index]
+    }
+
+    /// Whether its event was taken early, and it has still to arrive.
+    pub(crate) fn late(&self, index: usize) -> bool {
+        self.late[index]
+    }
+
+    /// The polynomial of a function through the step.
+    pub(crate) fn polynomial(&self, index: usize) -> Polynomial {
+        self.interpolation.through(&self.values[index])
+    }
+
+    /// Changes the side of a function before its values do.
+    pub(crate) fn fire(&mut self, index: usize) {
+        self.positive[index] = !self.positive[index];
+        self.late[index] = true;
+    }
+
+    /// The first change of side of each function that has one, in no order.
+    pub(crate) fn first_crossings(&self, found: &mut Vec<Crossing>) {
+        found.clear();
+        for index in 0..self.values.len() {
+            let (positive, late, band) = (self.positive[index], self.late[index], self.band(index));
+            if late || !self.interpolation.stays(&self.values[index], positive, band) {
+                let crossing = self.polynomial(index).first_crossing(positive, late, band);
+                found.extend(crossing.map(|(zero, left)| Crossing { index, rising: !positive, zero, left }));
+            }
+        }
+    }
+
+    /// All changes of side in the step, in the order of time; ties in the order of indices. Sides end as the step does.
+    pub(crate) fn all_crossings(&mut self, found: &mut Vec<Crossing>) {
+        self.first_crossings(found);
+        for first in 0..found.len() {
+            let mut last = found[first];
+            let polynomial = self.polynomial(last.index);
+            let band = self.band(last.index);
+            loop {
+                self.positive[last.index] = last.rising;
+                let rest = polynomial.split(last.left).1;
+                let Some((zero, left)) = rest.first_crossing(last.rising, false, band) else { break };
+                let whole = |s: f64| last.left + (1.0 - last.left) * s;
+                last = Crossing { rising: !last.rising, zero: whole(zero), left: whole(left), ..last };
+                found.push(last);
+            }
+        }
+        found.sort_by(|x, y| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index)));
+    }
+
+    /// At the end of a step: functions that were late have arrived, or never will and go back to their side.
+    pub(crate) fn settle(&mut self) {
+        for index in 0..self.values.len() {
+            if self.late[index] {
+                let (value, band) = (self.values[index][NODES - 1], self.band);
+                let far = if self.positive[index] { value } else { -value };
+                if far.abs() > band {
+                    self.positive[index] = value > 0.0;
+                    self.late[index] = false;
+                }
+            }
+        }
+    }
+}

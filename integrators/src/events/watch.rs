@@ -1,0 +1,189 @@
+//! Any stepper, watched for events.
+
+use super::{
+    Event, EventFunctions,
+    bernstein::{NODES, Polynomial},
+    root::bracketed,
+    sides::{Crossing, Sides},
+};
+use crate::{drive::Stepper, error::Error, real::Real, stats::Stats};
+use std::ops::ControlFlow;
+
+/// Somebody who is told of events. Directions and terminal events are its business: it passes over what it does not want,
+/// and ends the run by breaking.
+pub trait Listener<R> {
+    /// An event, with the state at its time.
+    fn event(&mut self, event: Event<R>, y: &[R]) -> ControlFlow<()>;
+
+    /// A part of a step in which a function is positive: after the event that begins it, before the one that ends it.
+    fn positive(&mut self, _part: &Part<R>) {}
+}
+
+/// A part of a step in which a function is positive.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<R> {
+    /// Index of the function.
+    pub index: usize,
+    /// From and to.
+    pub span: (R, R),
+    /// The function over the span, as a polynomial on `[0, 1]`.
+    pub polynomial: Polynomial,
+}
+
+/// A stepper whose steps are searched for events: eight samples a step, a polynomial through them that misses nothing,
+/// and the root of the sampled solution itself.
+///
+/// A run that nobody watches is a run without this type, and pays nothing for it.
+pub struct Watch<R, S, E, L> {
+    stepper: S,
+    functions: E,
+    listener: L,
+    sides: Sides,
+    crossings: Vec<Crossing>,
+    /// Where in the step each function became positive.
+    since: Vec<f64>,
+    y: Vec<R>,
+    g: Vec<R>,
+    /// The time at which the listener ended the run.
+    ended: Option<R>,
+}
+
+impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E, L> {
+    /// Watches a stepper that has not begun.
+    pub fn new(mut stepper: S, functions: E, listener: L) -> Self {
+        let count = functions.count();
+        let (mut y, mut g) = (vec![R::zero(); stepper.dim()], vec![R::zero(); count]);
+        let mut sides = Sides::new(count);
+        let t = stepper.time();
+        stepper.sample(t, &mut y);
+        functions.values(t, &y, &mut g);
+        sides.put(0, &g);
+        sides.set_band(functions.band(&y).f64());
+        sides.begin();
+        sides.put(NODES - 1, &g);
+        let since = vec![0.0; count];
+        Self { stepper, functions, listener, sides, crossings: Vec::new(), since, y, g, ended: None }
+    }
+
+    /// Whether function `index` is positive.
+    pub fn positive(&self, index: usize) -> bool {
+        self.sides.positive(index)
+    }
+
+    /// The listener.
+    pub fn listener(&self) -> &L {
+        &self.listener
+    }
+
+    /// Ends the watch and gives the listener back.
+    pub fn into_listener(self) -> L {
+        self.listener
+    }
+
+    fn values_at(&mut self, t: R) {
+        self.stepper.sample(t, &mut self.y);
+        self.functions.values(t, &self.y, &mut self.g);
+    }
+
+    /// Reports the part of the step in which function `index` was positive, up to `end`.
+    fn report_part(&mut self, index: usize, end: f64, (from, to): (R, R)) {
+        let at = |share: f64| from + (to - from) * R::of(share);
+        let start = std::mem::replace(&mut self.since[index], 0.0);
+        let share = if start < 1.0 { (end - start) / (1.0 - start) } else { 1.0 };
+        let polynomial = self.sides.polynomial(index).split(start).1.split(share).0;
+        self.listener.positive(&Part { index, span: (at(start), at(end)), polynomial });
+    }
+
+    /// The time of a crossing: a root of the sampled solution near that of the polynomial.
+    fn refine(&mut self, crossing: Crossing, from: R, to: R) -> R {
+        let index = crossing.index;
+        let at = |share: f64| if share >= 1.0 { to } else { from + (to - from) * R::of(share.max(0.0)) };
+        let guess = at(crossing.zero);
+        if guess <= from || guess >= to {
+            return guess;
+        }
+        let mut width = 1e-9;
+        while width < 1.0 {
+            let (low, high) = (at(crossing.zero - width), at(crossing.zero + width));
+            self.values_at(low);
+            let before = self.g[index];
+            self.values_at(high);
+            let after = self.g[index];
+            let rises = before <= R::zero() && after >= R::zero();
+            let falls = before >= R::zero() && after <= R::zero();
+            if (crossing.rising && rises) || (!crossing.rising && falls) {
+                let value = |t| {
+                    self.values_at(t);
+                    self.g[index]
+                };
+                return bracketed(value, (low, before), (high, after));
+            }
+            width *= 32.0;
+        }
+        guess
+    }
+
+    /// Searches the step just taken.
+    fn search(&mut self, from: R) {
+        let to = self.stepper.time();
+        self.sides.carry();
+        for (k, share) in self.sides.nodes().into_iter().enumerate().skip(1) {
+            let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
+            self.values_at(t);
+            self.sides.put(k, &self.g);
+        }
+        self.sides.set_band(self.functions.band(&self.y).f64());
+        let mut crossings = std::mem::take(&mut self.crossings);
+        self.sides.all_crossings(&mut crossings);
+        self.crossings = crossings;
+        for k in 0..self.crossings.len() {
+            let crossing = self.crossings[k];
+            if crossing.rising {
+                self.since[crossing.index] = crossing.zero;
+            } else {
+                self.report_part(crossing.index, crossing.zero, (from, to));
+            }
+            let t = self.refine(crossing, from, to);
+            self.stepper.sample(t, &mut self.y);
+            let event = Event { index: crossing.index, rising: crossing.rising, t };
+            if self.listener.event(event, &self.y).is_break() {
+                self.ended = Some(t);
+                return;
+            }
+        }
+        for index in 0..self.since.len() {
+            if self.sides.positive(index) {
+                self.report_part(index, 1.0, (from, to));
+            }
+        }
+    }
+}
+
+impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Stepper<R> for Watch<R, S, E, L> {
+    fn dim(&self) -> usize {
+        self.stepper.dim()
+    }
+
+    fn time(&self) -> R {
+        self.ended.unwrap_or_else(|| self.stepper.time())
+    }
+
+    fn done(&self) -> bool {
+        self.ended.is_some() || self.stepper.done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        let from = self.stepper.time();
+        self.stepper.step()?;
+        self.search(from);
+        Ok(())
+    }
+
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        self.stepper.sample(t, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stepper.stats()
+    }
+}

@@ -1,0 +1,179 @@
+//! The same method without step-size control, for studies of its order.
+
+use super::{Mapped, TimeMap, check_problem};
+use crate::{
+    clock::Twofold,
+    dop853::step::{Leap, Step},
+    error::Error,
+    events::{Event, EventFunctions},
+    real::Real,
+    system::VectorField,
+};
+
+/// Newton iterations for the end of a leg: from a good guess two or three are enough.
+const MOST_PASSES: usize = 12;
+
+/// The stops of a run: about when each comes, the function that vanishes there, and what is singular about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Itinerary<R> {
+    stops: Vec<Stop<R>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stop<R> {
+    event: Event<R>,
+    onset: bool,
+    release: bool,
+}
+
+impl<R: Real> Itinerary<R> {
+    /// From the events of a run in order of time; events closer than `together` share a stop.
+    pub fn new(events: &[Event<R>], together: R) -> Self {
+        let mut stops: Vec<Stop<R>> = Vec::new();
+        for &event in events {
+            match stops.last_mut().filter(|stop| event.t - stop.event.t <= together) {
+                Some(stop) => {
+                    stop.onset |= event.rising;
+                    stop.release |= !event.rising;
+                }
+                None => stops.push(Stop { event, onset: event.rising, release: !event.rising }),
+            }
+        }
+        Self { stops }
+    }
+
+    /// How many stops.
+    pub fn len(&self) -> usize {
+        self.stops.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.stops.is_empty()
+    }
+}
+
+/// How a leg between two stops is shared out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Division<R> {
+    /// Steps of this length in time, the last of each leg shorter: what a solver does that stops at events.
+    Length(R),
+    /// This many equal steps in the mapped variable on every leg, with a map of power `q`.
+    Count {
+        /// Steps a leg.
+        steps: u64,
+        /// The power of the map.
+        q: u32,
+    },
+}
+
+impl<R: Real> Division<R> {
+    fn check(&self) -> Result<(), Error> {
+        match *self {
+            Self::Length(h) if !(h.is_finite() && h > R::zero()) => {
+                Err(Error::Argument { name: "h", value: h.f64(), rule: "a step is finite and above zero" })
+            }
+            Self::Count { steps: 0, .. } => {
+                Err(Error::Argument { name: "steps", value: 0.0, rule: "at least one step" })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn q(&self) -> u32 {
+        if let Self::Count { q, .. } = *self { q } else { 1 }
+    }
+
+    /// Steps on a leg of this length.
+    fn count(&self, length: R) -> u64 {
+        match *self {
+            // A step that fits but for rounding is taken as it is.
+            Self::Length(h) => (length / h * R::of(1.0 - 1e-9)).ceil().max(R::one()).f64() as u64,
+            Self::Count { steps, .. } => steps,
+        }
+    }
+
+    /// Where step `k` of `count` begins, as `sigma`.
+    fn node(&self, k: u64, count: u64, length: R) -> R {
+        match *self {
+            _ if k == count => R::one(),
+            Self::Length(h) => R::of(k as f64) * (h / length),
+            Self::Count { .. } => R::of(k as f64) / R::of(count as f64),
+        }
+    }
+}
+
+/// Runs DOP853 from `y0` over the span and returns the state at its end and the number of steps, without error control.
+///
+/// It stops at each event, found by Newton's method on its own solution; the itinerary is only where that starts.
+///
+/// # Errors
+/// A division or a problem that is not valid; a state that is not finite.
+pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
+    mut field: F,
+    functions: &E,
+    y0: &[R],
+    (start, end): (R, R),
+    division: Division<R>,
+    itinerary: &Itinerary<R>,
+) -> Result<(Vec<R>, u64), Error> {
+    division.check()?;
+    let q = division.q();
+    check_problem(field.dim(), y0, (start, end), 1.0, q)?;
+    let mut origin = Twofold::new(start);
+    let (mut step, mut steps, mut onset) = (Step::new(y0), 0, false);
+    let mut from = y0.to_vec();
+    let (mut dy, mut g) = (y0.to_vec(), vec![R::zero(); functions.count()]);
+    let mut rates = g.clone();
+    let power = |singular: bool| if singular { q } else { 1 };
+    for stop in itinerary.stops.iter().map(Some).chain([None]) {
+        let mut length = (stop.map_or(Twofold::new(end), |stop| Twofold::new(stop.event.t)) - origin).value();
+        if length <= R::zero() {
+            onset |= stop.is_some_and(|stop| stop.onset);
+            continue;
+        }
+        for _ in 0..MOST_PASSES {
+            let map = TimeMap::new(length, power(onset), power(stop.is_some_and(|stop| stop.release)));
+            step.load(&from);
+            let taken = traverse(&mut Mapped { field: &mut field, map, origin: origin.value() }, &mut step, division)?;
+            let y = step.state();
+            let Some(stop) = stop else {
+                steps += taken;
+                break;
+            };
+            let t = (origin + Twofold::new(length)).value();
+            field.eval(t, y, &mut dy);
+            functions.values(t, y, &mut g);
+            functions.rates(t, y, &dy, &mut rates);
+            let miss = -(g[stop.event.index] / rates[stop.event.index]);
+            if !(miss.abs() > R::of(1e-12) * length && miss.abs() < length) {
+                steps += taken;
+                break;
+            }
+            length += miss;
+        }
+        origin = origin + Twofold::new(length);
+        onset = stop.is_some_and(|stop| stop.onset);
+        from.copy_from_slice(step.state());
+    }
+    Ok((from, steps))
+}
+
+/// From `sigma = 0` to 1, and the number of steps.
+fn traverse<R: Real, F: VectorField<R>>(
+    field: &mut Mapped<'_, R, F>,
+    step: &mut Step<R>,
+    division: Division<R>,
+) -> Result<u64, Error> {
+    let (length, origin) = (field.map.length(), field.origin);
+    let count = division.count(length);
+    step.begin(field, R::zero());
+    for k in 0..count {
+        let (from, to) = (division.node(k, count, length), division.node(k + 1, count, length));
+        let leap = Leap { from: Twofold::new(from), to: Twofold::new(to), h: to - from };
+        let done = step.attempt(field, leap, None).and_then(|_| step.accept(field, to));
+        done.map_err(|index| Error::NotFinite { t: origin.f64(), step: k, index })?;
+        step.advance();
+    }
+    Ok(count)
+}

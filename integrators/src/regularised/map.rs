@@ -1,0 +1,168 @@
+//! Time maps: a variable in which a solution that feels a power of the distance from an event is smooth.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `sigma` | the variable, from 0 to 1 |
+//! | `tau` | time since the start of the leg, from 0 to its length `L` |
+//! | `a, b` | powers at the start and at the end; 1 where nothing is singular |
+
+use crate::real::Real;
+use std::fmt::Debug;
+
+/// `tau = L I(sigma)`, `I' = c sigma^{a-1} (1 - sigma)^{b-1}`, `I(0) = 0`, `I(1) = 1`.
+///
+/// Near the start `tau` goes like `sigma^a`, near the end `L - tau` like `(1 - sigma)^b`: `a = b = 1` is no map,
+/// `b = 1` the one of an onset, `a = 1` that of a release, both larger the two-sided one. `I` is the regularised
+/// incomplete beta function, a polynomial. With `b = 1` it may be continued beyond `sigma = 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeMap<R> {
+    length: R,
+    a: u32,
+    b: u32,
+}
+
+impl<R: Real> TimeMap<R> {
+    /// The map of a leg of this length, `a` and `b` from 1.
+    pub fn new(length: R, a: u32, b: u32) -> Self {
+        Self { length, a: a.max(1), b: b.max(1) }
+    }
+
+    /// The powers `(a, b)`.
+    pub fn powers(&self) -> (u32, u32) {
+        (self.a, self.b)
+    }
+
+    /// The length `L`.
+    pub fn length(&self) -> R {
+        self.length
+    }
+
+    /// `C(n, k) sigma^k (1 - sigma)^{n-k}` summed over `ks`, with `n = a + b - 1`: terms of one sign.
+    fn sum(&self, sigma: R, ks: impl Iterator<Item = u32>) -> R {
+        let n = self.a + self.b - 1;
+        let power = |x: R, k: u32| num_traits::pow(x, k as usize);
+        let term = |k| R::of(binomial(n, k)) * power(sigma, k) * power(R::one() - sigma, n - k);
+        ks.fold(R::zero(), |sum, k| sum + term(k))
+    }
+
+    /// `tau` at `sigma`, accurate relative to itself.
+    pub fn at(&self, sigma: R) -> R {
+        self.length * self.sum(sigma, self.a..=self.a + self.b - 1)
+    }
+
+    /// `L - tau` at `sigma`, accurate relative to itself.
+    pub fn before_end(&self, sigma: R) -> R {
+        self.length * self.sum(sigma, 0..=self.a - 1)
+    }
+
+    /// `d tau / d sigma`.
+    pub fn rate(&self, sigma: R) -> R {
+        let (a, b) = (self.a as usize, self.b as usize);
+        let c = binomial(self.a + self.b - 1, self.a) * f64::from(self.a);
+        self.length * R::of(c) * num_traits::pow(sigma, a - 1) * num_traits::pow(R::one() - sigma, b - 1)
+    }
+
+    /// The `sigma` of a `tau` in `[0, L]` (for `b = 1`, also beyond).
+    pub fn inverse(&self, tau: R) -> R {
+        let (zero, one) = (R::zero(), R::one());
+        if tau <= zero || self.length <= zero {
+            return zero;
+        }
+        if self.a == 1 && self.b == 1 {
+            return tau / self.length;
+        }
+        if self.b > 1 && tau >= self.length {
+            return one;
+        }
+        // Newton's method on the end that is nearer, where the map is a power; it starts beyond the root of a convex branch.
+        let n = self.a + self.b - 1;
+        let share = tau / self.length;
+        let near_start = self.b == 1 || share < R::of(0.5);
+        let (rest, power, factor) =
+            if near_start { (share, self.a, binomial(n, self.a)) } else { (one - share, self.b, binomial(n, self.b)) };
+        let guess = (rest / R::of(factor)).powf(R::of(f64::from(power)).recip());
+        let mut sigma = if near_start { guess } else { one - guess };
+        for _ in 0..40 {
+            let gap = if near_start { self.at(sigma) - tau } else { (self.length - tau) - self.before_end(sigma) };
+            let step = gap / self.rate(sigma);
+            let next = sigma - step;
+            let next = if self.b > 1 { next.min(one) } else { next };
+            let next = if next > zero { next } else { sigma * R::of(0.5) };
+            let moved = (next - sigma).abs();
+            sigma = next;
+            if moved <= R::of(1e-20) * sigma || moved == zero || !step.is_finite() {
+                break;
+            }
+        }
+        sigma
+    }
+
+    /// How `sigma` counts near a singular end: there `s = tau^{1/q}` is this many times `sigma`. The length, where no end
+    /// is singular.
+    pub fn unit(&self) -> R {
+        let q = self.a.max(self.b);
+        let near = if self.a > 1 { binomial(self.a + self.b - 1, self.a) } else { 1.0 };
+        (self.length * R::of(near)).powf(R::of(f64::from(q)).recip())
+    }
+}
+
+fn binomial(n: u32, k: u32) -> f64 {
+    (0..k).fold(1.0, |c, i| c * f64::from(n - i) / f64::from(i + 1)).round()
+}
+
+/// The power `q` of the map for a field that goes like `(g)_+^alpha` near an event, under a method of order `p`.
+///
+/// The smallest `q` with `q alpha` an integer (then the mapped solution is analytic), or with `q (alpha + 1) >= p` (then
+/// the one step at the event errs by no more than all others together): 1 for integers, 2 for half-integers, 4 for 6/5.
+/// Larger ones cost: the same steps then err more.
+pub fn power(alpha: f64, p: u32) -> u32 {
+    let analytic = |q: f64| (q * alpha - (q * alpha).round()).abs() < 1e-12;
+    (1..=64u32).find(|&q| analytic(f64::from(q)) || f64::from(q) * (alpha + 1.0) >= f64::from(p)).unwrap_or(64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_four_maps_of_the_square_are_what_they_are_called() {
+        let s = 0.3f64;
+        for ((a, b), expected) in
+            [((1, 1), s), ((2, 1), s * s), ((1, 2), 1.0 - 0.49), ((2, 2), s * s * (3.0 - 2.0 * s))]
+        {
+            let map = TimeMap::new(2.0, a, b);
+            assert!((map.at(s) - 2.0 * expected).abs() < 1e-15, "{a} {b}");
+            assert!((map.before_end(s) - 2.0 * (1.0 - expected)).abs() < 1e-15, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_inverse_inverts_and_the_rate_is_the_derivative() {
+        for (a, b) in [(1, 1), (2, 1), (1, 2), (2, 2), (5, 1), (1, 5), (5, 5), (7, 3)] {
+            let map = TimeMap::new(0.7, a, b);
+            for tau in [1e-12, 1e-5, 0.01, 0.3, 0.35, 0.6, 0.7 - 1e-6, 0.7] {
+                let sigma = map.inverse(tau);
+                assert!((map.at(sigma) - tau).abs() < 4e-16 * 0.7, "{a} {b} {tau}: {}", map.at(sigma) - tau);
+                let d = 1e-5 * sigma.min(1.0 - sigma);
+                if d > 0.0 {
+                    let slope = (map.at(sigma + d) - map.at(sigma - d)) / (2.0 * d);
+                    assert!(
+                        (slope / map.rate(sigma) - 1.0).abs() < 1e-6 + 2e-16 / (d * map.rate(sigma)),
+                        "{a} {b} {tau}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_power_follows_the_exponent() {
+        for (alpha, q) in
+            [(1.0, 1), (2.0, 1), (3.0, 1), (1.5, 2), (2.5, 2), (0.5, 2), (1.2, 4), (4.0 / 3.0, 3), (8.3, 1)]
+        {
+            assert_eq!(power(alpha, 8), q, "{alpha}");
+        }
+        // Irrational: smooth enough instead of analytic.
+        assert_eq!(power(std::f64::consts::SQRT_2, 8), 4);
+    }
+}

@@ -1,0 +1,567 @@
+//! DOP853 that stops at every event and goes on in a variable in which the solution is smooth.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `g, alpha` | event functions; near `g = 0` the field goes like `(g)_+^alpha` |
+//! | *leg* | a stretch between two events, in which no function changes its sign |
+//! | `tau, sigma` | time since the leg's origin, and the mapped variable, see [`TimeMap`] |
+//! | `q` | power of the map at a singular end: after an onset (`g` rises), before a release (`g` falls) |
+//! | `s` | `tau^{1/q}`: steps near a singular end are remembered in it |
+//!
+//! After an onset the force grows like `tau^alpha`, which no polynomial step in `tau` fits; in `sigma`, with
+//! `tau ~ sigma^q` and `q alpha` an integer, it is analytic. With `q = 1` the method only stops and restarts.
+//!
+//! Events are sought in every trial, also in one whose error is too large. The trial is then made again so that it ends on
+//! the first event, in the map that this event asks for, and again until the function vanishes there (Newton's method on
+//! the end of the leg). Events so close to an origin that their singularity, moved there, is below the tolerance share it:
+//! simultaneous contacts cost one stop and no tiny steps.
+
+mod equal;
+mod map;
+
+pub use equal::{Division, Itinerary, equal_steps};
+pub use map::{TimeMap, power};
+
+use crate::{
+    clock::Twofold,
+    dop853::{
+        Options,
+        controller::{Controller, Guess, Verdict, round_off},
+        dense::Dense,
+        step::{Leap, Step},
+    },
+    drive::Stepper,
+    error::Error,
+    events::{
+        Event, EventFunctions,
+        sides::{Crossing, Sides},
+    },
+    real::Real,
+    stats::Stats,
+    system::VectorField,
+};
+
+/// Trials for one accepted step; then what is there is taken.
+const MOST_RETRIES: u32 = 24;
+
+/// Smallest relative tolerance, in unit round-offs. Errors of single steps below the rounding of the state still count: a
+/// tenth of it a step is where runs of thousands of steps end at their rounding.
+const FLOOR: f64 = 0.05;
+
+/// So many steps from its origin a leg without an end in sight starts anew.
+const FAR: f64 = 64.0;
+
+/// Refuses a problem that cannot be run.
+pub(crate) fn check_problem<R: Real>(
+    dim: usize,
+    y0: &[R],
+    (start, end): (R, R),
+    alpha: f64,
+    q: u32,
+) -> Result<(), Error> {
+    crate::dop853::check_start(dim, y0, (start, end))?;
+    if !(alpha.is_finite() && alpha > 0.0) {
+        return Err(Error::Argument { name: "alpha", value: alpha, rule: "the exponent is finite and positive" });
+    }
+    if !(1..=64).contains(&q) {
+        return Err(Error::Argument { name: "q", value: f64::from(q), rule: "the power of the map is from 1 to 64" });
+    }
+    Ok(())
+}
+
+/// A field in the mapped variable: `dy/dsigma = tau'(sigma) f(t, y)`.
+pub(crate) struct Mapped<'a, R, F> {
+    pub(crate) field: &'a mut F,
+    pub(crate) map: TimeMap<R>,
+    pub(crate) origin: R,
+}
+
+impl<R: Real, F: VectorField<R>> VectorField<R> for Mapped<'_, R, F> {
+    fn dim(&self) -> usize {
+        self.field.dim()
+    }
+
+    fn eval(&mut self, sigma: R, y: &[R], dy: &mut [R]) {
+        self.field.eval(self.origin + self.map.at(sigma), y, dy);
+        let rate = self.map.rate(sigma);
+        for dy in dy {
+            *dy *= rate;
+        }
+    }
+}
+
+/// A stretch without events: where it starts, its map, how far we are, and what awaits us at `sigma = 1`.
+#[derive(Clone, Copy)]
+struct Leg<R> {
+    origin: Twofold<R>,
+    map: TimeMap<R>,
+    sigma: R,
+    target: Option<Crossing>,
+}
+
+impl<R: Real> Leg<R> {
+    fn mapped<'a, F>(&self, field: &'a mut F) -> Mapped<'a, R, F> {
+        Mapped { field, map: self.map, origin: self.origin.value() }
+    }
+
+    /// Time since the origin.
+    fn tau(&self) -> R {
+        self.map.at(self.sigma)
+    }
+
+    fn time(&self, sigma: R) -> Twofold<R> {
+        self.origin + Twofold::new(self.map.at(sigma))
+    }
+
+    fn singular(&self) -> bool {
+        self.map.powers() != (1, 1)
+    }
+}
+
+/// The longest step that errors allow, in time and in the variable of singular ends.
+#[derive(Clone, Copy)]
+struct Pace<R> {
+    tau: R,
+    s: R,
+}
+
+impl<R: Real> Pace<R> {
+    fn of(&mut self, leg: &Leg<R>) -> &mut R {
+        if leg.singular() { &mut self.s } else { &mut self.tau }
+    }
+}
+
+/// DOP853 through events: landed on each (`q = 1`), or regularised at each.
+pub struct Regularised<R, F, E> {
+    field: F,
+    functions: E,
+    alpha: R,
+    q: u32,
+    options: Options<R>,
+    controller: Controller<R>,
+    step: Step<R>,
+    dense: Dense<R>,
+    leg: Leg<R>,
+    end: Twofold<R>,
+    pace: Option<Pace<R>>,
+    /// The last step, while it can be looked into.
+    last: Option<(Leg<R>, Leap<R>)>,
+    sides: Sides,
+    crossings: Vec<Crossing>,
+    events: Vec<Event<R>>,
+    y: Vec<R>,
+    dy: Vec<R>,
+    g: Vec<R>,
+    rates: Vec<R>,
+    fired_here: usize,
+    done: bool,
+    stats: Stats,
+}
+
+/// The first event of a trial.
+#[derive(Clone, Copy)]
+struct Landing<R> {
+    crossing: Crossing,
+    /// When, since the origin of the leg.
+    tau: R,
+    /// How far from it its singularity may be put.
+    width: R,
+    /// Whether it, or another that shares its place, is a release.
+    released: bool,
+}
+
+/// What a trial showed.
+enum Trial<R> {
+    /// An event inside it: go there.
+    Land(Landing<R>),
+    /// Too large an error; the step to try next.
+    Smaller(R),
+    /// It ends on its event but for this much time.
+    Miss(R),
+    /// Good; the step to try next.
+    Good(R),
+}
+
+impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
+    /// Runs `field` from `y0` over the span; near `functions = 0` the field goes like `(g)_+^alpha`. `q` is the power of
+    /// the map at singular ends, see [`power`]; 1 lands on events and no more.
+    ///
+    /// # Errors
+    /// As [`Dop853::new`](crate::Dop853::new), but a relative tolerance may go down to a twentieth of the unit round-off;
+    /// or an `alpha` or a `q` that is not positive.
+    pub fn new(
+        field: F,
+        functions: E,
+        (alpha, q): (f64, u32),
+        y0: &[R],
+        (start, end): (R, R),
+        options: Options<R>,
+    ) -> Result<Self, Error> {
+        let options = options
+            .checked((R::of(FLOOR), "a relative tolerance is finite and above a twentieth of the unit round-off"))?;
+        check_problem(field.dim(), y0, (start, end), alpha, q)?;
+        let count = functions.count();
+        let step = Step::new(y0);
+        let mut regularised = Self {
+            // Its steps are in sigma: the longest step, which is one in time, is our own business.
+            controller: Controller::new(&Options { max_step: None, ..options }, R::infinity()),
+            dense: Dense::new(step.padded()),
+            step,
+            leg: Leg {
+                origin: Twofold::new(start),
+                map: TimeMap::new(end - start, 1, 1),
+                sigma: R::zero(),
+                target: None,
+            },
+            end: Twofold::new(end),
+            pace: None,
+            last: None,
+            sides: Sides::new(count),
+            crossings: Vec::new(),
+            events: Vec::new(),
+            y: y0.to_vec(),
+            dy: y0.to_vec(),
+            g: vec![R::zero(); count],
+            rates: vec![R::zero(); count],
+            fired_here: 0,
+            done: end <= start,
+            stats: Stats::default(),
+            alpha: R::of(alpha),
+            field,
+            functions,
+            q,
+            options,
+        };
+        regularised.functions.values(start, y0, &mut regularised.g);
+        regularised.sides.put(0, &regularised.g);
+        regularised.sides.set_band(regularised.functions.band(y0).f64());
+        regularised.sides.begin();
+        Ok(regularised)
+    }
+
+    /// The events of the last step, in the order in which they were found.
+    pub fn events(&self) -> &[Event<R>] {
+        &self.events
+    }
+
+    fn not_finite(&self, index: usize) -> Error {
+        Error::NotFinite { t: self.time().f64(), step: self.stats.steps, index }
+    }
+
+    /// The slope at the leg's present place, in its variable.
+    fn slope(&mut self) -> Result<(), Error> {
+        self.step.begin(&mut self.leg.mapped(&mut self.field), self.leg.sigma);
+        self.stats.force_evaluations += 1;
+        self.step.check(0).map_err(|index| self.not_finite(index))
+    }
+
+    /// The first step: guessed as DOP853 guesses it.
+    fn guess(&mut self) -> Result<Pace<R>, Error> {
+        // In time itself: a leg of unit rate.
+        let span = (self.end - self.leg.origin).value();
+        let natural = Leg { map: TimeMap::new(R::one(), 1, 1), sigma: R::zero(), ..self.leg };
+        let mut field = natural.mapped(&mut self.field);
+        self.step.begin(&mut field, R::zero());
+        let max_step = self.options.max_step.unwrap_or(span).min(span);
+        let tau = match self.options.first_step {
+            Some(h) => h.min(max_step),
+            None => {
+                let guess = Guess::new(self.options.scale(), max_step, self.step.state(), self.step.slope(0));
+                self.step.euler(&mut field, R::zero(), guess.euler);
+                guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1))
+            }
+        };
+        self.stats.force_evaluations += 2;
+        self.step.check(0).map_err(|index| self.not_finite(index))?;
+        Ok(Pace { tau, s: tau.powf(R::of(f64::from(self.q)).recip()) })
+    }
+
+    /// How far past its event a function of this rate may be taken to have it: then the singularity that is left out
+    /// changes the state by a tenth of the tolerance.
+    fn cluster(&self, rate: R) -> R {
+        let strength = R::of(0.1) * self.options.atol / rate.abs().powf(self.alpha);
+        strength.powf((self.alpha + R::one()).recip())
+    }
+
+    /// Values of the functions at the nodes of the trial; the dense output is there.
+    fn look(&mut self, leg: &Leg<R>, leap: Leap<R>) {
+        let nodes = self.sides.nodes();
+        for (k, share) in nodes.into_iter().enumerate() {
+            let sigma = leap.from.value() + leap.h * R::of(share);
+            let t = leg.time(sigma).value();
+            let y = match k {
+                0 => self.step.before(),
+                _ if k + 1 == nodes.len() => self.step.state(),
+                _ => {
+                    self.dense.eval(self.step.before(), R::of(share), &mut self.y);
+                    &self.y
+                }
+            };
+            self.functions.values(t, y, &mut self.g);
+            self.sides.put(k, &self.g);
+        }
+        self.sides.set_band(self.functions.band(self.step.state()).f64());
+    }
+
+    /// The first event in the trial.
+    fn first_event(&mut self, leg: &Leg<R>, leap: Leap<R>) -> Option<Landing<R>> {
+        self.sides.first_crossings(&mut self.crossings);
+        let at = |share: f64| leg.map.at(leap.from.value() + leap.h * R::of(share));
+        let width = |crossing: &Crossing| {
+            // One that has fired here already is not put here again.
+            if self.sides.late(crossing.index) {
+                return R::zero();
+            }
+            // Not the slope itself: at a singular end the map has none.
+            let (near, polynomial) = (crossing.zero, self.sides.polynomial(crossing.index));
+            let far = if near < 0.5 { near + 0.05 } else { near - 0.05 };
+            self.cluster(R::of(polynomial.at(far) - polynomial.at(near)) / (at(far) - at(near)))
+        };
+        let earlier = |x: &&Crossing, y: &&Crossing| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index));
+        let crossing = *self.crossings.iter().min_by(earlier)?;
+        let first = at(crossing.zero);
+        let shares = |other: &&Crossing| at(other.zero) - first <= width(other);
+        let released = self.crossings.iter().filter(shares).any(|other| !other.rising);
+        Some(Landing { crossing, tau: first, width: width(&crossing), released })
+    }
+
+    /// Makes one trial from the present place; `Good` leaves it accepted, anything else undone.
+    fn attempt(&mut self, to: R) -> Result<Trial<R>, Error> {
+        let leg = self.leg;
+        let leap = Leap { from: Twofold::new(leg.sigma), to: Twofold::new(to), h: to - leg.sigma };
+        self.dense.clear();
+        let mut field = leg.mapped(&mut self.field);
+        let error = self.step.attempt(&mut field, leap, Some(self.options.scale()));
+        let error = error.and_then(|error| self.step.accept(&mut field, to).map(|()| error));
+        let error = match error {
+            Ok(error) => error,
+            Err(index) => return Err(self.not_finite(index)),
+        };
+        let dense = self.dense.prepare(&mut self.step, &mut field, leap);
+        self.stats.force_evaluations += 12 + dense;
+        self.look(&leg, leap);
+        let arrives = leg.target.is_some() && to == R::one();
+        let event = self.first_event(&leg, leap);
+        let verdict = self.controller.judge(leap.h, error);
+        // The event that the leg ends on may show a little before it.
+        let own = |crossing: &Crossing| arrives && leg.target.is_some_and(|target| target.index == crossing.index);
+        let trial = match (event, verdict) {
+            (Some(landing), _) if !own(&landing.crossing) => Trial::Land(landing),
+            (_, Verdict::Reject(h)) => Trial::Smaller(h),
+            (event, Verdict::Accept(h)) => match leg.target.filter(|_| arrives) {
+                Some(target) => match self.miss(&leg, target, event.map(|landing| landing.tau)) {
+                    Some(miss) => Trial::Miss(miss),
+                    None => Trial::Good(h),
+                },
+                None => Trial::Good(h),
+            },
+        };
+        if let Trial::Good(_) = trial {
+            self.last = Some((leg, leap));
+        } else {
+            self.step.undo();
+            self.stats.rejected += u64::from(matches!(trial, Trial::Smaller(_)));
+        }
+        Ok(trial)
+    }
+
+    /// By how much time the end of the leg misses its event, unless that is nothing.
+    fn miss(&mut self, leg: &Leg<R>, target: Crossing, seen: Option<R>) -> Option<R> {
+        let t = leg.time(R::one()).value();
+        self.field.eval(t, self.step.state(), &mut self.dy);
+        self.stats.force_evaluations += 1;
+        self.functions.values(t, self.step.state(), &mut self.g);
+        self.functions.rates(t, self.step.state(), &self.dy, &mut self.rates);
+        let (g, rate) = (self.g[target.index], self.rates[target.index]);
+        let length = leg.map.length() - leg.tau();
+        let newton = if rate == R::zero() { R::zero() } else { -(g / rate) };
+        // Where the function turns, its polynomial knows better than its rate.
+        let miss = if newton.abs() > R::of(0.5) * length {
+            seen.map_or(R::zero(), |at| at - leg.map.length())
+        } else {
+            newton
+        };
+        let near = miss.abs() <= R::of(1e-9) * length && miss.abs() <= self.cluster(rate);
+        let finer = round_off::<R>() / R::of(f64::EPSILON);
+        let rounding = R::of(0.03) * self.functions.band(self.step.state()) * finer;
+        (!near && g.abs() > rounding).then_some(miss)
+    }
+
+    /// Turns the leg towards an event at `tau` after its origin.
+    fn aim(&mut self, target: Crossing, tau: R, released: bool) -> Result<(), Error> {
+        let (a, b) = (self.leg.map.powers().0, if released { self.q } else { 1 });
+        let now = self.leg.tau();
+        self.leg.map = TimeMap::new(tau, a, b);
+        self.leg.sigma = self.leg.map.inverse(now);
+        self.leg.target = Some(target);
+        self.slope()
+    }
+
+    /// Starts a leg here, with power `a`, to the end of the span.
+    fn set_out(&mut self, origin: Twofold<R>, a: u32) -> Result<(), Error> {
+        self.leg = Leg { origin, map: TimeMap::new((self.end - origin).value(), a, 1), sigma: R::zero(), target: None };
+        self.slope()
+    }
+
+    /// No event where one was seen: on in the open, with a shorter step.
+    fn give_up(&mut self, pace: &mut Pace<R>) -> Result<(), Error> {
+        let (a, now) = (self.leg.map.powers().0, self.leg.tau());
+        self.leg.map = TimeMap::new((self.end - self.leg.origin).value(), a, 1);
+        self.leg.sigma = self.leg.map.inverse(now);
+        self.leg.target = None;
+        *pace.of(&self.leg) *= R::of(0.5);
+        self.slope()
+    }
+
+    /// An event right here: the function changes its side, and the leg starts anew if that is an onset.
+    fn fire(&mut self, crossing: Crossing, t: R) -> Result<(), Error> {
+        self.sides.fire(crossing.index);
+        self.events.push(Event { index: crossing.index, rising: crossing.rising, t });
+        self.fired_here += 1;
+        let origin = self.leg.time(self.leg.sigma);
+        if self.fired_here > 4 * self.g.len() + 4 {
+            return Err(Error::StepUnderflow { t: origin.value().f64(), h: 0.0 });
+        }
+        let a = if crossing.rising { self.q } else { 1 };
+        let a = if self.leg.sigma == R::zero() { a.max(self.leg.map.powers().0) } else { a };
+        self.set_out(origin, a)
+    }
+
+    /// The step to try, as a `sigma` to end on: as far as errors allow, stretched or shared out so that none is tiny.
+    fn propose(&self, pace: &mut Pace<R>) -> Result<R, Error> {
+        let leg = &self.leg;
+        let h = *pace.of(leg) / leg.map.unit();
+        let h = match self.options.max_step {
+            Some(most) => h.min(leg.map.inverse(leg.tau() + most) - leg.sigma),
+            None => h,
+        };
+        let rest = R::one() - leg.sigma;
+        let to = if h * R::of(1.01) >= rest {
+            R::one()
+        } else if R::of(2.0) * h > rest {
+            leg.sigma + R::of(0.5) * rest
+        } else {
+            leg.sigma + h
+        };
+        if self.stats.steps + self.stats.rejected >= self.options.max_steps {
+            return Err(Error::TooManySteps { t: self.time().f64(), steps: self.stats.steps });
+        }
+        if to <= leg.sigma || !h.is_finite() {
+            return Err(Error::StepUnderflow { t: self.time().f64(), h: h.f64() });
+        }
+        Ok(to)
+    }
+
+    /// Bookkeeping after an accepted step to `to`; `next` is the step that its error allows.
+    fn advance(&mut self, to: R, next: R, pace: &mut Pace<R>) -> Result<(), Error> {
+        let leg = self.leg;
+        let allowed = next * leg.map.unit();
+        let tried = *pace.of(&leg);
+        // A step that was cut short and could have been as long as ever says nothing against longer ones.
+        let unbounded = next > R::of(5.9) * (to - leg.sigma);
+        *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
+        self.stats.steps += 1;
+        self.sides.settle();
+        self.leg.sigma = to;
+        self.fired_here = 0;
+        let arrived = to == R::one();
+        match leg.target.filter(|_| arrived) {
+            Some(target) => {
+                let (g, rate) = (self.g[target.index], self.rates[target.index]);
+                let newton = if rate == R::zero() { R::zero() } else { -(g / rate) };
+                let t = leg.time(to) + Twofold::new(newton);
+                self.fire(target, t.value())
+            }
+            None if arrived => {
+                self.done = true;
+                Ok(())
+            }
+            // Far from its origin a leg is smooth in time itself; and a time counted from far away is rounded.
+            None if leg.target.is_none() && self.leg.tau() > R::of(FAR) * pace.tau => {
+                self.set_out(self.leg.time(to), 1)
+            }
+            None => {
+                self.step.advance();
+                Ok(())
+            }
+        }
+    }
+}
+
+impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularised<R, F, E> {
+    fn dim(&self) -> usize {
+        self.step.dim()
+    }
+
+    fn time(&self) -> R {
+        if self.done { self.end.value() } else { self.leg.time(self.leg.sigma).value() }
+    }
+
+    fn done(&self) -> bool {
+        self.done
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        self.events.clear();
+        let mut pace = match self.pace {
+            Some(pace) => pace,
+            None => {
+                let pace = self.guess()?;
+                self.slope()?;
+                pace
+            }
+        };
+        self.last = None;
+        let mut retry = 0;
+        loop {
+            let to = self.propose(&mut pace)?;
+            let trial = self.attempt(to)?;
+            match trial {
+                Trial::Good(next) => {
+                    self.advance(to, next, &mut pace)?;
+                    self.pace = Some(pace);
+                    return Ok(());
+                }
+                Trial::Smaller(h) => *pace.of(&self.leg) = h * self.leg.map.unit(),
+                Trial::Land(landing) => {
+                    retry += 1;
+                    if retry >= MOST_RETRIES {
+                        self.give_up(&mut pace)?;
+                    } else if landing.tau - self.leg.tau() <= landing.width {
+                        let t = self.leg.origin + Twofold::new(landing.tau);
+                        self.fire(landing.crossing, t.value())?;
+                    } else {
+                        self.aim(landing.crossing, landing.tau, landing.released)?;
+                    }
+                }
+                Trial::Miss(miss) => {
+                    retry += 1;
+                    let (target, released) = (self.leg.target, self.leg.map.powers().1 > 1);
+                    let tau = self.leg.map.length() + miss;
+                    match target {
+                        Some(target) if retry < MOST_RETRIES && tau > self.leg.tau() => {
+                            self.aim(target, tau, released || !target.rising)?;
+                        }
+                        _ => self.give_up(&mut pace)?,
+                    }
+                }
+            }
+        }
+    }
+
+    /// Inside the last step the state is that of dense output, in the mapped variable.
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        match self.last {
+            Some((leg, leap)) if t < self.time() => {
+                let tau = (Twofold::new(t) - leg.origin).value();
+                let share = ((leg.map.inverse(tau) - leap.from.value()) / leap.h).max(R::zero()).min(R::one());
+                self.dense.eval(self.step.before(), share, y);
+            }
+            _ => y.copy_from_slice(self.step.state()),
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}

@@ -1,0 +1,274 @@
+//! Events: what is found, when, and what is not.
+
+use hertzchain_integrators::{
+    Dop853, Error, Event, EventFunctions, Regularised, Silent, Stepper, Stop, VectorField, Watch,
+    dop853::Options,
+    drive,
+    events::{Listener, Part},
+    regularised::power,
+};
+use std::ops::ControlFlow;
+
+/// `y' = 1`: the state is the time, so that event functions can be any functions of time.
+struct Clock;
+
+impl VectorField<f64> for Clock {
+    fn dim(&self) -> usize {
+        1
+    }
+    fn eval(&mut self, _: f64, _: &[f64], dy: &mut [f64]) {
+        dy[0] = 1.0;
+    }
+}
+
+/// Functions of time, of size one: a band of 1e-12.
+struct Given<const K: usize>([fn(f64) -> f64; K]);
+
+impl<const K: usize> EventFunctions<f64> for Given<K> {
+    fn count(&self) -> usize {
+        K
+    }
+    fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
+        for (g, f) in g.iter_mut().zip(self.0) {
+            *g = f(y[0]);
+        }
+    }
+    fn rates(&self, _: f64, _: &[f64], _: &[f64], _: &mut [f64]) {
+        unreachable!("nothing here asks for rates")
+    }
+    fn band(&self, _: &[f64]) -> f64 {
+        1e-12
+    }
+}
+
+/// Writes everything down; stops at the first falling event, if told so.
+#[derive(Default)]
+struct Diary {
+    events: Vec<Event<f64>>,
+    positive: f64,
+    stop_at_fall: bool,
+}
+
+impl Listener<f64> for Diary {
+    fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
+        assert!((y[0] - event.t).abs() < 1e-12, "the state of an event is that of its time");
+        self.events.push(event);
+        if self.stop_at_fall && !event.rising { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+    fn positive(&mut self, part: &Part<f64>) {
+        self.positive += part.span.1 - part.span.0;
+    }
+}
+
+/// The events of functions of time on `[0, end]` in this many steps.
+fn diary<const K: usize>(functions: [fn(f64) -> f64; K], end: f64, steps: u64) -> Diary {
+    let run = Dop853::fixed(Clock, &[0.0], (0.0, end), steps).unwrap();
+    let mut watch = Watch::new(run, Given(functions), Diary::default());
+    assert_eq!(drive(&mut watch, &mut Silent, &mut [0.0]), Ok(Stop::End));
+    watch.into_listener()
+}
+
+fn found(diary: &Diary) -> Vec<(usize, bool)> {
+    diary.events.iter().map(|event| (event.index, event.rising)).collect()
+}
+
+#[test]
+fn all_roots_inside_one_step_are_found_in_order_of_time() {
+    // Truth: the roots of the polynomials.
+    let diary = diary([|t| (t - 0.2) * (t - 0.5) * (t - 0.9), |t| -(t - 0.4) * (t - 0.400_01)], 1.0, 1);
+    assert_eq!(found(&diary), [(0, true), (1, true), (1, false), (0, false), (0, true)]);
+    for (event, t) in diary.events.iter().zip([0.2, 0.4, 0.400_01, 0.5, 0.9]) {
+        assert!((event.t - t).abs() < 1e-13, "{event:?}");
+    }
+    // Positive on (0.2, 0.5), (0.9, 1) and (0.4, 0.40001); roots 1e-5 apart feel a rounding 1e5 times.
+    assert!((diary.positive - 0.400_01).abs() < 1e-10, "{}", diary.positive);
+}
+
+#[test]
+fn a_start_on_the_surface_fires_only_upwards() {
+    assert_eq!(found(&diary([|t| t], 1.0, 3)), [(0, true)]);
+    assert_eq!(diary([|t| t], 1.0, 3).events[0].t, 0.0);
+    assert_eq!(found(&diary([|t| -t], 1.0, 3)), []);
+    // At rest at first: the last zero is the start as well.
+    let slow = diary([|t| t * t * t], 1.0, 3);
+    assert!(found(&slow) == [(0, true)] && slow.events[0].t < 1e-3);
+}
+
+#[test]
+fn what_is_identically_zero_never_fires() {
+    assert_eq!(found(&diary([|_| 0.0, |t| 1e-13 * (50.0 * t).sin()], 1.0, 7)), []);
+}
+
+#[test]
+fn an_event_on_the_end_of_a_step_fires_once() {
+    for steps in [1, 2, 4, 5, 8] {
+        let diary = diary([|t| t - 0.5], 1.0, steps);
+        assert_eq!(found(&diary), [(0, true)], "{steps} steps");
+        assert!((diary.events[0].t - 0.5).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn grazing_fires_twice_or_not_at_all() {
+    for steps in [1, 2, 3] {
+        // From below: touching is nothing; rising above the band is an onset and a release.
+        assert_eq!(found(&diary([|t| -(t - 0.5).powi(2)], 1.0, steps)), []);
+        assert_eq!(found(&diary([|t| 1e-10 - (t - 0.5).powi(2)], 1.0, steps)), [(0, true), (0, false)]);
+        // From above.
+        assert_eq!(found(&diary([|t| (t - 0.5).powi(2)], 1.0, steps)), []);
+        assert_eq!(found(&diary([|t| (t - 0.5).powi(2) - 1e-10], 1.0, steps)), [(0, false), (0, true)]);
+    }
+}
+
+#[test]
+fn ties_fire_together_and_near_ties_in_the_order_of_time() {
+    let tie = diary([|t| t - 0.3, |t| 2.0 * (t - 0.3)], 1.0, 2);
+    assert_eq!(tie.events.len(), 2);
+    assert!((tie.events[0].t - tie.events[1].t).abs() < 1e-15 && tie.events[0].index != tie.events[1].index);
+    assert_eq!(found(&diary([|t| t - 0.3 - 1e-12, |t| t - 0.3], 1.0, 2)), [(1, true), (0, true)]);
+}
+
+#[test]
+fn a_listener_that_breaks_ends_the_run_at_its_event() {
+    let run = Dop853::fixed(Clock, &[0.0], (0.0, 9.0), 4).unwrap();
+    let listener = Diary { stop_at_fall: true, ..Diary::default() };
+    let mut watch = Watch::new(run, Given([|t| t.sin()]), listener);
+    let mut y = [0.0];
+    drive(&mut watch, &mut Silent, &mut y).unwrap();
+    assert_eq!(found(watch.listener()), [(0, true), (0, false)]);
+    assert!((watch.time() - std::f64::consts::PI).abs() < 1e-13 && (y[0] - watch.time()).abs() < 1e-13);
+}
+
+/// A bead that carries a resonator of mass `rho` and flies at a wall at `u = wall`: `u, v, u', v'`.
+#[derive(Clone, Copy)]
+struct Bead {
+    alpha: f64,
+    rho: f64,
+    wall: f64,
+}
+
+impl VectorField<f64> for Bead {
+    fn dim(&self) -> usize {
+        4
+    }
+    fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
+        let d = y[0] - y[1];
+        let force = (y[0] - self.wall).max(0.0).powf(self.alpha);
+        dy.copy_from_slice(&[y[2], y[3], -force - d, d / self.rho]);
+    }
+}
+
+impl EventFunctions<f64> for Bead {
+    fn count(&self) -> usize {
+        1
+    }
+    fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
+        g[0] = y[0] - self.wall;
+    }
+    fn rates(&self, _: f64, _: &[f64], dy: &[f64], rates: &mut [f64]) {
+        rates[0] = dy[0];
+    }
+    fn band(&self, _: &[f64]) -> f64 {
+        1e-14
+    }
+}
+
+fn events_of(bead: Bead, q: u32, y0: [f64; 4], end: f64, tol: f64) -> Vec<Event<f64>> {
+    let powers = (bead.alpha, q);
+    let mut run = Regularised::new(bead, bead, powers, &y0, (0.0, end), Options::new(tol)).unwrap();
+    let mut events = Vec::new();
+    while !run.done() {
+        run.step().unwrap();
+        events.extend_from_slice(run.events());
+    }
+    events
+}
+
+#[test]
+fn a_resonant_bead_meets_the_wall_at_the_root_of_its_linear_path() {
+    // Truth: u = R + rho D/(1 + rho) with R, D of the free flow, its root by bisection.
+    let (rho, wall, v0) = (1.0f64 / 3.0, 1.0, 0.37);
+    let omega = (1.0 + 1.0 / rho).sqrt();
+    let path = |t: f64| {
+        let (r, d) = (v0 * t / (1.0 + rho), v0 * (omega * t).sin() / omega);
+        r + rho * d / (1.0 + rho) - wall
+    };
+    let (mut low, mut high) = (3.0, 4.2);
+    assert!(path(low) < 0.0 && path(high) > 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if path(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    let bead = Bead { alpha: 1.5, rho, wall };
+    for q in [1, 2] {
+        let events = events_of(bead, q, [0.0, 0.0, v0, 0.0], 4.5, 1e-14);
+        assert!(events[0].rising && (events[0].t / low - 1.0).abs() < 1e-14, "{events:?} {low}");
+    }
+}
+
+#[test]
+fn a_contact_lasts_as_long_as_its_closed_form_says() {
+    // A bead and its mirror image: g'' = -2 g^alpha, T = 2 g_m/w sqrt(pi) Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1)),
+    // g_m = (w^2 (alpha+1)/4)^{1/(alpha+1)}, w = 0.7; from 30 digits.
+    let closed_form = [
+        (1.2, 2.403_091_115_402_883_4),
+        (1.5, 2.619_167_467_203_314),
+        (2.0, 2.869_605_242_781_912_3),
+        (2.5, 3.029_801_731_386_051),
+        (3.0, 3.133_958_204_211_312),
+    ];
+    struct Pair(f64);
+    impl VectorField<f64> for Pair {
+        fn dim(&self) -> usize {
+            2
+        }
+        fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
+            dy.copy_from_slice(&[y[1], -2.0 * y[0].max(0.0).powf(self.0)]);
+        }
+    }
+    impl EventFunctions<f64> for Pair {
+        fn count(&self) -> usize {
+            1
+        }
+        fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
+            g[0] = y[0];
+        }
+        fn rates(&self, _: f64, _: &[f64], dy: &[f64], rates: &mut [f64]) {
+            rates[0] = dy[0];
+        }
+        fn band(&self, _: &[f64]) -> f64 {
+            1e-14
+        }
+    }
+    for (alpha, duration) in closed_form {
+        let q = power(alpha, 8);
+        let (start, options) = ([-0.35, 0.7], Options::new(1e-16));
+        let mut run = Regularised::new(Pair(alpha), Pair(alpha), (alpha, q), &start, (0.0, 5.0), options).unwrap();
+        let mut events = Vec::new();
+        while !run.done() {
+            run.step().unwrap();
+            events.extend_from_slice(run.events());
+        }
+        assert_eq!(events.len(), 2);
+        let measured = events[1].t - events[0].t;
+        assert!((events[0].t - 0.5).abs() < 4e-15, "alpha = {alpha}: onset {}", events[0].t);
+        assert!((measured / duration - 1.0).abs() < 1e-14, "alpha = {alpha}: {measured} {duration}");
+    }
+}
+
+#[test]
+fn a_problem_that_cannot_be_run_is_refused() {
+    let bead = Bead { alpha: 1.5, rho: 1.0, wall: 1.0 };
+    let start = |alpha, q| {
+        Regularised::new(bead, bead, (alpha, q), &[0.0; 4], (0.0, 1.0), Options::new(1e-9)).err().map(|error| {
+            match error {
+                Error::Argument { name, .. } => name,
+                _ => "another error",
+            }
+        })
+    };
+    assert_eq!(start(0.0, 2), Some("alpha"));
+    assert_eq!(start(f64::NAN, 2), Some("alpha"));
+    assert_eq!(start(1.5, 0), Some("q"));
+    assert_eq!(start(1.5, 2), None);
+}

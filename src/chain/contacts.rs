@@ -1,0 +1,206 @@
+//! Contacts as events: when they begin and end, and what they did.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `g_n` | overlap of bond `n`, which lies to the left of site `n` |
+//! | onset, release | `g_n` becomes positive, and ceases to be |
+//! | `f_n` | contact force `(g_n)_+^alpha` |
+
+use super::{Boundary, Chain, ContactLaw, max_norm};
+use hertzchain_integrators::{
+    Event, EventFunctions, Real,
+    events::{Listener, Part},
+    regularised::{TimeMap, power},
+};
+use std::ops::ControlFlow;
+
+/// The dead band of overlaps, in roundings of the largest position: 64.
+///
+/// Overlaps within it are no contact and no gap to the search for events; the force, which is there all the same, is then
+/// at most `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as large as `u`. The tail of a breather, whose
+/// overlaps go down to 1e-300, has no events in it.
+const DEAD_BAND: f64 = 64.0 * f64::EPSILON;
+
+/// The overlaps of all bonds that can close, as event functions.
+#[derive(Clone, Debug)]
+pub struct Overlaps<R> {
+    chain: Chain<R>,
+}
+
+impl<R: Real> Overlaps<R> {
+    /// The overlaps of a chain.
+    pub fn new(chain: Chain<R>) -> Self {
+        Self { chain }
+    }
+
+    /// The bond that function `index` stands for: the outer bonds of a free chain never close and have none.
+    pub fn bond(&self, index: usize) -> usize {
+        if self.chain.boundary == Boundary::Free { index + 1 } else { index }
+    }
+
+    /// `g` from positions, or `dg/dt` from velocities, with `rest` in every bond.
+    fn differences(&self, q: &[R], rest: R, g: &mut [R]) {
+        let n = q.len();
+        let (zero, ring) = (R::zero(), self.chain.boundary == Boundary::Ring);
+        let beyond = |i: usize| if ring { q[i] } else { zero };
+        match self.chain.boundary {
+            Boundary::StrainRing => {
+                for (g, &x) in g.iter_mut().zip(q) {
+                    *g = -x;
+                }
+            }
+            Boundary::Free => {
+                for (g, pair) in g.iter_mut().zip(q.windows(2)) {
+                    *g = pair[0] - pair[1];
+                }
+            }
+            Boundary::Fixed | Boundary::Ring => {
+                g[0] = rest + (beyond(n - 1) - q[0]);
+                for (g, pair) in g[1..].iter_mut().zip(q.windows(2)) {
+                    *g = rest + (pair[0] - pair[1]);
+                }
+                if !ring {
+                    g[n] = rest + (q[n - 1] - beyond(0));
+                }
+            }
+        }
+    }
+}
+
+impl<R: Real> EventFunctions<R> for Overlaps<R> {
+    fn count(&self) -> usize {
+        let n = self.chain.sites();
+        match self.chain.boundary {
+            Boundary::Free => n - 1,
+            Boundary::Fixed => n + 1,
+            Boundary::Ring | Boundary::StrainRing => n,
+        }
+    }
+
+    fn values(&self, _t: R, y: &[R], g: &mut [R]) {
+        self.differences(self.chain.layout.u(y), self.chain.precompression, g);
+    }
+
+    fn rates(&self, _t: R, y: &[R], _dy: &[R], rates: &mut [R]) {
+        self.differences(self.chain.layout.u_dot(y), R::zero(), rates);
+    }
+
+    fn band(&self, y: &[R]) -> R {
+        let u = self.chain.layout.u(y).iter().map(|u| u.f64());
+        R::of(DEAD_BAND * max_norm(u).max(self.chain.precompression.f64()))
+    }
+}
+
+/// One contact of one bond, from onset to release.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The bond: `n` lies to the left of site `n`.
+    pub bond: usize,
+    /// When it began; `None` if it was there at the start.
+    pub onset: Option<f64>,
+    /// When it ended; `None` if it lasted to the end.
+    pub release: Option<f64>,
+    /// `dg/dt` at the onset.
+    pub approach: Option<f64>,
+    /// `-dg/dt` at the release.
+    pub separation: Option<f64>,
+    /// The largest overlap.
+    pub largest_overlap: f64,
+    /// The impulse, `int f dt`.
+    pub impulse: f64,
+}
+
+/// A part whose overlap at an end is below this share of its largest one ends with an event.
+const SINGULAR: f64 = 1e-6;
+
+/// Nodes and weights of Gauss and Legendre on `[0, 1]`, eight of them.
+const GAUSS: [(f64, f64); 8] = [
+    (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
+    (0.101_666_761_293_186_64, 0.111_190_517_226_687_24),
+    (0.237_233_795_041_835_5, 0.156_853_322_938_943_63),
+    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
+    (0.591_717_321_247_825, 0.181_341_891_689_181),
+    (0.762_766_204_958_164_5, 0.156_853_322_938_943_63),
+    (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
+    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
+];
+
+/// The listener that turns events into contacts.
+#[derive(Clone, Debug)]
+pub struct ContactLog {
+    overlaps: Overlaps<f64>,
+    law: ContactLaw<f64>,
+    q: u32,
+    rates: Vec<f64>,
+    /// The contact that each bond is in.
+    open: Vec<Option<Contact>>,
+    ended: Vec<Contact>,
+}
+
+impl ContactLog {
+    /// An empty log of a chain.
+    pub fn new(chain: Chain<f64>) -> Self {
+        let (law, overlaps) = (chain.law, Overlaps::new(chain));
+        let count = overlaps.count();
+        let q = power(law.alpha(), 2 * GAUSS.len() as u32);
+        Self { overlaps, law, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new() }
+    }
+
+    fn begin(&self, index: usize) -> Contact {
+        Contact {
+            bond: self.overlaps.bond(index),
+            onset: None,
+            release: None,
+            approach: None,
+            separation: None,
+            largest_overlap: 0.0,
+            impulse: 0.0,
+        }
+    }
+
+    /// All contacts in the order of their onsets; those that were there at the start come first, by bond.
+    pub fn contacts(self) -> Vec<Contact> {
+        let mut contacts = self.ended;
+        contacts.extend(self.open.into_iter().flatten());
+        let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
+        contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));
+        contacts
+    }
+
+    /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g` vanishes.
+    fn impulse(&self, part: &Part<f64>) -> f64 {
+        let polynomial = &part.polynomial;
+        let small = SINGULAR * polynomial.largest();
+        let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
+        let share = TimeMap::new(1.0, end(0.0), end(1.0));
+        let sum: f64 =
+            GAUSS.iter().map(|&(s, weight)| weight * share.rate(s) * self.law.force(polynomial.at(share.at(s)))).sum();
+        sum * (part.span.1 - part.span.0)
+    }
+}
+
+impl Listener<f64> for ContactLog {
+    fn positive(&mut self, part: &Part<f64>) {
+        // A contact that was there at the start has no event that begins it.
+        let mut contact = self.open[part.index].unwrap_or_else(|| self.begin(part.index));
+        contact.largest_overlap = contact.largest_overlap.max(part.polynomial.largest());
+        contact.impulse += self.impulse(part);
+        self.open[part.index] = Some(contact);
+    }
+
+    fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
+        let mut rates = std::mem::take(&mut self.rates);
+        self.overlaps.rates(event.t, y, &[], &mut rates);
+        let rate = rates[event.index];
+        self.rates = rates;
+        let mut contact = self.open[event.index].take().unwrap_or_else(|| self.begin(event.index));
+        if event.rising {
+            (contact.onset, contact.approach) = (Some(event.t), Some(rate));
+            self.open[event.index] = Some(contact);
+        } else {
+            (contact.release, contact.separation) = (Some(event.t), Some(-rate));
+            self.ended.push(contact);
+        }
+        ControlFlow::Continue(())
+    }
+}
