@@ -5,7 +5,7 @@ use super::{
     run::{Outcome, Records, run},
 };
 use crate::{
-    chain::max_norm,
+    chain::{State, max_norm},
     error::{Error, Result},
     method::{Method, Setting},
     scene::{Scene, Theory},
@@ -17,10 +17,18 @@ use std::time::{Duration, Instant};
 const KICKS: [f64; 6] = [16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
 /// Tolerances on the rungs of an adaptive method.
 const TOLERANCES: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
-/// Kicks a period of the reference, time permitting: eight times the last rung.
-const REFERENCE_KICKS: f64 = 131_072.0;
-/// The two methods that references are taken from, so that each row is held against another method than its own.
-const REFERENCES: [&str; 2] = ["aba1064-linear", "srkn11-6-linear"];
+/// The methods that references come from on chains of up to [`FEW_BONDS`], with their tolerance: a tenth of a rounding a
+/// step, so that rounding is all there is. They share the step and not the variable.
+const RESOLVED: [&str; 2] = ["dop853-regularised", "dop853-landed"];
+const RESOLVED_TOLERANCE: f64 = 1e-16;
+/// The work of a method that stops at every event grows with the square of the chain.
+const FEW_BONDS: usize = 101;
+/// The methods that references come from on longer chains, and the kicks a period, time permitting: eight times the last
+/// rung.
+const CROSSING: [&str; 2] = ["aba1064-linear", "srkn11-6-linear"];
+const CROSSING_KICKS: f64 = 131_072.0;
+/// Share of the span that tells what a reference will cost.
+const TRIAL_SHARE: f64 = 0.05;
 /// Share of the time that references may take.
 const REFERENCE_SHARE: f64 = 0.3;
 /// Rows nearer to the reference than this many times its error estimate are marked.
@@ -226,32 +234,39 @@ struct Truth {
     error_estimate: f64,
 }
 
+/// The end of a run, as a reference.
+type End = (String, Vec<f64>);
+
 impl Truth {
+    /// The exact solution if there is one; otherwise two runs by different methods.
     fn find(scene: &Scene, budget: f64) -> Result<Self> {
-        let (method, strains) = match scene.theory() {
-            Some(Theory::Breather(breather)) => {
-                let exact = crate::chain::State::from_fn(scene.chain(), |n| breather.site(n, scene.end()))?;
-                ("exact solution (uncpl)".to_owned(), vec![(String::new(), scene.strains(exact.as_slice()))])
+        if let Some(Theory::Breather(breather)) = scene.theory() {
+            let exact = State::from_fn(scene.chain(), |n| breather.site(n, scene.end()))?;
+            let strains = vec![(String::new(), scene.strains(exact.as_slice()))];
+            return Ok(Self::of(scene, "exact solution (uncpl)".to_owned(), strains));
+        }
+        match resolved(scene, budget)? {
+            Some(ends) => {
+                let words = format!("{} at tol {RESOLVED_TOLERANCE:e}, checked by {}", ends[0].0, ends[1].0);
+                Ok(Self::of(scene, words, ends))
             }
-            _ => {
-                let methods = REFERENCES.map(Method::named).into_iter().collect::<Result<Vec<_>>>()?;
+            None => {
+                let methods = named(CROSSING)?;
                 let kicks = affordable_kicks(scene, &methods, budget)?;
-                let end = |method: &Method| -> Result<(String, Vec<f64>)> {
-                    let steps = Setting::Steps(steps_for_kicks(scene, method, kicks));
-                    let outcome = run(scene, *method, steps, Records::End, &mut |_| ())?;
-                    outcome.failure.map_or(Ok(()), Err)?;
-                    Ok((method.name(), scene.strains(&outcome.state)))
-                };
-                let strains = map(&methods, end).into_iter().collect::<Result<Vec<_>>>()?;
-                (format!("{} at {kicks} kicks/period, checked by {}", REFERENCES[0], REFERENCES[1]), strains)
+                let words = format!("{} at {kicks} kicks/period, checked by {}", CROSSING[0], CROSSING[1]);
+                Ok(Self::of(scene, words, crossing(scene, &methods, kicks)?))
             }
-        };
-        let amplitude = scene.amplitude().unwrap_or_else(|| max_norm(strains[0].1.iter().copied()));
+        }
+    }
+
+    fn of(scene: &Scene, method: String, strains: Vec<End>) -> Self {
+        let largest = max_norm(strains[0].1.iter().copied());
+        let amplitude = scene.amplitude().unwrap_or(largest);
         let amplitude = if amplitude > 0.0 { amplitude } else { 1.0 };
         // No better than a few roundings of the strains themselves.
-        let roundoff = 4.0 * f64::EPSILON * max_norm(strains[0].1.iter().copied()) / amplitude;
+        let roundoff = 4.0 * f64::EPSILON * largest / amplitude;
         let gap = strains.get(1).map_or(0.0, |other| distance(&strains[0].1, &other.1) / amplitude);
-        Ok(Self { method, strains, amplitude, error_estimate: gap.max(roundoff) })
+        Self { method, strains, amplitude, error_estimate: gap.max(roundoff) }
     }
 
     fn error_row(&self, scene: &Scene, method: Method, rung: usize) -> Result<Row> {
@@ -275,7 +290,43 @@ impl Truth {
     }
 }
 
-/// Kicks a period that both references can do within the budget, by the time of a short trial.
+fn named(names: [&str; 2]) -> Result<[Method; 2]> {
+    Ok([Method::named(names[0])?, Method::named(names[1])?])
+}
+
+fn end(scene: &Scene, method: &Method, setting: Setting) -> Result<End> {
+    let outcome = run(scene, *method, setting, Records::End, &mut |_| ())?;
+    outcome.failure.map_or(Ok(()), Err)?;
+    Ok((method.name(), scene.strains(&outcome.state)))
+}
+
+fn crossing(scene: &Scene, methods: &[Method], kicks: f64) -> Result<Vec<End>> {
+    let run = |method: &Method| end(scene, method, Setting::Steps(steps_for_kicks(scene, method, kicks)));
+    map(methods, run).into_iter().collect()
+}
+
+/// References by the methods that resolve contacts, if the chain is short enough and the budget long enough.
+fn resolved(scene: &Scene, budget: f64) -> Result<Option<Vec<End>>> {
+    let tolerance = Setting::Tolerance(RESOLVED_TOLERANCE);
+    let methods = named(RESOLVED)?;
+    if scene.chain().sites() >= FEW_BONDS {
+        return Ok(None);
+    }
+    let short = scene.clone().until(TRIAL_SHARE * scene.end())?;
+    let trial = run(&short, methods[1], tolerance, Records::End, &mut |_| ())?;
+    if trial.failure.is_some() || trial.wall.as_secs_f64() > TRIAL_SHARE * budget {
+        return Ok(None);
+    }
+    let mut ends = map(&methods, |method| end(scene, method, tolerance)).into_iter().collect::<Result<Vec<_>>>()?;
+    if ends[0].1 == ends[1].1 {
+        // Without events both are the same run: the check comes from another family.
+        let other = &named(CROSSING)?[..1];
+        ends[1] = crossing(scene, other, affordable_kicks(scene, other, budget)?)?.remove(0);
+    }
+    Ok(Some(ends))
+}
+
+/// Kicks a period that the references can do within the budget, by the time of a short trial.
 fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f64> {
     let trial = KICKS[2];
     let mut wall = Duration::ZERO;
@@ -285,7 +336,7 @@ fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f6
     }
     let affordable = trial * budget / wall.as_secs_f64().max(1e-9);
     let kicks = (affordable / KICKS[0]).log2().floor().exp2() * KICKS[0];
-    Ok(kicks.clamp(KICKS[1], REFERENCE_KICKS))
+    Ok(kicks.clamp(KICKS[1], CROSSING_KICKS))
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

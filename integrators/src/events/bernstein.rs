@@ -71,6 +71,11 @@ impl Polynomial {
         None
     }
 
+    /// Whether the polynomial gets beyond the band on this side.
+    pub(crate) fn visits(&self, positive: bool, band: f64) -> bool {
+        self.times(if positive { 1.0 } else { -1.0 }).first_above(band).is_some()
+    }
+
     /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`, after the last zero at
     /// `zero`. `positive` is the side before; with `late`, the polynomial is first waited for to come to that side.
     pub(crate) fn first_crossing(&self, positive: bool, late: bool, band: f64) -> Option<(f64, f64)> {

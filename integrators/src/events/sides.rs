@@ -6,6 +6,9 @@ use crate::real::Real;
 /// Polynomials through a step are no better than this, relative to the values they go through.
 const POLYNOMIAL_ROUNDING: f64 = 1e-14;
 
+/// Steps that a function may take to arrive on the side that its event has put it on.
+const PATIENCE: u8 = 32;
+
 /// A change of side inside a step, in shares of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
@@ -21,8 +24,8 @@ pub(crate) struct Crossing {
 /// The sides of all functions, and their values at the nodes of the step at hand.
 pub(crate) struct Sides {
     positive: Vec<bool>,
-    /// Functions whose event was taken a little early: still to arrive on their side.
-    late: Vec<bool>,
+    /// Functions whose event was taken a little early: steps they have left to arrive on their side.
+    late: Vec<u8>,
     values: Vec<[f64; NODES]>,
     band: f64,
     interpolation: Interpolation,
@@ -32,7 +35,7 @@ impl Sides {
     pub(crate) fn new(count: usize) -> Self {
         Self {
             positive: vec![false; count],
-            late: vec![false; count],
+            late: vec![0; count],
             values: vec![[0.0; NODES]; count],
             band: 0.0,
             interpolation: Interpolation::new(),
@@ -81,7 +84,7 @@ impl Sides {
 
     /// Whether its event was taken early, and it has still to arrive.
     pub(crate) fn late(&self, index: usize) -> bool {
-        self.late[index]
+        self.late[index] > 0
     }
 
     /// The polynomial of a function through the step.
@@ -92,14 +95,14 @@ impl Sides {
     /// Changes the side of a function before its values do.
     pub(crate) fn fire(&mut self, index: usize) {
         self.positive[index] = !self.positive[index];
-        self.late[index] = true;
+        self.late[index] = PATIENCE;
     }
 
     /// The first change of side of each function that has one, in no order.
     pub(crate) fn first_crossings(&self, found: &mut Vec<Crossing>) {
         found.clear();
         for index in 0..self.values.len() {
-            let (positive, late, band) = (self.positive[index], self.late[index], self.band(index));
+            let (positive, late, band) = (self.positive[index], self.late(index), self.band(index));
             if late || !self.interpolation.stays(&self.values[index], positive, band) {
                 let crossing = self.polynomial(index).first_crossing(positive, late, band);
                 found.extend(crossing.map(|(zero, left)| Crossing { index, rising: !positive, zero, left }));
@@ -126,15 +129,14 @@ impl Sides {
         found.sort_by(|x, y| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index)));
     }
 
-    /// At the end of a step: functions that were late have arrived, or never will and go back to their side.
+    /// At the end of a step: functions that were late have arrived, or wait on; one that never comes goes back to its side.
     pub(crate) fn settle(&mut self) {
         for index in 0..self.values.len() {
-            if self.late[index] {
-                let (value, band) = (self.values[index][NODES - 1], self.band);
-                let far = if self.positive[index] { value } else { -value };
-                if far.abs() > band {
-                    self.positive[index] = value > 0.0;
-                    self.late[index] = false;
+            if self.late(index) {
+                let arrived = self.polynomial(index).visits(self.positive[index], self.band);
+                self.late[index] = if arrived { 0 } else { self.late[index] - 1 };
+                if self.late[index] == 0 && !arrived {
+                    self.positive[index] = self.values[index][NODES - 1] > self.band;
                 }
             }
         }

@@ -131,6 +131,16 @@ impl<R: Real> Pace<R> {
     }
 }
 
+/// How a leg has ended.
+enum Arrival<R> {
+    /// On its event.
+    There,
+    /// This much time before its event (after it, if negative).
+    Off(R),
+    /// Nowhere near it.
+    Lost,
+}
+
 /// DOP853 through events: landed on each (`q = 1`), or regularised at each.
 pub struct Regularised<R, F, E> {
     field: F,
@@ -149,11 +159,15 @@ pub struct Regularised<R, F, E> {
     sides: Sides,
     crossings: Vec<Crossing>,
     events: Vec<Event<R>>,
+    /// Events that are about to happen here.
+    pending: Vec<Event<R>>,
     y: Vec<R>,
     dy: Vec<R>,
     g: Vec<R>,
     rates: Vec<R>,
     fired_here: usize,
+    /// The length of legs, as a mean over the last few.
+    usual: R,
     done: bool,
     stats: Stats,
 }
@@ -164,8 +178,8 @@ struct Landing<R> {
     crossing: Crossing,
     /// When, since the origin of the leg.
     tau: R,
-    /// How far from it its singularity may be put.
-    width: R,
+    /// Whether its singularity may be put where the trial starts; then it is pending, with all others like it.
+    here: bool,
     /// Whether it, or another that shares its place, is a release.
     released: bool,
 }
@@ -177,7 +191,9 @@ enum Trial<R> {
     /// Too large an error; the step to try next.
     Smaller(R),
     /// It ends on its event but for this much time.
-    Miss(R),
+    Miss(Crossing, R),
+    /// Its event is not where it ends.
+    Lost,
     /// Good; the step to try next.
     Good(R),
 }
@@ -219,11 +235,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             sides: Sides::new(count),
             crossings: Vec::new(),
             events: Vec::new(),
+            pending: Vec::new(),
             y: y0.to_vec(),
             dy: y0.to_vec(),
             g: vec![R::zero(); count],
             rates: vec![R::zero(); count],
             fired_here: 0,
+            usual: end - start,
             done: end <= start,
             stats: Stats::default(),
             alpha: R::of(alpha),
@@ -300,17 +318,20 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             self.functions.values(t, y, &mut self.g);
             self.sides.put(k, &self.g);
         }
-        self.sides.set_band(self.functions.band(self.step.state()).f64());
+        // That of the state before: the one after it may be far off.
+        self.sides.set_band(self.functions.band(self.step.before()).f64());
     }
 
     /// The first event in the trial.
     fn first_event(&mut self, leg: &Leg<R>, leap: Leap<R>) -> Option<Landing<R>> {
         self.sides.first_crossings(&mut self.crossings);
+        let mut pending = std::mem::take(&mut self.pending);
+        pending.clear();
         let at = |share: f64| leg.map.at(leap.from.value() + leap.h * R::of(share));
         let width = |crossing: &Crossing| {
             // One that has fired here already is not put here again.
             if self.sides.late(crossing.index) {
-                return R::zero();
+                return -R::one();
             }
             // Not the slope itself: at a singular end the map has none.
             let (near, polynomial) = (crossing.zero, self.sides.polynomial(crossing.index));
@@ -318,11 +339,23 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             self.cluster(R::of(polynomial.at(far) - polynomial.at(near)) / (at(far) - at(near)))
         };
         let earlier = |x: &&Crossing, y: &&Crossing| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index));
-        let crossing = *self.crossings.iter().min_by(earlier)?;
-        let first = at(crossing.zero);
-        let shares = |other: &&Crossing| at(other.zero) - first <= width(other);
-        let released = self.crossings.iter().filter(shares).any(|other| !other.rising);
-        Some(Landing { crossing, tau: first, width: width(&crossing), released })
+        let Some(&crossing) = self.crossings.iter().min_by(earlier) else {
+            self.pending = pending;
+            return None;
+        };
+        let (now, tau) = (leg.tau(), at(crossing.zero));
+        let shares = |other: &&Crossing, place: R| at(other.zero) - place <= width(other);
+        let released = self.crossings.iter().any(|other| !other.rising && shares(&other, tau));
+        let here = shares(&&crossing, now);
+        if here {
+            let event = |c: &Crossing| {
+                let t = leg.origin + Twofold::new(at(c.zero));
+                Event { index: c.index, rising: c.rising, t: t.value() }
+            };
+            pending.extend(self.crossings.iter().filter(|other| shares(other, now)).map(event));
+        }
+        self.pending = pending;
+        Some(Landing { crossing, tau, here, released })
     }
 
     /// Makes one trial from the present place; `Good` leaves it accepted, anything else undone.
@@ -332,10 +365,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.dense.clear();
         let mut field = leg.mapped(&mut self.field);
         let error = self.step.attempt(&mut field, leap, Some(self.options.scale()));
-        let error = error.and_then(|error| self.step.accept(&mut field, to).map(|()| error));
-        let error = match error {
+        let error = match error.and_then(|error| self.step.accept(&mut field, to).map(|()| error)) {
             Ok(error) => error,
-            Err(index) => return Err(self.not_finite(index)),
+            // A step out of free flight may end where forces overflow: a shorter one will not.
+            Err(index) => return self.overflow(index, leap.h),
         };
         let dense = self.dense.prepare(&mut self.step, &mut field, leap);
         self.stats.force_evaluations += 12 + dense;
@@ -346,12 +379,15 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         // The event that the leg ends on may show a little before it.
         let own = |crossing: &Crossing| arrives && leg.target.is_some_and(|target| target.index == crossing.index);
         let trial = match (event, verdict) {
+            // So far off that its events mean nothing.
+            (_, Verdict::Reject(h)) if error * self.options.rtol > R::of(1e-3) => Trial::Smaller(h),
             (Some(landing), _) if !own(&landing.crossing) => Trial::Land(landing),
             (_, Verdict::Reject(h)) => Trial::Smaller(h),
             (event, Verdict::Accept(h)) => match leg.target.filter(|_| arrives) {
-                Some(target) => match self.miss(&leg, target, event.map(|landing| landing.tau)) {
-                    Some(miss) => Trial::Miss(miss),
-                    None => Trial::Good(h),
+                Some(target) => match self.arrival(&leg, target, event.map(|landing| landing.tau)) {
+                    Arrival::There => Trial::Good(h),
+                    Arrival::Off(miss) => Trial::Miss(target, miss),
+                    Arrival::Lost => Trial::Lost,
                 },
                 None => Trial::Good(h),
             },
@@ -365,26 +401,37 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Ok(trial)
     }
 
-    /// By how much time the end of the leg misses its event, unless that is nothing.
-    fn miss(&mut self, leg: &Leg<R>, target: Crossing, seen: Option<R>) -> Option<R> {
+    /// A trial that is not finite: a tenth of it is tried, as long as that may help.
+    fn overflow(&mut self, index: usize, h: R) -> Result<Trial<R>, Error> {
+        self.stats.force_evaluations += 11;
+        self.stats.rejected += 1;
+        if h <= R::of(1e-12) * self.leg.sigma.max(R::of(1e-12)) {
+            return Err(self.not_finite(index));
+        }
+        Ok(Trial::Smaller(h * R::of(0.1)))
+    }
+
+    /// Whether the end of the leg is its event; `seen` is where the polynomial of the trial has it.
+    fn arrival(&mut self, leg: &Leg<R>, target: Crossing, seen: Option<R>) -> Arrival<R> {
         let t = leg.time(R::one()).value();
         self.field.eval(t, self.step.state(), &mut self.dy);
         self.stats.force_evaluations += 1;
         self.functions.values(t, self.step.state(), &mut self.g);
         self.functions.rates(t, self.step.state(), &self.dy, &mut self.rates);
         let (g, rate) = (self.g[target.index], self.rates[target.index]);
-        let length = leg.map.length() - leg.tau();
-        let newton = if rate == R::zero() { R::zero() } else { -(g / rate) };
-        // Where the function turns, its polynomial knows better than its rate.
-        let miss = if newton.abs() > R::of(0.5) * length {
-            seen.map_or(R::zero(), |at| at - leg.map.length())
-        } else {
-            newton
-        };
-        let near = miss.abs() <= R::of(1e-9) * length && miss.abs() <= self.cluster(rate);
         let finer = round_off::<R>() / R::of(f64::EPSILON);
-        let rounding = R::of(0.03) * self.functions.band(self.step.state()) * finer;
-        (!near && g.abs() > rounding).then_some(miss)
+        if g.abs() <= R::of(0.03) * self.functions.band(self.step.state()) * finer {
+            return Arrival::There;
+        }
+        let (length, newton) = (leg.map.length() - leg.tau(), -(g / rate));
+        // Newton's method would lead to another zero: the polynomial knows better, if it has seen this one.
+        let astray = target.rising != (rate > R::zero()) || newton.abs() > R::of(0.5) * length;
+        match seen {
+            Some(at) if astray => Arrival::Off(at - leg.map.length()),
+            None if astray => Arrival::Lost,
+            _ if newton.abs() <= R::of(1e-9) * length && newton.abs() <= self.cluster(rate) => Arrival::There,
+            _ => Arrival::Off(newton),
+        }
     }
 
     /// Turns the leg towards an event at `tau` after its origin.
@@ -413,28 +460,52 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.slope()
     }
 
-    /// An event right here: the function changes its side, and the leg starts anew if that is an onset.
-    fn fire(&mut self, crossing: Crossing, t: R) -> Result<(), Error> {
-        self.sides.fire(crossing.index);
-        self.events.push(Event { index: crossing.index, rising: crossing.rising, t });
-        self.fired_here += 1;
+    /// The pending events happen here: their functions change sides, and a leg starts that knows what is singular behind it.
+    fn fire(&mut self) -> Result<(), Error> {
         let origin = self.leg.time(self.leg.sigma);
+        self.fired_here += self.pending.len();
         if self.fired_here > 4 * self.g.len() + 4 {
             return Err(Error::StepUnderflow { t: origin.value().f64(), h: 0.0 });
         }
-        let a = if crossing.rising { self.q } else { 1 };
-        let a = if self.leg.sigma == R::zero() { a.max(self.leg.map.powers().0) } else { a };
+        let before = if self.leg.sigma == R::zero() { self.leg.map.powers().0 } else { 1 };
+        let a = if self.pending.iter().any(|event| event.rising) { self.q } else { before };
+        for event in &self.pending {
+            self.sides.fire(event.index);
+        }
+        self.events.append(&mut self.pending);
         self.set_out(origin, a)
+    }
+
+    /// The event that a leg has ended on, and those that share its place.
+    fn arrive(&mut self, target: Crossing) -> Result<(), Error> {
+        let origin = self.leg.time(R::one());
+        self.pending.clear();
+        // A straight line sees that far ahead; a weak event beyond it may never happen.
+        let sight = R::of(0.05) * self.leg.map.length();
+        // What will not have left the band by the end of a usual leg is at rest.
+        let at_rest = self.functions.band(self.step.state()) / self.usual;
+        for index in 0..self.g.len() {
+            let (rising, rate) = (!self.sides.positive(index), self.rates[index]);
+            let newton = if rate == R::zero() { R::zero() } else { -(self.g[index] / rate) };
+            let turns = !self.sides.late(index) && rate.abs() > at_rest && rising == (rate > R::zero());
+            if index == target.index || (turns && newton.abs() <= self.cluster(rate).min(sight)) {
+                let t = (origin + Twofold::new(newton)).value();
+                self.pending.push(Event { index, rising, t });
+            }
+        }
+        self.usual += R::of(0.2) * (self.leg.map.length() - self.usual);
+        self.fire()
     }
 
     /// The step to try, as a `sigma` to end on: as far as errors allow, stretched or shared out so that none is tiny.
     fn propose(&self, pace: &mut Pace<R>) -> Result<R, Error> {
         let leg = &self.leg;
         let h = *pace.of(leg) / leg.map.unit();
-        let h = match self.options.max_step {
-            Some(most) => h.min(leg.map.inverse(leg.tau() + most) - leg.sigma),
-            None => h,
-        };
+        // Where events are dense no trial goes far beyond the next one.
+        let reach = leg.tau().max(R::of(2.0) * self.usual);
+        let most = self.options.max_step.map_or(reach, |most| most.min(reach));
+        let h =
+            if most < leg.map.length() - leg.tau() { h.min(leg.map.inverse(leg.tau() + most) - leg.sigma) } else { h };
         let rest = R::one() - leg.sigma;
         let to = if h * R::of(1.01) >= rest {
             R::one()
@@ -466,12 +537,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.fired_here = 0;
         let arrived = to == R::one();
         match leg.target.filter(|_| arrived) {
-            Some(target) => {
-                let (g, rate) = (self.g[target.index], self.rates[target.index]);
-                let newton = if rate == R::zero() { R::zero() } else { -(g / rate) };
-                let t = leg.time(to) + Twofold::new(newton);
-                self.fire(target, t.value())
-            }
+            Some(target) => self.arrive(target),
             None if arrived => {
                 self.done = true;
                 Ok(())
@@ -527,24 +593,24 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                     retry += 1;
                     if retry >= MOST_RETRIES {
                         self.give_up(&mut pace)?;
-                    } else if landing.tau - self.leg.tau() <= landing.width {
-                        let t = self.leg.origin + Twofold::new(landing.tau);
-                        self.fire(landing.crossing, t.value())?;
+                    } else if landing.here {
+                        self.fire()?;
                     } else {
                         self.aim(landing.crossing, landing.tau, landing.released)?;
                     }
                 }
-                Trial::Miss(miss) => {
+                Trial::Miss(target, miss) => {
                     retry += 1;
-                    let (target, released) = (self.leg.target, self.leg.map.powers().1 > 1);
                     let tau = self.leg.map.length() + miss;
-                    match target {
-                        Some(target) if retry < MOST_RETRIES && tau > self.leg.tau() => {
-                            self.aim(target, tau, released || !target.rising)?;
-                        }
-                        _ => self.give_up(&mut pace)?,
+                    let beyond = tau >= (self.end - self.leg.origin).value();
+                    if retry >= MOST_RETRIES || tau <= self.leg.tau() || beyond {
+                        self.give_up(&mut pace)?;
+                    } else {
+                        let released = self.leg.map.powers().1 > 1 || !target.rising;
+                        self.aim(target, tau, released)?;
                     }
                 }
+                Trial::Lost => self.give_up(&mut pace)?,
             }
         }
     }

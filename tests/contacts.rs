@@ -1,0 +1,317 @@
+//! Contacts of chains: none is missed, none is invented, and what the log says of each is true.
+
+use approx::assert_relative_eq;
+use hertzchain::{
+    chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Params, Site, State},
+    experiments::{Records, run_with_contacts},
+    integrators::{
+        Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, dop853::Options, drive, regularised::power,
+    },
+    method::{Method, Setting},
+    scene::Scene,
+};
+use proptest::prelude::*;
+
+fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
+    Chain::new(Params::new(alpha, kappa, rho).unwrap(), boundary, sites).unwrap()
+}
+
+/// A plain free chain of spheres.
+fn spheres(sites: usize) -> Chain<f64> {
+    chain(1.5, (0.0, 0.0), Boundary::Free, sites)
+}
+
+/// The state with these displacements and velocities of beads; resonators lie where the beads do.
+fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
+    let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
+    State::from_fn(chain, site).unwrap().as_slice().to_vec()
+}
+
+/// A regularised run: the state at the end, its events, and its steps.
+fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> (Vec<f64>, Vec<Event<f64>>, u64) {
+    let alpha = chain.params().alpha;
+    let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
+    let mut run =
+        Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, end), Options::new(tol)).unwrap();
+    let mut events = Vec::new();
+    while !run.done() {
+        run.step().unwrap();
+        events.extend_from_slice(run.events());
+    }
+    let mut y = y0.to_vec();
+    run.sample(end, &mut y);
+    (y, events, run.stats().steps)
+}
+
+/// The contacts of a run of plain DOP853.
+fn watched(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<Contact> {
+    let run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(tol)).unwrap();
+    let mut watch = Watch::new(run, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
+    drive(&mut watch, &mut Silent, &mut y0.to_vec()).unwrap();
+    watch.into_listener().contacts()
+}
+
+/// The state at the end by plain DOP853: it knows nothing of events.
+fn plain(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
+    let mut y = y0.to_vec();
+    let mut run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(2.5e-15)).unwrap();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn kinds(events: &[Event<f64>]) -> Vec<(usize, bool)> {
+    events.iter().map(|event| (event.index, event.rising)).collect()
+}
+
+#[test]
+fn the_log_of_one_collision_is_that_of_the_closed_form() {
+    // g'' = -2 g^alpha with g' = w: g_max = (w^2 (alpha+1)/4)^{1/(alpha+1)}; the beads swap velocities, so the impulse is
+    // w; the collision is elastic and symmetric in time.
+    let w = 0.7;
+    for alpha in [1.2, 1.5, 2.0, 3.0] {
+        let chain = chain(alpha, (0.0, 0.0), Boundary::Free, 2);
+        let y0 = state(&chain, &[-0.35, 0.0], &[w, 0.0]);
+        let contacts = watched(&chain, &y0, 5.0, 1e-13);
+        let [contact] = contacts[..] else { panic!("{contacts:?}") };
+        assert_eq!(contact.bond, 1);
+        assert_relative_eq!(contact.onset.unwrap(), 0.5, max_relative = 1e-12);
+        assert_relative_eq!(contact.approach.unwrap(), w, max_relative = 1e-10);
+        assert_relative_eq!(contact.separation.unwrap(), w, max_relative = 1e-10);
+        let g_max = (w * w * (alpha + 1.0) / 4.0).powf(1.0 / (alpha + 1.0));
+        assert_relative_eq!(contact.largest_overlap, g_max, max_relative = 1e-8);
+        assert_relative_eq!(contact.impulse, w, max_relative = 1e-8);
+    }
+}
+
+#[test]
+fn impulses_add_up_to_the_change_of_momentum() {
+    // Truth: u_n'(end) - u_n'(0) = J_n - J_{n+1} on a plain chain, for every bead, by every kind of method.
+    let scene = Scene::load("impact").unwrap().until(20.0).unwrap();
+    for (name, setting, bound) in [
+        ("dop853-regularised", Setting::Tolerance(1e-11), 1e-8),
+        // Their kicks are samples of the force: its integral to order two.
+        ("strang-linear", Setting::Steps(4000), 1e-5),
+        ("verlet", Setting::Steps(4000), 1e-5),
+        ("aba1064", Setting::Steps(1000), 1e-7),
+    ] {
+        let outcome =
+            run_with_contacts(&scene, Method::named(name).unwrap(), setting, Records::End, &mut |_| ()).unwrap();
+        let layout = scene.chain().layout();
+        let mut impulses = vec![0.0; layout.sites() + 1];
+        for contact in outcome.contacts.unwrap() {
+            impulses[contact.bond] += contact.impulse;
+        }
+        let (before, after) = (layout.u_dot(scene.initial().as_slice()), layout.u_dot(&outcome.state));
+        for n in 0..layout.sites() {
+            let change = after[n] - before[n];
+            assert!((change - (impulses[n] - impulses[n + 1])).abs() < bound, "{name}, bead {n}: {change}");
+        }
+    }
+}
+
+#[test]
+fn simultaneous_contacts_stay_simultaneous() {
+    // Two beads hit a third from both sides at once. Truth: the mirror image.
+    let chain = spheres(3);
+    let y0 = state(&chain, &[-0.5, 0.0, 0.5], &[0.8, 0.0, -0.8]);
+    let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
+    assert_eq!(events.len(), 4);
+    assert!((events[0].t - 0.625).abs() < 1e-13 && (events[1].t - events[0].t).abs() < 1e-14);
+    assert!((events[3].t - events[2].t).abs() < 1e-12);
+    assert!(y[1].abs() < 1e-12 && (y[0] + y[2]).abs() < 1e-12, "{y:?}");
+    assert!(steps < 100, "{steps}");
+}
+
+#[test]
+fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
+    let chain = spheres(3);
+    let steps_with = |shift: f64| {
+        let y0 = state(&chain, &[-0.5, 0.0, 0.5 + shift], &[0.8, 0.0, -0.8]);
+        let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
+        assert_eq!(events.len(), 4, "shift {shift:e}: {events:?}");
+        assert!(distance(&y, &plain(&chain, &y0, 4.0)) < 1e-9, "shift {shift:e}");
+        steps
+    };
+    let tie = steps_with(0.0);
+    for shift in [1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3] {
+        let steps = steps_with(shift);
+        assert!(steps < 2 * tie, "shift {shift:e}: {steps} steps instead of {tie}");
+    }
+}
+
+#[test]
+fn grazing_from_outside_is_seen_if_there_is_contact() {
+    // A bead on its spring (cradle) swings to u = a; its neighbour rests at the distance a + gap.
+    let chain = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 2);
+    let graze = |gap: f64| {
+        // Moved apart: the first starts at -1 and swings to +1, the second stays where its spring is, and is held off by u.
+        let y0 = state(&chain, &[-1.0, 1.0 + gap], &[0.0, 0.0]);
+        run(&chain, &y0, 1.2, 1e-12).1
+    };
+    // The second swings back to meet it: only the number of contacts before t = 1.2 matters, none.
+    assert!(graze(0.1).is_empty());
+    // A true graze: both at rest relative to each other when they touch.
+    let swing = |distance: f64| {
+        let chain = spheres(2);
+        // Free flight, no forces: they never meet, whatever the distance.
+        run(&chain, &state(&chain, &[0.0, distance], &[1.0, 1.0]), 5.0, 1e-12).1
+    };
+    assert!(swing(1e-9).is_empty() && swing(0.0).is_empty());
+}
+
+/// Two beads with equal springs to fixed points (cradle): the overlap of the free motion is `-gap + swing sin t`.
+fn pendulums(gap: f64, swing: f64) -> (Chain<f64>, Vec<f64>) {
+    // Both oscillate about 0 with frequency one; a mean gap needs the strain picture: the ring of one bond has it.
+    let chain = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 2);
+    let y0 = state(&chain, &[0.0, gap], &[swing, 0.0]);
+    (chain, y0)
+}
+
+#[test]
+fn grazing_contacts_agree_with_a_method_that_knows_no_events() {
+    // g = swing sin t - gap cos t is positive on (atan(gap/swing), ..): shallow for a small swing, deep for a large one.
+    for (gap, swing) in [(1.0, 1e-3), (1.0, 1e-6), (1e-6, 1.0), (0.3, 0.3)] {
+        let (chain, y0) = pendulums(gap, swing);
+        let (y, events, _) = run(&chain, &y0, 6.0, 1e-12);
+        assert!(distance(&y, &plain(&chain, &y0, 6.0)) < 1e-9, "{gap} {swing}");
+        let first = events[0];
+        assert!(first.rising && (first.t - (gap / swing).atan()).abs() < 1e-12, "{events:?}");
+    }
+}
+
+#[test]
+fn a_contact_shorter_than_a_step_is_found() {
+    // Stiff contacts between fast beads: 1e-4 of the run. Truth: they swap velocities.
+    let chain = chain(3.0, (0.0, 0.0), Boundary::Free, 3);
+    let y0 = state(&chain, &[-1000.0, 0.0, 1000.0], &[300.0, 0.0, -100.0]);
+    for tol in [1e-4, 1e-8, 1e-12] {
+        let (y, events, _) = run(&chain, &y0, 60.0, tol);
+        assert_eq!(
+            kinds(&events),
+            [(0, true), (0, false), (1, true), (1, false), (0, true), (0, false)],
+            "tol {tol:e}"
+        );
+        let speeds = [-100.0, 0.0, 300.0];
+        assert!(distance(&y[3..], &speeds) < 1e4 * tol, "tol {tol:e}: {:?}", &y[3..]);
+    }
+}
+
+#[test]
+fn a_start_that_just_touches_fires_if_it_moves_in() {
+    let chain = spheres(2);
+    let touching = |w: f64| run(&chain, &state(&chain, &[0.0, 0.0], &[w, 0.0]), 5.0, 1e-12).1;
+    let closing = touching(0.5);
+    assert_eq!(kinds(&closing), [(0, true), (0, false)]);
+    assert_eq!(closing[0].t, 0.0);
+    assert!(touching(0.0).is_empty());
+    assert!(touching(-0.5).is_empty());
+}
+
+#[test]
+fn rest_and_permanent_contact_have_no_events_and_take_long_steps() {
+    let rest = chain(1.5, (1.0, 0.5), Boundary::Ring, 8);
+    let (y, events, steps) = run(&rest, &vec![0.0; 32], 1000.0, 1e-10);
+    assert!(events.is_empty() && steps < 100 && y.iter().all(|&y| y == 0.0), "{steps}");
+    let pressed = chain(1.5, (0.0, 0.0), Boundary::Fixed, 6).precompressed(0.3).unwrap();
+    let u: Vec<f64> = (0..6).map(|n| 0.02 * (n as f64).sin()).collect();
+    let y0 = state(&pressed, &u, &[0.0; 6]);
+    let (y, events, _) = run(&pressed, &y0, 50.0, 1e-12);
+    assert!(events.is_empty());
+    assert!(distance(&y, &plain(&pressed, &y0, 50.0)) < 1e-9);
+}
+
+#[test]
+fn the_tail_of_a_breather_makes_no_events() {
+    let scene = Scene::load("trivial-breather").unwrap();
+    for name in ["dop853-landed", "dop853-regularised", "strang-linear"] {
+        let method = Method::named(name).unwrap();
+        let setting = if method.adaptive() { Setting::Tolerance(1e-10) } else { Setting::Steps(1000) };
+        let outcome = run_with_contacts(&scene, method, setting, Records::End, &mut |_| ()).unwrap();
+        assert_eq!(outcome.contacts, Some(Vec::new()), "{name}");
+    }
+    // One bead displaced among forty at rest that just touch: overlaps fall doubly exponentially, 1e-1, 1e-3, .., 1e-300.
+    let cradle = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 40);
+    let u: Vec<f64> = (0..40).map(|n| if n == 20 { 0.1 } else { 0.0 }).collect();
+    let y0 = state(&cradle, &u, &[0.0; 40]);
+    let (y, events, steps) = run(&cradle, &y0, 20.0, 1e-11);
+    let contacts = watched(&cradle, &y0, 20.0, 1e-12);
+    assert!(contacts.iter().all(|contact| contact.largest_overlap > 1e-15), "{contacts:?}");
+    assert!(events.len() < 120 && steps < 1500, "{} events, {steps} steps", events.len());
+    assert!(distance(&y, &plain(&cradle, &y0, 20.0)) < 1e-8);
+}
+
+/// Every crossing of zero that a brute-force run sees between steps of `1e-3` in which `|g|` gets beyond `level`.
+fn brute_force(chain: &Chain<f64>, y0: &[f64], end: f64, level: f64) -> Vec<(usize, bool, f64)> {
+    let overlaps = Overlaps::new(chain.clone());
+    let mut g = vec![0.0; overlaps.count()];
+    let mut y = y0.to_vec();
+    let mut run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(1e-13)).unwrap();
+    overlaps.values(0.0, y0, &mut g);
+    let mut sides: Vec<bool> = g.iter().map(|&g| g > 0.0).collect();
+    let mut zero: Vec<f64> = vec![0.0; g.len()];
+    let mut before = g.clone();
+    let (mut seen, steps) = (Vec::new(), (end / 1e-3) as u64);
+    for k in 1..=steps {
+        let t = end * k as f64 / steps as f64;
+        while run.time() < t {
+            run.step().unwrap();
+        }
+        run.sample(t, &mut y);
+        overlaps.values(t, &y, &mut g);
+        for i in 0..g.len() {
+            if (g[i] > 0.0) != (before[i] > 0.0) {
+                zero[i] = t;
+            }
+            let far = if sides[i] { g[i] < -level } else { g[i] > level };
+            if far {
+                sides[i] = !sides[i];
+                seen.push((i, sides[i], zero[i]));
+            }
+        }
+        before.copy_from_slice(&g);
+    }
+    seen
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// No event is missed: whatever a brute-force run sees, the regularised run and the log have too.
+    #[test]
+    fn no_contact_is_missed(
+        alpha in prop_oneof![Just(1.2), Just(1.5), Just(2.0), Just(3.0)],
+        springs in prop_oneof![Just((0.0, 0.0)), Just((1.0, 1.0 / 3.0)), Just((1.0, f64::INFINITY)), Just((5.0, 0.05))],
+        boundary in prop_oneof![Just(Boundary::Free), Just(Boundary::Fixed), Just(Boundary::Ring)],
+        beads in prop::collection::vec((-0.2f64..0.2, -1.0f64..1.0), 2..6),
+        tol in prop_oneof![Just(1e-5), Just(1e-8), Just(1e-11)],
+    ) {
+        let chain = chain(alpha, springs, boundary, beads.len());
+        let (u, u_dot): (Vec<f64>, Vec<f64>) = beads.into_iter().unzip();
+        let y0 = state(&chain, &u, &u_dot);
+        let end = 6.0;
+        let truth = brute_force(&chain, &y0, end, 1e-3);
+        let (_, events, _) = run(&chain, &y0, end, tol);
+        let contacts = watched(&chain, &y0, end, 1e-11);
+        let overlaps = Overlaps::new(chain.clone());
+        for (index, rising, t) in truth {
+            let near = 2e-3 + 300.0 * tol.sqrt();
+            let found = events.iter().any(|event| event.index == index && event.rising == rising && (event.t - t).abs() < near);
+            prop_assert!(found, "bond {index}, rising {rising}, t = {t}: {events:?}");
+            let bond = overlaps.bond(index);
+            let logged = contacts.iter().any(|contact| {
+                let time = if rising { contact.onset } else { contact.release };
+                contact.bond == bond && time.is_some_and(|time| (time - t).abs() < 2e-3)
+            });
+            prop_assert!(logged, "bond {bond}, rising {rising}, t = {t}: {contacts:?}");
+        }
+        // And none is invented: onsets and releases of a bond take turns.
+        for index in 0..overlaps.count() {
+            let turns: Vec<bool> = events.iter().filter(|event| event.index == index).map(|event| event.rising).collect();
+            prop_assert!(turns.windows(2).all(|pair| pair[0] != pair[1]), "bond {index}: {events:?}");
+        }
+    }
+}
