@@ -25,6 +25,7 @@ fn diagram(curves: usize) -> WorkPrecision {
         floor: Some(2e-13),
         caption: CAPTION.into(),
         families: ["Splittings", "Runge–Kutta", "Exponential", "Event-aware"].map(String::from).into(),
+        guides: vec![],
     }
 }
 
@@ -56,6 +57,20 @@ fn map(values: Vec<f64>, sites: usize) -> SpaceTime {
         first_site: 1.0,
         times: (0.0, 10.0),
         signed: true,
+        caption: CAPTION.into(),
+    }
+}
+
+/// Contacts as (bond, start, end, largest overlap), on bonds 1 to 9 and from time 0 to 100.
+fn contacts(bars: &[(f64, f64, f64, f64)]) -> Raster {
+    Raster {
+        title: "Contacts".into(),
+        bond_label: "bond n".into(),
+        time_label: "time t".into(),
+        bars: bars.iter().map(|&(bond, start, end, shade)| Bar { bond, start, end, shade }).collect(),
+        shade_label: "largest overlap".into(),
+        bonds: (1.0, 9.0),
+        times: (0.0, 100.0),
         caption: CAPTION.into(),
     }
 }
@@ -93,6 +108,7 @@ fn the_same_numbers_give_the_same_bytes_and_keep_their_caption() {
             profile(&chain(&wave)).unwrap(),
             space_time(&map(wave.clone(), 8)).unwrap(),
             series(&energies(&wave, true)).unwrap(),
+            raster(&contacts(&[(2.0, 10.0, 20.0, 1.0), (7.0, 15.0, 60.0, 2.0)])).unwrap(),
         ]
     };
     let first = draw();
@@ -134,6 +150,19 @@ fn figures_of_nothing_are_errors() {
 }
 
 #[test]
+fn contacts_that_run_backwards_or_nowhere_are_errors() {
+    let nowhere = f64::NAN;
+    for bar in [(2.0, 20.0, 10.0, 1.0), (nowhere, 10.0, 20.0, 1.0), (2.0, nowhere, 20.0, 1.0), (2.0, 1.0, 1e301, 1.0)] {
+        assert!(raster(&contacts(&[bar])).is_err(), "{bar:?}");
+    }
+    for bounds in [(2.0, 1.0), (nowhere, 1.0), (0.0, f64::INFINITY)] {
+        assert!(raster(&Raster { bonds: bounds, ..contacts(&[]) }).is_err(), "{bounds:?}");
+        assert!(raster(&Raster { times: bounds, ..contacts(&[]) }).is_err(), "{bounds:?}");
+    }
+    assert!(raster(&Raster { shade_label: "日".into(), ..contacts(&[(2.0, 1.0, 2.0, 1.0)]) }).is_err());
+}
+
+#[test]
 fn odd_numbers_are_drawn_without_panic() {
     let cases = [
         vec![1.0],
@@ -150,10 +179,14 @@ fn odd_numbers_are_drawn_without_panic() {
         let one_moment = SpaceTime { times: (3.0, 3.0), signed: false, ..map(values.to_vec(), values.len()) };
         space_time(&one_moment).unwrap();
         assert_eq!(series(&energies(values, true)).is_ok(), values.iter().any(|&v| v > 0.0));
+        let bars: Vec<_> = values.iter().enumerate().map(|(n, &shade)| (n as f64, n as f64, n as f64, shade)).collect();
+        raster(&contacts(&bars)).unwrap();
+        raster(&Raster { times: (3.0, 3.0), bonds: (2.0, 2.0), ..contacts(&bars) }).unwrap();
         let mut figure = diagram(1);
         let point = |&value: &f64| Point { work: value, error: value, below_reference: false };
         figure.curves[0].points = values.iter().map(point).chain([point(&1.0)]).collect();
         figure.floor = values.first().copied();
+        figure.guides = values.iter().map(|&order| (order, "order".into())).collect();
         work_precision(&figure).unwrap();
     };
     std::thread::scope(|scope| cases.iter().for_each(|values| drop(scope.spawn(|| draw(values)))));
@@ -187,4 +220,113 @@ fn the_legend_of_many_curves_stands_apart_from_the_axes() {
     assert!(legend_end < blank.len() - 5 && legend_end - gap > 150);
     let frame = (0..gap).rev().find(|&x| !blank[x]).unwrap();
     assert!((60..680).all(|y| row(y)[frame - 1..=frame].iter().any(|p| p[0] < 200)));
+}
+
+/// The pixels between the axes of a figure: from the frame, found by its ink, inwards.
+fn inside(bytes: &[u8]) -> Vec<Vec<[u8; 3]>> {
+    let (pixels, _) = decode(bytes);
+    let rows: Vec<&[[u8; 3]]> = pixels.chunks(SIZE.0 as usize).collect();
+    let ink = |p: &[u8; 3]| p.iter().all(|&c| c < 200);
+    let framed = |y: &usize| rows[*y].iter().filter(|p| ink(p)).count() > 800;
+    let (top, bottom) = ((0..rows.len()).find(framed).unwrap(), (0..rows.len()).rfind(framed).unwrap());
+    let upright = |x: &usize| rows[top..bottom].iter().all(|row| ink(&row[*x]));
+    // Each line of the frame lies on two pixels; a colour bar has its own, further right.
+    let left = (0..rows[0].len()).find(upright).unwrap() + 2;
+    let right = (left..rows[0].len()).find(upright).unwrap();
+    rows[top + 2..bottom - 1].iter().map(|row| row[left..right].to_vec()).collect()
+}
+
+/// The ranges of columns in which a row is not white.
+fn runs(row: &[[u8; 3]]) -> Vec<(usize, usize)> {
+    let drawn = |x: usize| row.get(x).is_some_and(|&p| p != [255; 3]);
+    let starts = (0..row.len()).filter(|&x| drawn(x) && (x == 0 || !drawn(x - 1)));
+    starts.map(|start| (start, (start..).find(|&x| !drawn(x)).unwrap())).collect()
+}
+
+#[test]
+fn a_contact_lies_where_and_when_it_was() {
+    let picture =
+        inside(&raster(&contacts(&[(2.0, 10.0, 30.0, 1.0), (2.0, 50.0, 55.0, 3.0), (8.0, 95.0, 300.0, 2.0)])).unwrap());
+    let (high, wide) = (picture.len() as f64, picture[0].len() as f64);
+    let row = |bond: f64| &picture[((9.5 - bond) / 9.0 * high) as usize];
+    let near = |found: &[(usize, usize)], times: &[(f64, f64)]| {
+        assert_eq!(found.len(), times.len(), "{found:?}");
+        for (&(from, to), &(start, end)) in found.iter().zip(times) {
+            assert!((from as f64 - start / 100.0 * wide).abs() < 3.0 && (to as f64 - end / 100.0 * wide).abs() < 3.0);
+        }
+    };
+    near(&runs(row(2.0)), &[(10.0, 30.0), (50.0, 55.0)]);
+    near(&runs(row(8.0)), &[(95.0, 100.0)]);
+    for empty in [1.0, 3.0, 5.0, 7.0, 9.0] {
+        near(&runs(row(empty)), &[]);
+    }
+    // The largest overlap is the darkest, and each contact has one colour.
+    let brightness = |time: f64| row(2.0)[(time / 100.0 * wide) as usize].iter().map(|&c| u32::from(c)).sum::<u32>();
+    assert!(brightness(52.0) < brightness(12.0) && brightness(12.0) == brightness(28.0));
+}
+
+#[test]
+fn contacts_smaller_than_a_pixel_survive() {
+    let drawn = |figure: &Raster| inside(&raster(figure).unwrap()).iter().flat_map(|row| runs(row)).collect::<Vec<_>>();
+    let brief: Vec<_> = (1..10).map(|n| (5.0, 10.0 * f64::from(n), 10.0 * f64::from(n), 1.0)).collect();
+    let one_row = inside(&raster(&contacts(&brief)).unwrap());
+    assert_eq!(runs(&one_row[one_row.len() / 2]).iter().map(|(from, to)| to - from).collect::<Vec<_>>(), [1; 9]);
+    let many_bonds =
+        Raster { bonds: (0.0, 1e5), ..contacts(&[(777.0, 20.0, 80.0, 1.0), (50_000.0, 50.0, 50.0, 1e-9)]) };
+    let runs = drawn(&many_bonds);
+    assert!(runs.len() == 2 && runs.iter().any(|(from, to)| to - from == 1), "{runs:?}");
+    // Of two on one pixel the larger is seen, whatever their order.
+    let pair = [(5.0, 50.0, 50.0, 1.0), (5.0, 50.0, 50.0, 2.0)];
+    assert_eq!(raster(&contacts(&pair)), raster(&contacts(&[pair[1], pair[0]])));
+}
+
+#[test]
+fn a_raster_without_contacts_says_so() {
+    let blank = |figure: &Raster| inside(&raster(figure).unwrap()).iter().flatten().all(|&p| p == [255; 3]);
+    assert!(!blank(&contacts(&[])));
+    let elsewhere = contacts(&[(20.0, 1.0, 2.0, 1.0), (5.0, 200.0, 300.0, 1.0)]);
+    assert_eq!(raster(&elsewhere), raster(&contacts(&[])));
+}
+
+#[test]
+fn a_hundred_thousand_contacts_are_drawn() {
+    let bars: Vec<_> = (0..100_000)
+        .map(|k| {
+            let start = 1e-3 * f64::from(k);
+            (f64::from(k % 9 + 1), start, start + 5e-3, f64::from(k % 100))
+        })
+        .collect();
+    assert!(inside(&raster(&contacts(&bars)).unwrap()).iter().any(|row| runs(row).len() == 1));
+}
+
+#[test]
+fn a_guide_runs_through_the_middle_at_its_slope() {
+    // Only the guide passes through the middle, work 10³ and error 10⁻³.
+    let point = |work: f64, error: f64| Point { work, error, below_reference: false };
+    let curve = |error: f64| Curve {
+        name: "m".into(),
+        family: 0,
+        points: vec![point(10.0, error), point(1e5, error)],
+        slope: None,
+    };
+    let bare = WorkPrecision { curves: vec![curve(1e-5), curve(1e-1)], floor: None, ..diagram(0) };
+    let guided = WorkPrecision { guides: vec![(1.0, "order 1".into())], ..bare.clone() };
+    let (before, after) = (inside(&work_precision(&bare).unwrap()), inside(&work_precision(&guided).unwrap()));
+    let (high, wide) = (before.len() as f64, before[0].len() as f64);
+    let changed: Vec<_> = (0..before.len())
+        .flat_map(|y| (0..before[0].len()).map(move |x| (x, y)))
+        .filter(|&(x, y)| before[y][x] != after[y][x])
+        .collect();
+    assert!(changed.len() > 100);
+    // Both axes have as many decades: an order of 1 is a diagonal. Its label, far from the curves, is in the middle.
+    for part in [0.2..0.3, 0.7..0.8] {
+        let there: Vec<_> = changed.iter().filter(|(x, _)| part.contains(&(*x as f64 / wide))).collect();
+        assert!(!there.is_empty());
+        for &&(x, y) in &there {
+            let expected = high / wide * x as f64;
+            assert!((y as f64 - expected).abs() < 4.0, "({x}, {y}) is not on {expected}");
+        }
+    }
+    let long = WorkPrecision { guides: vec![(1.0, "order ".repeat(60))], ..bare };
+    assert!(work_precision(&long).is_err());
 }

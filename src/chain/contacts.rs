@@ -98,7 +98,8 @@ pub struct Contact {
     pub bond: usize,
     /// When it began; `None` if it was there at the start.
     pub onset: Option<f64>,
-    /// When it ended; `None` if it lasted to the end.
+    /// When it ended; `None` if it lasted to the end. A contact whose overlap fades into the dead band and stays there ended
+    /// when it came there, with no speed of separation.
     pub release: Option<f64>,
     /// `dg/dt` at the onset.
     pub approach: Option<f64>,
@@ -134,6 +135,8 @@ pub struct ContactLog {
     rates: Vec<f64>,
     /// The contact that each bond is in.
     open: Vec<Option<Contact>>,
+    /// Since when its overlap has been in the dead band.
+    faded: Vec<Option<f64>>,
     ended: Vec<Contact>,
 }
 
@@ -143,7 +146,15 @@ impl ContactLog {
         let (law, overlaps) = (chain.law, Overlaps::new(chain));
         let count = overlaps.count();
         let q = power(law.alpha(), 2 * GAUSS.len() as u32);
-        Self { overlaps, law, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new() }
+        Self {
+            overlaps,
+            law,
+            q,
+            rates: vec![0.0; count],
+            open: vec![None; count],
+            faded: vec![None; count],
+            ended: Vec::new(),
+        }
     }
 
     fn begin(&self, index: usize) -> Contact {
@@ -161,7 +172,8 @@ impl ContactLog {
     /// All contacts in the order of their onsets; those that were there at the start come first, by bond.
     pub fn contacts(self) -> Vec<Contact> {
         let mut contacts = self.ended;
-        contacts.extend(self.open.into_iter().flatten());
+        let open = self.open.into_iter().zip(self.faded);
+        contacts.extend(open.filter_map(|(contact, faded)| Some(Contact { release: faded, ..contact? })));
         let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
         contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));
         contacts
@@ -183,7 +195,10 @@ impl Listener<f64> for ContactLog {
     fn positive(&mut self, part: &Part<f64>) {
         // A contact that was there at the start has no event that begins it.
         let mut contact = self.open[part.index].unwrap_or_else(|| self.begin(part.index));
-        contact.largest_overlap = contact.largest_overlap.max(part.polynomial.largest());
+        let largest = part.polynomial.largest();
+        contact.largest_overlap = contact.largest_overlap.max(largest);
+        let faded = &mut self.faded[part.index];
+        *faded = if largest > part.band { None } else { faded.or(Some(part.span.0)) };
         contact.impulse += self.impulse(part);
         self.open[part.index] = Some(contact);
     }

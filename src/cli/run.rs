@@ -3,7 +3,7 @@
 use super::{Exit, args::RunArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
-    experiments::{Records, run},
+    experiments::{Records, run, run_with_contacts},
     method::{Method, Setting},
     output::{Folder, to_json},
     report,
@@ -24,7 +24,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let method = Method::named(&args.integrator)?;
     let (setting, wording) = setting(args, method, &scene)?;
     if args.plan {
-        let plan = scene.plan();
+        let plan = scene.plan(args.events);
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": method.name(), "plan": plan})) + "\n"
         } else {
@@ -36,7 +36,9 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
-    let outcome = run(&scene, method, setting, records, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
+    let mut progress = |t| bar.set_position((1000.0 * t / scene.end()) as u64);
+    let run = if args.events { run_with_contacts } else { run };
+    let outcome = run(&scene, method, setting, records, &mut progress);
     bar.finish_and_clear();
     let outcome = outcome?;
     let json = report::run_json(&scene, method, &wording, &outcome);

@@ -9,6 +9,7 @@
 //! | error against work, log-log | [`work_precision()`] |
 //! | strain against site at one time | [`profile()`] |
 //! | strain against site and time, in colour | [`space_time()`] |
+//! | contacts against time and bond, as bars | [`raster()`] |
 //! | quantities against time | [`series()`] |
 //!
 //! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
@@ -16,9 +17,12 @@
 
 mod axes;
 mod canvas;
+mod colour_bar;
+mod guide;
 mod legend;
 pub mod palette;
 pub mod profile;
+pub mod raster;
 pub mod series;
 pub mod space_time;
 pub mod work_precision;
@@ -27,6 +31,7 @@ use canvas::{Canvas, Rect};
 
 pub use canvas::missing_glyphs;
 pub use profile::{Panel, Profile, profile};
+pub use raster::{Bar, Raster, raster};
 pub use series::{TimeSeries, series};
 pub use space_time::{SpaceTime, space_time};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};

@@ -1,12 +1,9 @@
 //! Space-time maps: the whole history of a chain in colour.
 
-use super::axes::{Axes, Axis, LINE};
-use super::canvas::{LABEL, Rect, SMALL, wrap};
-use super::palette::{self, INK, Rgb};
+use super::axes::{Axes, Axis};
+use super::colour_bar::{ColourBar, range_with_zero};
+use super::palette::{self, Rgb};
 use super::{Error, page, usable};
-
-/// Width of the colour bar.
-const BAR: f64 = 22.0;
 
 /// A matrix of values over time and sites.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,52 +56,30 @@ pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
     };
 
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
-    let mut bar = Axis::exact(lo, hi, false);
-    bar.tick(body.height() - 80.0, true);
-    let bar_label = wrap(&figure.value_label, LABEL, body.height() - 120.0);
-    let aside = BAR + 27.0 + bar.label_width() + LINE * bar_label.len() as f64;
+    let bar = ColourBar::new((lo, hi), &figure.value_label, body.height());
 
     // A row stands for the time from half a step before it to half a step after it.
     let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };
     let t = Axis::exact(start - half, end + half, false);
     let n = Axis::exact(figure.first_site - 0.5, figure.first_site + sites as f64 - 0.5, true);
-    let area = Rect { x1: body.x1 - aside, y0: body.y0 + 1.2 * SMALL, ..body };
-    let axes = Axes::draw(&mut canvas, area, (n, &figure.site_label), (t, &figure.time_label), false)?;
+    let axes = Axes::draw(&mut canvas, bar.beside(body), (n, &figure.site_label), (t, &figure.time_label), false)?;
     let frame = axes.frame;
     let (wide, high) = (frame.width() as usize, frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&figure.values, sites, (wide, high)).into_iter().map(colour).collect();
     canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
     axes.close(&mut canvas)?;
-
-    let strip = Rect { x0: frame.x1 + 16.0, x1: frame.x1 + 16.0 + BAR, ..frame };
-    let column = (0..high).map(|k| hi - (hi - lo) * (k as f64 + 0.5) / high as f64);
-    let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); BAR as usize]).collect();
-    canvas.image((strip.x0 as u32, strip.y0 as u32), BAR as usize, &pixels)?;
-    canvas.border(&strip, INK)?;
-    for (place, label) in &bar.ticks {
-        let y = strip.y1 - place * strip.height();
-        canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[])?;
-        canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5))?;
-    }
-    canvas.text(&bar.factor, (body.x1, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
-    let middle = (strip.y0 + strip.y1) / 2.0;
-    for (k, line) in bar_label.iter().rev().enumerate() {
-        let at = body.x1 - 0.25 * LABEL - LINE * k as f64;
-        canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 1.0))?;
-    }
+    bar.draw(&mut canvas, frame, body.x1, colour)?;
     canvas.png(&figure.caption)
 }
 
 /// The values at the ends of the colour bar.
 fn range(figure: &SpaceTime) -> (f64, f64) {
-    let values = figure.values.iter().copied().filter(|&value| usable(value));
+    let (lo, hi) = range_with_zero(figure.values.iter().copied());
     if figure.signed {
-        let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
-        let most = if most < 1e-290 { 1.0 } else { most };
+        let most = hi.max(-lo);
         (-most, most)
     } else {
-        let (lo, hi) = values.fold((0.0_f64, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
-        (lo, if hi - lo < 1e-290 { lo + 1.0 } else { hi })
+        (lo, hi)
     }
 }
 

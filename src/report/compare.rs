@@ -173,6 +173,7 @@ pub fn comparison_png(comparison: &Comparison) -> crate::error::Result<Vec<u8>> 
         floor: Some(comparison.reference.error_estimate),
         caption: super::provenance(scene, &how),
         families,
+        guides: Vec::new(),
     };
     Ok(work_precision(&figure)?)
 }

@@ -1,17 +1,21 @@
 //! From outcomes to what people and machines read: tables, JSON, CSV, NPZ, and the input of figures.
 
 mod compare;
+mod contacts;
 mod order;
 mod run;
 mod table;
 
 pub use compare::{comparison_csv, comparison_json, comparison_table};
+pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use order::{order_csv, order_json, order_table};
 pub use run::{run_files, run_json, run_summary};
 pub use table::table;
 
 #[cfg(feature = "plot")]
 pub use compare::comparison_png;
+#[cfg(feature = "plot")]
+pub use contacts::contacts_png;
 #[cfg(feature = "plot")]
 pub use order::order_pictures;
 #[cfg(feature = "plot")]

@@ -2,7 +2,7 @@
 
 use super::table;
 use crate::{
-    experiments::{Mode, OrderRow, OrderStudy, Quantity},
+    experiments::{OrderRow, OrderStudy, Quantity},
     output::to_json,
 };
 use serde_json::{Value, json};
@@ -107,7 +107,11 @@ pub fn order_pictures(study: &OrderStudy) -> crate::error::Result<Vec<(&'static 
 
 #[cfg(feature = "plot")]
 fn order_png(study: &OrderStudy, quantity: Quantity, floor: f64) -> crate::error::Result<Vec<u8>> {
-    use crate::figures::{Curve, Point, WorkPrecision, work_precision};
+    use crate::{
+        experiments::Mode,
+        figures::{Curve, Point, WorkPrecision, work_precision},
+    };
+    let limit = if quantity == Quantity::State { study.alpha + 1.0 } else { study.alpha };
     let pictured = |row: &&OrderRow| row.quantity == quantity && PICTURED.contains(&row.method.name().as_str());
     let curve = |row: &OrderRow| Curve {
         name: row.method.name(),
@@ -137,7 +141,7 @@ fn order_png(study: &OrderStudy, quantity: Quantity, floor: f64) -> crate::error
              mean square over seven neighbouring numbers of steps. hertzchain {}.",
             study.beads,
             study.events.len(),
-            if quantity == Quantity::State { study.alpha + 1.0 } else { study.alpha },
+            limit,
             if study.alpha.fract() == 0.0 {
                 "is enough for an integer exponent"
             } else {
@@ -147,7 +151,7 @@ fn order_png(study: &OrderStudy, quantity: Quantity, floor: f64) -> crate::error
             env!("CARGO_PKG_VERSION")
         ),
         families: Mode::ALL.map(|mode| mode.name().to_owned()).into(),
-        ..Default::default()
+        guides: vec![(limit, format!("order {limit}"))],
     };
     Ok(work_precision(&figure)?)
 }

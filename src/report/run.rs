@@ -1,5 +1,8 @@
 //! Reports of one run.
 
+use super::{contact_lines, contact_totals, contacts_csv, contacts_npz};
+#[cfg(feature = "plot")]
+use crate::chain::Overlaps;
 use crate::{
     chain::{Boundary, Energy},
     error::Result,
@@ -68,6 +71,9 @@ pub fn run_json(scene: &Scene, method: Method, setting: &str, outcome: &Outcome)
         put("e_x_final", json!(e_x));
         put("e_y_final", json!(e_y));
     }
+    if let Some(contacts) = &outcome.contacts {
+        put("contacts", json!(contact_totals(contacts)));
+    }
     put("force_evaluations", json!(outcome.stats.force_evaluations));
     put("steps", json!(outcome.stats.steps));
     put("rejected", json!(outcome.stats.rejected));
@@ -96,6 +102,9 @@ pub fn run_summary(scene: &Scene, method: Method, setting: &str, outcome: &Outco
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
     }
+    if let Some(contacts) = &outcome.contacts {
+        lines.extend(contact_lines(contacts));
+    }
     let stats = outcome.stats;
     lines.push(format!(
         "work        {} steps, {} rejected, {} force evaluations, {:.3e} s",
@@ -110,7 +119,8 @@ pub fn run_summary(scene: &Scene, method: Method, setting: &str, outcome: &Outco
     lines.join("\n") + "\n"
 }
 
-/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`.
+/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`; with a contact log also
+/// `contacts.csv` and `contacts.npz`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -145,6 +155,10 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Outcome, json: &str) 
         archive.push(Array::matrix(name, rows.iter().map(|row| &row[..])));
     }
     folder.write("profiles.npz", &npz(&archive)?)?;
+    if let Some(contacts) = &outcome.contacts {
+        folder.write("contacts.csv", &contacts_csv(contacts))?;
+        folder.write("contacts.npz", &contacts_npz(contacts)?)?;
+    }
     Ok(())
 }
 
@@ -173,7 +187,7 @@ pub fn run_pictures(
             value_label: "strain xₙ".to_owned(),
             values: outcome.profiles.iter().flat_map(|profile| &profile.x).map(|x| x.clamp(-range, range)).collect(),
             sites: last.x.len(),
-            first_site: 0.0,
+            first_site: first_bond(scene),
             times: (0.0, last.t),
             signed: true,
             caption: caption(&format!("Negative strain (blue) is contact, positive (red) a gap{clipped}.")),
@@ -194,7 +208,16 @@ pub fn run_pictures(
         };
         pictures.push(("energy.png", figures::series(&figure)?));
     }
+    if let Some(contacts) = &outcome.contacts {
+        pictures.push(("contacts.png", super::contacts_png(scene, &how, outcome.t, contacts)?));
+    }
     Ok(pictures)
+}
+
+/// The number of the first strain: bonds count as the sites to their right, and the first of a free chain has no bond.
+#[cfg(feature = "plot")]
+fn first_bond(scene: &Scene) -> f64 {
+    Overlaps::new(scene.chain().clone()).bond(0) as f64
 }
 
 /// The range of colours, and whether it clips: all strains, but gaps only up to three times the largest overlap, so that
@@ -221,7 +244,9 @@ fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> St
     use crate::figures::{Line, Panel, Profile};
     let layout = scene.chain().layout();
     let ring = scene.chain().boundary() == Boundary::StrainRing;
-    let points = |values: &[f64]| values.iter().enumerate().map(|(n, &value)| (n as f64, value)).collect::<Vec<_>>();
+    let first = first_bond(scene);
+    let points =
+        |values: &[f64]| values.iter().enumerate().map(|(n, &value)| (first + n as f64, value)).collect::<Vec<_>>();
     let line = |name: &str, values: &[f64]| Line { name: name.to_owned(), points: points(values) };
     let mut panels = vec![("xₙ", "strain xₙ", scene.strains(&outcome.state))];
     if let (true, Some(y)) = (ring, layout.v(&outcome.state)) {

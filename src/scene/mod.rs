@@ -178,8 +178,8 @@ impl Scene {
         if strains.is_empty() { u.to_vec() } else { strains }
     }
 
-    /// What runs and what is left out, in words, a line each.
-    pub fn plan(&self) -> Vec<String> {
+    /// What runs and what is left out, in words, a line each; `events`: whether contacts are logged.
+    pub fn plan(&self, events: bool) -> Vec<String> {
         let (params, n, dim) = (self.chain.params(), self.chain.sites(), self.chain.layout().dim());
         let Record { samples } = self.file.record;
         let resonators = match params.resonators() {
@@ -216,9 +216,13 @@ impl Scene {
             None => "theory: none".to_owned(),
         };
         let span = format!("t from 0 to {}, period {}", self.end, self.period);
-        let left_out =
-            "left out: event search, tangent map, dense output (made only where a sample asks for it)".to_owned();
-        vec![resonators, law, energy.to_owned(), theory, span, record, left_out]
+        let (contacts, left_out) = if events {
+            ("contacts: every step is sampled eight times and searched", "left out: tangent map")
+        } else {
+            let left_out = "left out: contact log, tangent map, dense output (made only where a sample asks for it)";
+            ("contacts: not logged; --events does", left_out)
+        };
+        vec![resonators, law, energy.to_owned(), theory, span, record, contacts.to_owned(), left_out.to_owned()]
     }
 }
 

@@ -66,7 +66,8 @@ impl Sides {
         self.band = self.band.max(band);
     }
 
-    fn band(&self, index: usize) -> f64 {
+    /// The band of a function in the step at hand.
+    pub(crate) fn band(&self, index: usize) -> f64 {
         let largest = self.values[index].iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
         self.band.max(POLYNOMIAL_ROUNDING * largest)
     }

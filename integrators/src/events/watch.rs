@@ -28,6 +28,8 @@ pub struct Part<R> {
     pub span: (R, R),
     /// The function over the span, as a polynomial on `[0, 1]`.
     pub polynomial: Polynomial,
+    /// The dead band.
+    pub band: f64,
 }
 
 /// A stepper whose steps are searched for events: eight samples a step, a polynomial through them that misses nothing,
@@ -91,7 +93,8 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         let start = std::mem::replace(&mut self.since[index], 0.0);
         let share = if start < 1.0 { (end - start) / (1.0 - start) } else { 1.0 };
         let polynomial = self.sides.polynomial(index).split(start).1.split(share).0;
-        self.listener.positive(&Part { index, span: (at(start), at(end)), polynomial });
+        let (span, band) = ((at(start), at(end)), self.sides.band(index));
+        self.listener.positive(&Part { index, span, polynomial, band });
     }
 
     /// The time of a crossing: a root of the sampled solution near that of the polynomial.

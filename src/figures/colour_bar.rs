@@ -1,0 +1,69 @@
+//! Colour bars: what the colours of a figure stand for.
+
+use super::axes::{Axis, LINE};
+use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
+use super::palette::{INK, Rgb};
+use super::{Error, usable};
+
+/// Width of the bar itself.
+const WIDTH: usize = 22;
+
+/// A colour bar in a space of its own at the right of the axes.
+pub(super) struct ColourBar {
+    /// The values at the ends.
+    lo: f64,
+    hi: f64,
+    axis: Axis,
+    label: Vec<String>,
+}
+
+impl ColourBar {
+    /// A bar over a range, in a figure of this height.
+    pub(super) fn new((lo, hi): (f64, f64), label: &str, height: f64) -> Self {
+        let mut axis = Axis::exact(lo, hi, false);
+        axis.tick(height - 80.0, true);
+        Self { lo, hi, axis, label: wrap(label, LABEL, height - 120.0) }
+    }
+
+    /// What the bar leaves of an area; above it there is room for the factor of its ticks.
+    pub(super) fn beside(&self, area: Rect) -> Rect {
+        let aside = WIDTH as f64 + 27.0 + self.axis.label_width() + LINE * self.label.len() as f64;
+        Rect { x1: area.x1 - aside, y0: area.y0 + 1.2 * SMALL, ..area }
+    }
+
+    /// Draws the bar, with its ticks and its label, between the frame of the axes and the right edge of the figure.
+    pub(super) fn draw(
+        &self,
+        canvas: &mut Canvas,
+        frame: Rect,
+        edge: f64,
+        colour: impl Fn(f64) -> Rgb,
+    ) -> Result<(), Error> {
+        let x0 = frame.x1 + 16.0;
+        let strip = Rect { x0, x1: x0 + WIDTH as f64, ..frame };
+        let high = frame.height() as usize;
+        let column = (0..high).map(|k| self.hi - (self.hi - self.lo) * (k as f64 + 0.5) / high as f64);
+        let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); WIDTH]).collect();
+        canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, &pixels)?;
+        canvas.border(&strip, INK)?;
+        for (place, label) in &self.axis.ticks {
+            let y = strip.y1 - place * strip.height();
+            canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[])?;
+            canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5))?;
+        }
+        canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
+        let middle = (strip.y0 + strip.y1) / 2.0;
+        for (k, line) in self.label.iter().rev().enumerate() {
+            let at = edge - 0.25 * LABEL - LINE * k as f64;
+            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 1.0))?;
+        }
+        Ok(())
+    }
+}
+
+/// The smallest range that holds 0 and all usable values; from 0 to 1 where that has no width.
+pub(super) fn range_with_zero(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values = values.filter(|&value| usable(value));
+    let (lo, hi) = values.fold((0.0_f64, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
+    (lo, if hi - lo < 1e-290 { lo + 1.0 } else { hi })
+}

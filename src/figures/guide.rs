@@ -1,0 +1,84 @@
+//! Guides: straight lines on logarithmic axes whose slope is an order.
+
+use super::Error;
+use super::axes::Axes;
+use super::canvas::{Canvas, Rect, SMALL, text_width};
+use super::palette::{GREY, PAPER};
+
+type Place = (f64, f64);
+
+/// Draws the line `ordinate ~ abscissa^(-order)` through a point, beneath whatever comes later, with its label on it.
+///
+/// The label stands where it is farthest from the places to `avoid`, to which its own is added. An order or a point
+/// that has no place on the axes draws nothing.
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    axes: &Axes,
+    (x, y): (f64, f64),
+    (order, label): (f64, &str),
+    avoid: &mut Vec<Place>,
+) -> Result<(), Error> {
+    let step = 1.01_f64;
+    let (Some(p), Some(q)) = (axes.place((x, y)), axes.place((x * step, y * step.powf(-order)))) else {
+        return Ok(());
+    };
+    let [start, end] = chord(&axes.frame, p, q);
+    canvas.line(&[start, end], GREY, 1.0, &[6.0, 4.0])?;
+
+    let (width, height) = (text_width(label, SMALL) + 8.0, 1.4 * SMALL);
+    let along = |k: u32| f64::from(k) / 40.0;
+    let places = (0..=40).map(along).map(|s| (start.0 + s * (end.0 - start.0), start.1 + s * (end.1 - start.1)));
+    let around =
+        |(x, y): Place| Rect { x0: x - 0.5 * width, y0: y - 0.5 * height, x1: x + 0.5 * width, y1: y + 0.5 * height };
+    let inside = |at: &Place| {
+        let (label, frame) = (around(*at), &axes.frame);
+        label.x0 > frame.x0 && label.x1 < frame.x1 && label.y0 > frame.y0 && label.y1 < frame.y1
+    };
+    let free = |at: &Place| avoid.iter().map(|&other| distance(&around(*at), other)).fold(f64::INFINITY, f64::min);
+    let Some(at) = places.filter(inside).max_by(|a, b| free(a).total_cmp(&free(b))) else {
+        return Err(Error(format!("the label {label:?} does not fit the axes")));
+    };
+    let Rect { x0, y0, x1, y1 } = around(at);
+    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER)?;
+    canvas.text(label, at, SMALL, GREY, (0.5, 0.5))?;
+    avoid.push(at);
+    Ok(())
+}
+
+/// The part within a rectangle of the line from `p`, a point in it, to `q`.
+fn chord(area: &Rect, p: Place, q: Place) -> [Place; 2] {
+    let (dx, dy) = (q.0 - p.0, q.1 - p.1);
+    let reach = |d: f64, lo: f64, hi: f64| match d {
+        0.0 => (f64::NEG_INFINITY, f64::INFINITY),
+        _ => ((lo / d).min(hi / d), (lo / d).max(hi / d)),
+    };
+    let across = reach(dx, area.x0 - p.0, area.x1 - p.0);
+    let up = reach(dy, area.y0 - p.1, area.y1 - p.1);
+    [across.0.max(up.0), across.1.min(up.1)].map(|s| (p.0 + s * dx, p.1 + s * dy))
+}
+
+/// The distance of a point from a rectangle; 0 within it.
+fn distance(area: &Rect, (x, y): Place) -> f64 {
+    let outside = |at: f64, lo: f64, hi: f64| (lo - at).max(at - hi).max(0.0);
+    outside(x, area.x0, area.x1).hypot(outside(y, area.y0, area.y1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chord_ends_on_the_edges() {
+        let area = Rect { x0: 0.0, y0: 0.0, x1: 10.0, y1: 4.0 };
+        assert_eq!(chord(&area, (5.0, 2.0), (6.0, 3.0)), [(3.0, 0.0), (7.0, 4.0)]);
+        assert_eq!(chord(&area, (5.0, 2.0), (6.0, 2.0)), [(0.0, 2.0), (10.0, 2.0)]);
+        assert_eq!(chord(&area, (5.0, 2.0), (5.0, 1.0)), [(5.0, 4.0), (5.0, 0.0)]);
+    }
+
+    #[test]
+    fn the_distance_from_a_rectangle_is_zero_within_it() {
+        let area = Rect { x0: 0.0, y0: 0.0, x1: 10.0, y1: 4.0 };
+        assert_eq!(distance(&area, (3.0, 3.0)), 0.0);
+        assert_eq!(distance(&area, (13.0, 8.0)), 5.0);
+    }
+}
