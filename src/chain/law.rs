@@ -3,7 +3,7 @@
 //! Overlaps whose force would be below about 1e-250 count as none: forces, impulses and what they move then never become
 //! subnormal, which would slow the tails of waves and breathers, and nothing above 1e-200 of anything can notice.
 
-use hertzchain_integrators::Real;
+use hertzchain_integrators::{Real, Twofold};
 
 /// A power `g^alpha` that a sweep is compiled for.
 pub(crate) trait Power<R>: Copy {
@@ -20,6 +20,9 @@ pub(crate) struct Monomial<const K: u32>;
 /// `g^k` by multiplications, for larger k.
 #[derive(Clone, Copy)]
 pub(crate) struct Integer(u32);
+/// `g^k sqrt(g)`, for half-integers above 3/2.
+#[derive(Clone, Copy)]
+pub(crate) struct HalfInteger(u32);
 /// Any other power.
 #[derive(Clone, Copy)]
 pub(crate) struct General<R>(R);
@@ -45,6 +48,13 @@ impl<R: Real> Power<R> for Integer {
     }
 }
 
+impl<R: Real> Power<R> for HalfInteger {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        num_traits::pow(g, self.0 as usize) * g.sqrt()
+    }
+}
+
 impl<R: Real> Power<R> for General<R> {
     #[inline(always)]
     fn raise(self, g: R) -> R {
@@ -56,6 +66,7 @@ impl<R: Real> Power<R> for General<R> {
 pub(crate) enum Exponent {
     ThreeHalves,
     Integer(u32),
+    HalfInteger(u32),
     General,
 }
 
@@ -64,6 +75,8 @@ pub(crate) enum Exponent {
 pub struct ContactLaw<R> {
     pub(crate) exponent: Exponent,
     alpha: R,
+    /// `1/(alpha + 1)`.
+    per_alpha_plus_one: R,
     /// Overlaps up to this count as none.
     pub(crate) dead_band: R,
 }
@@ -92,6 +105,10 @@ macro_rules! with_power {
                 let $power = $crate::chain::law::Integer::new(k);
                 $body
             }
+            $crate::chain::law::Exponent::HalfInteger(k) => {
+                let $power = $crate::chain::law::HalfInteger::new(k);
+                $body
+            }
             $crate::chain::law::Exponent::General => {
                 let $power = $crate::chain::law::General::new($law.alpha());
                 $body
@@ -102,6 +119,12 @@ macro_rules! with_power {
 pub(crate) use with_power;
 
 impl Integer {
+    pub(crate) fn new(k: u32) -> Self {
+        Self(k)
+    }
+}
+
+impl HalfInteger {
     pub(crate) fn new(k: u32) -> Self {
         Self(k)
     }
@@ -120,11 +143,15 @@ impl<R: Real> ContactLaw<R> {
             Exponent::ThreeHalves
         } else if alpha.fract() == 0.0 && alpha <= 64.0 {
             Exponent::Integer(alpha as u32)
+        } else if alpha.fract() == 0.5 && alpha <= 64.0 {
+            Exponent::HalfInteger(alpha as u32)
         } else {
             Exponent::General
         };
         let dead_band = 1e-250_f64.powf(1.0 / alpha).max(f64::MIN_POSITIVE);
-        Self { exponent, alpha: R::of(alpha), dead_band: R::of(dead_band) }
+        let [one, alpha] = [1.0, alpha].map(|x| Twofold::new(R::of(x)));
+        let per_alpha_plus_one = one.over(alpha + one).value();
+        Self { exponent, alpha: alpha.value(), per_alpha_plus_one, dead_band: R::of(dead_band) }
     }
 
     /// The exponent.
@@ -145,7 +172,7 @@ impl<R: Real> ContactLaw<R> {
 
     /// The potential `(g)_+^{alpha+1} / (alpha+1)`.
     pub fn potential(&self, g: R) -> R {
-        self.force(g) * self.positive_part(g) / (self.alpha + R::one())
+        self.force(g) * self.positive_part(g) * self.per_alpha_plus_one
     }
 
     /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no contact.

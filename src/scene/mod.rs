@@ -196,7 +196,8 @@ impl Scene {
             1.5 => "contact force as g sqrt(g), vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications".to_owned(),
-            _ => "contact force by powf: slower than alpha = 3/2 or an integer".to_owned(),
+            a if a.fract() == 0.5 && a <= 64.0 => "contact force by multiplications and a square root".to_owned(),
+            _ => "contact force by powf: slower than a half-integer alpha".to_owned(),
         };
         let energy = if self.chain.has_energy(self.initial.as_slice()) {
             "energy: conserved, checked along the run"

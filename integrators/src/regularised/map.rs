@@ -6,7 +6,7 @@
 //! | `tau` | time since the start of the leg, from 0 to its length `L` |
 //! | `a, b` | powers at the start and at the end; 1 where nothing is singular |
 
-use crate::real::Real;
+use crate::{clock::Twofold, real::Real};
 use std::fmt::Debug;
 
 /// `tau = L I(sigma)`, `I' = c sigma^{a-1} (1 - sigma)^{b-1}`, `I(0) = 0`, `I(1) = 1`.
@@ -69,7 +69,8 @@ impl<R: Real> TimeMap<R> {
             return zero;
         }
         if self.a == 1 && self.b == 1 {
-            return tau / self.length;
+            // To the last digit also in double-double, whose own division is not: time that is lost here is lost for good.
+            return Twofold::new(tau).over(Twofold::new(self.length)).value();
         }
         if self.b > 1 && tau >= self.length {
             return one;

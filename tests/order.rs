@@ -1,0 +1,104 @@
+//! What contacts do to the order of every method: the claims of the order study, on a small run of it.
+
+use hertzchain::experiments::{Mode, OrderStudy, Quantity, order, theory};
+use std::sync::LazyLock;
+
+/// Spheres: the study of the README.
+static SPHERES: LazyLock<OrderStudy> = LazyLock::new(|| order(1.5, 6, &|_| ()).unwrap());
+
+fn slope(study: &OrderStudy, name: &str, mode: Mode, quantity: Quantity) -> f64 {
+    let row = study.rows.iter().find(|row| row.method.name() == name && row.mode == mode && row.quantity == quantity);
+    row.unwrap().slope.unwrap()
+}
+
+fn errors<'a>(study: &'a OrderStudy, name: &str, mode: Mode) -> (&'a [f64], &'a [u64]) {
+    let state = |row: &&hertzchain::experiments::OrderRow| {
+        row.method.name() == name && row.mode == mode && row.quantity == Quantity::State
+    };
+    let row = study.rows.iter().find(state).unwrap();
+    (&row.errors, &row.steps)
+}
+
+#[test]
+fn strang_keeps_order_two_through_contact() {
+    for name in ["verlet", "strang-linear"] {
+        let slope = slope(&SPHERES, name, Mode::Plain, Quantity::State);
+        assert!((slope - 2.0).abs() < 0.1, "{name}: {slope}");
+    }
+}
+
+#[test]
+fn compositions_of_order_four_and_more_fall_to_two_and_a_half() {
+    let mut seen = 0;
+    for row in SPHERES.rows.iter().filter(|row| row.mode == Mode::Plain && row.method.order() >= 4) {
+        let (limit, slope) = (if row.quantity == Quantity::State { 2.5 } else { 1.5 }, row.slope.unwrap());
+        assert!((slope - limit).abs() < 0.3, "{}, {}: {slope}", row.method.name(), row.quantity.name());
+        assert_eq!(row.theory, limit);
+        seen += 1;
+    }
+    assert_eq!(seen, 2 * 23);
+}
+
+#[test]
+fn landing_makes_the_constant_smaller_and_not_the_order_larger() {
+    for (mode, quantity, limit) in [
+        (Mode::Plain, Quantity::State, 2.5),
+        (Mode::Landed, Quantity::State, 2.5),
+        (Mode::Plain, Quantity::Tangent, 1.5),
+        (Mode::Landed, Quantity::Tangent, 1.5),
+    ] {
+        let slope = slope(&SPHERES, "dop853", mode, quantity);
+        assert!((slope - limit).abs() < 0.3, "{mode:?}, {quantity:?}: {slope}");
+    }
+    let ((plain, n), (landed, m)) = (errors(&SPHERES, "dop853", Mode::Plain), errors(&SPHERES, "dop853", Mode::Landed));
+    for k in 0..plain.len() {
+        // About as many steps: the landed run has at most two more for each of its twelve events.
+        assert!(m[k] <= n[k] + 24);
+        assert!(landed[k] < 0.25 * plain[k], "{:e} {:e} with {} steps", landed[k], plain[k], n[k]);
+    }
+}
+
+#[test]
+fn the_regularised_method_has_its_full_order_down_to_rounding() {
+    let slope_of = |quantity| slope(&SPHERES, "dop853", Mode::Regularised, quantity);
+    assert!((slope_of(Quantity::State) - 8.0).abs() < 0.5, "{}", slope_of(Quantity::State));
+    assert!((slope_of(Quantity::Tangent) - 8.0).abs() < 0.8, "{}", slope_of(Quantity::Tangent));
+    // At least six between the ends of more than four decades, and 1e-12 reached.
+    let (errors, steps) = errors(&SPHERES, "dop853", Mode::Regularised);
+    let (first, last) = (2, errors.len() - 2);
+    let slope = (errors[first] / errors[last]).ln() / (steps[last] as f64 / steps[first] as f64).ln();
+    assert!(errors[first] > 1e-5 && errors[last] < 1e-12 && slope > 6.0, "{errors:?}");
+    assert!(errors.iter().copied().fold(1.0, f64::min) < 1e-12);
+}
+
+#[test]
+fn an_integer_exponent_needs_landing_only() {
+    // The force is a polynomial on either side of the event.
+    let study = order(2.0, 6, &|_| ()).unwrap();
+    let state = |name, mode| slope(&study, name, mode, Quantity::State);
+    assert!((state("dop853", Mode::Plain) - 3.0).abs() < 0.3);
+    assert!(state("dop853", Mode::Landed) > 7.0);
+    assert!((state("aba1064-linear", Mode::Plain) - 3.0).abs() < 0.3);
+    assert!((slope(&study, "aba1064-linear", Mode::Plain, Quantity::Tangent) - 2.0).abs() < 0.3);
+}
+
+#[test]
+fn theory_is_that_of_the_exponent() {
+    for (p, alpha, mode, quantity, expected) in [
+        (2, 1.5, Mode::Plain, Quantity::State, 2.0),
+        (2, 1.5, Mode::Plain, Quantity::Tangent, 1.5),
+        (8, 1.2, Mode::Plain, Quantity::State, 2.2),
+        (8, 1.5, Mode::Landed, Quantity::State, 2.5),
+        (8, 3.0, Mode::Landed, Quantity::State, 8.0),
+        (4, 3.0, Mode::Plain, Quantity::State, 4.0),
+        (8, 1.5, Mode::Regularised, Quantity::Tangent, 8.0),
+    ] {
+        assert_eq!(theory(p, alpha, mode, quantity), expected);
+    }
+}
+
+#[test]
+fn a_study_without_contacts_or_with_a_bad_exponent_is_refused() {
+    assert!(order(1.5, 1, &|_| ()).unwrap_err().to_string().starts_with("beads = 1 is not valid"));
+    assert!(order(-1.0, 6, &|_| ()).unwrap_err().to_string().starts_with("alpha = -1 is not valid"));
+}
