@@ -4,9 +4,9 @@
 //! groups.
 
 use criterion::{Criterion, Throughput};
-use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
+use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
-    Kernel, Real, SplitFlow, Splitting, Stepper,
+    Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
     splitting::{First, tables::STRANG},
 };
 use std::{
@@ -59,11 +59,18 @@ fn bare(sites: usize) -> Work {
 }
 
 /// Strang's scheme on a flow, for ever; the check is that energy is conserved.
-fn steps<S: SplitFlow<f64> + 'static>(name: String, chain: Chain<f64>, mut flow: S, first: First, y: &[f64]) -> Work {
-    use std::{cell::RefCell, rc::Rc};
+fn steps<S: SplitFlow<f64> + 'static>(name: String, chain: Chain<f64>, flow: S, first: First, y: &[f64]) -> Work {
+    repeat(name, chain, endless(flow, first, y), y)
+}
+
+fn endless<S: SplitFlow<f64> + 'static>(mut flow: S, first: First, y: &[f64]) -> Splitting<f64, S> {
     flow.load(y);
     let count = 1_000_000_000;
-    let run = Splitting::new(&STRANG, first, flow, (0.0, STEP * count as f64), count).unwrap();
+    Splitting::new(&STRANG, first, flow, (0.0, STEP * count as f64), count).unwrap()
+}
+
+fn repeat(name: String, chain: Chain<f64>, run: impl Stepper<f64> + 'static, y: &[f64]) -> Work {
+    use std::{cell::RefCell, rc::Rc};
     let run = Rc::new(RefCell::new(run));
     let (running, sites, initial, dim) = (run.clone(), chain.sites(), chain.energy(y).total(), y.len());
     let once = move || running.borrow_mut().step().unwrap();
@@ -114,6 +121,20 @@ fn subnormals() -> Vec<Work> {
         .collect()
 }
 
+/// A short chain stepped by a scheme that is known to the compiler, as `run` steps it, and as `run --events` does.
+fn contact_logs() -> Vec<Work> {
+    let chain = ring(1.0 / 3.0, 50);
+    let y: Vec<f64> = noise(chain.layout().dim()).iter().map(|y| 0.1 * y).collect();
+    let run = || endless(LinearFlow::new(chain.clone()), First::Drift, &y);
+    let boxed = || -> Box<dyn Stepper<f64>> { Box::new(run()) };
+    let watch = Watch::new(boxed(), Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
+    vec![
+        repeat("strang-linear".into(), chain.clone(), run(), &y),
+        repeat("the same in `run`".into(), chain.clone(), boxed(), &y),
+        repeat("in `run --events`".into(), chain.clone(), watch, &y),
+    ]
+}
+
 /// Median nanoseconds per site and step of each work. They take turns, so that a busy machine is unfair to none.
 fn medians(works: &mut [Work]) -> Vec<f64> {
     let mut samples = vec![Vec::new(); works.len()];
@@ -145,6 +166,11 @@ fn table() {
             let resonant = if i == 0 { String::new() } else { format!("{:.2}", time / times[2 - i % 2]) };
             println!("{sites:>9}  {:24} {time:>10.3} {:>8.2} {resonant:>11}", work.name, time / times[0]);
         }
+    }
+    let mut works = contact_logs();
+    let times = medians(&mut works);
+    for (work, &time) in works.iter().zip(&times) {
+        println!("{:>9}  {:24} {time:>10.3}   x the first {:.2}", work.sites, work.name, time / times[0]);
     }
     let mut works = subnormals();
     let times = medians(&mut works);
@@ -178,6 +204,7 @@ fn main() {
     for sites in SIZES {
         bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
     }
+    bench(&mut criterion, "contact log", contact_logs());
     bench(&mut criterion, "subnormals", subnormals());
     criterion.final_summary();
 }

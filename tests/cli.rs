@@ -79,6 +79,49 @@ fn numbers_have_seventeen_significant_digits() {
 }
 
 #[test]
+fn order_json_keeps_its_contract() {
+    let study = json(&["order", "--alpha", "2", "--beads", "3", "--json"]);
+    assert_eq!((study["alpha"].as_f64(), study["beads"].as_u64()), (Some(2.0), Some(3)));
+    assert!(study["events"].as_u64().unwrap() > 0);
+    let rows = study["rows"].as_array().unwrap();
+    for row in rows {
+        assert!(["plain", "landed", "averaged", "regularised"].contains(&row["mode"].as_str().unwrap()));
+        assert!(["state", "tangent"].contains(&row["quantity"].as_str().unwrap()));
+        assert!(row["slope"].is_f64() || row["slope"].is_null());
+        assert!(row["slope_theory"].is_f64());
+        assert_eq!(row["errors"].as_array().unwrap().len(), row["steps"].as_array().unwrap().len());
+    }
+    let integrators = json(&["integrators", "--json"]);
+    let names: Vec<&str> =
+        integrators["integrators"].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert!(rows.iter().all(|row| names.contains(&row["method"].as_str().unwrap())));
+    assert!(refusal(&["order", "--beads", "1"]).contains("beads = 1"));
+    assert!(refusal(&["order", "--alpha", "nan"]).contains("alpha = NaN"));
+}
+
+#[test]
+fn a_contact_log_is_written_and_summed_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let args = ["run", "impact", "--until", "10", "--integrator", "dop853-regularised", "--events", "--json", "--out", out];
+    let run = hertzchain(&args);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let totals = &serde_json::from_str::<Value>(&stdout(&run)).unwrap()["contacts"];
+    let csv = std::fs::read_to_string(folder.path().join("contacts.csv")).unwrap();
+    assert_eq!(csv.lines().next().unwrap(), "bond,onset,release,approach,separation,largest_overlap,impulse");
+    assert_eq!(totals["contacts"].as_u64().unwrap() as usize, csv.lines().count() - 1);
+    // The first contact: struck with speed one, at once.
+    let first: Vec<f64> = csv.lines().nth(1).unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert_eq!((first[0], first[1], first[3]), (1.0, 0.0, 1.0));
+    let file = std::fs::File::open(folder.path().join("contacts.npz")).unwrap();
+    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 7);
+    assert!(folder.path().join("contacts.png").exists() == cfg!(feature = "plot"));
+    // Nobody asked, nobody gets.
+    let silent = json(&["run", "impact", "--until", "10", "--json"]);
+    assert!(silent.get("contacts").is_none());
+}
+
+#[test]
 fn compare_json_keeps_its_contract_and_writes_nothing_unasked() {
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_hertzchain"))
