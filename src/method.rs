@@ -9,7 +9,7 @@ use hertzchain_integrators::{
     Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
     dop853::Options,
     regularised::power,
-    splitting::{First, tables},
+    splitting::{First, Landed, tables},
 };
 
 /// How the chain is split.
@@ -26,6 +26,8 @@ pub enum Split {
 pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
+    /// A splitting scheme on the exact linear flow whose steps end on contacts that begin or end.
+    Landed(&'static Scheme),
     /// The adaptive 8(5,3) pair.
     Dop853(Contacts),
 }
@@ -53,10 +55,11 @@ pub enum Setting {
 }
 
 impl Method {
-    /// All methods: kinetic splits, linear splits, then the adaptive ones.
+    /// All methods: kinetic splits, linear splits, the one that lands, then the adaptive ones.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
-        on(Split::Kinetic).chain(on(Split::Linear)).chain(ADAPTIVE.map(Self::Dop853)).collect()
+        let landed = Self::Landed(&tables::ABA1064);
+        on(Split::Kinetic).chain(on(Split::Linear)).chain([landed]).chain(ADAPTIVE.map(Self::Dop853)).collect()
     }
 
     /// The method of this name.
@@ -78,6 +81,7 @@ impl Method {
             Self::Splitting(scheme, Split::Kinetic) if scheme.name == tables::STRANG.name => "verlet".to_owned(),
             Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
             Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
+            Self::Landed(scheme) => format!("{}-linear-landed", scheme.name),
             Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
             Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
             Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
@@ -87,7 +91,7 @@ impl Method {
     /// Order on smooth problems.
     pub fn order(&self) -> u32 {
         match self {
-            Self::Splitting(scheme, _) => scheme.order,
+            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
             Self::Dop853(_) => 8,
         }
     }
@@ -95,7 +99,7 @@ impl Method {
     /// Force evaluations a step.
     pub fn stages(&self) -> usize {
         match self {
-            Self::Splitting(scheme, _) => scheme.stages(),
+            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
             Self::Dop853(_) => 12,
         }
     }
@@ -108,7 +112,7 @@ impl Method {
     /// Article that the coefficients come from.
     pub fn source(&self) -> &'static str {
         match self {
-            Self::Splitting(scheme, _) => scheme.source,
+            Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
             Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
         }
     }
@@ -118,6 +122,7 @@ impl Method {
         match self {
             Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
+            Self::Landed(_) => "the same, landed on contacts",
             Self::Dop853(_) => "adaptive",
         }
     }
@@ -137,6 +142,10 @@ impl Method {
                 let flow = loaded(LinearFlow::new(chain), y);
                 Ok(Box::new(Splitting::new(scheme, First::Drift, flow, span, steps)?))
             }
+            (Self::Landed(scheme), Setting::Steps(steps)) => {
+                let flow = loaded(LinearFlow::new(chain), y);
+                Ok(Box::new(Landed::new(scheme, First::Drift, flow, span, steps)?))
+            }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
                 // Absolute errors are counted in units of the state, so that small waves are not waved through.
@@ -151,7 +160,7 @@ impl Method {
                 };
                 Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
             }
-            (Self::Splitting(..), Setting::Tolerance(tol)) => {
+            (Self::Splitting(..) | Self::Landed(_), Setting::Tolerance(tol)) => {
                 Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
             }
             (Self::Dop853(_), Setting::Steps(steps)) => {

@@ -103,7 +103,8 @@ fn order_json_keeps_its_contract() {
 fn a_contact_log_is_written_and_summed_up() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let args = ["run", "impact", "--until", "10", "--integrator", "dop853-regularised", "--events", "--json", "--out", out];
+    let args =
+        ["run", "impact", "--until", "10", "--integrator", "dop853-regularised", "--events", "--json", "--out", out];
     let run = hertzchain(&args);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let totals = &serde_json::from_str::<Value>(&stdout(&run)).unwrap()["contacts"];
@@ -192,7 +193,7 @@ fn scenes_and_integrators_are_listed() {
         assert!(stdout(&hertzchain(&["run", name, "--plan"])).contains("left out"));
     }
     let integrators = json(&["integrators", "--json"]);
-    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 27);
+    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 28);
 }
 
 #[test]

@@ -59,6 +59,19 @@ fn landing_makes_the_constant_smaller_and_not_the_order_larger() {
 }
 
 #[test]
+fn averaged_kicks_gain_one_order_at_contacts() {
+    // min(p, alpha + 2) for the state, min(p, alpha + 1) for the tangent; fourth order shows its own.
+    for name in ["yoshida6-linear", "kahan-li6-linear", "yoshida8-linear", "kahan-li8-linear"] {
+        let of = |quantity| slope(&SPHERES, name, Mode::Averaged, quantity);
+        assert!((of(Quantity::State) - 3.5).abs() < 0.4, "{name}: {}", of(Quantity::State));
+        assert!((of(Quantity::Tangent) - 2.5).abs() < 0.4, "{name}: {}", of(Quantity::Tangent));
+    }
+    assert!((slope(&SPHERES, "strang-linear", Mode::Averaged, Quantity::State) - 2.0).abs() < 0.1);
+    // Only compositions of Strang steps keep their order: the others are not in the study.
+    assert!(!SPHERES.rows.iter().any(|row| row.mode == Mode::Averaged && row.method.name() == "aba1064-linear"));
+}
+
+#[test]
 fn the_regularised_method_has_its_full_order_down_to_rounding() {
     let slope_of = |quantity| slope(&SPHERES, "dop853", Mode::Regularised, quantity);
     assert!((slope_of(Quantity::State) - 8.0).abs() < 0.5, "{}", slope_of(Quantity::State));

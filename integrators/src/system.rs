@@ -31,3 +31,20 @@ pub trait SplitFlow<R: Real> {
     /// The flow of the kick over `kick`, then the drift over `drift`: one sweep over the state where that is faster.
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>);
 }
+
+/// A split system whose forces act in bonds: each depends on one overlap only.
+pub trait ContactFlow<R: Real>: SplitFlow<R> {
+    /// Number of bonds that can ever touch.
+    fn bonds(&self) -> usize;
+    /// Writes overlap and rate of each bond, now, and returns the largest `|position|`: the size that they are rounded at.
+    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R;
+}
+
+/// A split system that can average its kick over a window of time.
+pub trait PathFlow<R: Real>: SplitFlow<R> {
+    /// The kick whose Hamiltonian is the potential integrated along the drift from `window.0` to `window.1`, two times relative to
+    /// now (backwards if they descend), by the implicit midpoint rule; then the drift over `drift`.
+    ///
+    /// Symplectic, and undone by the same kick with the window reversed. Where the potential is zero, it does nothing.
+    fn averaged_kick_drift(&mut self, window: (R, R), drift: Twofold<R>);
+}

@@ -6,7 +6,11 @@
 //! | onset, release | `g_n` becomes positive, and ceases to be |
 //! | `f_n` | contact force `(g_n)_+^alpha` |
 
-use super::{Boundary, Chain, ContactLaw, max_norm};
+use super::{
+    Boundary, Chain, ContactLaw,
+    gauss::{self, gauss},
+    max_norm,
+};
 use hertzchain_integrators::{
     Event, EventFunctions, Real,
     events::{Listener, Part},
@@ -35,7 +39,7 @@ impl<R: Real> Overlaps<R> {
 
     /// The bond that function `index` stands for: the outer bonds of a free chain never close and have none.
     pub fn bond(&self, index: usize) -> usize {
-        if self.chain.boundary == Boundary::Free { index + 1 } else { index }
+        self.chain.touching().start + index
     }
 
     /// `g` from positions, or `dg/dt` from velocities, with `rest` in every bond.
@@ -69,12 +73,7 @@ impl<R: Real> Overlaps<R> {
 
 impl<R: Real> EventFunctions<R> for Overlaps<R> {
     fn count(&self) -> usize {
-        let n = self.chain.sites();
-        match self.chain.boundary {
-            Boundary::Free => n - 1,
-            Boundary::Fixed => n + 1,
-            Boundary::Ring | Boundary::StrainRing => n,
-        }
+        self.chain.touching().len()
     }
 
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
@@ -114,18 +113,6 @@ pub struct Contact {
 /// A part whose overlap at an end is below this share of its largest one ends with an event.
 const SINGULAR: f64 = 1e-6;
 
-/// Nodes and weights of Gauss and Legendre on `[0, 1]`, eight of them.
-const GAUSS: [(f64, f64); 8] = [
-    (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
-    (0.101_666_761_293_186_64, 0.111_190_517_226_687_24),
-    (0.237_233_795_041_835_5, 0.156_853_322_938_943_63),
-    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
-    (0.591_717_321_247_825, 0.181_341_891_689_181),
-    (0.762_766_204_958_164_5, 0.156_853_322_938_943_63),
-    (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
-    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
-];
-
 /// The listener that turns events into contacts.
 #[derive(Clone, Debug)]
 pub struct ContactLog {
@@ -145,7 +132,7 @@ impl ContactLog {
     pub fn new(chain: Chain<f64>) -> Self {
         let (law, overlaps) = (chain.law, Overlaps::new(chain));
         let count = overlaps.count();
-        let q = power(law.alpha(), 2 * GAUSS.len() as u32);
+        let q = power(law.alpha(), gauss::ORDER);
         Self {
             overlaps,
             law,
@@ -185,9 +172,9 @@ impl ContactLog {
         let small = SINGULAR * polynomial.largest();
         let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
         let share = TimeMap::new(1.0, end(0.0), end(1.0));
-        let sum: f64 =
-            GAUSS.iter().map(|&(s, weight)| weight * share.rate(s) * self.law.force(polynomial.at(share.at(s)))).sum();
-        sum * (part.span.1 - part.span.0)
+        let force = |s: f64| share.rate(s) * self.law.force(polynomial.at(share.at(s)));
+        let [mean] = gauss(|s| [force(s)], 0.0, 1.0);
+        mean * (part.span.1 - part.span.0)
     }
 }
 

@@ -17,6 +17,7 @@
 
 use super::{
     Chain, Resonators,
+    averaged::Bonds,
     sweep::{Sites, sweep},
 };
 use hertzchain_integrators::{Real, SplitFlow, Twofold};
@@ -26,20 +27,22 @@ const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
 /// A chain split into its exact linear flow and its contacts.
 pub struct LinearFlow<R> {
-    chain: Chain<R>,
+    pub(super) chain: Chain<R>,
     /// `[R0, V]`, without the cradle's.
-    centre: [Vec<R>; 2],
+    pub(super) centre: [Vec<R>; 2],
     /// `[C, S]`, without the plain chain's.
-    oscillation: [Vec<R>; 2],
+    pub(super) oscillation: [Vec<R>; 2],
     /// `m, mu`: the shares of an impulse that go to `R'` and to `P'`.
-    m: R,
+    pub(super) m: R,
     mu: R,
-    mu_over_omega: R,
-    omega: Twofold<R>,
+    pub(super) mu_over_omega: R,
+    pub(super) omega: Twofold<R>,
     two_pi: Twofold<R>,
-    theta: Twofold<R>,
-    tau: R,
+    pub(super) theta: Twofold<R>,
+    pub(super) tau: R,
     kicks: u32,
+    /// What averaged kicks work with; empty until there is one.
+    pub(super) bonds: Bonds<R>,
 }
 
 impl<R: Real> LinearFlow<R> {
@@ -68,6 +71,7 @@ impl<R: Real> LinearFlow<R> {
             theta: Twofold::zero(),
             tau: R::zero(),
             kicks: 0,
+            bonds: Bonds::new(),
             chain,
         }
     }
@@ -83,8 +87,16 @@ impl<R: Real> LinearFlow<R> {
         self.kicks = 0;
     }
 
+    /// Moves `R0` along when it is time to.
+    pub(super) fn count_kick(&mut self) {
+        if self.kicks == KICKS_BETWEEN_ANCHORS {
+            self.anchor();
+        }
+        self.kicks += 1;
+    }
+
     /// `(R, R', P, P')` of site `i`, now.
-    fn modes(&self, i: usize, (sin, cos): (R, R)) -> (R, R, R, R) {
+    pub(super) fn modes(&self, i: usize, (sin, cos): (R, R)) -> (R, R, R, R) {
         let omega = self.omega.value();
         let (r, v) = match &self.centre {
             [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
@@ -166,10 +178,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
-        if self.kicks == KICKS_BETWEEN_ANCHORS {
-            self.anchor();
-        }
-        self.kicks += 1;
+        self.count_kick();
         let ((sin, cos), tau) = (self.theta.sin_cos(), self.tau);
         let (kick_v, per_omega) = (kick * self.m, kick * self.mu_over_omega);
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;

@@ -8,10 +8,12 @@
 //! | `alpha, kappa, rho` | exponent, spring constant, mass ratio |
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
+mod averaged;
 mod boundary;
 mod contacts;
 mod energy;
 mod field;
+mod gauss;
 mod kinetic;
 mod law;
 mod linear;
@@ -102,6 +104,15 @@ impl<R: Real> Chain<R> {
     /// The static overlap of every bond.
     pub fn precompression(&self) -> R {
         self.precompression
+    }
+
+    /// The bonds that can ever touch: the outer ones of a free chain cannot.
+    pub(crate) fn touching(&self) -> std::ops::Range<usize> {
+        match self.boundary {
+            Boundary::Free => 1..self.sites(),
+            Boundary::Fixed => 0..self.sites() + 1,
+            Boundary::Ring | Boundary::StrainRing => 0..self.sites(),
+        }
     }
 
     /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).

@@ -188,9 +188,10 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: &(dyn Fn(f64, 
 }
 
 fn setting(scene: &Scene, method: &Method, rung: usize) -> Setting {
-    match method {
-        Method::Splitting(..) => Setting::Steps(steps_for_kicks(scene, method, KICKS[rung])),
-        Method::Dop853(_) => Setting::Tolerance(TOLERANCES[rung]),
+    if method.adaptive() {
+        Setting::Tolerance(TOLERANCES[rung])
+    } else {
+        Setting::Steps(steps_for_kicks(scene, method, KICKS[rung]))
     }
 }
 
@@ -201,10 +202,7 @@ fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
 }
 
 fn wording(method: &Method, rung: usize) -> String {
-    match method {
-        Method::Splitting(..) => format!("{} kicks/period", KICKS[rung]),
-        Method::Dop853(_) => format!("tol {:e}", TOLERANCES[rung]),
-    }
+    if method.adaptive() { format!("tol {:e}", TOLERANCES[rung]) } else { format!("{} kicks/period", KICKS[rung]) }
 }
 
 /// Median wall time of runs that record nothing, their number, and their work.

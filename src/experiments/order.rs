@@ -17,11 +17,11 @@ use crate::{
     method::{Contacts, Method, Split, loaded},
 };
 use hertzchain_integrators::{
-    Dop853, Error as Failure, Event, Regularised, Silent, Splitting, Stepper,
+    Dop853, Error as Failure, Event, Regularised, Scheme, Silent, Splitting, Stepper,
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
-    splitting::First,
+    splitting::{Averaged, Coefficients, First, Landed},
 };
 
 /// End of the runs.
@@ -52,19 +52,22 @@ pub enum Mode {
     Plain,
     /// Steps end on events.
     Landed,
+    /// Kicks integrate the contact force along the exact linear flow instead of sampling it.
+    Averaged,
     /// Steps start anew at events, in a variable in which the solution is smooth.
     Regularised,
 }
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Landed, Self::Regularised];
+    pub const ALL: [Self; 4] = [Self::Plain, Self::Landed, Self::Averaged, Self::Regularised];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
             Self::Landed => "landed",
+            Self::Averaged => "averaged",
             Self::Regularised => "regularised",
         }
     }
@@ -128,13 +131,15 @@ pub struct OrderStudy {
 /// The order that theory gives a method of order `p`.
 ///
 /// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed; the same when they are
-/// landed on, unless `alpha` is an integer and the force analytic on either side; `p` when regularised.
+/// landed on, unless `alpha` is an integer and the force analytic on either side; one more when kicks are averaged; `p` when
+/// regularised.
 pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
     let p = f64::from(p);
     let limit = if quantity == Quantity::State { alpha + 1.0 } else { alpha };
     match mode {
         Mode::Regularised => p,
         Mode::Landed if alpha.fract() == 0.0 => p,
+        Mode::Averaged => p.min(limit + 1.0),
         Mode::Plain | Mode::Landed => p.min(limit),
     }
 }
@@ -166,15 +171,18 @@ pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Resul
 
 /// The methods and the modes each can be run in, mode by mode.
 fn cases() -> Vec<(Method, Mode)> {
-    let plain = Method::all().into_iter().filter(|method| match method {
-        Method::Splitting(..) => true,
-        Method::Dop853(contacts) => *contacts == Contacts::Crossed,
-    });
     let dop853 = Method::Dop853(Contacts::Crossed);
-    plain
-        .map(|method| (method, Mode::Plain))
-        .chain([Mode::Landed, Mode::Regularised].map(|mode| (dop853, mode)))
-        .collect()
+    let all = || Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
+    let linear = || all().filter(|method| matches!(method, Method::Splitting(_, Split::Linear)));
+    // Averaged kicks keep the order of compositions of Strang steps only.
+    let composed = |method: &Method| {
+        matches!(method, Method::Splitting(Scheme { coefficients: Coefficients::Composition(_), .. }, Split::Linear))
+    };
+    let mode = |mode: Mode| move |method: Method| (method, mode);
+    let plain = all().chain([dop853]).map(mode(Mode::Plain));
+    let landed = linear().chain([dop853]).map(mode(Mode::Landed));
+    let averaged = linear().filter(composed).map(mode(Mode::Averaged));
+    plain.chain(landed).chain(averaged).chain([(dop853, Mode::Regularised)]).collect()
 }
 
 /// A chain with generic contacts, its initial state, and a direction in the space of those.
@@ -267,7 +275,7 @@ impl Problem {
     /// The state at the end of a run from `y0`, and its steps.
     fn end(
         &self,
-        method: Method,
+        (method, mode): (Method, Mode),
         work: Work,
         truth: &Truth,
         y0: &[f64],
@@ -278,23 +286,32 @@ impl Problem {
             Work::Steps(steps) => steps,
         };
         let mut y = y0.to_vec();
-        match method {
-            Method::Splitting(scheme, Split::Kinetic) => {
+        let steps = match (method, mode) {
+            (Method::Splitting(scheme, Split::Kinetic), _) => {
                 let flow = loaded(KineticFlow::new(chain), y0);
-                drive(&mut Splitting::new(scheme, First::Kick, flow, span, steps)?, &mut Silent, &mut y)?
+                finish(&mut Splitting::new(scheme, First::Kick, flow, span, steps)?, &mut y)
             }
-            Method::Splitting(scheme, Split::Linear) => {
+            (Method::Splitting(scheme, Split::Linear), Mode::Landed) => {
                 let flow = loaded(LinearFlow::new(chain), y0);
-                drive(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut Silent, &mut y)?
+                finish(&mut Landed::new(scheme, First::Drift, flow, span, steps)?, &mut y)
             }
-            Method::Dop853(_) => drive(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut Silent, &mut y)?,
-        };
+            (Method::Splitting(scheme, Split::Linear), Mode::Averaged) => {
+                let flow = loaded(Averaged::new(LinearFlow::new(chain)), y0);
+                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            (Method::Splitting(scheme, Split::Linear), _) => {
+                let flow = loaded(LinearFlow::new(chain), y0);
+                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
+            (Method::Landed(_), _) => unreachable!("landing is a mode of this study, not a method"),
+        }?;
         Ok((y, steps))
     }
 
     /// Errors of the state and of the tangent, and steps; errors are infinite if a run fails.
-    fn errors(&self, method: Method, work: Work, truth: &Truth) -> ([f64; 2], u64) {
-        let end = |y0: &Vec<f64>| self.end(method, work, truth, y0);
+    fn errors(&self, case: (Method, Mode), work: Work, truth: &Truth) -> ([f64; 2], u64) {
+        let end = |y0: &Vec<f64>| self.end(case, work, truth, y0);
         let [state, ahead, behind] = [&self.starts[0], &self.starts[1], &self.starts[2]].map(end);
         match (state, ahead, behind) {
             (Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))) => {
@@ -316,7 +333,7 @@ impl Problem {
             steps: Vec::new(),
         });
         for rung in self.rungs(method, mode) {
-            let runs: Vec<_> = rung.iter().map(|&work| self.errors(method, work, truth)).collect();
+            let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
             for (k, row) in rows.iter_mut().enumerate() {
                 let mean_square = runs.iter().map(|(errors, _)| errors[k] * errors[k]).sum::<f64>() / runs.len() as f64;
                 row.errors.push(mean_square.sqrt());
@@ -341,7 +358,10 @@ impl Problem {
             (Method::Dop853(_), Mode::Landed) => Work::Divided(Division::Length(END / steps)),
             _ => Work::Steps(steps as u64),
         };
-        EVALUATIONS.iter().map(|&rung| NEIGHBOURS.iter().map(|&share| work(steps(rung, share))).collect()).collect()
+        // Averaged kicks cost a hundred times more, and do not care where a step crosses.
+        let (rungs, shares) = if mode == Mode::Averaged { (5, 1) } else { (EVALUATIONS.len(), NEIGHBOURS.len()) };
+        let rung = |rung: f64| NEIGHBOURS[..shares].iter().map(|&share| work(steps(rung, share))).collect();
+        EVALUATIONS[..rungs].iter().map(|&evaluations| rung(evaluations)).collect()
     }
 }
 
@@ -369,6 +389,12 @@ fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
     let decades = points.first()?.1 - points.last()?.1;
     let (slope, _) = fit_line(points)?;
     (points.len() >= 3 && decades >= 1.0).then_some(slope)
+}
+
+/// Runs to the end and returns the number of steps.
+fn finish(run: &mut impl Stepper<f64>, y: &mut [f64]) -> std::result::Result<u64, Failure> {
+    drive(run, &mut Silent, y)?;
+    Ok(run.stats().steps)
 }
 
 fn tangent(ahead: &[f64], behind: &[f64]) -> Vec<f64> {

@@ -24,7 +24,7 @@
 
 mod bernstein;
 mod linear_path;
-mod root;
+pub(crate) mod root;
 pub(crate) mod sides;
 mod watch;
 

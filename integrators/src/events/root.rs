@@ -62,9 +62,12 @@ mod tests {
         (bracketed(g, (a, f(a)), (b, f(b))), count)
     }
 
+    /// A function and three numbers that its test explains.
+    type Case = (fn(f64) -> f64, f64, f64, f64);
+
     #[test]
     fn smooth_zeros_are_found_to_the_last_bit_in_a_dozen_evaluations() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 6] = [
+        let cases: [Case; 6] = [
             (|x| x.cos() - x, 0.0, 1.0, 0.739_085_133_215_160_6),
             (|x| x.exp() - 2.0, -3.0, 4.0, 2f64.ln()),
             (|x| 2.0 - x * x, 0.0, 2.0, 2f64.sqrt()),
@@ -82,7 +85,7 @@ mod tests {
 
     #[test]
     fn hard_zeros_cost_at_most_four_bisections() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 4] = [
+        let cases: [Case; 4] = [
             (|x| (x - 0.1).powi(9), -1.0, 1.0, 0.1),
             (|x| if x < 0.7 { -1e-300 } else { 1e300 }, 0.0, 1.0, 0.7),
             (|x| if x < 0.7 { f64::NEG_INFINITY } else { 1.0 }, 0.0, 1.0, 0.7),

@@ -1,0 +1,300 @@
+//! Steps that end where contacts begin and end.
+
+use super::{First, Scheme, scheme::Pair};
+use crate::{
+    clock::Twofold, drive::Stepper, error::Error, events::root::bracketed, real::Real, stats::Stats,
+    system::ContactFlow,
+};
+
+/// Events nearer than this share of the step are one.
+const TOGETHER: f64 = 1e-9;
+
+/// What is known of a bond.
+#[derive(Clone, Copy)]
+struct Bond<R> {
+    /// `1` in contact, `-1` apart; `0` for one that is at rest on the verge.
+    side: R,
+    /// Overlap and its rate at the start of the step.
+    start: (R, R),
+    /// The same at its end.
+    end: (R, R),
+    /// Nothing more to look for in this step.
+    settled: bool,
+}
+
+/// Where a bond seems to change its side.
+struct Crossing<R> {
+    bond: usize,
+    /// When, from the start of the step.
+    about: R,
+    /// A time at which it seems to be on the other side.
+    beyond: R,
+}
+
+/// A splitting scheme whose steps end on every event: a step in which a contact begins or ends is taken again, up to there.
+///
+/// The time of an event is a zero of the overlap through the numerical flow itself. It counts if the overlap gets beyond a
+/// dead band of `64 eps max|position|` on the other side; overlaps inside a step are told by the cubics through both ends.
+pub struct Landed<R, S> {
+    flow: S,
+    /// The flow at the start of the last step.
+    before: S,
+    mirror: S,
+    pairs: Vec<Pair<R>>,
+    bonds: Vec<Bond<R>>,
+    overlaps: Vec<R>,
+    rates: Vec<R>,
+    band: R,
+    h: Twofold<R>,
+    from: Twofold<R>,
+    time: Twofold<R>,
+    end: Twofold<R>,
+    stats: Stats,
+}
+
+impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
+    /// Runs `scheme` on `flow`, which holds the state at `start`, to `end` in steps of `(end - start)/steps` and those
+    /// that events make.
+    ///
+    /// `first` is what compositions begin with.
+    ///
+    /// # Errors
+    /// As [`Splitting::new`](super::Splitting::new).
+    pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
+        let argument = |name, value: R, rule| Error::Argument { name, value: value.f64(), rule };
+        if !start.is_finite() {
+            return Err(argument("start", start, "a time is finite"));
+        }
+        if !(end.is_finite() && end >= start) {
+            return Err(argument("end", end, "the end is finite and not before the start"));
+        }
+        if steps == 0 && end > start {
+            return Err(argument("steps", R::zero(), "at least one step"));
+        }
+        let (start, end) = (Twofold::new(start), Twofold::new(end));
+        let (zero, count) = (R::zero(), flow.bonds());
+        let bond = Bond { side: zero, start: (zero, zero), end: (zero, zero), settled: false };
+        let mut landed = Self {
+            before: flow.duplicate(),
+            mirror: flow.duplicate(),
+            flow,
+            pairs: scheme.pairs(first),
+            bonds: vec![bond; count],
+            overlaps: vec![zero; count],
+            rates: vec![zero; count],
+            band: zero,
+            h: (end - start).over(Twofold::new(R::of(steps.max(1) as f64))),
+            from: start,
+            time: start,
+            end,
+            stats: Stats::default(),
+        };
+        landed.look();
+        let band = landed.band;
+        for bond in &mut landed.bonds {
+            // On the verge, the side is the one it is about to take.
+            let (g, rate) = bond.end;
+            bond.side = if g.abs() > band { sign(g) } else { sign(rate) };
+        }
+        Ok(landed)
+    }
+
+    /// The state after a step of this length from the start of the last one, and the overlaps there.
+    fn advance(&mut self, length: R) {
+        self.flow.copy_from(&self.before);
+        step(&mut self.flow, &self.pairs, length, &mut self.stats);
+        self.look();
+    }
+
+    fn look(&mut self) {
+        let size = self.flow.overlaps(&mut self.overlaps, &mut self.rates);
+        self.band = R::of(64.0 * f64::EPSILON) * size;
+        for (bond, (&g, &rate)) in self.bonds.iter_mut().zip(self.overlaps.iter().zip(&self.rates)) {
+            bond.end = (g, rate);
+        }
+    }
+
+    /// The overlap of a bond, in contact if that is its side, after a step of this length.
+    fn towards(&mut self, bond: usize, length: R) -> R {
+        self.mirror.copy_from(&self.before);
+        step(&mut self.mirror, &self.pairs, length, &mut self.stats);
+        self.mirror.overlaps(&mut self.overlaps, &mut self.rates);
+        self.bonds[bond].side * self.overlaps[bond]
+    }
+
+    /// The earliest change of side in a step of this length.
+    fn first_crossing(&self, length: R) -> Option<Crossing<R>> {
+        let crossings = self.bonds.iter().enumerate().filter_map(|(k, bond)| {
+            let (about, beyond) = crossing(bond, length, self.band)?;
+            Some(Crossing { bond: k, about, beyond })
+        });
+        crossings.reduce(|first, next| if next.about < first.about { next } else { first })
+    }
+
+    /// The length of the step that ends on a crossing, if there is one.
+    fn landing(&mut self, Crossing { bond, beyond, .. }: Crossing<R>) -> Option<R> {
+        let (start, end) = (self.bonds[bond].side * self.bonds[bond].start.0, self.towards(bond, beyond));
+        if end >= R::zero() {
+            return None;
+        }
+        if start <= R::zero() {
+            return Some(R::zero());
+        }
+        Some(bracketed(|length| self.towards(bond, length), (R::zero(), start), (beyond, end)))
+    }
+}
+
+impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
+    fn dim(&self) -> usize {
+        self.flow.dim()
+    }
+
+    fn time(&self) -> R {
+        self.time.value()
+    }
+
+    fn done(&self) -> bool {
+        self.time == self.end
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        let near = R::of(TOGETHER) * self.h.value();
+        let left = self.end - self.time;
+        let full = if left.value() <= self.h.value() + near { left } else { self.h };
+        self.from = self.time;
+        self.before.copy_from(&self.flow);
+        for bond in &mut self.bonds {
+            (bond.start, bond.settled) = (bond.end, false);
+        }
+        let (mut length, mut target) = (full.value(), None);
+        self.advance(length);
+        // Every turn settles a bond for this step.
+        while let Some(crossing) = self.first_crossing(length) {
+            let bond = crossing.bond;
+            self.bonds[bond].settled = true;
+            match self.landing(crossing) {
+                // It happened at the start, where the step before has landed.
+                Some(zero) if zero <= near => self.bonds[bond].side = -self.bonds[bond].side,
+                Some(zero) => {
+                    (length, target) = (zero, Some(bond));
+                    self.stats.rejected += 1;
+                    self.advance(length);
+                }
+                None => {}
+            }
+        }
+        for (k, bond) in self.bonds.iter_mut().enumerate() {
+            let (g, rate) = bond.end;
+            let about_to = bond.side * rate < R::zero() && g.abs() <= near * rate.abs();
+            if target == Some(k) || (target.is_some() && about_to) {
+                bond.side = -bond.side;
+            } else if g.abs() > self.band {
+                bond.side = sign(g);
+            }
+        }
+        self.time = if target.is_none() { self.from + full } else { self.from + Twofold::new(length) };
+        if target.is_none() && full == left {
+            self.time = self.end;
+        }
+        self.stats.steps += 1;
+        Ok(())
+    }
+
+    /// Inside the last step one shorter step leads there from its start.
+    fn sample(&mut self, t: R, y: &mut [R]) {
+        let reached = self.time.value();
+        if (t - reached).abs() <= R::of(4.0) * R::epsilon() * t.abs() {
+            self.flow.store(y);
+            return;
+        }
+        self.mirror.copy_from(&self.before);
+        let length = (Twofold::new(t) - self.from).value();
+        step(&mut self.mirror, &self.pairs, length, &mut self.stats);
+        self.mirror.store(y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}
+
+/// One whole step.
+fn step<R: Real, S: ContactFlow<R>>(flow: &mut S, pairs: &[Pair<R>], length: R, stats: &mut Stats) {
+    let length = Twofold::new(length);
+    for &(kick, drift) in pairs {
+        if kick == Twofold::zero() {
+            flow.drift(drift * length);
+        } else {
+            flow.kick_drift((kick * length).value(), drift * length);
+            stats.force_evaluations += 1;
+        }
+    }
+}
+
+/// `1`, `-1` or `0`.
+fn sign<R: Real>(x: R) -> R {
+    if x == R::zero() { x } else { x.signum() }
+}
+
+/// When a bond seems to change its side in a step, and a time at which it seems to be on the other.
+fn crossing<R: Real>(bond: &Bond<R>, length: R, band: R) -> Option<(R, R)> {
+    let (zero, one) = (R::zero(), R::one());
+    if bond.settled || bond.side == zero {
+        return None;
+    }
+    let scaled = |(g, rate): (R, R)| (bond.side * g, bond.side * rate * length);
+    let cubic = Cubic::new(scaled(bond.start), scaled(bond.end));
+    let lowest = cubic.minimum().filter(|&s| zero < s && s < one && cubic.at(s) < -band);
+    let beyond = lowest.or((bond.side * bond.end.0 < -band).then_some(one))?;
+    let start = cubic.at(zero);
+    let about = if start > zero { bracketed(|s| cubic.at(s), (zero, start), (beyond, cubic.at(beyond))) } else { zero };
+    Some((about * length, beyond * length))
+}
+
+/// The cubic on `[0, 1]` with given values and slopes at the ends: `c_0 + c_1 s + c_2 s^2 + c_3 s^3`.
+struct Cubic<R>([R; 4]);
+
+impl<R: Real> Cubic<R> {
+    fn new((g0, r0): (R, R), (g1, r1): (R, R)) -> Self {
+        let (two, three, rise) = (R::of(2.0), R::of(3.0), g1 - g0);
+        Self([g0, r0, three * rise - two * r0 - r1, r0 + r1 - two * rise])
+    }
+
+    fn at(&self, s: R) -> R {
+        let [c0, c1, c2, c3] = self.0;
+        c0 + s * (c1 + s * (c2 + s * c3))
+    }
+
+    /// Where it has its minimum on the line: the zero of `c_1 + 2 c_2 s + 3 c_3 s^2` at which the slope rises.
+    fn minimum(&self) -> Option<R> {
+        let [_, c1, c2, c3] = self.0;
+        let discriminant = c2 * c2 - R::of(3.0) * c1 * c3;
+        if discriminant < R::zero() {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        // Of the two forms of the solution, the one without cancellation.
+        let s = if c2 > R::zero() { -c1 / (c2 + root) } else { (root - c2) / (R::of(3.0) * c3) };
+        s.is_finite().then_some(s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cubic_meets_both_ends_and_its_minimum_is_where_it_turns_up() {
+        for (start, end) in [((1.0, -3.0), (2.0, 5.0)), ((0.5, -1.0), (0.5, 1.0)), ((0.1, 2.0), (0.2, 7.0))] {
+            let cubic = Cubic::<f64>::new(start, end);
+            assert!((cubic.at(0.0) - start.0).abs() < 1e-14 && (cubic.at(1.0) - end.0).abs() < 1e-14);
+            if let Some(s) = cubic.minimum() {
+                assert!(cubic.at(s) < cubic.at(s + 1e-3) && cubic.at(s) < cubic.at(s - 1e-3));
+            }
+        }
+        assert_eq!(Cubic::<f64>::new((0.5, -1.0), (0.5, 1.0)).minimum(), Some(0.5));
+        // A parabola that opens downwards, and a line, have none.
+        assert_eq!(Cubic::<f64>::new((0.5, 1.0), (0.5, -1.0)).minimum(), None);
+        assert_eq!(Cubic::<f64>::new((0.5, 1.0), (1.5, 1.0)).minimum(), None);
+    }
+}

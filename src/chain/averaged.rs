@@ -1,0 +1,292 @@
+//! Kicks averaged over a window of time, along the exact linear flow.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `M_b` | moments of the force of bond `b` over the window: `int f (1, t, cos(omega t), sin(omega t)) dt` |
+//! | `J_i` | moments of the force on bead `i`: `M_i - M_{i+1}` (on a strain, the difference of two such) |
+//! | `D_b` | `J_{b-1} - J_b`: what the kick does to the path of an overlap, but for the masses |
+//!
+//! In the variables that the linear flow leaves alone a force at the time `t` adds `m f` to `V`, `-m f t` to `R0`,
+//! `-mu f sin(omega t)/omega` to `C` and `mu f cos(omega t)/omega` to `S`. The kick adds all of the window at once, with `f` along the
+//! path of the mean of the states before and after: the implicit midpoint rule for the Hamiltonian `int V dt`. It is iterated until it stays.
+
+use super::{
+    Boundary, Chain, ContactLaw, LinearFlow,
+    gauss::{self, gauss},
+};
+use hertzchain_integrators::{
+    Real, SplitFlow, Twofold,
+    events::LinearPath,
+    regularised::power,
+    system::{ContactFlow, PathFlow},
+};
+
+/// Each iteration gains a factor of the size of `f' h^2`.
+const ITERATIONS: usize = 20;
+
+/// `int f (1, t, cos(omega t), sin(omega t)) dt`.
+type Moments<R> = [R; 4];
+
+/// What an averaged kick works with.
+pub(super) struct Bonds<R> {
+    /// Paths from the state before the kick, of the bonds that can touch.
+    paths: Vec<LinearPath<R>>,
+    /// `M_b` of all bonds.
+    moments: Vec<Moments<R>>,
+    /// The `D_b` that `M_b` was computed with.
+    shifts: Vec<Moments<R>>,
+    roots: Vec<R>,
+}
+
+impl<R: Real> Bonds<R> {
+    pub(super) fn new() -> Self {
+        Self { paths: Vec::new(), moments: Vec::new(), shifts: Vec::new(), roots: Vec::new() }
+    }
+}
+
+impl<R: Real> Chain<R> {
+    /// A quantity of the site before a bond less that of the site behind it; walls have none.
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
+        let n = self.sites();
+        let (before, behind) = match self.boundary() {
+            Boundary::Free | Boundary::Fixed => (bond.checked_sub(1), (bond < n).then_some(bond)),
+            Boundary::Ring => (Some((bond + n - 1) % n), Some(bond)),
+            Boundary::StrainRing => (None, Some(bond)),
+        };
+        let at = |site: Option<usize>| site.map_or(R::zero(), &quantity);
+        at(before) - at(behind)
+    }
+
+    /// What acts on a site, from what acts in the bonds.
+    fn on_site(&self, site: usize, bond: impl Fn(usize) -> R) -> R {
+        let n = self.sites();
+        match self.boundary() {
+            Boundary::Free | Boundary::Fixed => bond(site) - bond(site + 1),
+            Boundary::Ring => bond(site) - bond((site + 1) % n),
+            Boundary::StrainRing => (bond(site) - bond((site + n - 1) % n)) - (bond((site + 1) % n) - bond(site)),
+        }
+    }
+}
+
+impl<R: Real> LinearFlow<R> {
+    /// The path of an overlap from now on, if nothing kicks.
+    fn path(&self, bond: usize, phase: (R, R)) -> LinearPath<R> {
+        let omega = self.omega.value();
+        let across = |mode: fn((R, R, R, R)) -> R| self.chain.across(bond, |i| mode(self.modes(i, phase)));
+        let p_dot = across(|(_, _, _, p_dot)| p_dot);
+        LinearPath {
+            a: self.chain.precompression() + across(|(r, _, _, _)| r),
+            b: across(|(_, r_dot, _, _)| r_dot),
+            c: across(|(_, _, p, _)| p),
+            d: if omega > R::zero() { p_dot / omega } else { p_dot },
+            omega,
+        }
+    }
+
+    /// The path half way through a kick.
+    fn midway(&self, path: &LinearPath<R>, shift: Moments<R>) -> LinearPath<R> {
+        let (m, mu) = (R::of(0.5) * self.m, R::of(0.5) * self.mu_over_omega);
+        LinearPath {
+            a: path.a - m * shift[1],
+            b: path.b + m * shift[0],
+            c: path.c - mu * shift[3],
+            d: path.d + mu * shift[2],
+            omega: path.omega,
+        }
+    }
+
+    /// The moments of all bonds; `false` if nothing touches in the window.
+    fn solve(&self, bonds: &mut Bonds<R>, window: (R, R)) -> bool {
+        let (chain, law, phase) = (&self.chain, self.chain.law(), self.theta.sin_cos());
+        let Bonds { paths, moments, shifts, roots } = bonds;
+        let touching = chain.touching();
+        paths.clear();
+        paths.extend(touching.clone().map(|bond| self.path(bond, phase)));
+        moments.clear();
+        moments.resize(chain.sites() + 1, [R::zero(); 4]);
+        shifts.clear();
+        shifts.resize(paths.len(), [R::nan(); 4]);
+        let mut any = false;
+        for _ in 0..ITERATIONS {
+            let mut settled = true;
+            for (k, bond) in touching.clone().enumerate() {
+                let shift: Moments<R> =
+                    std::array::from_fn(|c| chain.across(bond, |site| chain.on_site(site, |b| moments[b][c])));
+                if shift == shifts[k] {
+                    continue;
+                }
+                shifts[k] = shift;
+                let new = over_window(&law, &self.midway(&paths[k], shift), window, roots);
+                any |= new[0] != R::zero();
+                settled &= new == moments[bond];
+                moments[bond] = new;
+            }
+            if settled {
+                break;
+            }
+        }
+        any
+    }
+
+    /// Hands the moments over to the sites.
+    fn push(&mut self, moments: &[Moments<R>]) {
+        self.count_kick();
+        let ((sin, cos), tau, m, mu) = (self.theta.sin_cos(), self.tau, self.m, self.mu_over_omega);
+        for i in 0..self.chain.sites() {
+            let [j, j_t, j_cos, j_sin]: Moments<R> =
+                std::array::from_fn(|c| self.chain.on_site(i, |bond| moments[bond][c]));
+            if let [r0, v] = &mut self.centre
+                && !v.is_empty()
+            {
+                r0[i] -= m * (j * tau + j_t);
+                v[i] += m * j;
+            }
+            if let [c, s] = &mut self.oscillation
+                && !s.is_empty()
+            {
+                c[i] -= mu * (j_cos * sin + j_sin * cos);
+                s[i] += mu * (j_cos * cos - j_sin * sin);
+            }
+        }
+    }
+}
+
+impl<R: Real> ContactFlow<R> for LinearFlow<R> {
+    fn bonds(&self) -> usize {
+        self.chain.touching().len()
+    }
+
+    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
+        let phase = self.theta.sin_cos();
+        let position = |i| {
+            let (r, _, p, _) = self.modes(i, phase);
+            r + p
+        };
+        let velocity = |i| {
+            let (_, r_dot, _, p_dot) = self.modes(i, phase);
+            r_dot + p_dot
+        };
+        for (k, bond) in self.chain.touching().enumerate() {
+            overlaps[k] = self.chain.precompression() + self.chain.across(bond, position);
+            rates[k] = self.chain.across(bond, velocity);
+        }
+        (0..self.chain.sites()).map(|i| position(i).abs()).fold(R::zero(), R::max)
+    }
+}
+
+impl<R: Real> PathFlow<R> for LinearFlow<R> {
+    fn averaged_kick_drift(&mut self, window: (R, R), drift: Twofold<R>) {
+        let mut bonds = std::mem::replace(&mut self.bonds, Bonds::new());
+        if self.solve(&mut bonds, window) {
+            self.push(&bonds.moments);
+        }
+        self.bonds = bonds;
+        self.drift(drift);
+    }
+}
+
+/// The moments of `f = (g)_+^alpha` over the window; negative where it runs backwards.
+fn over_window<R: Real>(law: &ContactLaw<R>, path: &LinearPath<R>, window: (R, R), roots: &mut Vec<R>) -> Moments<R> {
+    let (start, end) = (window.0.min(window.1), window.0.max(window.1));
+    let (lo, hi) = path.bounds(start, end);
+    if hi <= R::zero() {
+        return [R::zero(); 4];
+    }
+    roots.clear();
+    if lo <= R::zero() {
+        path.roots(start, end, roots);
+    }
+    // Its nearest zero lies so many half-windows away, or nearly so, that one rule does.
+    let smooth = lo * R::of(1.2) > hi;
+    let (mut sum, mut from) = ([R::zero(); 4], (start, false));
+    for to in roots.iter().map(|&t| (t, true)).chain([(end, false)]) {
+        if path.at(R::of(0.5) * (from.0 + to.0)) > R::zero() {
+            sum = add(sum, part(law, path, from, to, smooth));
+        }
+        from = to;
+    }
+    if window.0 <= window.1 { sum } else { sum.map(|moment| -moment) }
+}
+
+/// The moments over a part in which `g > 0`, between two times of which some are zeros of `g`.
+fn part<R: Real>(
+    law: &ContactLaw<R>,
+    path: &LinearPath<R>,
+    from: (R, bool),
+    to: (R, bool),
+    smooth: bool,
+) -> Moments<R> {
+    let middle = (R::of(0.5) * (from.0 + to.0), false);
+    match (from.1, to.1) {
+        (true, true) => add(part(law, path, from, middle, false), part(law, path, middle, to, false)),
+        (false, true) => Part::new(law, path, to.0, from.0, true).moments(false).map(|moment| -moment),
+        (zero, false) => Part::new(law, path, from.0, to.0, zero).moments(smooth),
+    }
+}
+
+/// The integrand over a part, as a function of `s` in `[0, 1]` with `t = start + length s^q`.
+///
+/// If `g` is zero at the start, `f` goes like `s^(q alpha)`, which is smooth if `q alpha` is an integer.
+struct Part<'a, R> {
+    law: &'a ContactLaw<R>,
+    path: &'a LinearPath<R>,
+    start: R,
+    length: R,
+    q: i32,
+}
+
+impl<'a, R: Real> Part<'a, R> {
+    fn new(law: &'a ContactLaw<R>, path: &'a LinearPath<R>, start: R, end: R, zero: bool) -> Self {
+        Self {
+            law,
+            path,
+            start,
+            length: end - start,
+            q: if zero { power(law.alpha().f64(), gauss::ORDER) as i32 } else { 1 },
+        }
+    }
+
+    /// `f dt/ds (1, t, cos(omega t), sin(omega t))`.
+    fn at(&self, s: R) -> Moments<R> {
+        let lower = s.powi(self.q - 1);
+        let (LinearPath { a, b, c, d, omega }, t) = (*self.path, self.start + self.length * lower * s);
+        let (sin, cos) = (omega * t).sin_cos();
+        let g = (a + b * t) + (c * cos + d * sin);
+        let f = self.law.force(g) * (self.length * R::of(f64::from(self.q)) * lower);
+        [f, f * t, f * cos, f * sin]
+    }
+
+    /// The integral; checked and refined unless it is known to be smooth.
+    fn moments(&self, smooth: bool) -> Moments<R> {
+        let (zero, one) = (R::zero(), R::one());
+        let whole = gauss(|s| self.at(s), zero, one);
+        if smooth {
+            return whole;
+        }
+        // Refining helps down to what rounding does to the overlaps.
+        let path = self.path;
+        let size = path.a.abs() + path.c.abs() + path.d.abs() + (path.b * self.length).abs();
+        let largest = path.at(self.start).max(path.at(self.start + self.length));
+        let noise = self.law.stiffness(largest) * self.length.abs() * size;
+        let tolerance = R::of(4.0 * f64::EPSILON) * (whole[0].abs() + noise);
+        self.halved((zero, one), whole, tolerance, HALVINGS)
+    }
+
+    /// The integral over an interval of `s` on which one rule gives `whole`: halved until the rule agrees with its halves.
+    fn halved(&self, (a, b): (R, R), whole: Moments<R>, tolerance: R, left: u32) -> Moments<R> {
+        let middle = R::of(0.5) * (a + b);
+        let (lower, upper) = (gauss(|s| self.at(s), a, middle), gauss(|s| self.at(s), middle, b));
+        let sum = add(lower, upper);
+        if left == 0 || (sum[0] - whole[0]).abs() <= tolerance {
+            return sum;
+        }
+        add(self.halved((a, middle), lower, tolerance, left - 1), self.halved((middle, b), upper, tolerance, left - 1))
+    }
+}
+
+/// Halvings towards a zero just outside a part: the force on what is then left is below rounding.
+const HALVINGS: u32 = 24;
+
+fn add<R: Real>(x: Moments<R>, y: Moments<R>) -> Moments<R> {
+    std::array::from_fn(|k| x[k] + y[k])
+}

@@ -1,0 +1,44 @@
+//! The rule of Gauss and Legendre with twelve points.
+
+use hertzchain_integrators::Real;
+
+/// Its order.
+pub(super) const ORDER: u32 = 24;
+
+/// Positive nodes, and their weights, on `[-1, 1]`.
+const POINTS: [(f64, f64); 6] = [
+    (0.125_233_408_511_468_9, 0.249_147_045_813_402_77),
+    (0.367_831_498_998_180_2, 0.233_492_536_538_354_8),
+    (0.587_317_954_286_617_5, 0.203_167_426_723_065_92),
+    (0.769_902_674_194_304_7, 0.160_078_328_543_346_22),
+    (0.904_117_256_370_474_9, 0.106_939_325_995_318_43),
+    (0.981_560_634_246_719_2, 0.047_175_336_386_511_83),
+];
+
+/// `int_a^b f ds`, for several functions at once.
+pub(super) fn gauss<R: Real, const K: usize>(f: impl Fn(R) -> [R; K], a: R, b: R) -> [R; K] {
+    let (middle, half) = (R::of(0.5) * (a + b), R::of(0.5) * (b - a));
+    let mut sums = [R::zero(); K];
+    for &(x, weight) in &POINTS {
+        let (below, above) = (f(middle - half * R::of(x)), f(middle + half * R::of(x)));
+        for (sum, (below, above)) in sums.iter_mut().zip(below.into_iter().zip(above)) {
+            *sum += half * R::of(weight) * (below + above);
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_exact_up_to_degree_twenty_three() {
+        for degree in 0..24 {
+            let [integral] = gauss(|s: f64| [s.powi(degree)], 0.0, 1.0);
+            assert!((integral * f64::from(degree + 1) - 1.0).abs() < 1e-14, "{degree}");
+        }
+        let [integral] = gauss(|s: f64| [s.powi(24)], -1.0, 1.0);
+        assert!((integral * 12.5 - 1.0).abs() > 1e-14);
+    }
+}
