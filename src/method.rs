@@ -122,7 +122,7 @@ impl Method {
         match self {
             Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
-            Self::Landed(_) => "the same, landed on contacts",
+            Self::Landed(_) => "exact linear flow, landed",
             Self::Dop853(_) => "adaptive",
         }
     }

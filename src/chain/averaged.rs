@@ -290,3 +290,92 @@ const HALVINGS: u32 = 24;
 fn add<R: Real>(x: Moments<R>, y: Moments<R>) -> Moments<R> {
     std::array::from_fn(|k| x[k] + y[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moments(alpha: f64, path: LinearPath<f64>, window: (f64, f64)) -> Moments<f64> {
+        over_window(&ContactLaw::new(alpha), &path, window, &mut Vec::new())
+    }
+
+    /// `int_0^tau (w t)^alpha t^k dt`.
+    fn power_law(alpha: f64, w: f64, tau: f64, k: f64) -> f64 {
+        w.powf(alpha) * tau.powf(alpha + k + 1.0) / (alpha + k + 1.0)
+    }
+
+    #[test]
+    fn a_straight_contact_has_the_moments_of_a_power() {
+        // Truth: closed forms, for contacts that begin in the window, end in it, or began just before it.
+        let (w, h) = (1.3, 1e-2);
+        for (alpha, bound) in [(1.5, 2e-14), (2.5, 2e-14), (1.0, 2e-14), (1.2, 2e-14), (1.45, 1e-12), (0.7, 1e-12)] {
+            for onset in [-1e-3, -1e-7, -1e-12, 0.0, 1e-3, 5e-3, 9.9e-3] {
+                let path = LinearPath { a: -w * onset, b: w, c: 0.0, d: 0.0, omega: 0.0 };
+                let want = power_law(alpha, w, h - onset, 0.0) - power_law(alpha, w, f64::max(-onset, 0.0), 0.0);
+                let got = moments(alpha, path, (0.0, h));
+                assert!((got[0] / want - 1.0).abs() < bound, "{alpha} {onset}: {:e}", got[0] / want - 1.0);
+                assert_eq!(got[0], got[2]);
+                // Backwards it is its negative; mirrored, a release.
+                assert_eq!(moments(alpha, path, (h, 0.0)), got.map(|moment| -moment));
+                let mirrored = moments(alpha, LinearPath { b: -w, ..path }, (-h, 0.0));
+                assert!((mirrored[0] / want - 1.0).abs() < bound && mirrored[1] < 0.0);
+            }
+            let got = moments(alpha, LinearPath { a: 0.0, b: w, c: 0.0, d: 0.0, omega: 0.0 }, (-h, h));
+            assert!((got[1] / power_law(alpha, w, h, 1.0) - 1.0).abs() < bound, "{alpha}: {:e}", got[1]);
+        }
+    }
+
+    /// `int_a^b f dt` by the double exponential rule, which singular ends do not harm.
+    fn double_exponential(f: impl Fn(f64) -> Moments<f64>, a: f64, b: f64) -> Moments<f64> {
+        (-200..=200).fold([0.0; 4], |sum, k| {
+            let s = std::f64::consts::FRAC_PI_2 * (f64::from(k) / 50.0).sinh();
+            let weight =
+                (b - a) * std::f64::consts::FRAC_PI_2 * (f64::from(k) / 50.0).cosh() / s.cosh().powi(2) / 100.0;
+            add(sum, f(a + (b - a) / (1.0 + (-2.0 * s).exp())).map(|value| weight * value))
+        })
+    }
+
+    #[test]
+    fn curved_contacts_are_integrated_to_rounding() {
+        // Truth: another rule between the zeros. Short contacts, long ones, two in a window, and ones that nearly open.
+        let (start, end, omega) = (-0.4, 0.6, 2.0);
+        for alpha in [1.5, 1.2, 1.45, 2.5] {
+            let law = ContactLaw::new(alpha);
+            for (a, b, c, d) in [
+                (-0.95, 0.02, 1.0, 0.3),
+                (-1.02, 0.4, 1.0, 0.0),
+                (-0.9999, 0.0, 1.0, 0.0),
+                (1.0001, 0.0, -1.0, 0.0),
+                (0.9999, 0.0, -1.0, 0.0),
+                (1.0, 0.1, -1.0, 0.1),
+                (2.0, 0.3, 1.0, 0.1),
+            ] {
+                let path = LinearPath { a, b, c, d, omega };
+                let f = |t: f64| {
+                    let (f, (sin, cos)) = (law.force(path.at(t)), (omega * t).sin_cos());
+                    [f, f * t, f * cos, f * sin]
+                };
+                let mut ends = vec![start];
+                path.roots(start, end, &mut ends);
+                ends.push(0.0);
+                ends.push(end);
+                ends.sort_by(f64::total_cmp);
+                let want =
+                    ends.windows(2).fold([0.0; 4], |sum, part| add(sum, double_exponential(f, part[0], part[1])));
+                // Overlaps are rounded to 2e-16, which is more of a small one.
+                let largest = (0..=1000).map(|i| path.at(start + f64::from(i) / 1000.0)).fold(0.0, f64::max);
+                let bound = (1e-13 + 1e-15 / largest) * want[0];
+                for (got, want) in moments(alpha, path, (start, end)).iter().zip(want) {
+                    assert!((got - want).abs() < bound, "{alpha} {a}: {got:e} {want:e} {:e}", got / want - 1.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_touch_has_no_moments() {
+        let path = LinearPath { a: -1.0, b: 0.0, c: 0.99, d: 0.0, omega: 1.0 };
+        assert_eq!(moments(1.5, path, (-1.0, 1.0)), [0.0; 4]);
+        assert_eq!(moments(1.5, LinearPath { a: 0.0, c: 0.0, ..path }, (-1.0, 1.0)), [0.0; 4]);
+    }
+}

@@ -35,7 +35,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
     pub(super) integrators: Vec<String>,
     /// Wall time for the whole comparison, in seconds; rungs that would not fit are left out.
-    #[arg(long, value_name = "S", default_value_t = 45.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true)]
     pub(super) max_time: f64,
     /// Folder for compare.csv, compare.json and compare.png [default: out/compare-SCENE; with --json: none].
     #[arg(long, value_name = "DIR")]

@@ -295,9 +295,9 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// How far past its event a function of this rate may be taken to have it: then the singularity that is left out
-    /// changes the state by a tenth of the tolerance.
+    /// changes the state by a hundredth of the tolerance.
     fn cluster(&self, rate: R) -> R {
-        let strength = R::of(0.1) * self.options.atol / rate.abs().powf(self.alpha);
+        let strength = R::of(0.01) * self.options.atol / rate.abs().powf(self.alpha);
         strength.powf((self.alpha + R::one()).recip())
     }
 
