@@ -144,28 +144,27 @@ fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
 }
 
 #[test]
-fn grazing_from_outside_is_seen_if_there_is_contact() {
-    // A bead on its spring (cradle) swings to u = a; its neighbour rests at the distance a + gap.
-    let chain = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 2);
-    let graze = |gap: f64| {
-        // Moved apart: the first starts at -1 and swings to +1, the second stays where its spring is, and is held off by u.
-        let y0 = state(&chain, &[-1.0, 1.0 + gap], &[0.0, 0.0]);
-        run(&chain, &y0, 1.2, 1e-12).1
-    };
-    // The second swings back to meet it: only the number of contacts before t = 1.2 matters, none.
-    assert!(graze(0.1).is_empty());
-    // A true graze: both at rest relative to each other when they touch.
-    let swing = |distance: f64| {
-        let chain = spheres(2);
-        // Free flight, no forces: they never meet, whatever the distance.
-        run(&chain, &state(&chain, &[0.0, distance], &[1.0, 1.0]), 5.0, 1e-12).1
-    };
-    assert!(swing(1e-9).is_empty() && swing(0.0).is_empty());
+fn a_contact_that_nearly_opens_opens_only_if_it_has_the_energy() {
+    // One bead between walls, each pressed by delta. It leaves a wall if it reaches u = delta:
+    // v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2).
+    let delta = 0.3f64;
+    let chain = chain(1.5, (0.0, 0.0), Boundary::Fixed, 1).precompressed(delta).unwrap();
+    let critical = (2.0 / 2.5 * ((2.0 * delta).powf(2.5) - 2.0 * delta.powf(2.5))).sqrt();
+    let swing = |v: f64| run(&chain, &[0.0, v], 4.0, 1e-13).1;
+    for near in [1e-3, 1e-6, 1e-9] {
+        assert!(swing(critical * (1.0 - near)).is_empty(), "{near:e}");
+        let events = swing(critical * (1.0 + near));
+        let turns = kinds(&events);
+        assert!(turns.len() >= 2 && turns[..2] == [(0, false), (0, true)], "{near:e}: {events:?}");
+        // In the gap it moves freely but for the other wall: about 2 v/f, v the speed that is left at the release.
+        let left = critical * (2.0 * near).sqrt();
+        let force = (2.0 * delta).powf(1.5);
+        assert_relative_eq!(events[1].t - events[0].t, 2.0 * left / force, max_relative = 0.05);
+    }
 }
 
-/// Two beads with equal springs to fixed points (cradle): the overlap of the free motion is `-gap + swing sin t`.
+/// Two beads on springs (cradle): the overlap of the free motion is `swing sin t - gap cos t`.
 fn pendulums(gap: f64, swing: f64) -> (Chain<f64>, Vec<f64>) {
-    // Both oscillate about 0 with frequency one; a mean gap needs the strain picture: the ring of one bond has it.
     let chain = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 2);
     let y0 = state(&chain, &[0.0, gap], &[swing, 0.0]);
     (chain, y0)
@@ -173,7 +172,7 @@ fn pendulums(gap: f64, swing: f64) -> (Chain<f64>, Vec<f64>) {
 
 #[test]
 fn grazing_contacts_agree_with_a_method_that_knows_no_events() {
-    // g = swing sin t - gap cos t is positive on (atan(gap/swing), ..): shallow for a small swing, deep for a large one.
+    // The first contact begins at atan(gap/swing).
     for (gap, swing) in [(1.0, 1e-3), (1.0, 1e-6), (1e-6, 1.0), (0.3, 0.3)] {
         let (chain, y0) = pendulums(gap, swing);
         let (y, events, _) = run(&chain, &y0, 6.0, 1e-12);

@@ -17,10 +17,13 @@
 //! simultaneous contacts cost one stop and no tiny steps.
 
 mod equal;
+mod leg;
 mod map;
 
 pub use equal::{Division, Itinerary, equal_steps};
 pub use map::{TimeMap, power};
+
+use leg::{Leg, Mapped, Pace};
 
 use crate::{
     clock::Twofold,
@@ -41,7 +44,7 @@ use crate::{
     system::VectorField,
 };
 
-/// Trials for one accepted step; then what is there is taken.
+/// Landings tried for one accepted step; then it goes on in the open, with a shorter step.
 const MOST_RETRIES: u32 = 24;
 
 /// Smallest relative tolerance, in unit round-offs. Errors of single steps below the rounding of the state still count: a
@@ -67,68 +70,6 @@ pub(crate) fn check_problem<R: Real>(
         return Err(Error::Argument { name: "q", value: f64::from(q), rule: "the power of the map is from 1 to 64" });
     }
     Ok(())
-}
-
-/// A field in the mapped variable: `dy/dsigma = tau'(sigma) f(t, y)`.
-pub(crate) struct Mapped<'a, R, F> {
-    pub(crate) field: &'a mut F,
-    pub(crate) map: TimeMap<R>,
-    pub(crate) origin: R,
-}
-
-impl<R: Real, F: VectorField<R>> VectorField<R> for Mapped<'_, R, F> {
-    fn dim(&self) -> usize {
-        self.field.dim()
-    }
-
-    fn eval(&mut self, sigma: R, y: &[R], dy: &mut [R]) {
-        self.field.eval(self.origin + self.map.at(sigma), y, dy);
-        let rate = self.map.rate(sigma);
-        for dy in dy {
-            *dy *= rate;
-        }
-    }
-}
-
-/// A stretch without events: where it starts, its map, how far we are, and what awaits us at `sigma = 1`.
-#[derive(Clone, Copy)]
-struct Leg<R> {
-    origin: Twofold<R>,
-    map: TimeMap<R>,
-    sigma: R,
-    target: Option<Crossing>,
-}
-
-impl<R: Real> Leg<R> {
-    fn mapped<'a, F>(&self, field: &'a mut F) -> Mapped<'a, R, F> {
-        Mapped { field, map: self.map, origin: self.origin.value() }
-    }
-
-    /// Time since the origin.
-    fn tau(&self) -> R {
-        self.map.at(self.sigma)
-    }
-
-    fn time(&self, sigma: R) -> Twofold<R> {
-        self.origin + Twofold::new(self.map.at(sigma))
-    }
-
-    fn singular(&self) -> bool {
-        self.map.powers() != (1, 1)
-    }
-}
-
-/// The longest step that errors allow, in time and in the variable of singular ends.
-#[derive(Clone, Copy)]
-struct Pace<R> {
-    tau: R,
-    s: R,
-}
-
-impl<R: Real> Pace<R> {
-    fn of(&mut self, leg: &Leg<R>) -> &mut R {
-        if leg.singular() { &mut self.s } else { &mut self.tau }
-    }
 }
 
 /// How a leg has ended.

@@ -1,6 +1,6 @@
 //! Steps that end where contacts begin and end.
 
-use super::{First, Scheme, scheme::Pair};
+use super::{First, Scheme, scheme::Pair, stepper::check};
 use crate::{
     clock::Twofold, drive::Stepper, error::Error, events::root::bracketed, real::Real, stats::Stats,
     system::ContactFlow,
@@ -61,16 +61,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
     /// # Errors
     /// As [`Splitting::new`](super::Splitting::new).
     pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
-        let argument = |name, value: R, rule| Error::Argument { name, value: value.f64(), rule };
-        if !start.is_finite() {
-            return Err(argument("start", start, "a time is finite"));
-        }
-        if !(end.is_finite() && end >= start) {
-            return Err(argument("end", end, "the end is finite and not before the start"));
-        }
-        if steps == 0 && end > start {
-            return Err(argument("steps", R::zero(), "at least one step"));
-        }
+        check((start, end), steps)?;
         let (start, end) = (Twofold::new(start), Twofold::new(end));
         let (zero, count) = (R::zero(), flow.bonds());
         let bond = Bond { side: zero, start: (zero, zero), end: (zero, zero), settled: false };

@@ -29,16 +29,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     /// # Errors
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
     pub fn new(scheme: &Scheme, first: First, flow: S, (start, end): (R, R), steps: u64) -> Result<Self, Error> {
-        let argument = |name, value: R, rule| Error::Argument { name, value: value.f64(), rule };
-        if !start.is_finite() {
-            return Err(argument("start", start, "a time is finite"));
-        }
-        if !(end.is_finite() && end >= start) {
-            return Err(argument("end", end, "the end is finite and not before the start"));
-        }
-        if steps == 0 && end > start {
-            return Err(argument("steps", R::zero(), "at least one step"));
-        }
+        check((start, end), steps)?;
         let total = if end > start { steps } else { 0 };
         let span = Twofold::new(end) - Twofold::new(start);
         let h = span.over(Twofold::new(R::of(total.max(1) as f64)));
@@ -60,6 +51,21 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         }
         self.start + self.h * Twofold::new(R::of(steps as f64))
     }
+}
+
+/// Refuses a span or a number of steps that no run can have.
+pub(super) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Error> {
+    let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
+    if !start.is_finite() {
+        return argument("start", start, "a time is finite");
+    }
+    if !(end.is_finite() && end >= start) {
+        return argument("end", end, "the end is finite and not before the start");
+    }
+    if steps == 0 && end > start {
+        return argument("steps", R::zero(), "at least one step");
+    }
+    Ok(())
 }
 
 /// Applies one pair and counts its kick. Pairs without a kick stand only at the head of a drift-first step.

@@ -1,0 +1,66 @@
+//! A leg, and how fast it goes.
+
+use super::TimeMap;
+use crate::{clock::Twofold, events::sides::Crossing, real::Real, system::VectorField};
+
+/// A field in the mapped variable: `dy/dsigma = tau'(sigma) f(t, y)`.
+pub(super) struct Mapped<'a, R, F> {
+    pub(super) field: &'a mut F,
+    pub(super) map: TimeMap<R>,
+    pub(super) origin: R,
+}
+
+impl<R: Real, F: VectorField<R>> VectorField<R> for Mapped<'_, R, F> {
+    fn dim(&self) -> usize {
+        self.field.dim()
+    }
+
+    fn eval(&mut self, sigma: R, y: &[R], dy: &mut [R]) {
+        self.field.eval(self.origin + self.map.at(sigma), y, dy);
+        let rate = self.map.rate(sigma);
+        for dy in dy {
+            *dy *= rate;
+        }
+    }
+}
+
+/// A stretch without events: where it starts, its map, how far we are, and what awaits us at `sigma = 1`.
+#[derive(Clone, Copy)]
+pub(super) struct Leg<R> {
+    pub(super) origin: Twofold<R>,
+    pub(super) map: TimeMap<R>,
+    pub(super) sigma: R,
+    pub(super) target: Option<Crossing>,
+}
+
+impl<R: Real> Leg<R> {
+    pub(super) fn mapped<'a, F>(&self, field: &'a mut F) -> Mapped<'a, R, F> {
+        Mapped { field, map: self.map, origin: self.origin.value() }
+    }
+
+    /// Time since the origin.
+    pub(super) fn tau(&self) -> R {
+        self.map.at(self.sigma)
+    }
+
+    pub(super) fn time(&self, sigma: R) -> Twofold<R> {
+        self.origin + Twofold::new(self.map.at(sigma))
+    }
+
+    pub(super) fn singular(&self) -> bool {
+        self.map.powers() != (1, 1)
+    }
+}
+
+/// The longest step that errors allow, in time and in the variable of singular ends.
+#[derive(Clone, Copy)]
+pub(super) struct Pace<R> {
+    pub(super) tau: R,
+    pub(super) s: R,
+}
+
+impl<R: Real> Pace<R> {
+    pub(super) fn of(&mut self, leg: &Leg<R>) -> &mut R {
+        if leg.singular() { &mut self.s } else { &mut self.tau }
+    }
+}
