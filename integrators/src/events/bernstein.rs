@@ -1,5 +1,7 @@
 //! A step as a polynomial whose coefficients bound it: what makes a search miss nothing.
 
+use super::root::bracketed;
+
 /// Values that make a polynomial of degree 7, the degree of the dense output of DOP853.
 pub(crate) const NODES: usize = 8;
 
@@ -10,9 +12,15 @@ pub(crate) const NODES: usize = 8;
 pub struct Polynomial([f64; NODES]);
 
 impl Polynomial {
-    /// The value at `s`.
+    /// The value at `s` (de Casteljau).
     pub fn at(&self, s: f64) -> f64 {
-        self.split(s).0.0[NODES - 1]
+        let mut c = self.0;
+        for last in (0..NODES - 1).rev() {
+            for j in 0..=last {
+                c[j] += s * (c[j + 1] - c[j]);
+            }
+        }
+        c[0]
     }
 
     /// The parts on `[0, s]` and `[s, 1]`, each on `[0, 1]` again (de Casteljau).
@@ -55,20 +63,26 @@ impl Polynomial {
 
     /// The first `s` at which the polynomial exceeds `level`.
     fn first_above(&self, level: f64) -> Option<f64> {
-        // The depth-first search meets the leftmost part first.
-        let mut parts = vec![(*self, 0.0, 1.0)];
-        while let Some((part, start, length)) = parts.pop() {
-            if part.0.iter().all(|&c| c <= level) {
-                continue;
-            }
-            if part.0[0] > level || length < f64::EPSILON {
-                return Some(start);
-            }
-            let (left, right) = part.split(0.5);
-            let half = 0.5 * length;
-            parts.extend([(right, start + half, half), (left, start, half)]);
+        self.first_above_in((0.0, 1.0), level)
+    }
+
+    /// The same for a polynomial on an interval given by its start and its length.
+    fn first_above_in(&self, (start, length): (f64, f64), level: f64) -> Option<f64> {
+        if self.0.iter().all(|&c| c <= level) {
+            return None;
         }
-        None
+        if self.0[0] > level || length < f64::EPSILON {
+            return Some(start);
+        }
+        // One change of sign in the coefficients is one root (Descartes).
+        let changes = self.0.windows(2).filter(|pair| (pair[0] > level) != (pair[1] > level)).count();
+        if changes == 1 {
+            let ends = ((0.0, self.0[0] - level), (1.0, self.0[NODES - 1] - level));
+            return Some(start + length * bracketed(|s| self.at(s) - level, ends.0, ends.1));
+        }
+        let (left, right) = self.split(0.5);
+        let half = 0.5 * length;
+        left.first_above_in((start, half), level).or_else(|| right.first_above_in((start + half, half), level))
     }
 
     /// Whether the polynomial gets beyond the band on this side.
