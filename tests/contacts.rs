@@ -78,12 +78,12 @@ fn the_log_of_one_collision_is_that_of_the_closed_form() {
         let contacts = watched(&chain, &y0, 5.0, 1e-13);
         let [contact] = contacts[..] else { panic!("{contacts:?}") };
         assert_eq!(contact.bond, 1);
-        assert_relative_eq!(contact.onset.unwrap(), 0.5, max_relative = 1e-12);
-        assert_relative_eq!(contact.approach.unwrap(), w, max_relative = 1e-10);
-        assert_relative_eq!(contact.separation.unwrap(), w, max_relative = 1e-10);
+        assert_relative_eq!(contact.onset.unwrap(), 0.5, max_relative = 2e-13);
+        assert_relative_eq!(contact.approach.unwrap(), w, max_relative = 2e-11);
+        assert_relative_eq!(contact.separation.unwrap(), w, max_relative = 3e-11);
         let g_max = (w * w * (alpha + 1.0) / 4.0).powf(1.0 / (alpha + 1.0));
-        assert_relative_eq!(contact.largest_overlap, g_max, max_relative = 1e-8);
-        assert_relative_eq!(contact.impulse, w, max_relative = 1e-8);
+        assert_relative_eq!(contact.largest_overlap, g_max, max_relative = 2e-11);
+        assert_relative_eq!(contact.impulse, w, max_relative = 3e-11);
     }
 }
 
@@ -92,11 +92,11 @@ fn impulses_add_up_to_the_change_of_momentum() {
     // Truth: u_n'(end) - u_n'(0) = J_n - J_{n+1} on a plain chain, for every bead, by every kind of method.
     let scene = Scene::load("impact").unwrap().until(20.0).unwrap();
     for (name, setting, bound) in [
-        ("dop853-regularised", Setting::Tolerance(1e-11), 1e-8),
+        ("dop853-regularised", Setting::Tolerance(1e-11), 4e-10),
         // Their kicks are samples of the force: its integral to order two.
         ("strang-linear", Setting::Steps(4000), 1e-5),
-        ("verlet", Setting::Steps(4000), 1e-5),
-        ("aba1064", Setting::Steps(1000), 1e-7),
+        ("verlet", Setting::Steps(4000), 4e-6),
+        ("aba1064", Setting::Steps(1000), 5e-9),
     ] {
         let outcome =
             run_with_contacts(&scene, Method::named(name).unwrap(), setting, Records::End, &mut |_| ()).unwrap();
@@ -120,10 +120,10 @@ fn simultaneous_contacts_stay_simultaneous() {
     let y0 = state(&chain, &[-0.5, 0.0, 0.5], &[0.8, 0.0, -0.8]);
     let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
     assert_eq!(events.len(), 4);
-    assert!((events[0].t - 0.625).abs() < 1e-13 && (events[1].t - events[0].t).abs() < 1e-14);
-    assert!((events[3].t - events[2].t).abs() < 1e-12);
-    assert!(y[1].abs() < 1e-12 && (y[0] + y[2]).abs() < 1e-12, "{y:?}");
-    assert!(steps < 100, "{steps}");
+    assert!((events[0].t - 0.625).abs() < 2e-15 && events[1].t == events[0].t);
+    assert_eq!(events[3].t, events[2].t);
+    assert!(y[1] == 0.0 && y[0] + y[2] == 0.0, "{y:?}");
+    assert!(steps < 80, "{steps}");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
         let y0 = state(&chain, &[-0.5, 0.0, 0.5 + shift], &[0.8, 0.0, -0.8]);
         let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
         assert_eq!(events.len(), 4, "shift {shift:e}: {events:?}");
-        assert!(distance(&y, &plain(&chain, &y0, 4.0)) < 1e-9, "shift {shift:e}");
+        assert!(distance(&y, &plain(&chain, &y0, 4.0)) < 4e-11, "shift {shift:e}");
         steps
     };
     let tie = steps_with(0.0);
@@ -159,7 +159,7 @@ fn a_contact_that_nearly_opens_opens_only_if_it_has_the_energy() {
         // In the gap it moves freely but for the other wall: about 2 v/f, v the speed that is left at the release.
         let left = critical * (2.0 * near).sqrt();
         let force = (2.0 * delta).powf(1.5);
-        assert_relative_eq!(events[1].t - events[0].t, 2.0 * left / force, max_relative = 0.05);
+        assert_relative_eq!(events[1].t - events[0].t, 2.0 * left / force, max_relative = 0.5 * near + 4e-6);
     }
 }
 
@@ -176,9 +176,9 @@ fn grazing_contacts_agree_with_a_method_that_knows_no_events() {
     for (gap, swing) in [(1.0, 1e-3), (1.0, 1e-6), (1e-6, 1.0), (0.3, 0.3)] {
         let (chain, y0) = pendulums(gap, swing);
         let (y, events, _) = run(&chain, &y0, 6.0, 1e-12);
-        assert!(distance(&y, &plain(&chain, &y0, 6.0)) < 1e-9, "{gap} {swing}");
+        assert!(distance(&y, &plain(&chain, &y0, 6.0)) < 3e-12, "{gap} {swing}");
         let first = events[0];
-        assert!(first.rising && (first.t - (gap / swing).atan()).abs() < 1e-12, "{events:?}");
+        assert!(first.rising && (first.t - (gap / swing).atan()).abs() < 7e-13, "{events:?}");
     }
 }
 
@@ -187,7 +187,7 @@ fn a_contact_shorter_than_a_step_is_found() {
     // Stiff contacts between fast beads: 1e-4 of the run. Truth: they swap velocities.
     let chain = chain(3.0, (0.0, 0.0), Boundary::Free, 3);
     let y0 = state(&chain, &[-1000.0, 0.0, 1000.0], &[300.0, 0.0, -100.0]);
-    for tol in [1e-4, 1e-8, 1e-12] {
+    for (tol, bound) in [(1e-4, 5e-2), (1e-8, 5e-7), (1e-12, 3e-11)] {
         let (y, events, _) = run(&chain, &y0, 60.0, tol);
         assert_eq!(
             kinds(&events),
@@ -195,7 +195,7 @@ fn a_contact_shorter_than_a_step_is_found() {
             "tol {tol:e}"
         );
         let speeds = [-100.0, 0.0, 300.0];
-        assert!(distance(&y[3..], &speeds) < 1e4 * tol, "tol {tol:e}: {:?}", &y[3..]);
+        assert!(distance(&y[3..], &speeds) < bound, "tol {tol:e}: {:?}", &y[3..]);
     }
 }
 
@@ -214,13 +214,13 @@ fn a_start_that_just_touches_fires_if_it_moves_in() {
 fn rest_and_permanent_contact_have_no_events_and_take_long_steps() {
     let rest = chain(1.5, (1.0, 0.5), Boundary::Ring, 8);
     let (y, events, steps) = run(&rest, &vec![0.0; 32], 1000.0, 1e-10);
-    assert!(events.is_empty() && steps < 100 && y.iter().all(|&y| y == 0.0), "{steps}");
+    assert!(events.is_empty() && steps < 30 && y.iter().all(|&y| y == 0.0), "{steps}");
     let pressed = chain(1.5, (0.0, 0.0), Boundary::Fixed, 6).precompressed(0.3).unwrap();
     let u: Vec<f64> = (0..6).map(|n| 0.02 * (n as f64).sin()).collect();
     let y0 = state(&pressed, &u, &[0.0; 6]);
     let (y, events, _) = run(&pressed, &y0, 50.0, 1e-12);
     assert!(events.is_empty());
-    assert!(distance(&y, &plain(&pressed, &y0, 50.0)) < 1e-9);
+    assert!(distance(&y, &plain(&pressed, &y0, 50.0)) < 3e-11);
 }
 
 #[test]
@@ -238,9 +238,9 @@ fn the_tail_of_a_breather_makes_no_events() {
     let y0 = state(&cradle, &u, &[0.0; 40]);
     let (y, events, steps) = run(&cradle, &y0, 20.0, 1e-11);
     let contacts = watched(&cradle, &y0, 20.0, 1e-12);
-    assert!(contacts.iter().all(|contact| contact.largest_overlap > 1e-15), "{contacts:?}");
-    assert!(events.len() < 120 && steps < 1500, "{} events, {steps} steps", events.len());
-    assert!(distance(&y, &plain(&cradle, &y0, 20.0)) < 1e-8);
+    assert!(contacts.iter().all(|contact| contact.largest_overlap > 3e-13), "{contacts:?}");
+    assert!(events.len() < 110 && steps < 500, "{} events, {steps} steps", events.len());
+    assert!(distance(&y, &plain(&cradle, &y0, 20.0)) < 6e-10);
 }
 
 /// Every crossing of zero that a brute-force run sees between steps of `1e-3` in which `|g|` gets beyond `level`.

@@ -96,6 +96,15 @@ fn an_integer_exponent_needs_landing_only() {
 }
 
 #[test]
+fn a_steep_exponent_has_the_whole_order_whatever_the_mode() {
+    // The force is so smooth that contacts no longer limit a method of order 8.
+    let study = order(7.0, 6, &|_| ()).unwrap();
+    for (name, mode) in [("kahan-li8-linear", Mode::Averaged), ("dop853", Mode::Regularised)] {
+        assert!((slope(&study, name, mode, Quantity::State) - 8.0).abs() < 0.5, "{name}");
+    }
+}
+
+#[test]
 fn theory_is_that_of_the_exponent() {
     for (p, alpha, mode, quantity, expected) in [
         (2, 1.5, Mode::Plain, Quantity::State, 2.0),
@@ -113,5 +122,7 @@ fn theory_is_that_of_the_exponent() {
 #[test]
 fn a_study_without_contacts_or_with_a_bad_exponent_is_refused() {
     assert!(order(1.5, 1, &|_| ()).unwrap_err().to_string().starts_with("beads = 1 is not valid"));
+    assert!(order(1.5, 1001, &|_| ()).unwrap_err().to_string().starts_with("beads = 1001 is not valid"));
+    assert!(order(1e308, 6, &|_| ()).unwrap_err().to_string().starts_with("alpha = 1e308 is not valid"));
     assert!(order(-1.0, 6, &|_| ()).unwrap_err().to_string().starts_with("alpha = -1 is not valid"));
 }

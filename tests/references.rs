@@ -104,11 +104,12 @@ fn the_stored_states_conserve_energy_to_twenty_digits() {
 fn double_precision_reaches_them_to_its_rounding() {
     for alpha in ALPHAS {
         let (truth, _) = stored(alpha);
-        for q in [1, power(alpha, 8)] {
+        // Landed only, a half-integer exponent leaves singular starts to the error control.
+        for (q, bound) in [(1, 1.5e-13), (power(alpha, 8), 1.2e-14)] {
             let y: Vec<TwoFloat> = end::<f64>(alpha, q, 1e-16).into_iter().map(TwoFloat::from).collect();
             let error = distance(&y, &truth);
             println!("alpha = {alpha}, q = {q}: {error:e}");
-            assert!(error < 1e-13, "alpha = {alpha}, q = {q}: {error:e}");
+            assert!(error < bound, "alpha = {alpha}, q = {q}: {error:e}");
         }
     }
 }

@@ -36,7 +36,7 @@ pub trait SplitFlow<R: Real> {
 pub trait ContactFlow<R: Real>: SplitFlow<R> {
     /// Number of bonds that can ever touch.
     fn bonds(&self) -> usize;
-    /// Writes overlap and rate of each bond, now, and returns the largest `|position|`: the size that they are rounded at.
+    /// Writes overlap and rate of each bond, now, and returns the dead band: overlaps up to it are rounding.
     fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R;
 }
 

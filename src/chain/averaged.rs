@@ -45,18 +45,6 @@ impl<R: Real> Bonds<R> {
 }
 
 impl<R: Real> Chain<R> {
-    /// A quantity of the site before a bond less that of the site behind it; walls have none.
-    fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
-        let n = self.sites();
-        let (before, behind) = match self.boundary() {
-            Boundary::Free | Boundary::Fixed => (bond.checked_sub(1), (bond < n).then_some(bond)),
-            Boundary::Ring => (Some((bond + n - 1) % n), Some(bond)),
-            Boundary::StrainRing => (None, Some(bond)),
-        };
-        let at = |site: Option<usize>| site.map_or(R::zero(), &quantity);
-        at(before) - at(behind)
-    }
-
     /// What acts on a site, from what acts in the bonds.
     fn on_site(&self, site: usize, bond: impl Fn(usize) -> R) -> R {
         let n = self.sites();
@@ -166,11 +154,9 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
             let (_, r_dot, _, p_dot) = self.modes(i, phase);
             r_dot + p_dot
         };
-        for (k, bond) in self.chain.touching().enumerate() {
-            overlaps[k] = self.chain.precompression() + self.chain.across(bond, position);
-            rates[k] = self.chain.across(bond, velocity);
-        }
-        (0..self.chain.sites()).map(|i| position(i).abs()).fold(R::zero(), R::max)
+        self.chain.across_bonds(self.chain.precompression(), position, overlaps);
+        self.chain.across_bonds(R::zero(), velocity, rates);
+        self.chain.dead_band((0..self.chain.sites()).map(position))
     }
 }
 
@@ -269,23 +255,26 @@ impl<'a, R: Real> Part<'a, R> {
         let largest = path.at(self.start).max(path.at(self.start + self.length));
         let noise = self.law.stiffness(largest) * self.length.abs() * size;
         let tolerance = R::of(4.0 * f64::EPSILON) * (whole[0].abs() + noise);
-        self.halved((zero, one), whole, tolerance, HALVINGS)
+        let mut left = HALVINGS;
+        self.halved((zero, one), whole, tolerance, &mut left)
     }
 
     /// The integral over an interval of `s` on which one rule gives `whole`: halved until the rule agrees with its halves.
-    fn halved(&self, (a, b): (R, R), whole: Moments<R>, tolerance: R, left: u32) -> Moments<R> {
+    fn halved(&self, (a, b): (R, R), whole: Moments<R>, tolerance: R, left: &mut u32) -> Moments<R> {
         let middle = R::of(0.5) * (a + b);
         let (lower, upper) = (gauss(|s| self.at(s), a, middle), gauss(|s| self.at(s), middle, b));
         let sum = add(lower, upper);
-        if left == 0 || (sum[0] - whole[0]).abs() <= tolerance {
+        if *left == 0 || (sum[0] - whole[0]).abs() <= tolerance {
             return sum;
         }
-        add(self.halved((a, middle), lower, tolerance, left - 1), self.halved((middle, b), upper, tolerance, left - 1))
+        *left -= 1;
+        add(self.halved((a, middle), lower, tolerance, left), self.halved((middle, b), upper, tolerance, left))
     }
 }
 
-/// Halvings towards a zero just outside a part: the force on what is then left is below rounding.
-const HALVINGS: u32 = 24;
+/// Halvings of a part, the end near a zero first: 24 lead so near to one just outside that the force on what is left is
+/// below rounding. Not a depth: where rounding alone keeps halves from agreeing, each would be halved again.
+const HALVINGS: u32 = 32;
 
 fn add<R: Real>(x: Moments<R>, y: Moments<R>) -> Moments<R> {
     std::array::from_fn(|k| x[k] + y[k])

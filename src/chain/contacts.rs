@@ -7,9 +7,8 @@
 //! | `f_n` | contact force `(g_n)_+^alpha` |
 
 use super::{
-    Boundary, Chain, ContactLaw,
+    Chain, ContactLaw,
     gauss::{self, gauss},
-    max_norm,
 };
 use hertzchain_integrators::{
     Event, EventFunctions, Real,
@@ -17,13 +16,6 @@ use hertzchain_integrators::{
     regularised::{TimeMap, power},
 };
 use std::ops::ControlFlow;
-
-/// The dead band of overlaps, in roundings of the largest position: 64.
-///
-/// Overlaps within it are no contact and no gap to the search for events; the force, which is there all the same, is then
-/// at most `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as large as `u`. The tail of a breather, whose
-/// overlaps go down to 1e-300, has no events in it.
-const DEAD_BAND: f64 = 64.0 * f64::EPSILON;
 
 /// The overlaps of all bonds that can close, as event functions.
 #[derive(Clone, Debug)]
@@ -41,34 +33,6 @@ impl<R: Real> Overlaps<R> {
     pub fn bond(&self, index: usize) -> usize {
         self.chain.touching().start + index
     }
-
-    /// `g` from positions, or `dg/dt` from velocities, with `rest` in every bond.
-    fn differences(&self, q: &[R], rest: R, g: &mut [R]) {
-        let n = q.len();
-        let (zero, ring) = (R::zero(), self.chain.boundary == Boundary::Ring);
-        let beyond = |i: usize| if ring { q[i] } else { zero };
-        match self.chain.boundary {
-            Boundary::StrainRing => {
-                for (g, &x) in g.iter_mut().zip(q) {
-                    *g = -x;
-                }
-            }
-            Boundary::Free => {
-                for (g, pair) in g.iter_mut().zip(q.windows(2)) {
-                    *g = pair[0] - pair[1];
-                }
-            }
-            Boundary::Fixed | Boundary::Ring => {
-                g[0] = rest + (beyond(n - 1) - q[0]);
-                for (g, pair) in g[1..].iter_mut().zip(q.windows(2)) {
-                    *g = rest + (pair[0] - pair[1]);
-                }
-                if !ring {
-                    g[n] = rest + (q[n - 1] - beyond(0));
-                }
-            }
-        }
-    }
 }
 
 impl<R: Real> EventFunctions<R> for Overlaps<R> {
@@ -77,16 +41,17 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
     }
 
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
-        self.differences(self.chain.layout.u(y), self.chain.precompression, g);
+        let u = self.chain.layout.u(y);
+        self.chain.across_bonds(self.chain.precompression, |i| u[i], g);
     }
 
     fn rates(&self, _t: R, y: &[R], _dy: &[R], rates: &mut [R]) {
-        self.differences(self.chain.layout.u_dot(y), R::zero(), rates);
+        let u_dot = self.chain.layout.u_dot(y);
+        self.chain.across_bonds(R::zero(), |i| u_dot[i], rates);
     }
 
     fn band(&self, y: &[R]) -> R {
-        let u = self.chain.layout.u(y).iter().map(|u| u.f64());
-        R::of(DEAD_BAND * max_norm(u).max(self.chain.precompression.f64()))
+        self.chain.dead_band(self.chain.layout.u(y).iter().copied())
     }
 }
 
@@ -167,9 +132,8 @@ impl ContactLog {
     }
 
     /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g` vanishes.
-    fn impulse(&self, part: &Part<f64>) -> f64 {
-        let polynomial = &part.polynomial;
-        let small = SINGULAR * polynomial.largest();
+    fn impulse(&self, part: &Part<f64>, largest: f64) -> f64 {
+        let (polynomial, small) = (&part.polynomial, SINGULAR * largest);
         let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
         let share = TimeMap::new(1.0, end(0.0), end(1.0));
         let force = |s: f64| share.rate(s) * self.law.force(polynomial.at(share.at(s)));
@@ -186,7 +150,7 @@ impl Listener<f64> for ContactLog {
         contact.largest_overlap = contact.largest_overlap.max(largest);
         let faded = &mut self.faded[part.index];
         *faded = if largest > part.band { None } else { faded.or(Some(part.span.0)) };
-        contact.impulse += self.impulse(part);
+        contact.impulse += self.impulse(part, largest);
         self.open[part.index] = Some(contact);
     }
 

@@ -115,6 +115,35 @@ impl<R: Real> Chain<R> {
         }
     }
 
+    /// A quantity of the site before a bond less that of the site behind it; walls have none.
+    pub(crate) fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
+        let n = self.sites();
+        let (before, behind) = match self.boundary() {
+            Boundary::Free | Boundary::Fixed => (bond.checked_sub(1), (bond < n).then_some(bond)),
+            Boundary::Ring => (Some((bond + n - 1) % n), Some(bond)),
+            Boundary::StrainRing => (None, Some(bond)),
+        };
+        let at = |site: Option<usize>| site.map_or(R::zero(), &quantity);
+        at(before) - at(behind)
+    }
+
+    /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their rates from velocities.
+    pub(crate) fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
+        for (across, bond) in across.iter_mut().zip(self.touching()) {
+            *across = rest + self.across(bond, &quantity);
+        }
+    }
+
+    /// Overlaps up to this are rounding of such positions: 64 roundings of the largest.
+    ///
+    /// They are no contact and no gap to the search for events; the force, which is there all the same, is then at most
+    /// `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as large as `u`. The tail of a breather, whose
+    /// overlaps go down to 1e-300, has no events in it.
+    pub(crate) fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
+        let largest = max_norm(positions.map(|u| u.f64())).max(self.precompression.f64());
+        R::of(64.0 * f64::EPSILON * largest)
+    }
+
     /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).
     ///
     /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies to the right of the

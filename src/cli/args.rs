@@ -82,10 +82,10 @@ pub(super) struct RunArgs {
 
 #[derive(Args)]
 pub(super) struct OrderArgs {
-    /// Exponent of the contact force; 1.5 for spheres.
+    /// Exponent of the contact force, from 0.5 to 10; 1.5 for spheres.
     #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
     pub(super) alpha: f64,
-    /// Number of beads of the chain.
+    /// Number of beads of the chain, from 2 to 1000.
     #[arg(long, value_name = "N", default_value_t = 6)]
     pub(super) beads: usize,
     /// Folder for order.csv, order.json, order-state.png and order-tangent.png [default: out/order-ALPHA; with --json: none].

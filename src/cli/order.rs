@@ -8,7 +8,7 @@ pub(super) fn main(args: &OrderArgs) -> Exit {
     let folder = match &args.out {
         Some(path) => Some(Folder::create(path)?),
         None if args.json => None,
-        None => Some(Folder::create(format!("out/order-{}", args.alpha))?),
+        None => Some(Folder::create(format!("out/order-{:?}", args.alpha))?),
     };
     let bar = progress_bar();
     let study = order(args.alpha, args.beads, &|share| bar.set_position((1000.0 * share) as u64));

@@ -24,6 +24,10 @@ use hertzchain_integrators::{
     splitting::{Averaged, Coefficients, First, Landed},
 };
 
+/// Exponents that the ladders are made for.
+const EXPONENTS: std::ops::RangeInclusive<f64> = 0.5..=10.0;
+/// Beads of the longest chain.
+const MOST_BEADS: usize = 1000;
 /// End of the runs.
 const END: f64 = 12.0;
 /// Spring constant and mass ratio.
@@ -147,7 +151,7 @@ pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
 /// Runs every method over its ladder on a chain of `beads` beads that fly at each other. `progress` is told the share done.
 ///
 /// # Errors
-/// `beads` below 2, an `alpha` that is not valid, or a reference that cannot be had.
+/// `beads` below 2 or above 1000, an `alpha` below 0.5 or above 10, or a reference that cannot be had.
 pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
     let problem = Problem::new(alpha, beads)?;
     let truth = problem.truth()?;
@@ -218,10 +222,14 @@ pub fn generic_state(chain: &Chain<f64>) -> Result<State<f64>> {
 
 impl Problem {
     fn new(alpha: f64, beads: usize) -> Result<Self> {
-        if beads < 2 {
-            return Err(Error::parameter("beads", beads, "at least two beads, or nothing can touch"));
+        if !(2..=MOST_BEADS).contains(&beads) {
+            let rule = "at least two beads, or nothing can touch, and at most 1000: the study stops at every event";
+            return Err(Error::parameter("beads", beads, rule));
         }
         let chain = Chain::new(Params::new(alpha, KAPPA, RHO)?, Boundary::Free, beads)?;
+        if !EXPONENTS.contains(&alpha) {
+            return Err(Error::parameter("alpha", alpha, "the order study takes exponents from 0.5 to 10"));
+        }
         let start = generic_state(&chain)?.as_slice().to_vec();
         let shifted = |size: f64| -> Vec<f64> {
             let direction = |i: usize| (2.399_963 * i as f64 + 1.0).sin();

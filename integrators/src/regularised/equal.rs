@@ -108,7 +108,8 @@ impl<R: Real> Division<R> {
 /// It stops at each event, found by Newton's method on its own solution; the itinerary is only where that starts.
 ///
 /// # Errors
-/// A division or a problem that is not valid; a state that is not finite.
+/// A division or a problem that is not valid; a state that is not finite; a solution too coarse to have an event of the
+/// itinerary.
 pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     mut field: F,
     functions: &E,
@@ -132,23 +133,29 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
             onset |= stop.is_some_and(|stop| stop.onset);
             continue;
         }
-        for _ in 0..MOST_PASSES {
+        let mut pass = 0;
+        loop {
             let map = TimeMap::new(length, power(onset), power(stop.is_some_and(|stop| stop.release)));
             step.load(&from);
             let taken = traverse(&mut Mapped { field: &mut field, map, origin: origin.value() }, &mut step, division)?;
-            let y = step.state();
             let Some(stop) = stop else {
                 steps += taken;
                 break;
             };
-            let t = (origin + Twofold::new(length)).value();
+            let (t, y) = ((origin + Twofold::new(length)).value(), step.state());
             field.eval(t, y, &mut dy);
             functions.values(t, y, &mut g);
             functions.rates(t, y, &dy, &mut rates);
-            let miss = -(g[stop.event.index] / rates[stop.event.index]);
-            if !(miss.abs() > R::of(1e-12) * length && miss.abs() < length) {
+            let g = g[stop.event.index];
+            let miss = -(g / rates[stop.event.index]);
+            if g.abs() <= functions.band(y) || miss.abs() <= R::of(1e-12) * length {
                 steps += taken;
                 break;
+            }
+            pass += 1;
+            // Steps too coarse to have this event at all.
+            if pass == MOST_PASSES || miss.is_nan() || miss.abs() >= length {
+                return Err(Error::StepUnderflow { t: t.f64(), h: miss.f64() });
             }
             length += miss;
         }

@@ -1,7 +1,7 @@
 //! A leg, and how fast it goes.
 
 use super::TimeMap;
-use crate::{clock::Twofold, events::sides::Crossing, real::Real, system::VectorField};
+use crate::{clock::Twofold, dop853::step::Leap, events::sides::Crossing, real::Real, system::VectorField};
 
 /// A field in the mapped variable: `dy/dsigma = tau'(sigma) f(t, y)`.
 pub(super) struct Mapped<'a, R, F> {
@@ -41,6 +41,11 @@ impl<R: Real> Leg<R> {
     /// Time since the origin.
     pub(super) fn tau(&self) -> R {
         self.map.at(self.sigma)
+    }
+
+    /// The same at a share of a step.
+    pub(super) fn tau_in(&self, leap: Leap<R>, share: f64) -> R {
+        self.map.at(leap.from.value() + leap.h * R::of(share))
     }
 
     pub(super) fn time(&self, sigma: R) -> Twofold<R> {

@@ -263,38 +263,33 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.sides.set_band(self.functions.band(self.step.before()).f64());
     }
 
-    /// The first event in the trial.
+    /// How far from its place the singularity of a crossing may be put.
+    fn width(&self, leg: &Leg<R>, leap: Leap<R>, crossing: &Crossing) -> R {
+        // One that has fired here already is not put here again.
+        if self.sides.late(crossing.index) {
+            return -R::one();
+        }
+        // Not the slope itself: at a singular end the map has none.
+        let (near, polynomial) = (crossing.zero, self.sides.polynomial(crossing.index));
+        let far = if near < 0.5 { near + 0.05 } else { near - 0.05 };
+        let change = R::of(polynomial.at(far) - polynomial.at(near));
+        self.cluster(change / (leg.tau_in(leap, far) - leg.tau_in(leap, near)))
+    }
+
+    /// The first event in the trial; if it may be put where the trial starts, it is pending, with all others like it.
     fn first_event(&mut self, leg: &Leg<R>, leap: Leap<R>) -> Option<Landing<R>> {
         self.sides.first_crossings(&mut self.crossings);
-        let mut pending = std::mem::take(&mut self.pending);
-        pending.clear();
-        let at = |share: f64| leg.map.at(leap.from.value() + leap.h * R::of(share));
-        let width = |crossing: &Crossing| {
-            // One that has fired here already is not put here again.
-            if self.sides.late(crossing.index) {
-                return -R::one();
-            }
-            // Not the slope itself: at a singular end the map has none.
-            let (near, polynomial) = (crossing.zero, self.sides.polynomial(crossing.index));
-            let far = if near < 0.5 { near + 0.05 } else { near - 0.05 };
-            self.cluster(R::of(polynomial.at(far) - polynomial.at(near)) / (at(far) - at(near)))
-        };
         let earlier = |x: &&Crossing, y: &&Crossing| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index));
-        let Some(&crossing) = self.crossings.iter().min_by(earlier) else {
-            self.pending = pending;
-            return None;
+        let crossing = *self.crossings.iter().min_by(earlier)?;
+        let tau = leg.tau_in(leap, crossing.zero);
+        let shares = |c: &Crossing, place: R| leg.tau_in(leap, c.zero) - place <= self.width(leg, leap, c);
+        let released = self.crossings.iter().any(|other| !other.rising && shares(other, tau));
+        let here = shares(&crossing, leg.tau());
+        let event = |c: &Crossing| {
+            let t = leg.origin + Twofold::new(leg.tau_in(leap, c.zero));
+            Event { index: c.index, rising: c.rising, t: t.value() }
         };
-        let (now, tau) = (leg.tau(), at(crossing.zero));
-        let shares = |other: &&Crossing, place: R| at(other.zero) - place <= width(other);
-        let released = self.crossings.iter().any(|other| !other.rising && shares(&other, tau));
-        let here = shares(&&crossing, now);
-        if here {
-            let event = |c: &Crossing| {
-                let t = leg.origin + Twofold::new(at(c.zero));
-                Event { index: c.index, rising: c.rising, t: t.value() }
-            };
-            pending.extend(self.crossings.iter().filter(|other| shares(other, now)).map(event));
-        }
+        let pending = self.crossings.iter().filter(|c| here && shares(c, leg.tau())).map(event).collect();
         self.pending = pending;
         Some(Landing { crossing, tau, here, released })
     }

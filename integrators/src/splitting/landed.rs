@@ -33,8 +33,8 @@ struct Crossing<R> {
 
 /// A splitting scheme whose steps end on every event: a step in which a contact begins or ends is taken again, up to there.
 ///
-/// The time of an event is a zero of the overlap through the numerical flow itself. It counts if the overlap gets beyond a
-/// dead band of `64 eps max|position|` on the other side; overlaps inside a step are told by the cubics through both ends.
+/// The time of an event is a zero of the overlap through the numerical flow itself. It counts if the overlap gets beyond the
+/// flow's dead band on the other side; overlaps inside a step are told by the cubics through both ends.
 pub struct Landed<R, S> {
     flow: S,
     /// The flow at the start of the last step.
@@ -98,8 +98,8 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
     }
 
     fn look(&mut self) {
-        let size = self.flow.overlaps(&mut self.overlaps, &mut self.rates);
-        self.band = R::of(64.0 * f64::EPSILON) * size;
+        // Of the largest state so far: rounding does not shrink when a state passes through zero.
+        self.band = self.band.max(self.flow.overlaps(&mut self.overlaps, &mut self.rates));
         for (bond, (&g, &rate)) in self.bonds.iter_mut().zip(self.overlaps.iter().zip(&self.rates)) {
             bond.end = (g, rate);
         }
