@@ -1,12 +1,13 @@
 //! The integrators by name: the one place that knows all of them.
 
 use crate::{
-    chain::{Field, KineticFlow, LinearFlow, Overlaps, max_norm},
+    chain::{Chain, Field, KineticFlow, LinearFlow, Overlaps, max_norm},
     error::{Error, Result},
     scene::Scene,
 };
 use hertzchain_integrators::{
-    Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
+    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
+    collocation::Pace,
     dop853::Options,
     regularised::power,
     splitting::{First, Landed, tables},
@@ -30,6 +31,8 @@ pub enum Method {
     Landed(&'static Scheme),
     /// The adaptive 8(5,3) pair.
     Dop853(Contacts),
+    /// Every contact resolved where it happens, at a cost linear in the chain.
+    Collocation,
 }
 
 /// What an adaptive method does about contacts that begin or end.
@@ -50,16 +53,24 @@ const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::
 pub enum Setting {
     /// This many equal steps over the whole span.
     Steps(u64),
-    /// Tolerance of a step: relative, and absolute in units of the largest entry of the initial state.
+    /// Tolerance: of a step (relative, and absolute in units of the largest entry of the initial state); for collocation of the
+    /// whole run.
     Tolerance(f64),
+    /// This many equal windows over the whole span, each panel with so many nodes.
+    Windows(u64, usize),
 }
 
 impl Method {
-    /// All methods: kinetic splits, linear splits, the one that lands, then the adaptive ones.
+    /// All methods: kinetic splits, linear splits, the one that lands, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
-        on(Split::Kinetic).chain(on(Split::Linear)).chain([landed]).chain(ADAPTIVE.map(Self::Dop853)).collect()
+        on(Split::Kinetic)
+            .chain(on(Split::Linear))
+            .chain([landed])
+            .chain(ADAPTIVE.map(Self::Dop853))
+            .chain([Self::Collocation])
+            .collect()
     }
 
     /// The method of this name.
@@ -85,6 +96,7 @@ impl Method {
             Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
             Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
             Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
+            Self::Collocation => "collocation".to_owned(),
         }
     }
 
@@ -93,6 +105,8 @@ impl Method {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
             Self::Dop853(_) => 8,
+            // Gauss nodes: twice as many as a panel has at the middle of the range.
+            Self::Collocation => 16,
         }
     }
 
@@ -101,18 +115,20 @@ impl Method {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
             Self::Dop853(_) => 12,
+            Self::Collocation => 8,
         }
     }
 
     /// Whether it takes a tolerance; the others take steps.
     pub fn adaptive(&self) -> bool {
-        matches!(self, Self::Dop853(_))
+        matches!(self, Self::Dop853(_) | Self::Collocation)
     }
 
     /// Article that the coefficients come from.
     pub fn source(&self) -> &'static str {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
+            Self::Collocation => "this software; Gauss collocation after Hairer, Lubich & Wanner 2006, Sec. II.1",
             Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
         }
     }
@@ -124,6 +140,7 @@ impl Method {
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
             Self::Landed(_) => "exact linear flow, landed",
             Self::Dop853(_) => "adaptive",
+            Self::Collocation => "contact collocation",
         }
     }
 
@@ -160,14 +177,40 @@ impl Method {
                 };
                 Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
             }
+            (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
+                Ok(Box::new(collocation(scene, setting)?))
+            }
+            (_, Setting::Windows(windows, _)) => {
+                Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
+            }
             (Self::Splitting(..) | Self::Landed(_), Setting::Tolerance(tol)) => {
                 Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
             }
-            (Self::Dop853(_), Setting::Steps(steps)) => {
+            (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {
                 Err(Error::parameter("steps", steps, "an adaptive method chooses its steps: give it --tol"))
             }
         }
     }
+}
+
+/// Collocation at work on a scene.
+///
+/// # Errors
+/// A setting in steps, or outside its rule.
+pub(crate) fn collocation(scene: &Scene, setting: Setting) -> Result<Collocation<Chain<f64>>> {
+    let pace = match setting {
+        Setting::Tolerance(tol) => Pace::Tolerance(tol),
+        Setting::Windows(windows, nodes) => Pace::Windows { windows, nodes, neighbours: true },
+        Setting::Steps(steps) => {
+            return Err(Error::parameter(
+                "steps",
+                steps,
+                "collocation takes --tol, or --windows-per-period and --nodes",
+            ));
+        }
+    };
+    let (y, span) = (scene.initial().as_slice(), (0.0, scene.end()));
+    Ok(Collocation::new(scene.chain().clone(), y, span, pace)?)
 }
 
 pub(crate) fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {

@@ -54,4 +54,16 @@ pub enum Error {
         /// Steps taken.
         steps: u64,
     },
+    /// The sweeps of contact collocation did not settle in any window, however short.
+    #[error("contact collocation did not settle at t = {t}: bond {bond}, window {h:e}, change of impulse {residual:e}")]
+    NoContraction {
+        /// Time.
+        t: f64,
+        /// Shortest window that was tried.
+        h: f64,
+        /// Bond with the largest change, counted from the first that can touch.
+        bond: usize,
+        /// That change.
+        residual: f64,
+    },
 }

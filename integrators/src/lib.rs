@@ -13,6 +13,7 @@
 //! | [`stats`], [`error`] | counted work; what can go wrong |
 
 pub mod clock;
+pub mod collocation;
 pub mod dop853;
 pub mod drive;
 pub mod error;
@@ -24,6 +25,7 @@ pub mod stats;
 pub mod system;
 
 pub use clock::Twofold;
+pub use collocation::Collocation;
 pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;

@@ -56,11 +56,11 @@ impl Real for f64 {
     fn run<K: Kernel>(kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
             fn avx512<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run()
             }
-            #[target_feature(enable = "avx2")]
+            #[target_feature(enable = "avx2,fma")]
             fn avx2<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run()
             }
@@ -71,7 +71,7 @@ impl Real for f64 {
                 // SAFETY: the features were just detected.
                 return unsafe { avx512(kernel) };
             }
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 // SAFETY: as above.
                 return unsafe { avx2(kernel) };
             }

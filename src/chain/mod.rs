@@ -10,6 +10,7 @@
 
 mod averaged;
 mod boundary;
+mod contact_chain;
 mod contacts;
 mod energy;
 mod field;

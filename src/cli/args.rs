@@ -49,19 +49,25 @@ pub(super) struct CompareArgs {
 pub(super) struct RunArgs {
     /// Name of a built-in scene, or a TOML file.
     pub(super) scene: String,
-    /// Integrator; `hertzchain integrators` lists them.
-    #[arg(long, value_name = "NAME", default_value = "strang-linear")]
-    pub(super) integrator: String,
+    /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, else strang-linear].
+    #[arg(long, value_name = "NAME")]
+    pub(super) integrator: Option<String>,
     /// Steps a period of the scene, for splitting schemes [default: 512].
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"], allow_negative_numbers = true)]
     pub(super) steps_per_period: Option<f64>,
     /// Step size, in units of time; made smaller where a whole number of steps must fit the span.
     #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
     pub(super) step: Option<f64>,
-    /// Tolerance of a step, for adaptive methods: relative, and absolute in units of the largest entry of the initial state [default:
-    /// 1e-10].
+    /// Tolerance. For collocation: of the whole run, relative to the size of the state. For dop853: of a step, relative, and absolute
+    /// in units of the largest entry of the initial state [default: 1e-10].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(super) tol: Option<f64>,
+    /// Equal windows a period of the scene, for collocation, without control of the error.
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"], allow_negative_numbers = true)]
+    pub(super) windows_per_period: Option<f64>,
+    /// Nodes a panel, with --windows-per-period: 4, 6, .. 16 [default: 10].
+    #[arg(long, value_name = "M", requires = "windows_per_period")]
+    pub(super) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(super) until: Option<f64>,

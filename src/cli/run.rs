@@ -13,6 +13,7 @@ use std::process::ExitCode;
 
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
+const DEFAULT_NODES: usize = 10;
 /// More steps than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
 
@@ -21,7 +22,10 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
-    let method = Method::named(&args.integrator)?;
+    // A tolerance asks for the method that keeps it best.
+    let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
+    let default = if adaptive { "collocation" } else { "strang-linear" };
+    let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
     let (setting, wording) = setting(args, method, &scene)?;
     if args.plan {
         let plan = scene.plan(args.events);
@@ -60,6 +64,16 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
         let good = value.is_finite() && value > 0.0;
         if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
     };
+    if let Some(per_period) = args.windows_per_period {
+        let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
+        let windows = (scene.end() / scene.period() * positive("windows-per-period", per_period)?).ceil().max(1.0);
+        if windows > MOST_STEPS {
+            return Err(Error::parameter("windows", windows, "at most 1e15 windows"));
+        }
+        let words =
+            format!("{windows} windows ({:.6} a period), {nodes} nodes", windows * scene.period() / scene.end());
+        return Ok((Setting::Windows(windows as u64, nodes), words));
+    }
     if method.adaptive() {
         if let Some(value) = args.step.or(args.steps_per_period) {
             return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));

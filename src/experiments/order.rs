@@ -312,7 +312,7 @@ impl Problem {
                 finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
             }
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
-            (Method::Landed(_), _) => unreachable!("landing is a mode of this study, not a method"),
+            (Method::Landed(_) | Method::Collocation, _) => unreachable!("not a method of this study"),
         }?;
         Ok((y, steps))
     }

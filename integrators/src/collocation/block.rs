@@ -1,0 +1,334 @@
+//! A stretch of neighbouring bonds, solved over one window by one thread.
+//!
+//! A long chain is cut into blocks that fit the cache. A block takes some bonds of its neighbours along and solves for them too, without
+//! handing on what it finds: forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
+//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads.
+
+use super::{
+    bond::{Beside, Bond, Contact, Cuts, Panels},
+    panel::{Frame, sin_cos},
+    sites::{Site, overlap},
+    system::{ContactChain, PairLaw, Path},
+};
+use crate::real::{Kernel, Real};
+use std::ops::Range;
+
+/// Bonds of a block, and those of its neighbours on either side that it takes along.
+pub(crate) const OWN: usize = 128;
+const ALONG: usize = 12;
+/// A chain up to this is one block.
+const WHOLE: usize = 2 * OWN;
+/// Sweeps after which a window is given up.
+const MOST_SWEEPS: u64 = 40;
+/// Times that a window may turn out to be other than it was taken for.
+const MOST_ROUNDS: u32 = 10;
+/// Times that panels may be halved.
+const MOST_HALVINGS: u32 = 4;
+
+/// What a window starts from.
+pub(crate) struct Start<'a, C> {
+    pub(crate) chain: &'a C,
+    pub(crate) sites: &'a [Site],
+    pub(crate) ongoing: &'a [Option<Contact>],
+    /// Sine and cosine of the phase.
+    pub(crate) phase: (f64, f64),
+}
+
+/// When a window counts as solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// Change of an impulse that another sweep may make.
+    pub(crate) change: f64,
+    /// Last terms of the series of an impulse; infinite if panels are not to be halved.
+    pub(crate) tail: f64,
+    pub(crate) cuts: Cuts,
+}
+
+/// What a window leaves behind in a bond.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Left {
+    pub(crate) path: Path,
+    pub(crate) ongoing: Option<Contact>,
+}
+
+/// What a contact did within one window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// The bond.
+    pub bond: usize,
+    /// Onset in this window: time since its start, and `dg/dt`.
+    pub onset: Option<(f64, f64)>,
+    /// Release in this window: time since its start, and `dg/dt`.
+    pub release: Option<(f64, f64)>,
+    /// `int f dt`.
+    pub impulse: f64,
+    /// Largest overlap.
+    pub largest: f64,
+}
+
+/// How it went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Verdict {
+    pub(crate) sweeps: u64,
+    /// Panels evaluated.
+    pub(crate) panels: u64,
+    /// Largest share of a change that another sweep leaves.
+    pub(crate) share: f64,
+    /// Bonds that touched, and those whose panels were halved.
+    pub(crate) touching: usize,
+    pub(crate) halved: usize,
+    /// Bond and change of impulse where it failed.
+    pub(crate) failure: Option<(usize, f64)>,
+}
+
+impl Verdict {
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            sweeps: self.sweeps.max(other.sweeps),
+            panels: self.panels + other.panels,
+            share: self.share.max(other.share),
+            touching: self.touching + other.touching,
+            halved: self.halved + other.halved,
+            failure: self.failure.or(other.failure),
+        }
+    }
+}
+
+/// Where the blocks of a chain with so many bonds begin and end.
+pub(crate) fn blocks(bonds: usize) -> usize {
+    if bonds <= WHOLE { 1 } else { bonds.div_ceil(OWN) }
+}
+
+/// The bonds that block `k` answers for.
+pub(crate) fn own(bonds: usize, k: usize) -> Range<usize> {
+    if bonds <= WHOLE { 0..bonds } else { k * OWN..((k + 1) * OWN).min(bonds) }
+}
+
+/// Memory for one block at a time.
+pub(crate) struct Workspace<const M: usize> {
+    bonds: Vec<Bond<M>>,
+    old: Panels<M>,
+    pub(crate) pieces: Vec<Piece>,
+}
+
+impl<const M: usize> Workspace<M> {
+    pub(crate) fn new() -> Self {
+        Self { bonds: Vec::new(), old: Panels::new(), pieces: Vec::new() }
+    }
+
+    /// Solves for the bonds of `own` and leaves what they leave behind in `left`.
+    pub(crate) fn solve<C: ContactChain>(
+        &mut self,
+        start: &Start<C>,
+        frame: &Frame<'_, M>,
+        goal: &Goal,
+        own: Range<usize>,
+        left: &mut [Left],
+        log: bool,
+    ) -> Verdict {
+        let (chain, all) = (start.chain, start.chain.bonds());
+        let whole = own.len() == all;
+        // Local index i stands for bond (first + i) mod all.
+        let (first, len) = if whole {
+            (0, all)
+        } else if chain.ring() {
+            ((own.start + all - ALONG) % all, own.len() + 2 * ALONG)
+        } else {
+            let first = own.start.saturating_sub(ALONG);
+            (first, (own.end + ALONG).min(all) - first)
+        };
+        let offset = (own.start + all - first) % all;
+        while self.bonds.len() < len {
+            self.bonds.push(Bond::new());
+        }
+        let law = chain.law();
+        let bonds = &mut self.bonds[..len];
+        let mut b = first;
+        for bond in bonds.iter_mut() {
+            let recoil = -chain.across(b, |i| chain.push(i, |c| [f64::from(u8::from(c == b)); 4]))[0];
+            let (path, largest) = overlap(chain, start.sites, b, start.phase, frame.h);
+            bond.recoil = recoil;
+            bond.ongoing = start.ongoing[b];
+            bond.begin(frame, &law, path, chain.dead_band(largest));
+            b = if b + 1 == all { 0 } else { b + 1 };
+        }
+        let ring = whole && chain.ring() && all > 1;
+        let work = Work { bonds, old: &mut self.old, frame, law: &law, goal, ring };
+        let mut verdict = f64::run(work);
+        verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
+        let mine = offset..offset + own.len();
+        verdict.touching = bonds[mine.clone()].iter().filter(|bond| !bond.contacts.is_empty()).count();
+        verdict.share = bonds[mine.clone()].iter().fold(0.0, |share, bond| bond.share.max(share));
+        verdict.halved = bonds[mine.clone()].iter().filter(|bond| bond.halvings > 0).count();
+        for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
+            *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frame.h) };
+        }
+        if log && verdict.failure.is_none() {
+            for (b, bond) in own.zip(&bonds[mine]) {
+                self.pieces.extend(bond.contacts.iter().map(|contact| bond.piece_of(frame, contact, b)));
+            }
+        }
+        verdict
+    }
+}
+
+/// The bonds of a block over a window.
+struct Work<'a, L, const M: usize> {
+    bonds: &'a mut [Bond<M>],
+    old: &'a mut Panels<M>,
+    frame: &'a Frame<'a, M>,
+    law: &'a L,
+    goal: &'a Goal,
+    ring: bool,
+}
+
+impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
+    type Output = Verdict;
+
+    #[inline(always)]
+    fn run(self) -> Verdict {
+        let Self { bonds, old, frame, law, goal, ring } = self;
+        let n = bonds.len();
+        let end = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * frame.h) };
+        let mut verdict = Verdict::default();
+        let mut lost = false;
+        for b in 0..n {
+            let (me, left, right) = beside(bonds, b, ring);
+            lost |= !me.predict(frame, law, left, right, end, goal.cuts);
+        }
+        if lost {
+            verdict.failure = Some((0, f64::INFINITY));
+            return verdict;
+        }
+        for b in 0..n {
+            let (me, left, right) = beside(bonds, b, ring);
+            me.lay_out(frame, left, right, goal.cuts, old);
+            me.start(frame, law, left, right);
+            me.dirty = true;
+            verdict.panels += me.panels.len as u64;
+        }
+        let mut rounds = 0;
+        loop {
+            let worst = sweep(bonds, old, frame, law, goal, ring, &mut verdict);
+            let Some(worst) = worst else {
+                if !unsettled(bonds, frame, goal, ring, &mut verdict) {
+                    return verdict;
+                }
+                rounds += 1;
+                if rounds > MOST_ROUNDS {
+                    verdict.failure = Some((0, f64::NAN));
+                    return verdict;
+                }
+                continue;
+            };
+            if verdict.sweeps >= MOST_SWEEPS || verdict.failure.is_some() {
+                verdict.failure = verdict.failure.or(Some(worst));
+                return verdict;
+            }
+        }
+    }
+}
+
+/// One sweep over all bonds that have something to do; the worst of them and its change, if any is not done.
+#[inline(always)]
+fn sweep<L: PairLaw, const M: usize>(
+    bonds: &mut [Bond<M>],
+    old: &mut Panels<M>,
+    frame: &Frame<'_, M>,
+    law: &L,
+    goal: &Goal,
+    ring: bool,
+    verdict: &mut Verdict,
+) -> Option<(usize, f64)> {
+    let n = bonds.len();
+    let mut worst: Option<(usize, f64)> = None;
+    verdict.sweeps += 1;
+    for b in 0..n {
+        let (me, left, right) = beside(bonds, b, ring);
+        // A contact that turned out to be none is swept once more, to be forgotten.
+        if !(me.stale || me.dirty && !me.contacts.is_empty()) {
+            me.dirty = false;
+            continue;
+        }
+        verdict.panels += me.panels.len as u64;
+        let change = me.sweep(frame, law, left, right, goal.cuts, old);
+        let share = if me.share < 1.0 { me.share } else { 1.0 };
+        let again = change.impulse * share > goal.change || change.moved > 0.0;
+        me.dirty = again;
+        if !(change.impulse < f64::INFINITY) {
+            verdict.failure = Some((b, change.impulse));
+        }
+        if again && worst.is_none_or(|(_, impulse)| change.impulse > impulse) {
+            worst = Some((b, change.impulse));
+        }
+        let far = change.moved > goal.cuts.frozen_beside;
+        for beside in [
+            if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
+            if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
+        ]
+        .into_iter()
+        .flatten()
+        {
+            let other = &mut bonds[beside];
+            // Those behind in this sweep are not done if this changes them.
+            if !other.contacts.is_empty() && (far || change.impulse * other.share > goal.change) {
+                other.dirty = true;
+                other.stale |= far;
+                if worst.is_none() {
+                    worst = Some((beside, change.impulse));
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. Returns whether
+/// something must be done anew.
+#[inline(always)]
+fn unsettled<const M: usize>(
+    bonds: &mut [Bond<M>],
+    frame: &Frame<'_, M>,
+    goal: &Goal,
+    ring: bool,
+    verdict: &mut Verdict,
+) -> bool {
+    let n = bonds.len();
+    let mut anew = false;
+    for bond in &mut *bonds {
+        bond.surprised();
+    }
+    let per = 0.5 * frame.h * frame.h;
+    for b in 0..n {
+        let (me, left, right) = beside(bonds, b, ring);
+        let of = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.surprise);
+        let off = per * (of(left) + of(right) + me.recoil * me.surprise);
+        if off > me.slack || me.suspicious {
+            match me.verify(frame, left, right, goal.cuts) {
+                None => verdict.failure = Some((b, f64::INFINITY)),
+                Some(other) => {
+                    me.stale |= other;
+                    anew |= other;
+                }
+            }
+        }
+        if me.panels.as_slice().iter().any(|panel| panel.tail(&frame.rule) > goal.tail) {
+            me.halvings += 1;
+            (me.stale, anew) = (true, true);
+            if me.halvings > MOST_HALVINGS {
+                verdict.failure = Some((b, f64::INFINITY));
+            }
+        }
+    }
+    anew && verdict.failure.is_none()
+}
+
+/// A bond and its neighbours.
+#[inline(always)]
+fn beside<const M: usize>(bonds: &mut [Bond<M>], b: usize, ring: bool) -> (&mut Bond<M>, Beside<'_, M>, Beside<'_, M>) {
+    let (head, rest) = bonds.split_at_mut(b);
+    let (me, tail) = rest.split_first_mut().expect("a bond of the block");
+    let left = head.last().or(if ring { tail.last() } else { None });
+    let right = tail.first().or(if ring { head.first() } else { None });
+    (me, left, right)
+}

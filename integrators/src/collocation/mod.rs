@@ -1,0 +1,216 @@
+//! Contact collocation.
+
+mod block;
+mod bond;
+mod control;
+mod detect;
+mod panel;
+mod rule;
+mod sites;
+mod solver;
+mod system;
+
+pub use block::Piece;
+pub use control::Pace;
+pub use system::{ContactChain, PairLaw, Path, Response};
+
+use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
+use block::{Left, Start};
+use bond::Contact;
+use control::Control;
+use sites::{Phase, Site};
+use solver::Solver;
+
+/// Parts that a window is cut into at most, to show the state inside it.
+const MOST_PARTS: u32 = 1 << 10;
+
+/// What moves: sites, the contacts that bonds are in, and the time.
+#[derive(Clone)]
+struct State {
+    sites: Vec<Site>,
+    ongoing: Vec<Option<Contact>>,
+    phase: Phase,
+    t: Twofold<f64>,
+}
+
+impl State {
+    /// Over a window of length `h`, with what bonds have left behind in it.
+    fn advance<C: ContactChain>(&mut self, chain: &C, left: &[Left], h: f64) {
+        let phase = self.phase.sin_cos();
+        for (i, site) in self.sites.iter_mut().enumerate() {
+            site.advance(&chain.push(i, |b| left[b].path), h, phase);
+        }
+        for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
+            *ongoing = left.ongoing;
+        }
+        self.phase.advance(h);
+        self.t = self.t + Twofold::new(h);
+    }
+
+    fn store<C: ContactChain>(&self, chain: &C, y: &mut [f64]) {
+        let phase = self.phase.sin_cos();
+        let omega = chain.response().omega.value();
+        for (i, site) in self.sites.iter().enumerate() {
+            let [r, v, c, s] = site.path(phase);
+            chain.place([r, v, c, omega * s], i, y);
+        }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.sites.copy_from_slice(&other.sites);
+        self.ongoing.copy_from_slice(&other.ongoing);
+        (self.phase, self.t) = (other.phase, other.t);
+    }
+}
+
+/// A run by contact collocation.
+pub struct Collocation<C: ContactChain> {
+    chain: C,
+    /// At the start of the last window.
+    state: State,
+    solver: Box<dyn Solver<C>>,
+    control: Control,
+    /// What the last window left behind, and its length; zero if there is none.
+    left: Vec<Left>,
+    h: f64,
+    end: Twofold<f64>,
+    log: bool,
+    stats: Stats,
+    /// For states inside a window; made when first asked for.
+    inside: Option<Inside<C>>,
+}
+
+struct Inside<C> {
+    state: State,
+    solver: Box<dyn Solver<C>>,
+    left: Vec<Left>,
+}
+
+impl<C: ContactChain> Collocation<C> {
+    /// A run from the state `y0` over `span`.
+    ///
+    /// # Errors
+    /// A span, a pace or a state outside its rule.
+    pub fn new(chain: C, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Self, Error> {
+        crate::dop853::check_start(chain.dim(), y0, span)?;
+        let sites: Vec<Site> = (0..chain.sites()).map(|i| Site { hi: chain.path(y0, i), lo: [0.0; 4] }).collect();
+        let phase = Phase::new(chain.response().omega);
+        let closed = |b| {
+            let (path, largest) = sites::overlap(&chain, &sites, b, phase.sin_cos(), 0.0);
+            (path[0] + path[2] > chain.dead_band(largest)).then(Contact::from_the_start)
+        };
+        let ongoing = (0..chain.bonds()).map(closed).collect();
+        let end = Twofold::new(span.1) - Twofold::new(span.0);
+        let control = Control::new(&chain, &sites, pace, end)?;
+        let solver = solver::with_nodes(control.nodes(), chain.bonds());
+        Ok(Self {
+            left: vec![Left::default(); chain.bonds()],
+            state: State { sites, ongoing, phase, t: Twofold::new(span.0) },
+            solver,
+            control,
+            h: 0.0,
+            end: Twofold::new(span.1),
+            log: false,
+            stats: Stats::default(),
+            inside: None,
+            chain,
+        })
+    }
+
+    /// Keeps what every contact does, see [`pieces`](Self::pieces).
+    #[must_use]
+    pub fn logged(mut self) -> Self {
+        self.log = true;
+        self
+    }
+
+    /// What contacts did in the last window, by bond, if that is logged; and when the window began.
+    pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
+        (self.state.t.value(), self.solver.pieces())
+    }
+
+    /// Whether bond `b` was closed when the run began, or is so at the start of the last window.
+    pub fn touching(&self, b: usize) -> bool {
+        self.state.ongoing[b].is_some()
+    }
+}
+
+impl<C: ContactChain> Stepper<f64> for Collocation<C> {
+    fn dim(&self) -> usize {
+        self.chain.dim()
+    }
+
+    fn time(&self) -> f64 {
+        if self.done() { self.end.value() } else { (self.state.t + Twofold::new(self.h)).value() }
+    }
+
+    fn done(&self) -> bool {
+        self.control.done()
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        if self.h > 0.0 {
+            self.state.advance(&self.chain, &self.left, self.h);
+            self.h = 0.0;
+        }
+        loop {
+            let left_to_go = (self.end - self.state.t).value();
+            let h = self.control.propose(left_to_go);
+            let State { sites, ongoing, phase, .. } = &self.state;
+            let start = Start { chain: &self.chain, sites, ongoing, phase: phase.sin_cos() };
+            let goal = self.control.goal(h);
+            let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
+            self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
+            let Some((bond, residual)) = verdict.failure else {
+                self.control.accept(&verdict, h, h >= left_to_go);
+                self.h = h;
+                self.stats.steps += 1;
+                return Ok(());
+            };
+            self.stats.rejected += 1;
+            if !self.control.reject(h) {
+                return Err(Error::NoContraction { t: self.state.t.value(), h, bond, residual });
+            }
+        }
+    }
+
+    /// The state inside the last window is that of a window that ends there: as accurate as at its end.
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let time = self.time();
+        let inside = self.inside.get_or_insert_with(|| Inside {
+            state: self.state.clone(),
+            solver: solver::with_nodes(self.control.nodes(), self.chain.bonds()),
+            left: self.left.clone(),
+        });
+        let State { t: start, .. } = self.state;
+        inside.state.copy_from(&self.state);
+        let by = (Twofold::new(t) - start).value();
+        if self.h > 0.0 && (t >= time || by >= self.h) {
+            inside.state.advance(&self.chain, &self.left, self.h);
+        } else if by > 0.0 && self.h > 0.0 {
+            let mut parts = 1;
+            while !inside.advance(&self.chain, &self.control, by, parts) && parts < MOST_PARTS {
+                inside.state.copy_from(&self.state);
+                parts *= 2;
+            }
+        }
+        inside.state.store(&self.chain, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}
+
+impl<C: ContactChain> Inside<C> {
+    fn advance(&mut self, chain: &C, control: &Control, by: f64, parts: u32) -> bool {
+        let h = by / f64::from(parts);
+        (0..parts).all(|_| {
+            let State { sites, ongoing, phase, .. } = &self.state;
+            let start = Start { chain, sites, ongoing, phase: phase.sin_cos() };
+            let verdict = self.solver.window(&start, h, &control.goal(h), &mut self.left, false);
+            self.state.advance(chain, &self.left, h);
+            verdict.failure.is_none()
+        })
+    }
+}

@@ -1,0 +1,417 @@
+//! A panel: a stretch of one contact on which the force is smooth in the panel's own variable.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `t` | time since the start of the window |
+//! | `sigma` | `|t - t_o|^{1/q}`, the distance from an origin `t_o` at or beyond an end of the panel |
+//! | `x` | `sigma` scaled to `[-1, 1]`, ascending in time |
+//! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
+
+use super::{rule::Rule, system::Path};
+
+/// What all bonds share in a window.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame<'a, const M: usize> {
+    pub(crate) rule: &'a Rule<M>,
+    /// Length of the window.
+    pub(crate) h: f64,
+    pub(crate) m: f64,
+    pub(crate) mu: f64,
+    pub(crate) mu_per_omega: f64,
+    pub(crate) omega: f64,
+    /// `1/omega`; zero for `omega = 0`.
+    pub(crate) per_omega: f64,
+    /// Power of the variable near an event.
+    pub(crate) q: u32,
+}
+
+impl Origin {
+    /// The time a share of the way from `from` to `to` in the variable.
+    pub(crate) fn between(self, q: u32, from: f64, to: f64, share: f64) -> f64 {
+        let (o, sign) = match self {
+            Self::None => return from + share * (to - from),
+            Self::Before(o) => (o, 1.0),
+            Self::After(o) => (o, -1.0),
+        };
+        let [a, b] = root([sign * (from - o), sign * (to - o)], q);
+        o + sign * (a + share * (b - a)).powi(q as i32)
+    }
+}
+
+/// Where a panel's variable has its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Origin {
+    /// Nowhere: the variable is time.
+    None,
+    /// At an onset at or before the start.
+    Before(f64),
+    /// At a release at or after the end.
+    After(f64),
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Panel<const M: usize> {
+    pub(crate) start: f64,
+    pub(crate) end: f64,
+    /// `t = origin + sign sigma^q`.
+    origin: f64,
+    sign: f64,
+    q: u32,
+    /// `sigma = middle + half x`.
+    middle: f64,
+    half: f64,
+    per_half: f64,
+    /// Times of the nodes, and cosine and sine of `omega t` there.
+    pub(crate) tau: [f64; M],
+    pub(crate) cos: [f64; M],
+    pub(crate) sin: [f64; M],
+    /// `dt/dx` at the nodes.
+    pub(crate) rate: [f64; M],
+    /// Overlap at the nodes.
+    pub(crate) overlap: [f64; M],
+    /// Force at the nodes.
+    pub(crate) force: [f64; M],
+    /// What the force of this panel has moved, at its own nodes: `int K(t - s) f(s) ds` from its start.
+    pub(crate) local: [f64; M],
+    /// The same as a Chebyshev series in `x`.
+    pub(crate) series: [f64; M],
+    /// The path that earlier panels of the bond in this window left behind.
+    pub(crate) before: Path,
+    /// How the two neighbours are seen from the nodes.
+    pub(crate) views: [View<M>; 2],
+}
+
+/// Which part of a neighbour acts at the nodes of a panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sight {
+    /// None yet.
+    Nothing,
+    /// One panel, at all nodes.
+    Inside(usize),
+    /// The path left behind before this panel.
+    Behind(usize),
+    /// Several.
+    Mixed,
+}
+
+/// A neighbour as seen from a panel: what does not change from sweep to sweep.
+#[derive(Clone, Debug)]
+pub(crate) struct View<const M: usize> {
+    /// Of the neighbour's panels.
+    pub(crate) version: u64,
+    pub(crate) sight: Sight,
+    /// The nodes in the variable of the neighbour's panel.
+    pub(crate) x: [f64; M],
+}
+
+#[inline(always)]
+pub(crate) fn along(path: &Path, t: f64, cos: f64, sin: f64) -> f64 {
+    (path[0] + path[1] * t) + (path[2] * cos + path[3] * sin)
+}
+
+/// `distance^{1/q}`.
+#[inline(always)]
+fn root<const L: usize>(distance: [f64; L], q: u32) -> [f64; L] {
+    match q {
+        1 => distance,
+        2 => {
+            let mut out = distance;
+            for j in 0..L {
+                out[j] = out[j].sqrt();
+            }
+            out
+        }
+        _ => any_root(distance, q),
+    }
+}
+
+#[inline(never)]
+fn any_root<const L: usize>(distance: [f64; L], q: u32) -> [f64; L] {
+    if q == 4 { distance.map(|d| d.sqrt().sqrt()) } else { distance.map(|d| d.powf(1.0 / f64::from(q))) }
+}
+
+impl<const M: usize> Panel<M> {
+    pub(crate) fn new() -> Self {
+        let zeros = [0.0; M];
+        Self {
+            start: 0.0,
+            end: 0.0,
+            origin: 0.0,
+            sign: 1.0,
+            q: 1,
+            middle: 0.0,
+            half: 0.0,
+            per_half: 0.0,
+            tau: zeros,
+            cos: zeros,
+            sin: zeros,
+            rate: zeros,
+            overlap: zeros,
+            force: zeros,
+            local: zeros,
+            series: zeros,
+            before: [0.0; 4],
+            views: std::array::from_fn(|_| View { version: 0, sight: Sight::Nothing, x: zeros }),
+        }
+    }
+
+    /// Lays the panel out over `[start, end]`.
+    #[inline(always)]
+    pub(crate) fn place(&mut self, frame: &Frame<'_, M>, start: f64, end: f64, origin: Origin) {
+        (self.start, self.end) = (start, end);
+        (self.origin, self.sign, self.q) = match origin {
+            Origin::None => (start, 1.0, 1),
+            Origin::Before(o) => (o, 1.0, frame.q),
+            Origin::After(o) => (o, -1.0, frame.q),
+        };
+        let (origin, sign, q) = (self.origin, self.sign, self.q);
+        let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        (self.middle, self.half, self.per_half) = (middle, half, 1.0 / half);
+        let mut sigma = [0.0; M];
+        for j in 0..M {
+            sigma[j] = middle + half * frame.rule.nodes[j];
+        }
+        let scale = sign * half * f64::from(q);
+        self.rate = [scale; M];
+        let mut tau = sigma;
+        for _ in 1..q {
+            for j in 0..M {
+                tau[j] *= sigma[j];
+                self.rate[j] *= sigma[j];
+            }
+        }
+        for j in 0..M {
+            self.tau[j] = origin + sign * tau[j];
+        }
+        if frame.omega != 0.0 {
+            for j in 0..M {
+                let (sin, cos) = sin_cos(frame.omega * self.tau[j]);
+                self.sin[j] = sin;
+                self.cos[j] = cos;
+            }
+        }
+    }
+
+    /// `x` at times inside the panel.
+    #[inline(always)]
+    pub(crate) fn variable<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
+        let mut distance = [0.0; L];
+        for j in 0..L {
+            let d = self.sign * (t[j] - self.origin);
+            distance[j] = if d > 0.0 { d } else { 0.0 };
+        }
+        let mut x = root(distance, self.q);
+        for j in 0..L {
+            x[j] = (x[j] - self.middle) * self.per_half;
+        }
+        x
+    }
+
+    /// What the force of this panel has moved by times inside it.
+    #[inline(always)]
+    pub(crate) fn moved<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
+        self.moved_at(&self.variable(t))
+    }
+
+    #[inline(always)]
+    pub(crate) fn moved_at<const L: usize>(&self, x: &[f64; L]) -> [f64; L] {
+        if M <= MONOMIAL { horner(&self.series, x) } else { clenshaw(&self.series, x) }
+    }
+
+    /// `int f dt`.
+    pub(crate) fn impulse(&self, rule: &Rule<M>) -> f64 {
+        dot(&rule.weights, &times(&self.force, &self.rate))
+    }
+
+    /// The largest overlap: of its interpolant, by golden sections about the largest of some values.
+    pub(crate) fn largest(&self, rule: &Rule<M>) -> f64 {
+        let series = product(&rule.series, &self.overlap);
+        let at = |x: f64| {
+            let x = [x];
+            if M <= MONOMIAL { horner(&series, &x)[0] } else { clenshaw(&series, &x)[0] }
+        };
+        let grid = 4 * M as i32;
+        let point = |i: i32| (2.0 * f64::from(i) / f64::from(grid) - 1.0).clamp(-1.0, 1.0);
+        let best = (0..=grid).max_by(|&i, &j| at(point(i)).total_cmp(&at(point(j)))).unwrap_or(0);
+        let (mut a, mut b) = (point(best - 1), point(best + 1));
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        for _ in 0..40 {
+            let (c, d) = (b - ratio * (b - a), a + ratio * (b - a));
+            if at(c) > at(d) { b = d } else { a = c }
+        }
+        at(point(best)).max(at(0.5 * (a + b)))
+    }
+
+    /// The last terms of the series of the impulse: how well the nodes resolve the force.
+    #[inline(always)]
+    pub(crate) fn tail(&self, rule: &Rule<M>) -> f64 {
+        let w = times(&self.force, &self.rate);
+        let [a, b] = [&rule.tail[0], &rule.tail[1]].map(|row| dot(row, &w).abs());
+        if a > b { a } else { b }
+    }
+
+    /// From the force at the nodes, what it moves: [`local`](Self::local), [`series`](Self::series), and the path that is left
+    /// behind at the end.
+    #[inline(always)]
+    pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
+        let rule = &frame.rule;
+        let mut after = self.before;
+        let (mut w, mut local) = ([0.0; M], [0.0; M]);
+        for j in 0..M {
+            w[j] = self.force[j] * self.rate[j];
+        }
+        if frame.m != 0.0 {
+            let [s0, s1] = moments(&rule.integral, [w, times(&w, &self.tau)]);
+            for j in 0..M {
+                local[j] = frame.m * (self.tau[j] * s0[j] - s1[j]);
+            }
+            let [t0, t1] = [w, times(&w, &self.tau)].map(|w| dot(&rule.weights, &w));
+            after[0] -= frame.m * t1;
+            after[1] += frame.m * t0;
+        }
+        if frame.mu != 0.0 {
+            let (wc, ws) = (times(&w, &self.cos), times(&w, &self.sin));
+            let [sc, ss] = moments(&rule.integral, [wc, ws]);
+            for j in 0..M {
+                local[j] += frame.mu_per_omega * (self.sin[j] * sc[j] - self.cos[j] * ss[j]);
+            }
+            after[2] -= frame.mu_per_omega * dot(&rule.weights, &ws);
+            after[3] += frame.mu_per_omega * dot(&rule.weights, &wc);
+        }
+        self.local = local;
+        self.series = product(&rule.series, &local);
+        after
+    }
+}
+
+#[inline(always)]
+fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
+    let mut out = [0.0; M];
+    for j in 0..M {
+        out[j] = a[j] * b[j];
+    }
+    out
+}
+
+/// `sum_k columns[k] w[k]` for two sets of weights.
+#[inline(always)]
+fn moments<const M: usize>(columns: &[[f64; M]; M], [u, v]: [[f64; M]; 2]) -> [[f64; M]; 2] {
+    let (mut a, mut b) = ([0.0; M], [0.0; M]);
+    for k in 0..M {
+        for j in 0..M {
+            a[j] = columns[k][j].mul_add(u[k], a[j]);
+            b[j] = columns[k][j].mul_add(v[k], b[j]);
+        }
+    }
+    [a, b]
+}
+
+/// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.
+pub(crate) const MONOMIAL: usize = 8;
+
+/// A sum in four parts, the same on every machine.
+#[inline(always)]
+pub(crate) fn sum<const M: usize>(terms: &[f64; M]) -> f64 {
+    let mut part = [0.0; 4];
+    for j in 0..M {
+        part[j % 4] += terms[j];
+    }
+    (part[0] + part[2]) + (part[1] + part[3])
+}
+
+#[inline(always)]
+pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
+    let mut terms = [0.0; M];
+    for j in 0..M {
+        terms[j] = a[j] * b[j];
+    }
+    sum(&terms)
+}
+
+/// `sum_i c_i x^i`.
+#[inline(always)]
+fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
+    let mut out = [c[M - 1]; L];
+    for i in (0..M - 1).rev() {
+        for j in 0..L {
+            out[j] = x[j].mul_add(out[j], c[i]);
+        }
+    }
+    out
+}
+
+/// `sum_k columns[k] values[k]`.
+#[inline(always)]
+pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
+    let mut out = [0.0; M];
+    for k in 0..M {
+        for j in 0..M {
+            out[j] = columns[k][j].mul_add(values[k], out[j]);
+        }
+    }
+    out
+}
+
+/// `sum_i c_i T_i(x)`.
+#[inline(always)]
+pub(crate) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
+    let (mut b1, mut b2) = ([0.0; L], [0.0; L]);
+    for i in (1..M).rev() {
+        for j in 0..L {
+            let b = (2.0 * x[j]).mul_add(b1[j], c[i] - b2[j]);
+            b2[j] = b1[j];
+            b1[j] = b;
+        }
+    }
+    let mut out = [0.0; L];
+    for j in 0..L {
+        out[j] = x[j].mul_add(b1[j], c[0] - b2[j]);
+    }
+    out
+}
+
+/// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last place for `|x| < 10^6`.
+///
+/// Reduction by three parts of pi/2 (Cody and Waite), then Taylor polynomials on `[-pi/4, pi/4]`.
+#[inline(always)]
+pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
+    const HALF_PI: [f64; 3] = [1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33];
+    let turns = (x * std::f64::consts::FRAC_2_PI).round_ties_even();
+    let r = (-turns).mul_add(HALF_PI[0], x);
+    let r = (-turns).mul_add(HALF_PI[1], r);
+    let r = (-turns).mul_add(HALF_PI[2], r);
+    let z = r * r;
+    let mut s = -7.647163731819816e-13;
+    for c in [
+        1.6059043836821613e-10,
+        -2.505210838544172e-8,
+        2.7557319223985893e-6,
+        -1.984126984126984e-4,
+        8.333333333333333e-3,
+        -1.6666666666666666e-1,
+    ] {
+        s = z.mul_add(s, c);
+    }
+    let s = r.mul_add(z * s, r);
+    let mut c = 4.779477332387385e-14;
+    for k in [
+        -1.1470745597729725e-11,
+        2.08767569878681e-9,
+        -2.755731922398589e-7,
+        2.48015873015873e-5,
+        -1.3888888888888889e-3,
+        4.1666666666666664e-2,
+        -0.5,
+    ] {
+        c = z.mul_add(c, k);
+    }
+    let c = z.mul_add(c, 1.0);
+    // Quarter turns: 1 swaps, 2 changes both signs.
+    let quarter = turns - 4.0 * (0.25 * turns).floor();
+    let swap = quarter == 1.0 || quarter == 3.0;
+    let (sin, cos) = if swap { (c, s) } else { (s, c) };
+    let sin = if quarter >= 2.0 { -sin } else { sin };
+    let cos = if quarter == 1.0 || quarter == 2.0 { -cos } else { cos };
+    (sin, cos)
+}

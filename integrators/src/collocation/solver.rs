@@ -1,0 +1,106 @@
+//! All blocks of a chain over one window, with the number of nodes behind it.
+
+use super::{
+    block::{Goal, Left, Piece, Start, Verdict, Workspace, blocks, own},
+    panel::Frame,
+    rule::Rule,
+    system::{ContactChain, PairLaw},
+};
+use crate::regularised::power;
+
+/// Order that the variable near an event is chosen for.
+const ORDER: u32 = 8;
+
+/// What solves windows.
+pub(crate) trait Solver<C>: Send {
+    /// Solves one window from `start` and writes what bonds leave behind.
+    fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
+    /// Nodes a panel.
+    fn nodes(&self) -> usize;
+    /// What contacts did in the last window that was logged.
+    fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
+}
+
+/// A solver with so many nodes a panel, from 4 to 16, even, for a chain with so many bonds.
+pub(crate) fn with_nodes<C: ContactChain>(nodes: usize, bonds: usize) -> Box<dyn Solver<C>> {
+    match nodes {
+        ..=4 => Box::new(Nodes::<4>::new(bonds)),
+        5..=6 => Box::new(Nodes::<6>::new(bonds)),
+        7..=8 => Box::new(Nodes::<8>::new(bonds)),
+        9..=10 => Box::new(Nodes::<10>::new(bonds)),
+        11..=12 => Box::new(Nodes::<12>::new(bonds)),
+        13..=14 => Box::new(Nodes::<14>::new(bonds)),
+        _ => Box::new(Nodes::<16>::new(bonds)),
+    }
+}
+
+struct Nodes<const M: usize> {
+    rule: Rule<M>,
+    /// One for each thread.
+    workspaces: Vec<Workspace<M>>,
+}
+
+impl<const M: usize> Nodes<M> {
+    fn new(bonds: usize) -> Self {
+        #[cfg(feature = "parallel")]
+        let threads = rayon::current_num_threads();
+        #[cfg(not(feature = "parallel"))]
+        let threads = 1;
+        let count = blocks(bonds).min(threads).max(1);
+        Self { rule: Rule::new(), workspaces: (0..count).map(|_| Workspace::new()).collect() }
+    }
+}
+
+impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
+    fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
+        let (response, bonds) = (start.chain.response(), start.chain.bonds());
+        let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
+        let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
+        let frame = Frame {
+            rule: &self.rule,
+            h,
+            m: response.m,
+            mu: response.mu,
+            omega,
+            per_omega,
+            mu_per_omega: response.mu * per_omega,
+            q: power(start.chain.law().exponent(), ORDER),
+        };
+        // Each thread takes consecutive blocks.
+        let count = blocks(bonds);
+        let share = count.div_ceil(self.workspaces.len());
+        let size = if count == 1 { bonds.max(1) } else { own(bonds, 0).len() * share };
+        let work = |(k, (workspace, left)): (usize, (&mut Workspace<M>, &mut [Left]))| {
+            workspace.pieces.clear();
+            let mut rest = left;
+            let mut verdict = Verdict::default();
+            for block in k * share..((k + 1) * share).min(count) {
+                let own = own(bonds, block);
+                let (mine, others) = rest.split_at_mut(own.len());
+                verdict = verdict.and(workspace.solve(start, &frame, goal, own, mine, log));
+                rest = others;
+            }
+            verdict
+        };
+        if self.workspaces.len() == 1 {
+            return work((0, (&mut self.workspaces[0], left)));
+        }
+        let parts = self.workspaces.iter_mut().zip(left.chunks_mut(size)).enumerate();
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            let parts: Vec<_> = parts.collect();
+            return parts.into_par_iter().map(work).reduce(Verdict::default, Verdict::and);
+        }
+        #[cfg(not(feature = "parallel"))]
+        parts.map(work).fold(Verdict::default(), Verdict::and)
+    }
+
+    fn nodes(&self) -> usize {
+        M
+    }
+
+    fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_> {
+        Box::new(self.workspaces.iter().flat_map(|workspace| &workspace.pieces))
+    }
+}

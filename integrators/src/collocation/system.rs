@@ -1,0 +1,67 @@
+//! What contact collocation may ask of a problem: exact linear paths, and a pair law on a nearest-neighbour chain.
+
+use crate::clock::Twofold;
+
+/// The force of a bond as a function of its overlap, zero for overlaps up to zero.
+pub trait PairLaw: Copy + Send + Sync {
+    /// The exponent `alpha > 0`: the force goes like `(g)_+^alpha` where a contact begins or ends.
+    fn exponent(&self) -> f64;
+    /// The force `f(g)`.
+    fn force(&self, overlap: f64) -> f64;
+    /// The stiffness `f'(g)`.
+    fn stiffness(&self, overlap: f64) -> f64;
+
+    /// The force at the nodes of a panel.
+    #[inline(always)]
+    fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
+        overlaps.map(|g| self.force(g))
+    }
+}
+
+/// How a site answers an impulse `j`: `q'` jumps by `j`, of which the share `m` moves on freely and the share `mu` oscillates,
+/// so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Share of the free part.
+    pub m: f64,
+    /// Share of the oscillating part; `m + mu = 1`.
+    pub mu: f64,
+    /// Frequency; positive if `mu` is.
+    pub omega: Twofold<f64>,
+}
+
+/// What leaves a site alone: `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as `[r, v, c, s]`.
+pub type Path = [f64; 4];
+
+/// A chain of sites that move along exact linear paths and push each other in bonds between neighbours.
+///
+/// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a site with `b - 1` and `b + 1` only,
+/// the last with the first on a ring.
+pub trait ContactChain: Send + Sync {
+    /// The contact law.
+    type Law: PairLaw;
+    /// Number of components of the state as others see it.
+    fn dim(&self) -> usize;
+    /// Number of sites.
+    fn sites(&self) -> usize;
+    /// Number of bonds that can ever touch.
+    fn bonds(&self) -> usize;
+    /// Whether the last bond and the first share a site.
+    fn ring(&self) -> bool;
+    /// The law of every bond.
+    fn law(&self) -> Self::Law;
+    /// How a site answers an impulse.
+    fn response(&self) -> Response;
+    /// The overlap of every bond where all positions are zero.
+    fn rest(&self) -> f64;
+    /// The part of the overlap of a bond that a quantity of its sites makes: `q_{n-1} - q_n`.
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path;
+    /// What forces in bonds do to a site, the transpose of [`across`](Self::across) but for its sign: `f_n - f_{n+1}`.
+    fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path;
+    /// The path of a site at `t = 0`, from a state.
+    fn path(&self, y: &[f64], site: usize) -> Path;
+    /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its position and their rates.
+    fn place(&self, parts: [f64; 4], site: usize, y: &mut [f64]);
+    /// Overlaps up to this are rounding of positions up to `largest`.
+    fn dead_band(&self, largest: f64) -> f64;
+}

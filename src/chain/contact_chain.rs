@@ -1,0 +1,135 @@
+//! The chain as contact collocation sees it.
+
+use super::{Boundary, Chain, ContactLaw, Resonators, law::Exponent};
+use hertzchain_integrators::collocation::{ContactChain, PairLaw, Path, Response};
+
+impl PairLaw for ContactLaw<f64> {
+    fn exponent(&self) -> f64 {
+        self.alpha()
+    }
+
+    fn force(&self, overlap: f64) -> f64 {
+        ContactLaw::force(self, overlap)
+    }
+
+    fn stiffness(&self, overlap: f64) -> f64 {
+        ContactLaw::stiffness(self, overlap)
+    }
+
+    #[inline(always)]
+    fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
+        let mut force = [0.0; M];
+        if self.exponent == Exponent::ThreeHalves {
+            for j in 0..M {
+                let g = self.positive_part(overlaps[j]);
+                force[j] = g * g.sqrt();
+            }
+        } else {
+            for j in 0..M {
+                force[j] = ContactLaw::force(self, overlaps[j]);
+            }
+        }
+        force
+    }
+}
+
+impl ContactChain for Chain<f64> {
+    type Law = ContactLaw<f64>;
+
+    fn dim(&self) -> usize {
+        self.layout.dim()
+    }
+
+    fn sites(&self) -> usize {
+        self.layout.sites()
+    }
+
+    fn bonds(&self) -> usize {
+        self.touching().len()
+    }
+
+    fn ring(&self) -> bool {
+        matches!(self.boundary, Boundary::Ring | Boundary::StrainRing)
+    }
+
+    fn law(&self) -> ContactLaw<f64> {
+        self.law
+    }
+
+    fn response(&self) -> Response {
+        let rho = self.params.rho;
+        let (m, mu) = match self.params.resonators() {
+            Resonators::None => (1.0, 0.0),
+            Resonators::Fixed => (0.0, 1.0),
+            Resonators::Moving => (1.0 / (1.0 + rho), 1.0 / (1.0 + 1.0 / rho)),
+        };
+        Response { m, mu, omega: self.params.omega_twofold() }
+    }
+
+    fn rest(&self) -> f64 {
+        self.precompression
+    }
+
+    #[inline(always)]
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path {
+        let n = self.sites();
+        match self.boundary {
+            Boundary::Free => minus(quantity(bond), quantity(bond + 1)),
+            Boundary::Fixed if bond == 0 => minus([0.0; 4], quantity(0)),
+            Boundary::Fixed if bond == n => quantity(n - 1),
+            Boundary::Fixed => minus(quantity(bond - 1), quantity(bond)),
+            Boundary::Ring => minus(quantity(if bond == 0 { n - 1 } else { bond - 1 }), quantity(bond)),
+            Boundary::StrainRing => minus([0.0; 4], quantity(bond)),
+        }
+    }
+
+    #[inline(always)]
+    fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path {
+        let n = self.sites();
+        let next = if site + 1 == n { 0 } else { site + 1 };
+        match self.boundary {
+            Boundary::Free if n == 1 => [0.0; 4],
+            Boundary::Free if site == 0 => minus([0.0; 4], force(0)),
+            Boundary::Free if site + 1 == n => force(site - 1),
+            Boundary::Free => minus(force(site - 1), force(site)),
+            Boundary::Fixed => minus(force(site), force(site + 1)),
+            Boundary::Ring => minus(force(site), force(next)),
+            Boundary::StrainRing => {
+                let before = if site == 0 { n - 1 } else { site - 1 };
+                minus(minus(force(site), force(next)), minus(force(before), force(site)))
+            }
+        }
+    }
+
+    fn path(&self, y: &[f64], i: usize) -> Path {
+        let (layout, omega) = (self.layout, self.params.omega());
+        let (u, u_dot) = (layout.u(y)[i], layout.u_dot(y)[i]);
+        match (layout.v(y), layout.v_dot(y), self.params.resonators()) {
+            (Some(v), Some(v_dot), _) => {
+                let Response { m, mu, .. } = self.response();
+                [m * u + mu * v[i], m * u_dot + mu * v_dot[i], mu * (u - v[i]), mu * (u_dot - v_dot[i]) / omega]
+            }
+            (_, _, Resonators::Fixed) => [0.0, 0.0, u, u_dot / omega],
+            _ => [u, u_dot, 0.0, 0.0],
+        }
+    }
+
+    fn place(&self, [r, r_dot, p, p_dot]: [f64; 4], i: usize, y: &mut [f64]) {
+        let (n, half, rho) = (self.sites(), self.layout.dim() / 2, self.params.rho);
+        y[i] = r + p;
+        y[half + i] = r_dot + p_dot;
+        if self.layout.resonators() {
+            y[n + i] = r - p / rho;
+            y[half + n + i] = r_dot - p_dot / rho;
+        }
+    }
+
+    fn dead_band(&self, largest: f64) -> f64 {
+        Chain::dead_band(self, std::iter::once(largest))
+    }
+}
+
+#[inline(always)]
+fn minus(a: Path, b: Path) -> Path {
+    std::array::from_fn(|k| a[k] - b[k])
+}
