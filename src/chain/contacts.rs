@@ -12,6 +12,7 @@ use super::{
 };
 use hertzchain_integrators::{
     Event, EventFunctions, Real,
+    collocation::Piece,
     events::{Listener, Part},
     regularised::{TimeMap, power},
 };
@@ -118,6 +119,22 @@ impl ContactLog {
             separation: None,
             largest_overlap: 0.0,
             impulse: 0.0,
+        }
+    }
+
+    /// Takes what contact collocation says of a contact in a window that began at `start`: it needs no search.
+    pub(crate) fn take(&mut self, piece: &Piece, start: f64) {
+        let mut contact = self.open[piece.bond].take().unwrap_or_else(|| self.begin(piece.bond));
+        contact.largest_overlap = contact.largest_overlap.max(piece.largest);
+        contact.impulse += piece.impulse;
+        if let Some((t, rate)) = piece.onset {
+            (contact.onset, contact.approach) = (Some(start + t), Some(rate));
+        }
+        if let Some((t, rate)) = piece.release {
+            (contact.release, contact.separation) = (Some(start + t), Some(-rate));
+            self.ended.push(contact);
+        } else {
+            self.open[piece.bond] = Some(contact);
         }
     }
 

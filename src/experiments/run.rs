@@ -1,12 +1,12 @@
 //! One run of a scene.
 
 use crate::{
-    chain::{Contact, ContactLog, Energy, Overlaps, max_norm},
+    chain::{Chain, Contact, ContactLog, Energy, Overlaps, max_norm},
     error::Result,
-    method::{Method, Setting},
+    method::{Method, Setting, collocation},
     scene::Scene,
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, Stepper, Watch, drive};
+use hertzchain_integrators::{Collocation, Error as Failure, Observer, Stats, Stepper, Watch, drive};
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
@@ -90,7 +90,7 @@ pub fn run(
     Ok(finish(&mut method.start(scene, setting)?, scene, records, progress))
 }
 
-/// The same run watched for contacts: every step is sampled eight times and searched.
+/// The same run watched for contacts: every step is sampled eight times and searched; collocation knows them anyway.
 ///
 /// # Errors
 /// As [`run`].
@@ -102,10 +102,52 @@ pub fn run_with_contacts(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
     let chain = scene.chain();
+    if method == Method::Collocation {
+        let mut logged = Logged { run: collocation(scene, setting)?.logged(), log: ContactLog::new(chain.clone()) };
+        let outcome = finish(&mut logged, scene, records, progress);
+        return Ok(Outcome { contacts: Some(logged.log.contacts()), ..outcome });
+    }
     let stepper = method.start(scene, setting)?;
     let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
     let outcome = finish(&mut watch, scene, records, progress);
     Ok(Outcome { contacts: Some(watch.into_listener().contacts()), ..outcome })
+}
+
+/// Collocation that hands what contacts do to a log.
+struct Logged {
+    run: Collocation<Chain<f64>>,
+    log: ContactLog,
+}
+
+impl Stepper<f64> for Logged {
+    fn dim(&self) -> usize {
+        self.run.dim()
+    }
+
+    fn time(&self) -> f64 {
+        self.run.time()
+    }
+
+    fn done(&self) -> bool {
+        self.run.done()
+    }
+
+    fn step(&mut self) -> std::result::Result<(), Failure> {
+        self.run.step()?;
+        let (start, pieces) = self.run.pieces();
+        for piece in pieces {
+            self.log.take(piece, start);
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        self.run.sample(t, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.run.stats()
+    }
 }
 
 fn finish(stepper: &mut impl Stepper<f64>, scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Outcome {

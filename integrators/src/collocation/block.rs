@@ -312,7 +312,7 @@ fn unsettled<const M: usize>(
                 }
             }
         }
-        if me.panels.as_slice().iter().any(|panel| panel.tail(&frame.rule) > goal.tail) {
+        if me.panels.as_slice().iter().any(|panel| panel.tail(frame) > goal.tail) {
             me.halvings += 1;
             (me.stale, anew) = (true, true);
             if me.halvings > MOST_HALVINGS {

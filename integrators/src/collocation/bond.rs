@@ -362,17 +362,22 @@ impl<const M: usize> Bond<M> {
             return found;
         }
         self.slack = -c4;
-        // The secant method, from a chord that the prediction deserves.
-        let (mut t, mut g, mut slope) = (h, end, (end - start) / h);
-        for _ in 0..3 {
-            let next = (t - g / slope).clamp(0.0, h);
-            if next == t {
+        // A few steps of the Illinois method are better than the prediction deserves.
+        let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
+        for _ in 0..4 {
+            let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
+            let g = predicted(frame, &self.path, drive, t);
+            if g == 0.0 || t <= 0.0 || t >= h {
                 break;
             }
-            let value = predicted(frame, &self.path, drive, next);
-            (slope, t, g) = ((value - g) / (next - t), next, value);
+            slope = (g - b.1) / (t - b.0);
+            a = if (g > 0.0) == (b.1 > 0.0) { (a.0, 0.5 * a.1) } else { b };
+            b = (t, g);
         }
-        let t = (t - g / slope).clamp(0.0, h);
+        let t = b.0 - b.1 / slope;
+        if !(sign * slope < 0.0 && t > 0.0 && t < h) {
+            return self.look(frame, drive, linear, cuts);
+        }
         match self.ongoing {
             Some(contact) => {
                 self.contacts.push(Contact { release: t, slopes: [contact.slopes[0], slope], ..contact });
@@ -536,7 +541,12 @@ impl<const M: usize> Bond<M> {
 
     /// Finds contacts; `false` if there are too many to be sure.
     fn search(&mut self, h: f64, band: f64, curvature: impl Fn(f64) -> f64, g: impl FnMut(f64) -> f64) -> bool {
-        let start = Start { value: self.overlap[0], slope: self.overlap[1], positive: self.ongoing.is_some() };
+        let start = Start {
+            value: self.overlap[0],
+            slope: self.overlap[1],
+            rounding: self.band,
+            positive: self.ongoing.is_some(),
+        };
         let slack = Search::new(g, curvature, band.max(self.band), &mut self.crossings).run(start, h);
         self.slack = slack.unwrap_or(0.0);
         self.contacts.clear();

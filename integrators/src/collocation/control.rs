@@ -24,7 +24,7 @@ pub enum Pace {
     Tolerance(f64),
 }
 
-const TAIL: f64 = 1e3;
+const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
 /// Sweeps that a good window takes.
 const MOST_SHARE: f64 = 0.08;

@@ -16,6 +16,8 @@ pub(crate) struct Crossing {
 pub(crate) struct Start {
     pub(crate) value: f64,
     pub(crate) slope: f64,
+    /// Values up to this are none.
+    pub(crate) rounding: f64,
     /// The side that the overlap is on, remembered.
     pub(crate) positive: bool,
 }
@@ -48,13 +50,13 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
     pub(crate) fn run(mut self, start: Start, h: f64) -> Option<f64> {
         self.side = start.positive;
         let mut value = start.value;
-        if value.abs() <= self.band {
+        if value.abs() <= start.rounding {
             // On the surface the side is that which it moves to.
             if start.slope.abs() * h > self.band && (start.slope > 0.0) != self.side {
                 self.cross(0.0, start.slope);
             }
             value = 0.0;
-        } else if (value > 0.0) != self.side {
+        } else if value.abs() > self.band && (value > 0.0) != self.side {
             self.cross(0.0, start.slope);
         }
         let end = (self.g)(h);

@@ -243,12 +243,23 @@ impl<const M: usize> Panel<M> {
         at(point(best)).max(at(0.5 * (a + b)))
     }
 
-    /// The last terms of the series of the impulse: how well the nodes resolve the force.
+    /// The last terms of the series of the impulses that the free part and the oscillating part take: how well the nodes resolve
+    /// the force, and the oscillation.
     #[inline(always)]
-    pub(crate) fn tail(&self, rule: &Rule<M>) -> f64 {
+    pub(crate) fn tail(&self, frame: &Frame<'_, M>) -> f64 {
         let w = times(&self.force, &self.rate);
-        let [a, b] = [&rule.tail[0], &rule.tail[1]].map(|row| dot(row, &w).abs());
-        if a > b { a } else { b }
+        let last = |w: &[f64; M]| {
+            let [a, b] = [&frame.rule.tail[0], &frame.rule.tail[1]].map(|row| dot(row, w).abs());
+            if a > b { a } else { b }
+        };
+        let mut tail = last(&w);
+        if frame.mu != 0.0 {
+            for w in [times(&w, &self.cos), times(&w, &self.sin)] {
+                let other = last(&w);
+                tail = if other > tail { other } else { tail };
+            }
+        }
+        tail
     }
 
     /// From the force at the nodes, what it moves: [`local`](Self::local), [`series`](Self::series), and the path that is left

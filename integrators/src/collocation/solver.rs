@@ -54,6 +54,9 @@ impl<const M: usize> Nodes<M> {
 impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
     fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
         let (response, bonds) = (start.chain.response(), start.chain.bonds());
+        if bonds == 0 {
+            return Verdict::default();
+        }
         let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
         let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
         let frame = Frame {
