@@ -517,18 +517,20 @@ impl<const M: usize> Bond<M> {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
-        // g / (t - t_e) is as smooth as g, and dg/dt at the event.
-        let speed = |panel: Option<&Panel<M>>, event: f64, end: usize| {
-            panel.map_or(0.0, |panel| {
-                let ratio: [f64; M] = std::array::from_fn(|j| panel.overlap[j] / (panel.tau[j] - event));
-                dot(&rule.ends[end], &ratio)
-            })
-        };
-        // The last correction was too small for new panels, not for the record.
+        // g / (t - t_e) is as smooth as g, and dg/dt at the event; the last correction of t_e was too small for new panels, but not
+        // for this quotient.
         let event = |panel: Option<&Panel<M>>, t: f64, end: usize| {
-            let speed = speed(panel, t, end);
-            let overlap = panel.map_or(0.0, |panel| dot(&rule.ends[end], &panel.overlap));
-            (if speed == 0.0 { t } else { (t - overlap / speed).clamp(0.0, frame.h) }, speed)
+            let Some(panel) = panel else { return (t, contact.slopes[end]) };
+            let overlap = dot(&rule.ends[end], &panel.overlap);
+            let (mut at, mut speed) = (t, contact.slopes[end]);
+            for _ in 0..4 {
+                if speed != 0.0 {
+                    at = (t - overlap / speed).clamp(0.0, frame.h);
+                }
+                let ratio: [f64; M] = std::array::from_fn(|j| panel.overlap[j] / (panel.tau[j] - at));
+                speed = dot(&rule.ends[end], &ratio);
+            }
+            (at, speed)
         };
         Piece {
             bond,

@@ -38,6 +38,9 @@ pub(crate) struct Control {
     nodes: usize,
     /// The length to try next.
     h: f64,
+    /// Equal windows: their length, and what is left of the one at hand.
+    equal: f64,
+    rest: f64,
     span: f64,
     /// Size of velocities.
     size: f64,
@@ -96,7 +99,7 @@ impl Control {
                     1e-3.. => 4,
                     1e-5.. => 6,
                     1e-8.. => 8,
-                    1e-11.. => 10,
+                    3e-11.. => 10,
                     _ => 12,
                 };
                 let rate = stiffness.sqrt().max(omega.min(1e3)).max(1.0 / span.value());
@@ -108,6 +111,8 @@ impl Control {
             pace,
             nodes,
             h,
+            equal: h,
+            rest: h,
             span: span.value(),
             size,
             done: 0,
@@ -128,7 +133,7 @@ impl Control {
     /// The next window, when so much time is left.
     pub(crate) fn propose(&mut self, left: f64) -> f64 {
         match self.pace {
-            Pace::Windows { .. } => self.h,
+            Pace::Windows { .. } => self.h.min(self.rest),
             // The last windows share what is left.
             Pace::Tolerance(_) if left <= 2.0 * self.h => {
                 if left <= self.h {
@@ -167,9 +172,15 @@ impl Control {
 
     /// A window of this verdict is done; `last` if it reached the end.
     pub(crate) fn accept(&mut self, verdict: &Verdict, h: f64, last: bool) {
-        self.done += 1;
         match self.pace {
-            Pace::Windows { windows, .. } => self.finished = self.done == windows,
+            Pace::Windows { windows, .. } => {
+                self.rest -= h;
+                if self.rest <= 1e-9 * self.equal {
+                    self.done += 1;
+                    (self.h, self.rest) = (self.equal, self.equal);
+                }
+                self.finished = self.done == windows;
+            }
             Pace::Tolerance(_) => {
                 self.finished = last;
                 let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
@@ -195,6 +206,6 @@ impl Control {
     /// A window of length `h` was given up: whether a shorter one may be tried.
     pub(crate) fn reject(&mut self, h: f64) -> bool {
         self.h = 0.5 * h;
-        matches!(self.pace, Pace::Tolerance(_)) && self.h > 1e-13 * self.span
+        self.h > 1e-13 * self.span
     }
 }
