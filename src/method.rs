@@ -210,7 +210,7 @@ pub(crate) fn collocation(scene: &Scene, setting: Setting) -> Result<Collocation
         }
     };
     let (y, span) = (scene.initial().as_slice(), (0.0, scene.end()));
-    Ok(Collocation::new(scene.chain().clone(), y, span, pace)?)
+    Ok(scene.chain().collocation(y, span, pace)?)
 }
 
 pub(crate) fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {

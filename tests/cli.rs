@@ -185,7 +185,7 @@ fn run_writes_files_that_read_back() {
 #[test]
 fn scenes_and_integrators_are_listed() {
     let scenes = json(&["scenes", "--json"]);
-    assert_eq!(scenes["scenes"].as_array().unwrap().len(), 11);
+    assert_eq!(scenes["scenes"].as_array().unwrap().len(), 12);
     for scene in scenes["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();
         assert!(!scene["summary"].as_str().unwrap().is_empty());
@@ -193,7 +193,7 @@ fn scenes_and_integrators_are_listed() {
         assert!(stdout(&hertzchain(&["run", name, "--plan"])).contains("left out"));
     }
     let integrators = json(&["integrators", "--json"]);
-    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 28);
+    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 29);
 }
 
 #[test]
@@ -252,11 +252,18 @@ fn bad_numbers_are_refused_by_name_and_rule() {
         ("--steps-per-period", "-3", "steps-per-period = -3 is not valid"),
         ("--until", "-1", "until = -1 is not valid"),
         ("--until", "inf", "until = inf is not valid"),
-        ("--tol", "1e-9", "splitting schemes take"),
+        ("--tol", "0", "tol = 0"),
+        ("--windows-per-period", "-2", "windows-per-period = -2"),
     ] {
         let message = refusal(&["run", "tw-q15", flag, value]);
         assert!(message.contains(rule), "{flag} {value}: {message}");
     }
+    let message = refusal(&["run", "tw-q15", "--integrator", "verlet", "--tol", "1e-9"]);
+    assert!(message.contains("splitting schemes take"), "{message}");
+    let message = refusal(&["run", "tw-q15", "--windows-per-period", "10", "--nodes", "7"]);
+    assert!(message.contains("an even number from 4 to 16"), "{message}");
+    let message = refusal(&["run", "tw-q15", "--integrator", "verlet", "--windows-per-period", "10"]);
+    assert!(message.contains("only collocation takes windows"), "{message}");
     for (value, rule) in [("0", "tol = 0"), ("-1", "tol = -1"), ("nan", "tol = NaN")] {
         assert!(refusal(&["run", "tw-q15", "--integrator", "dop853", "--tol", value]).contains(rule));
     }

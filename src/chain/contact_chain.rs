@@ -1,7 +1,10 @@
 //! The chain as contact collocation sees it.
 
 use super::{Boundary, Chain, ContactLaw, Resonators, law::Exponent};
-use hertzchain_integrators::collocation::{ContactChain, PairLaw, Path, Response};
+use hertzchain_integrators::{
+    Collocation, Error,
+    collocation::{ContactChain, Pace, PairLaw, Path, Response, monodromy},
+};
 
 impl PairLaw for ContactLaw<f64> {
     fn exponent(&self) -> f64 {
@@ -30,6 +33,24 @@ impl PairLaw for ContactLaw<f64> {
             }
         }
         force
+    }
+}
+
+impl Chain<f64> {
+    /// A run of this chain by contact collocation: compiled once, here.
+    ///
+    /// # Errors
+    /// A state, a span or a pace outside its rule.
+    pub fn collocation(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Collocation<Self>, Error> {
+        Collocation::new(self.clone(), y0, span, pace)
+    }
+
+    /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see [`monodromy`].
+    ///
+    /// # Errors
+    /// As [`collocation`](Self::collocation); also a chain of more than 256 bonds.
+    pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
+        monodromy(self.clone(), y0, span, pace)
     }
 }
 

@@ -21,6 +21,10 @@ pub(super) enum Command {
     Run(RunArgs),
     /// Measure the order of every method through contacts: crossing them, landing on them, regularised.
     Order(OrderArgs),
+    /// Measure run time per bond and period against the number of sites.
+    Scaling(ScalingArgs),
+    /// Measure how the energy error grows with time.
+    Drift(DriftArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -95,6 +99,51 @@ pub(super) struct OrderArgs {
     #[arg(long, value_name = "N", default_value_t = 6)]
     pub(super) beads: usize,
     /// Folder for order.csv, order.json, order-state.png and order-tangent.png [default: out/order-ALPHA; with --json: none].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ScalingArgs {
+    /// Numbers of sites, separated by commas: multiples of 10, up to 10^6.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', default_values_t = [50, 500, 5000, 50_000], allow_negative_numbers = true)]
+    pub(super) sites: Vec<usize>,
+    /// Tolerance of every method, from 1e-15 to 0.1.
+    #[arg(long, value_name = "T", default_value_t = 1e-9, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+    /// Seed of the perturbation.
+    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true)]
+    pub(super) seed: u64,
+    /// Wall time for the whole study, in seconds; runs of dop853 that would not fit are left out.
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true)]
+    pub(super) max_time: f64,
+    /// Folder for scaling.csv, scaling.json and scaling.png [default: out/scaling; with --json: none].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct DriftArgs {
+    /// Name of a built-in scene, or a TOML file.
+    #[arg(default_value = "bright-breather-16")]
+    pub(super) scene: String,
+    /// Length of the runs, in periods of the scene, from 1 to 10^9.
+    #[arg(long, value_name = "P", default_value_t = 1e4, allow_negative_numbers = true)]
+    pub(super) periods: f64,
+    /// Integrators, separated by commas.
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',',
+        default_values_t = ["collocation", "strang-linear", "yoshida4-linear"].map(str::to_owned))]
+    pub(super) integrators: Vec<String>,
+    /// Times that are kept, spaced evenly in their logarithm, from 2 to 10^5.
+    #[arg(long, value_name = "K", default_value_t = 200, allow_negative_numbers = true)]
+    pub(super) samples: usize,
+    /// Folder for drift.csv, drift.json and drift.png [default: out/drift-SCENE; with --json: none].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.

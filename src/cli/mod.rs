@@ -2,9 +2,11 @@
 
 mod args;
 mod compare;
+mod drift;
 mod integrators;
 mod order;
 mod run;
+mod scaling;
 mod scenes;
 
 use crate::error::Result;
@@ -19,6 +21,8 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::main(&args),
         Command::Run(args) => run::main(&args),
         Command::Order(args) => order::main(&args),
+        Command::Scaling(args) => scaling::main(&args),
+        Command::Drift(args) => drift::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

@@ -196,7 +196,7 @@ fn setting(scene: &Scene, method: &Method, rung: usize) -> Setting {
 }
 
 /// The number of steps over the span that makes about this many kicks a period.
-fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
+pub(super) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
     let steps = kicks * scene.end() / scene.period() / method.stages() as f64;
     (steps.round() as u64).max(1)
 }
@@ -206,7 +206,7 @@ fn wording(method: &Method, rung: usize) -> String {
 }
 
 /// Median wall time of runs that record nothing, their number, and their work.
-fn time(scene: &Scene, method: Method, setting: Setting, left: f64) -> Result<(f64, usize, Stats)> {
+pub(super) fn time(scene: &Scene, method: Method, setting: Setting, left: f64) -> Result<(f64, usize, Stats)> {
     let mut walls = Vec::new();
     let mut y = scene.initial().as_slice().to_vec();
     loop {

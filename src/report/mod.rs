@@ -2,14 +2,18 @@
 
 mod compare;
 mod contacts;
+mod drift;
 mod order;
 mod run;
+mod scaling;
 mod table;
 
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+pub use drift::{drift_csv, drift_json, drift_table};
 pub use order::{order_csv, order_json, order_table};
 pub use run::{run_files, run_json, run_summary};
+pub use scaling::{scaling_csv, scaling_json, scaling_table};
 pub use table::table;
 
 #[cfg(feature = "plot")]
@@ -17,9 +21,13 @@ pub use compare::comparison_png;
 #[cfg(feature = "plot")]
 pub use contacts::contacts_png;
 #[cfg(feature = "plot")]
+pub use drift::drift_png;
+#[cfg(feature = "plot")]
 pub use order::order_pictures;
 #[cfg(feature = "plot")]
 pub use run::run_pictures;
+#[cfg(feature = "plot")]
+pub use scaling::scaling_png;
 
 /// The end of every caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
@@ -35,4 +43,18 @@ fn provenance(scene: &crate::scene::Scene, how: &str) -> String {
         params.rho,
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// The families of some methods, each once, and the index of that of each method: colours and headings of a legend.
+#[cfg(feature = "plot")]
+fn families(methods: &[crate::method::Method]) -> (Vec<String>, Vec<usize>) {
+    let mut names: Vec<String> = Vec::new();
+    let index = |method: &crate::method::Method| {
+        names.iter().position(|name| name == method.family()).unwrap_or_else(|| {
+            names.push(method.family().to_owned());
+            names.len() - 1
+        })
+    };
+    let indices = methods.iter().map(index).collect();
+    (names, indices)
 }

@@ -106,7 +106,7 @@ pub(crate) fn own(bonds: usize, k: usize) -> Range<usize> {
 
 /// Memory for one block at a time.
 pub(crate) struct Workspace<const M: usize> {
-    bonds: Vec<Bond<M>>,
+    pub(crate) bonds: Vec<Bond<M>>,
     old: Panels<M>,
     pub(crate) pieces: Vec<Piece>,
 }
@@ -255,7 +255,7 @@ fn sweep<L: PairLaw, const M: usize>(
         let share = if me.share < 1.0 { me.share } else { 1.0 };
         let again = change.impulse * share > goal.change || change.moved > 0.0;
         me.dirty = again;
-        if !(change.impulse < f64::INFINITY) {
+        if !change.impulse.is_finite() {
             verdict.failure = Some((b, change.impulse));
         }
         if again && worst.is_none_or(|(_, impulse)| change.impulse > impulse) {

@@ -68,6 +68,8 @@
 //!
 //! Source: this software. For Gauss collocation: Hairer, Lubich & Wanner 2006, *Geometric Numerical Integration*, Sec. II.1.
 
+#![allow(clippy::needless_range_loop, reason = "loops over nodes read like the formulas, and vectorise")]
+
 mod block;
 mod bond;
 mod control;
@@ -77,10 +79,12 @@ mod rule;
 mod sites;
 mod solver;
 mod system;
+mod tangent;
 
 pub use block::Piece;
 pub use control::Pace;
 pub use system::{ContactChain, PairLaw, Path, Response};
+pub use tangent::{Tangent, monodromy};
 
 use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
 use block::{Left, Start};
@@ -247,7 +251,7 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
         let time = self.time();
         let inside = self.inside.get_or_insert_with(|| Inside {
             state: self.state.clone(),
-            solver: solver::with_nodes(self.control.nodes(), self.chain.bonds()),
+            solver: self.solver.another(self.chain.bonds()),
             left: self.left.clone(),
         });
         let State { t: start, .. } = self.state;

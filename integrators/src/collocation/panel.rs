@@ -387,7 +387,7 @@ pub(crate) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L
 /// Reduction by three parts of pi/2 (Cody and Waite), then Taylor polynomials on `[-pi/4, pi/4]`.
 #[inline(always)]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
-    const HALF_PI: [f64; 3] = [1.5707963267948966, 6.123233995736766e-17, -1.4973849048591833e-33];
+    const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591833e-33];
     let turns = (x * std::f64::consts::FRAC_2_PI).round_ties_even();
     let r = (-turns).mul_add(HALF_PI[0], x);
     let r = (-turns).mul_add(HALF_PI[1], r);
@@ -411,7 +411,7 @@ pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
         2.08767569878681e-9,
         -2.755731922398589e-7,
         2.48015873015873e-5,
-        -1.3888888888888889e-3,
+        -1.388888888888889e-3,
         4.1666666666666664e-2,
         -0.5,
     ] {

@@ -62,7 +62,7 @@ impl<const M: usize> Rule<M> {
                 *column = powers(column);
             }
         }
-        let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let ends = [std::array::from_fn(|k| expand(k, &sign)), std::array::from_fn(|k| expand(k, &|_| 1.0))];
         Self { nodes, weights, integral, series, tail, ends }
     }

@@ -2,11 +2,13 @@
 
 use super::{
     block::{Goal, Left, Piece, Start, Verdict, Workspace, blocks, own},
+    bond::Cuts,
     panel::Frame,
     rule::Rule,
     system::{ContactChain, PairLaw},
+    tangent,
 };
-use crate::regularised::power;
+use crate::{real::Real, regularised::power};
 
 /// Order that the variable near an event is chosen for.
 const ORDER: u32 = 8;
@@ -17,8 +19,20 @@ pub(crate) trait Solver<C>: Send {
     fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
+    /// Another one of its kind.
+    fn another(&self, bonds: usize) -> Box<dyn Solver<C>>;
     /// What contacts did in the last window that was logged.
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
+    /// Moves columns over the last window that was solved, of length `h` from a phase, of a chain of one block; or bond and residual
+    /// where that did not settle.
+    fn differentiate(
+        &self,
+        chain: &C,
+        h: f64,
+        cuts: Cuts,
+        phase: (f64, f64),
+        columns: &mut [tangent::Block],
+    ) -> Result<(), (usize, f64)>;
 }
 
 /// A solver with so many nodes a panel, from 4 to 16, even, for a chain with so many bonds.
@@ -51,24 +65,20 @@ impl<const M: usize> Nodes<M> {
     }
 }
 
+fn frame<'a, C: ContactChain, const M: usize>(rule: &'a Rule<M>, chain: &C, h: f64) -> Frame<'a, M> {
+    let response = chain.response();
+    let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
+    let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
+    let q = power(chain.law().exponent(), ORDER);
+    Frame { rule, h, m: response.m, mu: response.mu, omega, per_omega, mu_per_omega: response.mu * per_omega, q }
+}
+
 impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
     fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
-        let (response, bonds) = (start.chain.response(), start.chain.bonds());
+        let (frame, bonds) = (frame(&self.rule, start.chain, h), start.chain.bonds());
         if bonds == 0 {
             return Verdict::default();
         }
-        let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
-        let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
-        let frame = Frame {
-            rule: &self.rule,
-            h,
-            m: response.m,
-            mu: response.mu,
-            omega,
-            per_omega,
-            mu_per_omega: response.mu * per_omega,
-            q: power(start.chain.law().exponent(), ORDER),
-        };
         // Each thread takes consecutive blocks.
         let count = blocks(bonds);
         let share = count.div_ceil(self.workspaces.len());
@@ -93,7 +103,7 @@ impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
         {
             use rayon::prelude::*;
             let parts: Vec<_> = parts.collect();
-            return parts.into_par_iter().map(work).reduce(Verdict::default, Verdict::and);
+            parts.into_par_iter().map(work).reduce(Verdict::default, Verdict::and)
         }
         #[cfg(not(feature = "parallel"))]
         parts.map(work).fold(Verdict::default(), Verdict::and)
@@ -103,7 +113,24 @@ impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
         M
     }
 
+    fn another(&self, bonds: usize) -> Box<dyn Solver<C>> {
+        Box::new(Self::new(bonds))
+    }
+
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_> {
         Box::new(self.workspaces.iter().flat_map(|workspace| &workspace.pieces))
+    }
+
+    fn differentiate(
+        &self,
+        chain: &C,
+        h: f64,
+        cuts: Cuts,
+        phase: (f64, f64),
+        columns: &mut [tangent::Block],
+    ) -> Result<(), (usize, f64)> {
+        let bonds = &self.workspaces[0].bonds[..chain.bonds()];
+        let frame = &frame(&self.rule, chain, h);
+        f64::run(tangent::Window { chain, frame, bonds, cuts, phase, blocks: columns })
     }
 }

@@ -1,0 +1,454 @@
+//! The tangent map: the derivative of what windows do to a state.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `dg, df` | changes of overlaps and forces at the nodes of a window |
+//! | `D` | `f'(g)` at the nodes, a diagonal |
+//! | `T` | influences: the overlaps at the nodes that forces at the nodes make, `int K(t - s) f(s) ds` |
+//! | `dg_lin` | change of the overlaps along the linear paths |
+//!
+//! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`. Ends of contacts move too, but the force is zero there: to
+//! first order nothing is felt of that. What is felt is an end that is not where the contact begins or ends: a gap of `t` costs
+//! the force `t^{alpha+1}`, its derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
+
+use super::{
+    Collocation,
+    block::blocks,
+    bond::{Bond, Cuts, Panels},
+    panel::{Frame, Panel, along, dot},
+    sites::Phase,
+    system::{ContactChain, PairLaw, Path},
+};
+use crate::{drive::Stepper, error::Error, real::Kernel};
+
+/// Columns that are worked on together.
+const LANES: usize = 8;
+type Lanes = [f64; LANES];
+/// `[R0, V, C, S]` of every site, for some columns.
+pub(crate) type Block = Vec<[Lanes; 4]>;
+
+/// Sweeps after which a window is given up; each takes a digit at least where the window itself was solved.
+const MOST_SWEEPS: u32 = 100;
+
+fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
+    Error::Argument { name, value: value as f64, rule }
+}
+
+/// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along the trajectory of the run.
+///
+/// ```text
+/// let mut tangent = Tangent::identity(&run)?;
+/// while !run.done() {
+///     run.step()?;
+///     tangent.follow(&run)?;
+/// }
+/// let monodromy = tangent.matrix(&run)?;
+/// ```
+///
+/// Nothing is differenced: what the nodes of a window resolve is exact to rounding. Forces are smoother than their derivative, so
+/// columns need finer windows than the state does. Under [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    blocks: Vec<Block>,
+    columns: usize,
+    dim: usize,
+    phase: Phase,
+    /// Windows of the run that are followed.
+    windows: u64,
+}
+
+impl Tangent {
+    /// The columns of the unit matrix at the present state of a run.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn identity<C: ContactChain>(run: &Collocation<C>) -> Result<Self, Error> {
+        let dim = run.dim();
+        let mut columns = vec![0.0; dim * dim];
+        columns.iter_mut().step_by(dim + 1).for_each(|entry| *entry = 1.0);
+        Self::new(run, &columns)
+    }
+
+    /// Columns, one after the other and each like a state, at the present state of a run.
+    ///
+    /// # Errors
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds.
+    pub fn new<C: ContactChain>(run: &Collocation<C>, columns: &[f64]) -> Result<Self, Error> {
+        let (chain, dim) = (&run.chain, run.dim());
+        if blocks(chain.bonds()) != 1 {
+            return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
+        }
+        if !columns.len().is_multiple_of(dim) {
+            return Err(argument("columns", columns.len(), "as many entries as whole columns have"));
+        }
+        if let Some(&value) = columns.iter().find(|value| !value.is_finite()) {
+            return Err(Error::Argument { name: "columns", value, rule: "the entries of a column are finite" });
+        }
+        let mut phase = run.state.phase;
+        phase.advance(run.h);
+        let (sin, cos) = phase.sin_cos();
+        let count = columns.len() / dim;
+        let mut blocks = vec![vec![[[0.0; LANES]; 4]; chain.sites()]; count.div_ceil(LANES)];
+        for (c, column) in columns.chunks_exact(dim).enumerate() {
+            for (i, site) in blocks[c / LANES].iter_mut().enumerate() {
+                let [r, v, p, s] = chain.path(column, i);
+                set(site, c % LANES, [r, v, p * cos - s * sin, p * sin + s * cos]);
+            }
+        }
+        Ok(Self { blocks, columns: count, dim, phase, windows: run.stats.steps })
+    }
+
+    /// Moves the columns over the window that the run has just done.
+    ///
+    /// # Errors
+    /// Not the window after the last one that was followed; or sweeps that do not settle (windows far too long), after which the
+    /// columns are of no use.
+    pub fn follow<C: ContactChain>(&mut self, run: &Collocation<C>) -> Result<(), Error> {
+        self.check(run)?;
+        let (done, h) = (run.stats.steps, run.h);
+        if done != self.windows + 1 || h <= 0.0 {
+            return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
+        }
+        let (cuts, phase) = (run.control.goal(h).cuts, run.state.phase.sin_cos());
+        let result = run.solver.differentiate(&run.chain, h, cuts, phase, &mut self.blocks);
+        result.map_err(|(bond, residual)| Error::NoContraction { t: run.state.t.value(), h, bond, residual })?;
+        self.phase = run.state.phase;
+        self.phase.advance(h);
+        self.windows = done;
+        Ok(())
+    }
+
+    /// The columns, one after the other and each like a state, where the last window that was followed ends.
+    ///
+    /// # Errors
+    /// A run of another chain.
+    pub fn matrix<C: ContactChain>(&self, run: &Collocation<C>) -> Result<Vec<f64>, Error> {
+        self.check(run)?;
+        let (chain, (sin, cos)) = (&run.chain, self.phase.sin_cos());
+        let omega = chain.response().omega.value();
+        let mut columns = vec![0.0; self.columns * self.dim];
+        for (c, column) in columns.chunks_exact_mut(self.dim).enumerate() {
+            for (i, site) in self.blocks[c / LANES].iter().enumerate() {
+                let [r, v, c, s] = turned(get(site, c % LANES), (sin, cos));
+                chain.place([r, v, c, omega * s], i, column);
+            }
+        }
+        Ok(columns)
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    fn check<C: ContactChain>(&self, run: &Collocation<C>) -> Result<(), Error> {
+        if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.chain.sites()) {
+            return Ok(());
+        }
+        Err(argument("dim", run.dim(), "columns follow the run that they were made for"))
+    }
+}
+
+/// `d y(t_1)/d y(t_0)` along the trajectory from `y0` over `span = (t_0, t_1)`: column by column, `dim^2` entries.
+///
+/// # Errors
+/// As those of [`Collocation::new`], its steps, and [`Tangent`].
+pub fn monodromy<C: ContactChain>(
+    chain: C,
+    y0: &[f64],
+    span: (f64, f64),
+    pace: super::Pace,
+) -> Result<Vec<f64>, Error> {
+    let mut run = Collocation::new(chain, y0, span, pace)?;
+    let mut tangent = Tangent::identity(&run)?;
+    while !run.done() {
+        run.step()?;
+        tangent.follow(&run)?;
+    }
+    tangent.matrix(&run)
+}
+
+#[inline(always)]
+fn get(site: &[Lanes; 4], lane: usize) -> Path {
+    [site[0][lane], site[1][lane], site[2][lane], site[3][lane]]
+}
+
+#[inline(always)]
+fn set(site: &mut [Lanes; 4], lane: usize, path: Path) {
+    for k in 0..4 {
+        site[k][lane] = path[k];
+    }
+}
+
+/// The path over a window that starts in phase `(sin, cos)`.
+#[inline(always)]
+fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
+    [r, v, c * cos + s * sin, s * cos - c * sin]
+}
+
+/// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `D` in them.
+struct Row<'a, const M: usize> {
+    bond: usize,
+    panel: &'a Panel<M>,
+    stiffness: [f64; M],
+    /// `D` times the four functions of a linear path.
+    path: [[f64; M]; 4],
+    /// `D T` for each panel that acts on this one.
+    from: Vec<(usize, [[f64; M]; M])>,
+    /// The path that the force at each node leaves behind.
+    left: [Path; M],
+}
+
+/// A solved window, and the columns to move over it.
+pub(crate) struct Window<'a, C, const M: usize> {
+    pub(crate) chain: &'a C,
+    pub(crate) frame: &'a Frame<'a, M>,
+    pub(crate) bonds: &'a [Bond<M>],
+    pub(crate) cuts: Cuts,
+    /// Sine and cosine of the phase at its start.
+    pub(crate) phase: (f64, f64),
+    pub(crate) blocks: &'a mut [Block],
+}
+
+impl<C: ContactChain, const M: usize> Kernel for Window<'_, C, M> {
+    /// Or bond and residual where it did not settle.
+    type Output = Result<(), (usize, f64)>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { chain, frame, bonds, cuts, phase, blocks } = self;
+        let law = chain.law();
+        let ring = chain.ring() && bonds.len() > 1;
+        let panels = laid_out(frame, bonds, ring, cuts);
+        let rows = rows(frame, &law, bonds, &panels, ring);
+        let mut force = vec![[[0.0; LANES]; M]; rows.len()];
+        let mut bond = vec![[[0.0; LANES]; 4]; bonds.len()];
+        for block in blocks {
+            for (b, path) in bond.iter_mut().enumerate() {
+                for lane in 0..LANES {
+                    set(path, lane, turned(chain.across(b, |i| get(&block[i], lane)), phase));
+                }
+            }
+            settle(&rows, &bond, &mut force)?;
+            bond.fill([[0.0; LANES]; 4]);
+            for (row, force) in rows.iter().zip(&force) {
+                for (left, force) in row.left.iter().zip(force) {
+                    for (sum, &left) in bond[row.bond].iter_mut().zip(left) {
+                        add(sum, left, force);
+                    }
+                }
+            }
+            advance(chain, &bond, block, frame.h, phase);
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn add(to: &mut Lanes, by: f64, values: &Lanes) {
+    for lane in 0..LANES {
+        to[lane] = by.mul_add(values[lane], to[lane]);
+    }
+}
+
+/// The two neighbours of bond `b` among `n`.
+#[inline(always)]
+fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
+    let left = if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) };
+    let right = if b + 1 < n { Some(b + 1) } else { ring.then_some(0) };
+    [left, right]
+}
+
+/// The panels of a solved window, with their ends where the contacts of its solution begin and end, and the overlaps at their nodes.
+#[inline(always)]
+fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool, cuts: Cuts) -> Vec<Panels<M>> {
+    let n = bonds.len();
+    let mut anew = bonds.to_vec();
+    for bond in &mut anew {
+        for contact in &mut bond.contacts {
+            let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
+            let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
+            // By Newton's method once more; not far, for a contact that grazes has no slope.
+            let newton = |panel: &Panel<M>, end: usize| {
+                let by = -dot(&frame.rule.ends[end], &panel.overlap) / contact.slopes[end];
+                let reach = 0.1 * (panel.end - panel.start);
+                if by.abs() <= reach { by } else { 0.0 }
+            };
+            let (onset, release) = (newton(first, 0), newton(last, 1));
+            if contact.onset >= 0.0 {
+                contact.onset = (contact.onset + onset).max(0.0);
+            }
+            if contact.release <= frame.h {
+                contact.release = (contact.release + release).min(frame.h);
+            }
+        }
+    }
+    // No closure here: the instruction set would not reach into it.
+    let (mut old, mut out) = (Panels::new(), Vec::with_capacity(n));
+    for b in 0..n {
+        let beside = beside(b, n, ring);
+        let [left, right] = beside.map(|b| b.map(|b| &anew[b]));
+        let mut me = anew[b].clone();
+        me.lay_out(frame, left, right, cuts, &mut old);
+        for panel in &mut me.panels.list[..me.panels.len] {
+            let at = (&panel.tau, &panel.cos, &panel.sin);
+            let mut g = [0.0; M];
+            for (j, g) in g.iter_mut().enumerate() {
+                *g = along(&me.path, panel.tau[j], panel.cos[j], panel.sin[j]);
+            }
+            bonds[b].panels.influence(at, -me.recoil, &mut g);
+            for b in beside.into_iter().flatten() {
+                bonds[b].panels.influence(at, 1.0, &mut g);
+            }
+            panel.overlap = g;
+        }
+        out.push(me.panels);
+    }
+    out
+}
+
+/// The linear system of a window, its influences from unit forces.
+#[inline(always)]
+fn rows<'a, const M: usize>(
+    frame: &Frame<'_, M>,
+    law: &impl PairLaw,
+    bonds: &[Bond<M>],
+    panels: &'a [Panels<M>],
+    ring: bool,
+) -> Vec<Row<'a, M>> {
+    let n = bonds.len();
+    let (mut rows, mut first) = (Vec::new(), vec![0]);
+    for (b, panels) in panels.iter().enumerate() {
+        for panel in panels.as_slice() {
+            let stiffness = panel.overlap.map(|g| if g > 0.0 { law.stiffness(g) } else { 0.0 });
+            let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
+            let path = [stiffness, scaled(&panel.tau), scaled(&panel.cos), scaled(&panel.sin)];
+            rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), left: [[0.0; 4]; M] });
+        }
+        first.push(rows.len());
+    }
+    let mut source = Panels { list: vec![Panel::new()], len: 1, version: 0, total: [0.0; 4] };
+    for q in 0..rows.len() {
+        let b = rows[q].bond;
+        source.list[0].clone_from(rows[q].panel);
+        source.list[0].before = [0.0; 4];
+        let start = source.list[0].start;
+        let mut units = [[0.0; 4]; M];
+        let [left, right] = beside(b, n, ring).map(|b| b.map(|b| (b, 1.0)));
+        let targets: Vec<(usize, f64)> = [Some((b, -bonds[b].recoil)), left, right]
+            .into_iter()
+            .flatten()
+            .flat_map(|(b, weight)| (first[b]..first[b + 1]).map(move |p| (p, weight)))
+            .filter(|&(p, _)| rows[p].panel.end > start)
+            .collect();
+        for &(p, _) in &targets {
+            rows[p].from.push((q, [[0.0; M]; M]));
+        }
+        for l in 0..M {
+            source.list[0].force = [0.0; M];
+            source.list[0].force[l] = 1.0;
+            source.total = source.list[0].integrate(frame);
+            units[l] = source.total;
+            for &(p, weight) in &targets {
+                let row = &mut rows[p];
+                let mut out = [0.0; M];
+                source.influence((&row.panel.tau, &row.panel.cos, &row.panel.sin), weight, &mut out);
+                let Some((_, matrix)) = row.from.last_mut() else { continue };
+                for j in 0..M {
+                    matrix[l][j] += row.stiffness[j] * out[j];
+                }
+            }
+        }
+        rows[q].left = units;
+    }
+    rows
+}
+
+/// Adds rows `first..first + R` of a matrix times what is there.
+#[inline(always)]
+fn act<const R: usize, const M: usize>(matrix: &[[f64; M]; M], there: &[Lanes; M], out: &mut [Lanes; M], first: usize) {
+    let mut sums = [[0.0; LANES]; R];
+    for l in 0..M {
+        for j in 0..R {
+            add(&mut sums[j], matrix[l][first + j], &there[l]);
+        }
+    }
+    for j in 0..R {
+        for lane in 0..LANES {
+            out[first + j][lane] += sums[j][lane];
+        }
+    }
+}
+
+/// Solves `df = D (dg_lin + T df)` by sweeps; or bond and residual where it does not settle.
+#[inline(always)]
+fn settle<const M: usize>(
+    rows: &[Row<'_, M>],
+    path: &[[Lanes; 4]],
+    force: &mut [[Lanes; M]],
+) -> Result<(), (usize, f64)> {
+    force.fill([[0.0; LANES]; M]);
+    let (mut worst, mut last) = ((0, 0.0), [f64::INFINITY; LANES]);
+    for _ in 0..MOST_SWEEPS {
+        let (mut change, mut size) = ([0.0; LANES], [0.0; LANES]);
+        worst = (0, 0.0);
+        for (p, row) in rows.iter().enumerate() {
+            let mut next = [[0.0; LANES]; M];
+            for (path, column) in path[row.bond].iter().zip(&row.path) {
+                for (next, &by) in next.iter_mut().zip(column) {
+                    add(next, by, path);
+                }
+            }
+            for (q, matrix) in &row.from {
+                // Four rows of sums fit the registers; M is even.
+                let mut j = 0;
+                while j + 4 <= M {
+                    act::<4, M>(matrix, &force[*q], &mut next, j);
+                    j += 4;
+                }
+                if j < M {
+                    act::<2, M>(matrix, &force[*q], &mut next, j);
+                }
+            }
+            for j in 0..M {
+                for lane in 0..LANES {
+                    let by = (next[j][lane] - force[p][j][lane]).abs();
+                    // Not a number counts as large.
+                    change[lane] = if by <= change[lane] { change[lane] } else { by };
+                    let value = next[j][lane].abs();
+                    size[lane] = if value > size[lane] { value } else { size[lane] };
+                }
+            }
+            let most = change.iter().fold(0.0, |most: f64, &by| if by <= most { most } else { by });
+            if most > worst.1 || most.is_nan() {
+                worst = (row.bond, most);
+            }
+            force[p] = next;
+        }
+        // By the next change, as sweeps contract at least as fast as they did.
+        let settled = |lane: usize| {
+            let (by, before) = (change[lane], last[lane]);
+            let rounding = f64::EPSILON * size[lane];
+            by <= rounding || by * (by / before) <= 0.1 * rounding && before < f64::INFINITY
+        };
+        if (0..LANES).all(settled) {
+            return Ok(());
+        }
+        last = change;
+    }
+    Err(worst)
+}
+
+/// The derivative of what [`State::advance`](super::State) does.
+#[inline(always)]
+fn advance<C: ContactChain>(chain: &C, left: &[[Lanes; 4]], block: &mut Block, h: f64, (sin, cos): (f64, f64)) {
+    for (i, site) in block.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let by = chain.push(i, |b| get(&left[b], lane));
+            let [r, v, c, s] = get(site, lane);
+            let v = v + by[1];
+            let (c, s) = (c + (by[2] * cos - by[3] * sin), s + (by[2] * sin + by[3] * cos));
+            set(site, lane, [(r + by[0]) + v * h, v, c, s]);
+        }
+    }
+}

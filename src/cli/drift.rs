@@ -1,0 +1,40 @@
+//! `hertzchain drift`.
+
+use super::{Exit, args::DriftArgs, default_folder, print, progress_bar};
+use crate::{
+    error::Result,
+    experiments::{DriftOptions, drift},
+    method::Method,
+    output::Folder,
+    report,
+    scene::Scene,
+};
+use std::process::ExitCode;
+
+pub(super) fn main(args: &DriftArgs) -> Exit {
+    let scene = Scene::load(&args.scene)?;
+    let methods = args.integrators.iter().map(|name| Method::named(name.trim())).collect::<Result<_>>()?;
+    let options = DriftOptions { methods, periods: args.periods, samples: args.samples };
+    let folder = match &args.out {
+        Some(path) => Some(Folder::create(path)?),
+        None if args.json => None,
+        None => Some(Folder::create(default_folder("drift", scene.name()))?),
+    };
+    let bar = progress_bar();
+    let study = drift(&scene, &options, &mut |share, what| {
+        bar.set_position((1000.0 * share.min(1.0)) as u64);
+        bar.set_message(what.to_owned());
+    });
+    bar.finish_and_clear();
+    let study = study?;
+    let json = report::drift_json(&study);
+    print(&if args.json { json.clone() + "\n" } else { report::drift_table(&study) });
+    if let Some(folder) = folder {
+        folder.write("drift.csv", &report::drift_csv(&study))?;
+        folder.write("drift.json", json.as_bytes())?;
+        #[cfg(feature = "plot")]
+        folder.write("drift.png", &report::drift_png(&study)?)?;
+        eprintln!("written to {}", folder.path().display());
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,127 @@
+//! Reports of the drift study.
+
+use super::table;
+use crate::{
+    experiments::{DriftRow, DriftStudy},
+    output::to_json,
+};
+use serde_json::{Value, json};
+
+/// The study as JSON; a slope that cannot be fitted is null.
+pub fn drift_json(study: &DriftStudy) -> String {
+    let row = |row: &DriftRow| {
+        json!({
+            "integrator": row.method.name(),
+            "setting": row.setting,
+            "t": row.t,
+            "energy_error": row.energy_error,
+            "slope": row.slope,
+            "wall": row.wall,
+            "steps": row.stats.steps,
+            "rejected": row.stats.rejected,
+            "force_evaluations": row.stats.force_evaluations,
+            "failure": row.failure,
+        })
+    };
+    to_json(&json!({
+        "scene": study.scene.name(),
+        "period": study.scene.period(),
+        "periods": study.periods,
+        "rows": study.rows.iter().map(row).collect::<Vec<Value>>(),
+        "version": env!("CARGO_PKG_VERSION"),
+    }))
+}
+
+/// The study as CSV, a line a time.
+pub fn drift_csv(study: &DriftStudy) -> Vec<u8> {
+    let mut text = String::from("integrator,setting,t,energy_error\n");
+    for row in &study.rows {
+        let (method, setting) = (row.method.name(), &row.setting);
+        for (t, error) in row.t.iter().zip(&row.energy_error) {
+            text += &format!("{method},{setting},{t:e},{error:e}\n");
+        }
+    }
+    text.into_bytes()
+}
+
+/// The study as a table: the error at a hundredth of the time and at the end, and the slope between.
+pub fn drift_table(study: &DriftStudy) -> String {
+    let cells = |row: &DriftRow| {
+        let early = 0.01 * study.scene.end() * (1.0 + 1e-9);
+        let error = |error: Option<&f64>| error.map(|error| format!("{error:.1e}")).unwrap_or_default();
+        vec![
+            row.method.name(),
+            row.setting.clone(),
+            error(row.t.iter().rposition(|&t| t <= early).map(|k| &row.energy_error[k])),
+            error(row.energy_error.last()),
+            row.slope.map_or_else(|| "–".to_owned(), |slope| format!("{slope:.2}")),
+            row.stats.steps.to_string(),
+            row.stats.force_evaluations.to_string(),
+            format!("{:.2e}", row.wall),
+            row.failure.clone().unwrap_or_default(),
+        ]
+    };
+    let rows: Vec<_> = study.rows.iter().map(cells).collect();
+    let head = ["integrator", "setting", "error at 1 %", "at the end", "slope", "steps", "forces", "wall s", "failure"];
+    format!(
+        "{}\nscene {}: {}\nlargest |E(t) - E(0)| / |E(0)| up to a hundredth of {} periods of {:.6} and up to all of them; slope of its \
+         logarithm against that of t in between.\n",
+        table(&head, &rows),
+        study.scene.name(),
+        study.scene.file().summary,
+        study.periods,
+        study.scene.period(),
+    )
+}
+
+/// Points of a curve in the picture, at most: more markers would hide the line.
+#[cfg(feature = "plot")]
+const MOST_POINTS: usize = 40;
+
+/// The picture of the study: largest relative error of the energy up to `t` against `t`.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+#[cfg(feature = "plot")]
+pub fn drift_png(study: &DriftStudy) -> crate::error::Result<Vec<u8>> {
+    use crate::figures::{Curve, WorkPrecision, work_precision};
+    let methods: Vec<_> = study.rows.iter().map(|row| row.method).collect();
+    let (families, family_of) = super::families(&methods);
+    let curve = |(nth, row): (usize, &DriftRow)| {
+        let slope = match (&row.failure, row.slope) {
+            (Some(_), _) => ": failed".to_owned(),
+            (None, Some(slope)) => format!(": slope {slope:.2}").replace('-', "−"),
+            (None, None) => String::new(),
+        };
+        Curve {
+            name: format!("{}, {}{slope}", row.method.name(), row.setting),
+            family: family_of[nth],
+            points: points(row),
+            slope: None,
+        }
+    };
+    let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. Slopes are those of the last \
+               two decades; a walk of errors without a rule to their sign has slope ½ (dashed).";
+    let figure = WorkPrecision {
+        title: format!("{}: error of the energy over {} periods", study.scene.name(), study.periods),
+        work_label: format!("time t (dimensionless; a period is {:.4})", study.scene.period()),
+        error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
+        curves: study.rows.iter().enumerate().map(curve).collect(),
+        caption: super::provenance(&study.scene, how),
+        floor: None,
+        families,
+        guides: vec![(-0.5, "slope ½".to_owned())],
+    };
+    Ok(work_precision(&figure)?)
+}
+
+/// Every k-th point of a row, the last of all included: the largest error so far is exact at each.
+#[cfg(feature = "plot")]
+fn points(row: &DriftRow) -> Vec<crate::figures::Point> {
+    let stride = row.t.len().div_ceil(MOST_POINTS).max(1);
+    let all = row.t.iter().zip(&row.energy_error).rev().step_by(stride);
+    let mut points: Vec<_> =
+        all.map(|(&t, &error)| crate::figures::Point { work: t, error, below_reference: false }).collect();
+    points.reverse();
+    points
+}

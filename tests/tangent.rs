@@ -1,0 +1,302 @@
+//! The tangent map of contact collocation.
+
+use hertzchain::{
+    chain::{Boundary, Chain, Field, Overlaps, Params},
+    experiments::generic_state,
+    integrators::{
+        Real, Regularised, Stepper,
+        collocation::{Pace, Tangent},
+        dop853::Options,
+        regularised::power,
+    },
+};
+use nalgebra::DMatrix;
+use std::thread;
+use twofloat::TwoFloat;
+
+fn chain<R: Real>(alpha: f64, rho: f64, boundary: Boundary, beads: usize) -> Chain<R> {
+    Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, beads).unwrap()
+}
+
+/// Beads flying at each other; what is held at its ends starts with some contacts closed and goes on colliding.
+fn start(chain: &Chain<f64>) -> Vec<f64> {
+    match chain.boundary() {
+        Boundary::Free => generic_state(chain).unwrap().as_slice().to_vec(),
+        _ => direction(chain.layout().dim(), 5).iter().map(|y| 0.3 * y).collect(),
+    }
+}
+
+fn fine(windows: u64) -> Pace {
+    Pace::Windows { windows, nodes: 12, neighbours: true }
+}
+
+/// `alpha`, `rho`, boundary and number of beads, for either scalar.
+type Case = (f64, f64, Boundary, usize);
+
+fn matrix((alpha, rho, boundary, beads): Case, t: f64, pace: Pace) -> DMatrix<f64> {
+    let chain = chain(alpha, rho, boundary, beads);
+    let y0 = start(&chain);
+    let columns = chain.monodromy(&y0, (0.0, t), pace).unwrap();
+    DMatrix::from_vec(y0.len(), y0.len(), columns)
+}
+
+/// The state at `t` by a method that shares nothing with collocation.
+fn flow<R: Real>((alpha, rho, boundary, beads): Case, y0: &[R], t: f64, tol: f64) -> Vec<R> {
+    let chain = || chain(alpha, rho, boundary, beads);
+    let (field, overlaps) = (Field::new(chain()), Overlaps::new(chain()));
+    let span = (R::zero(), R::of(t));
+    let options = Options::new(R::of(tol));
+    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, span, options).unwrap();
+    while !run.done() {
+        run.step().unwrap();
+    }
+    let mut y = y0.to_vec();
+    run.sample(span.1, &mut y);
+    y
+}
+
+fn direction(dim: usize, k: usize) -> Vec<f64> {
+    (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
+}
+
+/// `(y(t; y0 + size w) - y(t; y0 - size w))/(2 size)`.
+fn difference<R: Real>(case: Case, w: &[f64], t: f64, size: f64, tol: f64) -> Vec<f64> {
+    let y0 = start(&chain(case.0, case.1, case.2, case.3));
+    let ends: Vec<Vec<R>> = thread::scope(|scope| {
+        let run = |size: f64| {
+            let y: Vec<R> = y0.iter().zip(w).map(|(&y, &w)| R::of(y) + R::of(w) * R::of(size)).collect();
+            scope.spawn(move || flow(case, &y, t, tol))
+        };
+        [run(size), run(-size)].map(|run| run.join().unwrap()).into()
+    });
+    ends[0].iter().zip(&ends[1]).map(|(&a, &b)| (a - b).f64() / (2.0 * size)).collect()
+}
+
+fn error(a: &[f64], b: &[f64]) -> f64 {
+    let largest = |x: &mut dyn Iterator<Item = f64>| x.fold(0.0, |m: f64, x| m.max(x.abs()));
+    largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
+}
+
+fn times(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {
+    (m * DMatrix::from_column_slice(w.len(), 1, w)).as_slice().to_vec()
+}
+
+/// `|M^T J M - J| / |M|^2` in `q, p`, with `p_u = u'`, `p_v = rho v'`.
+fn symplectic_defect(case: Case, m: &DMatrix<f64>) -> f64 {
+    let (dim, rho, n) = (m.nrows(), case.1, case.3);
+    let weight = |i: usize| if dim == 4 * n && i >= 3 * n { rho } else { 1.0 };
+    let m = DMatrix::from_fn(dim, dim, |i, j| weight(i) * m[(i, j)] / weight(j));
+    let half = dim / 2;
+    let j = DMatrix::from_fn(dim, dim, |a, b| f64::from(u8::from(b == a + half)) - f64::from(u8::from(a == b + half)));
+    (m.transpose() * &j * &m - j).norm() / m.norm_squared()
+}
+
+const THIRD: f64 = 1.0 / 3.0;
+/// Ten periods `2 pi/omega` of `kappa = 1`, `rho = 1/3`.
+const TEN_PERIODS: f64 = 10.0 * std::f64::consts::PI;
+
+#[test]
+fn ten_periods_agree_with_differences_in_double_double() {
+    // Truth: central differences of runs by a regularised DOP853 in 32 digits. Their step leaves 1e-15, the runs 5e-13. Steps of
+    // 1e-7 and more, extrapolated, do not do: their error does not go with the square of the step.
+    let case: Case = (1.5, THIRD, Boundary::Free, 21);
+    let m = matrix(case, TEN_PERIODS, fine(400));
+    for k in 0..2 {
+        let w = direction(m.ncols(), k);
+        let truth = difference::<TwoFloat>(case, &w, TEN_PERIODS, 1e-9, 1e-23);
+        let error = error(&times(&m, &w), &truth);
+        println!("direction {k}: {error:e}");
+        assert!(error < 2e-12, "direction {k}: {error:e}");
+    }
+}
+
+#[test]
+fn it_is_symplectic() {
+    // Truth: Hamiltonian flows are.
+    for case in [
+        (1.5, THIRD, Boundary::Free, 21),
+        (1.5, THIRD, Boundary::Ring, 12),
+        (1.5, THIRD, Boundary::Fixed, 12),
+        (1.5, 0.0, Boundary::Fixed, 12),
+        (1.5, 0.0, Boundary::Ring, 12),
+        (1.5, f64::INFINITY, Boundary::Free, 12),
+        (2.0, THIRD, Boundary::Fixed, 7),
+        (1.2, THIRD, Boundary::Ring, 2),
+    ] {
+        let m = matrix(case, 12.0, fine(400));
+        let defect = symplectic_defect(case, &m);
+        println!("{case:?}: {defect:e}, norm {:e}", m.norm());
+        assert!(defect < 1e-12, "{case:?}: {defect:e}");
+    }
+}
+
+#[test]
+fn it_agrees_with_differences_for_every_exponent_and_boundary() {
+    // Truth: central differences of runs by a regularised DOP853; their own error is the step's square and the rounding over
+    // the step, 1e-8 at most.
+    let exponents = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0].map(|alpha| (alpha, THIRD, Boundary::Free, 6));
+    let boundaries = [
+        (1.5, THIRD, Boundary::Fixed, 5),
+        (1.5, THIRD, Boundary::Fixed, 1),
+        (1.5, THIRD, Boundary::Ring, 5),
+        (1.5, THIRD, Boundary::Ring, 2),
+        (1.5, THIRD, Boundary::Ring, 1),
+        (1.5, THIRD, Boundary::StrainRing, 5),
+        (1.5, THIRD, Boundary::StrainRing, 2),
+        (1.5, THIRD, Boundary::Free, 2),
+        (1.5, THIRD, Boundary::Free, 1),
+        (2.0, 0.0, Boundary::Fixed, 4),
+        (1.5, f64::INFINITY, Boundary::Ring, 4),
+    ];
+    for case in exponents.into_iter().chain(boundaries) {
+        let m = matrix(case, 6.0, fine(200));
+        let w = direction(m.ncols(), 1);
+        let error = error(&times(&m, &w), &difference::<f64>(case, &w, 6.0, 1e-5, 1e-15));
+        println!("{case:?}: {error:e}");
+        assert!(error < 1e-7, "{case:?}: {error:e}");
+    }
+}
+
+#[test]
+fn strains_on_a_ring_move_as_the_differences_of_displacements() {
+    // Truth: x = D u, y = D v carries the ring of displacements to that of strains, so M_x D = D M_u.
+    let n = 6;
+    let [ring, strains] = [Boundary::Ring, Boundary::StrainRing].map(|b| chain::<f64>(1.5, THIRD, b, n));
+    let u = start(&ring);
+    let d = DMatrix::from_fn(4 * n, 4 * n, |i, j| {
+        let before = i - i % n + (i % n + n - 1) % n;
+        f64::from(u8::from(i == j)) - f64::from(u8::from(before == j))
+    });
+    let x = times(&d, &u);
+    let [m_u, m_x] = [(ring, u), (strains, x)]
+        .map(|(chain, y)| DMatrix::from_vec(4 * n, 4 * n, chain.monodromy(&y, (0.0, 9.0), fine(300)).unwrap()));
+    let error = (&m_x * &d - &d * &m_u).norm() / m_u.norm();
+    println!("{error:e}");
+    assert!(error < 1e-12, "{error:e}");
+}
+
+#[test]
+fn without_contact_it_is_the_linear_flow() {
+    // Truth: u = R + P, v = R - P/rho with R = (u + rho v)/(1 + rho) in free motion and P at the frequency omega.
+    let (rho, n, t) = (THIRD, 3, 100.0);
+    let chain = chain::<f64>(1.5, rho, Boundary::Free, n);
+    let omega = chain.params().omega();
+    let mut y0 = vec![0.0; 4 * n];
+    (0..n).for_each(|i| (y0[i], y0[n + i]) = (i as f64, i as f64));
+    let m = DMatrix::from_vec(4 * n, 4 * n, chain.monodromy(&y0, (0.0, t), Pace::Tolerance(1e-12)).unwrap());
+    let (sin, cos) = (omega * t).sin_cos();
+    let linear = |[u, v, u_dot, v_dot]: [f64; 4]| {
+        let parts = |u: f64, v: f64| ((u + rho * v) / (1.0 + rho), rho * (u - v) / (1.0 + rho));
+        let ((r, p), (r_dot, p_dot)) = (parts(u, v), parts(u_dot, v_dot));
+        let (r, p, p_dot) = (r + r_dot * t, p * cos + p_dot * sin / omega, p_dot * cos - p * omega * sin);
+        [r + p, r - p / rho, r_dot + p_dot, r_dot - p_dot / rho]
+    };
+    for i in 0..n {
+        for k in 0..4 {
+            let mut unit = [0.0; 4];
+            unit[k] = 1.0;
+            let truth = linear(unit);
+            for j in 0..4 * n {
+                let truth = if j % n == i { truth[j / n] } else { 0.0 };
+                let error = (m[(j, k * n + i)] - truth).abs() / t;
+                assert!(error < 1e-14, "column {k} of site {i}, row {j}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
+    // Truth: the chain rule.
+    let chain = chain::<f64>(1.5, THIRD, Boundary::Fixed, 5);
+    let y0 = start(&chain);
+    let dim = y0.len();
+    let mut run = chain.collocation(&y0, (0.0, 9.0), fine(300)).unwrap();
+    let mut whole = Tangent::identity(&run).unwrap();
+    let mut halfway = None;
+    for window in 1.. {
+        run.step().unwrap();
+        whole.follow(&run).unwrap();
+        if let Some((_, rest)) = &mut halfway {
+            Tangent::follow(rest, &run).unwrap();
+        }
+        if window == 137 {
+            halfway = Some((whole.matrix(&run).unwrap(), Tangent::identity(&run).unwrap()));
+        }
+        if run.done() {
+            break;
+        }
+    }
+    let (first, rest) = halfway.unwrap();
+    let [whole, rest, first] = [whole.matrix(&run).unwrap(), rest.matrix(&run).unwrap(), first]
+        .map(|columns| DMatrix::from_vec(dim, dim, columns));
+    let error = (rest * first - &whole).norm() / whole.norm();
+    println!("{error:e}");
+    assert!(error < 1e-13, "{error:e}");
+}
+
+#[test]
+fn under_a_tolerance_it_is_about_as_good_as_the_run() {
+    // Truth: equal windows, so many that twice as many change nothing.
+    let case: Case = (1.5, THIRD, Boundary::Free, 21);
+    let truth = matrix(case, TEN_PERIODS, fine(800));
+    for tol in [1e-8, 1e-10, 1e-12, 1e-14] {
+        let m = matrix(case, TEN_PERIODS, Pace::Tolerance(tol));
+        let error = (m - &truth).norm() / truth.norm();
+        println!("{tol:e}: {error:e}");
+        assert!(error < 1e3 * tol, "{tol:e}: {error:e}");
+    }
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let chain = |beads| chain::<f64>(1.5, THIRD, Boundary::Free, beads);
+    let long = chain(258);
+    let run = long.collocation(&vec![0.0; long.layout().dim()], (0.0, 1.0), fine(1)).unwrap();
+    assert!(Tangent::identity(&run).unwrap_err().to_string().contains("256 bonds"));
+    let y0 = start(&chain(3));
+    let mut run = chain(3).collocation(&y0, (0.0, 1.0), fine(10)).unwrap();
+    assert!(Tangent::new(&run, &[0.0; 13]).is_err());
+    assert!(Tangent::new(&run, &[f64::NAN; 12]).is_err());
+    let mut none = Tangent::new(&run, &[]).unwrap();
+    let mut tangent = Tangent::identity(&run).unwrap();
+    assert_eq!((none.columns(), tangent.columns()), (0, 12));
+    assert!(tangent.follow(&run).is_err(), "nothing done yet");
+    run.step().unwrap();
+    tangent.follow(&run).unwrap();
+    none.follow(&run).unwrap();
+    assert!(tangent.follow(&run).is_err(), "twice");
+    run.step().unwrap();
+    run.step().unwrap();
+    assert!(tangent.follow(&run).is_err(), "one left out");
+    let y0 = start(&chain(4));
+    let other = chain(4).collocation(&y0, (0.0, 1.0), fine(10)).unwrap();
+    assert!(tangent.matrix(&other).is_err());
+}
+
+#[test]
+#[ignore = "prints how long columns take"]
+fn time_of_a_column() {
+    for (beads, windows) in [(21, 200), (21, 400), (101, 400)] {
+        let chain = chain::<f64>(1.5, THIRD, Boundary::Fixed, beads);
+        let y0 = start(&chain);
+        let time = |columns: Option<usize>| {
+            let mut run = chain.collocation(&y0, (0.0, TEN_PERIODS), fine(windows)).unwrap();
+            let columns: Vec<f64> = (0..columns.unwrap_or(0)).flat_map(|k| direction(y0.len(), k)).collect();
+            let mut tangent = Tangent::new(&run, &columns).unwrap();
+            let clock = std::time::Instant::now();
+            while !run.done() {
+                run.step().unwrap();
+                if !columns.is_empty() {
+                    tangent.follow(&run).unwrap();
+                }
+            }
+            clock.elapsed().as_secs_f64() * 1e6 / windows as f64
+        };
+        let [bare, few, all] = [None, Some(8), Some(y0.len())].map(time);
+        let column = (all - few) / (y0.len() - 8) as f64;
+        println!(
+            "{beads} beads, {windows} windows: step {bare:.1} us, 8 columns {few:.1}, all {all:.1}; a column {column:.2}"
+        );
+    }
+}
