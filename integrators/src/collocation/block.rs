@@ -56,7 +56,7 @@ pub(crate) struct Left {
 pub struct Piece {
     /// The bond.
     pub bond: usize,
-    /// Onset in this window: time since its start, and `dg/dt`.
+    /// Onset in this window: time since its start, and `dg/dt` (to six digits and more).
     pub onset: Option<(f64, f64)>,
     /// Release in this window: time since its start, and `dg/dt`.
     pub release: Option<(f64, f64)>,
@@ -164,8 +164,12 @@ impl<const M: usize> Workspace<M> {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frame.h) };
         }
         if log && verdict.failure.is_none() {
-            for (b, bond) in own.zip(&bonds[mine]) {
-                self.pieces.extend(bond.contacts.iter().map(|contact| bond.piece_of(frame, contact, b)));
+            for (b, i) in own.zip(mine) {
+                let left = if i > 0 { Some(i - 1) } else { ring.then(|| len - 1) };
+                let right = if i + 1 < len { Some(i + 1) } else { ring.then_some(0) };
+                let beside = [left, right].map(|i| i.map(|i| &bonds[i]));
+                let piece = |contact: &Contact| bonds[i].piece_of(frame, contact, beside, b);
+                self.pieces.extend(bonds[i].contacts.iter().map(piece));
             }
         }
         verdict

@@ -242,6 +242,8 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
 /// A release up to this many windows beyond the end is looked for.
 const AHEAD: f64 = 1.5;
 const CONTRACTION: f64 = 0.35;
+/// Share of a window over which speeds are differences.
+const SPEED_STEP: f64 = 1e-4;
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The overlap that the forces at the start of the window predict.
@@ -512,30 +514,52 @@ impl<const M: usize> Bond<M> {
         Some(Contact { onset: contact.onset - h, release: f64::INFINITY, ..*contact })
     }
 
+    /// The overlap at a time of the window, from all forces.
+    fn overlap_at(&self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64) -> f64 {
+        let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
+        let at = (&[t], &[cos], &[sin]);
+        let mut out = [along(&self.path, t, cos, sin)];
+        self.panels.influence(at, -self.recoil, &mut out);
+        for bond in beside.into_iter().flatten() {
+            bond.panels.influence(at, 1.0, &mut out);
+        }
+        out[0]
+    }
+
     /// What a contact did in this window.
-    pub(crate) fn piece_of(&self, frame: &Frame<'_, M>, contact: &Contact, bond: usize) -> Piece {
+    pub(crate) fn piece_of(
+        &self,
+        frame: &Frame<'_, M>,
+        contact: &Contact,
+        beside: [Beside<M>; 2],
+        bond: usize,
+    ) -> Piece {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
-        // g / (t - t_e) is as smooth as g, and dg/dt at the event; the last correction of t_e was too small for new panels, but not
-        // for this quotient.
-        let event = |panel: Option<&Panel<M>>, t: f64, end: usize| {
-            let Some(panel) = panel else { return (t, contact.slopes[end]) };
-            let overlap = dot(&rule.ends[end], &panel.overlap);
-            let (mut at, mut speed) = (t, contact.slopes[end]);
-            for _ in 0..4 {
-                if speed != 0.0 {
-                    at = (t - overlap / speed).clamp(0.0, frame.h);
+        // dg/dt of the parabola through three points nearby.
+        let speed = |t: f64| {
+            let near = SPEED_STEP * frame.h;
+            let (a, c) = ((t - near).max(0.0), (t + near).min(frame.h));
+            let b = 0.5 * (a + c);
+            let [ga, gb, gc] = [a, b, c].map(|t| self.overlap_at(frame, beside, t));
+            let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+            0.5 * (first + second) + (second - first) * (t - b) / (b - a)
+        };
+        // The last correction of t_e was too small for new panels, but not for the record.
+        let event = |mut t: f64| {
+            for _ in 0..2 {
+                let slope = speed(t);
+                if slope != 0.0 {
+                    t = (t - self.overlap_at(frame, beside, t) / slope).clamp(0.0, frame.h);
                 }
-                let ratio: [f64; M] = std::array::from_fn(|j| panel.overlap[j] / (panel.tau[j] - at));
-                speed = dot(&rule.ends[end], &ratio);
             }
-            (at, speed)
+            (t, speed(t))
         };
         Piece {
             bond,
-            onset: begins.then(|| event(panels.first(), contact.onset, 0)),
-            release: ends.then(|| event(panels.last(), contact.release, 1)),
+            onset: begins.then(|| event(contact.onset)),
+            release: ends.then(|| event(contact.release)),
             impulse: panels.iter().map(|panel| panel.impulse(rule)).sum(),
             largest: panels.iter().map(|panel| panel.largest(rule)).fold(0.0, f64::max),
         }

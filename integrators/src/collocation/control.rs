@@ -151,7 +151,7 @@ impl Control {
             Pace::Windows { .. } => (1e-16, f64::INFINITY),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(1e-6);
-                (0.1 * share, (TAIL * share).powf(POWER).max(1e-14))
+                (3e-3 * share, (TAIL * share).powf(POWER).max(1e-14))
             }
         };
         let change = change.max(if tail == f64::INFINITY { 1e-16 } else { 1e-15 });
