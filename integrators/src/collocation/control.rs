@@ -38,6 +38,8 @@ pub(crate) struct Control {
     nodes: usize,
     /// The length to try next.
     h: f64,
+    /// The longest window given up since the last good one; zero if none.
+    given_up: f64,
     /// Equal windows: their length, and what is left of the one at hand.
     equal: f64,
     rest: f64,
@@ -111,6 +113,7 @@ impl Control {
             pace,
             nodes,
             h,
+            given_up: 0.0,
             equal: h,
             rest: h,
             span: span.value(),
@@ -183,6 +186,9 @@ impl Control {
             }
             Pace::Tolerance(_) => {
                 self.finished = last;
+                // One bond in trouble for a moment says little about the windows after it.
+                self.h = self.h.max(0.9 * self.given_up);
+                self.given_up = 0.0;
                 let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
                 self.halved += 0.2 * (halved - self.halved);
                 let halved = self.halved;
@@ -205,6 +211,7 @@ impl Control {
 
     /// A window of length `h` was given up: whether a shorter one may be tried.
     pub(crate) fn reject(&mut self, h: f64) -> bool {
+        self.given_up = self.given_up.max(h);
         self.h = 0.5 * h;
         self.h > 1e-13 * self.span
     }
