@@ -218,7 +218,10 @@ impl Scene {
         };
         let span = format!("t from 0 to {}, period {}", self.end, self.period);
         let (contacts, left_out) = if events {
-            ("contacts: every step is sampled eight times and searched", "left out: tangent map")
+            (
+                "contacts: logged; collocation knows them, for any other method every step is sampled eight times and searched",
+                "left out: tangent map",
+            )
         } else {
             let left_out = "left out: contact log, tangent map, dense output (made only where a sample asks for it)";
             ("contacts: not logged; --events does", left_out)

@@ -70,8 +70,6 @@ pub struct Piece {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdict {
     pub(crate) sweeps: u64,
-    /// Panels evaluated.
-    pub(crate) panels: u64,
     /// Largest share of a change that another sweep leaves.
     pub(crate) share: f64,
     /// Bonds that touched, and those whose panels were halved.
@@ -85,7 +83,6 @@ impl Verdict {
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             sweeps: self.sweeps.max(other.sweeps),
-            panels: self.panels + other.panels,
             share: self.share.max(other.share),
             touching: self.touching + other.touching,
             halved: self.halved + other.halved,
@@ -94,7 +91,7 @@ impl Verdict {
     }
 }
 
-/// Where the blocks of a chain with so many bonds begin and end.
+/// The number of blocks of a chain with so many bonds.
 pub(crate) fn blocks(bonds: usize) -> usize {
     if bonds <= WHOLE { 1 } else { bonds.div_ceil(OWN) }
 }
@@ -209,18 +206,15 @@ impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
             me.lay_out(frame, left, right, goal.cuts, old);
             me.start(frame, law, left, right);
             me.dirty = true;
-            verdict.panels += me.panels.len as u64;
         }
         let mut rounds = 0;
         loop {
             let worst = sweep(bonds, old, frame, law, goal, ring, &mut verdict);
             let Some(worst) = worst else {
-                if !unsettled(bonds, frame, goal, ring, &mut verdict) {
-                    return verdict;
-                }
+                let Some(b) = unsettled(bonds, frame, goal, ring, &mut verdict) else { return verdict };
                 rounds += 1;
                 if rounds > MOST_ROUNDS {
-                    verdict.failure = Some((0, f64::NAN));
+                    verdict.failure = Some((b, f64::INFINITY));
                     return verdict;
                 }
                 continue;
@@ -254,7 +248,6 @@ fn sweep<L: PairLaw, const M: usize>(
             me.dirty = false;
             continue;
         }
-        verdict.panels += me.panels.len as u64;
         let change = me.sweep(frame, law, left, right, goal.cuts, old);
         let share = if me.share < 1.0 { me.share } else { 1.0 };
         let again = change.impulse * share > goal.change || change.moved > 0.0;
@@ -287,8 +280,8 @@ fn sweep<L: PairLaw, const M: usize>(
     worst
 }
 
-/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. Returns whether
-/// something must be done anew.
+/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. The last bond
+/// of which something must be done anew, if there is one.
 #[inline(always)]
 fn unsettled<const M: usize>(
     bonds: &mut [Bond<M>],
@@ -296,9 +289,9 @@ fn unsettled<const M: usize>(
     goal: &Goal,
     ring: bool,
     verdict: &mut Verdict,
-) -> bool {
+) -> Option<usize> {
     let n = bonds.len();
-    let mut anew = false;
+    let mut anew = None;
     for bond in &mut *bonds {
         bond.surprised();
     }
@@ -310,21 +303,19 @@ fn unsettled<const M: usize>(
         if off > me.slack || me.suspicious {
             match me.verify(frame, left, right, goal.cuts) {
                 None => verdict.failure = Some((b, f64::INFINITY)),
-                Some(other) => {
-                    me.stale |= other;
-                    anew |= other;
-                }
+                Some(true) => (me.stale, anew) = (true, Some(b)),
+                Some(false) => {}
             }
         }
         if me.panels.as_slice().iter().any(|panel| panel.tail(frame) > goal.tail) {
             me.halvings += 1;
-            (me.stale, anew) = (true, true);
+            (me.stale, anew) = (true, Some(b));
             if me.halvings > MOST_HALVINGS {
                 verdict.failure = Some((b, f64::INFINITY));
             }
         }
     }
-    anew && verdict.failure.is_none()
+    anew.filter(|_| verdict.failure.is_none())
 }
 
 /// A bond and its neighbours.

@@ -185,6 +185,8 @@ pub(crate) struct Bond<const M: usize> {
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
     pub(crate) contacts: Vec<Contact>,
+    /// The contacts that a search replaced.
+    assumed: Vec<Contact>,
     pub(crate) panels: Panels<M>,
     /// The contact that it is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
@@ -241,9 +243,11 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
 
 /// A release up to this many windows beyond the end is looked for.
 const AHEAD: f64 = 1.5;
+/// A change of a force changes it again, in the next sweep, by at most about this share of `f'(g) h^2`.
 const CONTRACTION: f64 = 0.35;
 /// Share of a window over which speeds are differences.
 const SPEED_STEP: f64 = 1e-4;
+/// What forces move over a window is rounded by less than this share.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The overlap that the forces at the start of the window predict.
@@ -252,6 +256,24 @@ fn predicted<const M: usize>(frame: &Frame<'_, M>, path: &Path, drive: [f64; 2],
     let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * t) };
     let (k2, k3) = ramps(frame, t, cos, sin);
     along(path, t, cos, sin) + drive[0] * k2 + drive[1] * k3
+}
+
+/// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
+fn overlap_at<const M: usize>(
+    path: &Path,
+    (panels, recoil): (&Panels<M>, f64),
+    frame: &Frame<'_, M>,
+    beside: [Beside<M>; 2],
+    t: f64,
+) -> f64 {
+    let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
+    let at = (&[t], &[cos], &[sin]);
+    let mut out = [along(path, t, cos, sin)];
+    panels.influence(at, -recoil, &mut out);
+    for bond in beside.into_iter().flatten() {
+        bond.panels.influence(at, 1.0, &mut out);
+    }
+    out[0]
 }
 
 impl<const M: usize> Bond<M> {
@@ -264,6 +286,7 @@ impl<const M: usize> Bond<M> {
             bend: 0.0,
             band: 0.0,
             contacts: Vec::new(),
+            assumed: Vec::new(),
             panels: Panels::new(),
             ongoing: None,
             at_end: 0.0,
@@ -303,7 +326,7 @@ impl<const M: usize> Bond<M> {
         [0, 1].map(|k| of(left, k) + of(right, k) - self.recoil * self.force[k])
     }
 
-    /// Finds the contacts of the window from the forces at its start.
+    /// Finds the contacts of the window from the forces at its start; `false` if there are too many to be sure.
     #[inline(always)]
     pub(crate) fn predict(
         &mut self,
@@ -447,20 +470,10 @@ impl<const M: usize> Bond<M> {
         cuts: Cuts,
     ) -> Option<bool> {
         let linear = frame.omega * frame.omega * (self.path[2].abs() + self.path[3].abs());
-        let before: Vec<Contact> = self.contacts.clone();
+        std::mem::swap(&mut self.contacts, &mut self.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let path = self.path;
-        let recoil = self.recoil;
-        let g = |t: f64| {
-            let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
-            let at = (&[t], &[cos], &[sin]);
-            let mut out = [along(&path, t, cos, sin)];
-            panels.influence(at, -recoil, &mut out);
-            for bond in [left, right].into_iter().flatten() {
-                bond.panels.influence(at, 1.0, &mut out);
-            }
-            out[0]
-        };
+        let (path, recoil) = (self.path, self.recoil);
+        let g = |t: f64| overlap_at(&path, (&panels, recoil), frame, [left, right], t);
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M>, t: f64| 1.2 * panels.largest_force(t);
         let beside = |bond: Beside<M>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
@@ -478,19 +491,16 @@ impl<const M: usize> Bond<M> {
             let sound = a.release > a.onset.max(0.0) && a.onset <= frame.h;
             sound && begins == begun && (ends == ended || on_surface)
         };
-        let same = before.len() == self.contacts.len() && before.iter().zip(&self.contacts).all(alike);
+        let (assumed, found) = (&self.assumed, &mut self.contacts);
+        let same = assumed.len() == found.len() && assumed.iter().zip(&*found).all(alike);
         if same {
-            self.contacts = before;
-        } else if let (Some(old), Some(new)) = (before.last(), self.contacts.last_mut())
+            std::mem::swap(&mut self.contacts, &mut self.assumed);
+        } else if let (Some(old), Some(new)) = (assumed.last(), found.last_mut())
             && new.release > frame.h
+            && old.release < f64::INFINITY
         {
             // What was to end in the window ends soon after it.
-            let ahead = if old.release < f64::INFINITY {
-                old.release.max(frame.h * (1.0 + f64::EPSILON))
-            } else {
-                f64::INFINITY
-            };
-            (new.release, new.slopes[1]) = (ahead, old.slopes[1]);
+            (new.release, new.slopes[1]) = (old.release.max(frame.h * (1.0 + f64::EPSILON)), old.slopes[1]);
         }
         sure.then_some(!same)
     }
@@ -514,18 +524,6 @@ impl<const M: usize> Bond<M> {
         Some(Contact { onset: contact.onset - h, release: f64::INFINITY, ..*contact })
     }
 
-    /// The overlap at a time of the window, from all forces.
-    fn overlap_at(&self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64) -> f64 {
-        let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
-        let at = (&[t], &[cos], &[sin]);
-        let mut out = [along(&self.path, t, cos, sin)];
-        self.panels.influence(at, -self.recoil, &mut out);
-        for bond in beside.into_iter().flatten() {
-            bond.panels.influence(at, 1.0, &mut out);
-        }
-        out[0]
-    }
-
     /// What a contact did in this window.
     pub(crate) fn piece_of(
         &self,
@@ -542,7 +540,7 @@ impl<const M: usize> Bond<M> {
             let near = SPEED_STEP * frame.h;
             let (a, c) = ((t - near).max(0.0), (t + near).min(frame.h));
             let b = 0.5 * (a + c);
-            let [ga, gb, gc] = [a, b, c].map(|t| self.overlap_at(frame, beside, t));
+            let [ga, gb, gc] = [a, b, c].map(|t| overlap_at(&self.path, (&self.panels, self.recoil), frame, beside, t));
             let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
             0.5 * (first + second) + (second - first) * (t - b) / (b - a)
         };
@@ -551,7 +549,8 @@ impl<const M: usize> Bond<M> {
             for _ in 0..2 {
                 let slope = speed(t);
                 if slope != 0.0 {
-                    t = (t - self.overlap_at(frame, beside, t) / slope).clamp(0.0, frame.h);
+                    t = (t - overlap_at(&self.path, (&self.panels, self.recoil), frame, beside, t) / slope)
+                        .clamp(0.0, frame.h);
                 }
             }
             (t, speed(t))

@@ -24,11 +24,18 @@ pub enum Pace {
     Tolerance(f64),
 }
 
+/// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: measured, on waves, impacts and random chains.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
-/// Sweeps that a good window takes.
+/// Share of a change that the next sweep may leave: windows are made short enough for that.
 const MOST_SHARE: f64 = 0.08;
+/// Sweeps that a good window takes.
 const GOOD_SWEEPS: u64 = 5;
+/// Share of the tolerance of a window that sweeps may leave undone; a tenth let single windows through that broke the tolerance.
+const UNDONE: f64 = 3e-3;
+/// A change that is rounding, in units of velocities, and last terms that are.
+const ROUNDING: f64 = 1e-15;
+const ROUNDED_TAIL: f64 = 1e-14;
 /// Share of contacts whose panels may be halved before windows become shorter.
 const MOST_HALVED: f64 = 0.3;
 
@@ -67,17 +74,15 @@ impl Control {
     ) -> Result<Self, Error> {
         let law = chain.law();
         let omega = chain.response().omega.value();
-        let (mut size, mut stiffness) = (0.0f64, 0.0f64);
+        let mut size = 0.0f64;
         for site in sites {
             size = size.max(site.hi[1].abs() + omega * site.hi[2].hypot(site.hi[3]));
         }
-        let reach = |site: &Site| site.hi[0].abs() + site.hi[2].hypot(site.hi[3]);
+        let reach = sites.iter().fold(0.0f64, |far, site| far.max(site.hi[0].abs() + site.hi[2].hypot(site.hi[3])));
+        let stiffness = law.stiffness(chain.rest() + 2.0 * reach);
         for b in 0..chain.bonds() {
-            let g = chain.rest() + chain.across(b, |i| [reach(&sites[i]), 0.0, 0.0, 0.0])[0].abs();
-            let now = chain.rest()
-                + chain.across(b, |i| sites[i].path((0.0, 1.0)).map(|x| x))[0]
-                + chain.across(b, |i| sites[i].path((0.0, 1.0)))[2];
-            stiffness = stiffness.max(law.stiffness(g));
+            let [r, _, c, _] = chain.across(b, |i| sites[i].hi);
+            let now = chain.rest() + r + c;
             if now > 0.0 {
                 size = size.max((2.0 * law.force(now) * now).sqrt());
             }
@@ -134,31 +139,25 @@ impl Control {
     }
 
     /// The next window, when so much time is left.
-    pub(crate) fn propose(&mut self, left: f64) -> f64 {
+    pub(crate) fn propose(&self, left: f64) -> f64 {
         match self.pace {
             Pace::Windows { .. } => self.h.min(self.rest),
             // The last windows share what is left.
-            Pace::Tolerance(_) if left <= 2.0 * self.h => {
-                if left <= self.h {
-                    left
-                } else {
-                    0.5 * left
-                }
-            }
-            Pace::Tolerance(_) => self.h,
+            Pace::Tolerance(_) if left <= self.h => left,
+            Pace::Tolerance(_) => self.h.min(0.5 * left),
         }
     }
 
     pub(crate) fn goal(&self, h: f64) -> Goal {
         let (change, tail) = match self.pace {
-            Pace::Windows { .. } => (1e-16, f64::INFINITY),
+            // All that sweeps can do.
+            Pace::Windows { .. } => (0.1 * ROUNDING, f64::INFINITY),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(1e-6);
-                (3e-3 * share, (TAIL * share).powf(POWER).max(1e-14))
+                ((UNDONE * share).max(ROUNDING), (TAIL * share).powf(POWER).max(ROUNDED_TAIL))
             }
         };
-        let change = change.max(if tail == f64::INFINITY { 1e-16 } else { 1e-15 });
-        let lost = |power: f64| h * (change.max(1e-15)).powf(1.0 / power);
+        let lost = |power: f64| h * change.max(ROUNDING).powf(1.0 / power);
         Goal {
             change: change * self.size,
             tail: tail * self.size,

@@ -200,11 +200,6 @@ impl<C: ContactChain> Collocation<C> {
     pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
         (self.state.t.value(), self.solver.pieces())
     }
-
-    /// Whether bond `b` was closed when the run began, or is so at the start of the last window.
-    pub fn touching(&self, b: usize) -> bool {
-        self.state.ongoing[b].is_some()
-    }
 }
 
 impl<C: ContactChain> Stepper<f64> for Collocation<C> {
@@ -261,9 +256,13 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             inside.state.advance(&self.chain, &self.left, self.h);
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
-            while !inside.advance(&self.chain, &self.control, by, parts) && parts < MOST_PARTS {
+            while !inside.advance(&self.chain, &self.control, by, parts) {
                 inside.state.copy_from(&self.state);
                 parts *= 2;
+                if parts > MOST_PARTS {
+                    // No state is better than a wrong one.
+                    return y.fill(f64::NAN);
+                }
             }
         }
         inside.state.store(&self.chain, y);

@@ -25,6 +25,17 @@ pub(crate) struct Frame<'a, const M: usize> {
     pub(crate) q: u32,
 }
 
+/// Where a panel's variable has its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Origin {
+    /// Nowhere: the variable is time.
+    None,
+    /// At an onset at or before the start.
+    Before(f64),
+    /// At a release at or after the end.
+    After(f64),
+}
+
 impl Origin {
     /// The time a share of the way from `from` to `to` in the variable.
     pub(crate) fn between(self, q: u32, from: f64, to: f64, share: f64) -> f64 {
@@ -36,17 +47,6 @@ impl Origin {
         let [a, b] = root([sign * (from - o), sign * (to - o)], q);
         o + sign * (a + share * (b - a)).powi(q as i32)
     }
-}
-
-/// Where a panel's variable has its origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Origin {
-    /// Nowhere: the variable is time.
-    None,
-    /// At an onset at or before the start.
-    Before(f64),
-    /// At a release at or after the end.
-    After(f64),
 }
 
 #[derive(Clone, Debug)]
@@ -268,18 +268,15 @@ impl<const M: usize> Panel<M> {
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
         let rule = &frame.rule;
         let mut after = self.before;
-        let (mut w, mut local) = ([0.0; M], [0.0; M]);
-        for j in 0..M {
-            w[j] = self.force[j] * self.rate[j];
-        }
+        let (w, mut local) = (times(&self.force, &self.rate), [0.0; M]);
         if frame.m != 0.0 {
-            let [s0, s1] = moments(&rule.integral, [w, times(&w, &self.tau)]);
+            let wt = times(&w, &self.tau);
+            let [s0, s1] = moments(&rule.integral, [w, wt]);
             for j in 0..M {
                 local[j] = frame.m * (self.tau[j] * s0[j] - s1[j]);
             }
-            let [t0, t1] = [w, times(&w, &self.tau)].map(|w| dot(&rule.weights, &w));
-            after[0] -= frame.m * t1;
-            after[1] += frame.m * t0;
+            after[0] -= frame.m * dot(&rule.weights, &wt);
+            after[1] += frame.m * dot(&rule.weights, &w);
         }
         if frame.mu != 0.0 {
             let (wc, ws) = (times(&w, &self.cos), times(&w, &self.sin));
@@ -323,7 +320,7 @@ pub(crate) const MONOMIAL: usize = 8;
 
 /// A sum in four parts, the same on every machine.
 #[inline(always)]
-pub(crate) fn sum<const M: usize>(terms: &[f64; M]) -> f64 {
+fn sum<const M: usize>(terms: &[f64; M]) -> f64 {
     let mut part = [0.0; 4];
     for j in 0..M {
         part[j % 4] += terms[j];
@@ -354,7 +351,7 @@ fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L
 
 /// `sum_k columns[k] values[k]`.
 #[inline(always)]
-pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
+fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     for k in 0..M {
         for j in 0..M {
@@ -366,7 +363,7 @@ pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]
 
 /// `sum_i c_i T_i(x)`.
 #[inline(always)]
-pub(crate) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
+fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
     let (mut b1, mut b2) = ([0.0; L], [0.0; L]);
     for i in (1..M).rev() {
         for j in 0..L {

@@ -92,6 +92,5 @@ fn node<const M: usize>(k: usize) -> f64 {
         let slope = M as f64 * (p[M - 1] - x * p[M]) / (1.0 - x * x);
         x -= p[M] / slope;
     }
-    // The zeros of an odd polynomial: symmetric to the last bit.
-    if M % 2 == 1 && k == M / 2 { 0.0 } else { x }
+    x
 }
