@@ -3,7 +3,7 @@
 use super::{
     block::Piece,
     detect::{Crossing, Search, Start},
-    panel::{Frame, Origin, Panel, Sight, along, dot, sin_cos},
+    panel::{Frame, Origin, Panel, View, along, dot, sin_cos},
     system::{PairLaw, Path},
 };
 
@@ -84,22 +84,28 @@ impl<const M: usize> Panels<M> {
         if k < self.len { &self.list[k].before } else { &self.total }
     }
 
-    /// What of this bond acts at ascending times inside one panel of a neighbour.
-    fn sight(&self, tau: &[f64; M]) -> Sight {
-        let (first, last) = (tau[0], tau[M - 1]);
-        for k in (0..self.len).rev() {
-            let panel = &self.list[k];
-            if first > panel.end {
-                return Sight::Behind(k + 1);
+    /// Where ascending times are among these panels.
+    #[inline(always)]
+    fn look(&self, tau: &[f64; M], view: &mut View<M>) {
+        view.version = self.version;
+        view.place = [-1.0; M];
+        for (k, panel) in self.as_slice().iter().enumerate() {
+            if tau[M - 1] < panel.start {
+                return;
             }
-            if first >= panel.start {
-                return if last <= panel.end { Sight::Inside(k) } else { Sight::Mixed };
+            let place = 2.0 * k as f64;
+            for j in 0..M {
+                view.place[j] = if tau[j] > panel.end { place + 1.0 } else { view.place[j] };
             }
-            if last >= panel.start {
-                return Sight::Mixed;
+            if tau[0] <= panel.end {
+                let x = panel.variable(tau);
+                for j in 0..M {
+                    let inside = tau[j] >= panel.start && tau[j] <= panel.end;
+                    view.place[j] = if inside { place } else { view.place[j] };
+                    view.x[j] = if inside { x[j] } else { view.x[j] };
+                }
             }
         }
-        Sight::Nothing
     }
 
     /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour.
@@ -108,28 +114,22 @@ impl<const M: usize> Panels<M> {
         let Panel { tau, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
-            view.version = self.version;
-            view.sight = self.sight(tau);
-            if let Sight::Inside(k) = view.sight {
-                view.x = self.list[k].variable(tau);
-            }
+            self.look(tau, view);
         }
-        match view.sight {
-            Sight::Nothing => {}
-            Sight::Inside(k) => {
-                let there = &self.list[k];
-                let moved = there.moved_at(&view.x);
-                for j in 0..M {
-                    out[j] += along(&there.before, tau[j], cos[j], sin[j]) + moved[j];
-                }
+        let (first, last) = view.span();
+        for place in first.max(0)..=last {
+            let k = (place / 2) as usize;
+            let (path, moved) = if place % 2 == 0 {
+                (&self.list[k].before, self.list[k].moved_at(&view.x))
+            } else if view.place.contains(&f64::from(place)) {
+                (self.before(k + 1), [0.0; M])
+            } else {
+                continue;
+            };
+            for j in 0..M {
+                let value = along(path, tau[j], cos[j], sin[j]) + moved[j];
+                out[j] += if view.place[j] == f64::from(place) { value } else { 0.0 };
             }
-            Sight::Behind(k) => {
-                let path = self.before(k);
-                for j in 0..M {
-                    out[j] += along(path, tau[j], cos[j], sin[j]);
-                }
-            }
-            Sight::Mixed => self.influence((tau, cos, sin), 1.0, out),
         }
     }
 

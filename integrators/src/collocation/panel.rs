@@ -67,6 +67,10 @@ pub(crate) struct Panel<const M: usize> {
     pub(crate) sin: [f64; M],
     /// `dt/dx` at the nodes.
     pub(crate) rate: [f64; M],
+    /// `reaction[k][j]`: what a unit force at node `k` has moved by node `j`.
+    reaction: [[f64; M]; M],
+    /// The path that a unit force at each node leaves behind.
+    pub(crate) left: [Path; M],
     /// Overlap at the nodes.
     pub(crate) overlap: [f64; M],
     /// Force at the nodes.
@@ -81,27 +85,25 @@ pub(crate) struct Panel<const M: usize> {
     pub(crate) views: [View<M>; 2],
 }
 
-/// Which part of a neighbour acts at the nodes of a panel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Sight {
-    /// None yet.
-    Nothing,
-    /// One panel, at all nodes.
-    Inside(usize),
-    /// The path left behind before this panel.
-    Behind(usize),
-    /// Several.
-    Mixed,
-}
-
-/// A neighbour as seen from a panel: what does not change from sweep to sweep.
+/// A neighbour as seen from the nodes of a panel: what does not change from sweep to sweep.
+///
+/// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next `2 k + 1`, one before all -1.
 #[derive(Clone, Debug)]
 pub(crate) struct View<const M: usize> {
     /// Of the neighbour's panels.
     pub(crate) version: u64,
-    pub(crate) sight: Sight,
-    /// The nodes in the variable of the neighbour's panel.
+    /// Ascending.
+    pub(crate) place: [f64; M],
+    /// The nodes in the variable of the panel that they are in.
     pub(crate) x: [f64; M],
+}
+
+impl<const M: usize> View<M> {
+    /// The first and the last place.
+    #[inline(always)]
+    pub(crate) fn span(&self) -> (i32, i32) {
+        (self.place[0] as i32, self.place[M - 1] as i32)
+    }
 }
 
 #[inline(always)]
@@ -146,12 +148,14 @@ impl<const M: usize> Panel<M> {
             cos: zeros,
             sin: zeros,
             rate: zeros,
+            reaction: [zeros; M],
+            left: [[0.0; 4]; M],
             overlap: zeros,
             force: zeros,
             local: zeros,
             series: zeros,
             before: [0.0; 4],
-            views: std::array::from_fn(|_| View { version: 0, sight: Sight::Nothing, x: zeros }),
+            views: std::array::from_fn(|_| View { version: 0, place: zeros, x: zeros }),
         }
     }
 
@@ -190,6 +194,30 @@ impl<const M: usize> Panel<M> {
                 self.sin[j] = sin;
                 self.cos[j] = cos;
             }
+        }
+        self.weigh(frame);
+    }
+
+    /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times the weights of the integrals over `s`.
+    #[inline(always)]
+    fn weigh(&mut self, frame: &Frame<'_, M>) {
+        let Self { tau, cos, sin, rate, reaction, left, .. } = self;
+        let rule = frame.rule;
+        let (m, mu) = (frame.m, frame.mu_per_omega);
+        for k in 0..M {
+            let rate = rate[k];
+            let [free, moved, c, s] = [m * rate, m * rate * tau[k], mu * rate * cos[k], mu * rate * sin[k]];
+            left[k] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
+            let mut kernel = [0.0; M];
+            for j in 0..M {
+                kernel[j] = free.mul_add(tau[j], -moved);
+            }
+            if mu != 0.0 {
+                for j in 0..M {
+                    kernel[j] = c.mul_add(sin[j], (-s).mul_add(cos[j], kernel[j]));
+                }
+            }
+            reaction[k] = times(&rule.integral[k], &kernel);
         }
     }
 
@@ -266,30 +294,16 @@ impl<const M: usize> Panel<M> {
     /// behind at the end.
     #[inline(always)]
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
-        let rule = &frame.rule;
-        let mut after = self.before;
-        let (w, mut local) = (times(&self.force, &self.rate), [0.0; M]);
-        if frame.m != 0.0 {
-            let wt = times(&w, &self.tau);
-            let [s0, s1] = moments(&rule.integral, [w, wt]);
-            for j in 0..M {
-                local[j] = frame.m * (self.tau[j] * s0[j] - s1[j]);
+        self.local = product(&self.reaction, &self.force);
+        self.series = product(&frame.rule.series, &self.local);
+        let (mut even, mut odd) = (self.before, [0.0; 4]);
+        for k in (0..M).step_by(2) {
+            for i in 0..4 {
+                even[i] = self.left[k][i].mul_add(self.force[k], even[i]);
+                odd[i] = self.left[k + 1][i].mul_add(self.force[k + 1], odd[i]);
             }
-            after[0] -= frame.m * dot(&rule.weights, &wt);
-            after[1] += frame.m * dot(&rule.weights, &w);
         }
-        if frame.mu != 0.0 {
-            let (wc, ws) = (times(&w, &self.cos), times(&w, &self.sin));
-            let [sc, ss] = moments(&rule.integral, [wc, ws]);
-            for j in 0..M {
-                local[j] += frame.mu_per_omega * (self.sin[j] * sc[j] - self.cos[j] * ss[j]);
-            }
-            after[2] -= frame.mu_per_omega * dot(&rule.weights, &ws);
-            after[3] += frame.mu_per_omega * dot(&rule.weights, &wc);
-        }
-        self.local = local;
-        self.series = product(&rule.series, &local);
-        after
+        std::array::from_fn(|i| even[i] + odd[i])
     }
 }
 
@@ -300,19 +314,6 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
         out[j] = a[j] * b[j];
     }
     out
-}
-
-/// `sum_k columns[k] w[k]` for two sets of weights.
-#[inline(always)]
-fn moments<const M: usize>(columns: &[[f64; M]; M], [u, v]: [[f64; M]; 2]) -> [[f64; M]; 2] {
-    let (mut a, mut b) = ([0.0; M], [0.0; M]);
-    for k in 0..M {
-        for j in 0..M {
-            a[j] = columns[k][j].mul_add(u[k], a[j]);
-            b[j] = columns[k][j].mul_add(v[k], b[j]);
-        }
-    }
-    [a, b]
 }
 
 /// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.

@@ -333,7 +333,6 @@ fn rows<'a, const M: usize>(
         source.list[0].clone_from(rows[q].panel);
         source.list[0].before = [0.0; 4];
         let start = source.list[0].start;
-        let mut units = [[0.0; 4]; M];
         let [left, right] = beside(b, n, ring).map(|b| b.map(|b| (b, 1.0)));
         let targets: Vec<(usize, f64)> = [Some((b, -bonds[b].recoil)), left, right]
             .into_iter()
@@ -348,7 +347,6 @@ fn rows<'a, const M: usize>(
             source.list[0].force = [0.0; M];
             source.list[0].force[l] = 1.0;
             source.total = source.list[0].integrate(frame);
-            units[l] = source.total;
             for &(p, weight) in &targets {
                 let row = &mut rows[p];
                 let mut out = [0.0; M];
@@ -359,7 +357,7 @@ fn rows<'a, const M: usize>(
                 }
             }
         }
-        rows[q].left = units;
+        rows[q].left = source.list[0].left;
     }
     rows
 }
