@@ -70,8 +70,13 @@ pub struct Piece {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdict {
     pub(crate) sweeps: u64,
-    /// Largest share of a change that another sweep leaves.
-    pub(crate) share: f64,
+    /// Panels swept, and bonds.
+    pub(crate) panels: u64,
+    pub(crate) bonds: usize,
+    /// The largest `f'(g) h^2`.
+    pub(crate) stiffness: f64,
+    /// The largest last terms of a series.
+    pub(crate) tail: f64,
     /// Bonds that touched, and those whose panels were halved.
     pub(crate) touching: usize,
     pub(crate) halved: usize,
@@ -83,7 +88,10 @@ impl Verdict {
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             sweeps: self.sweeps.max(other.sweeps),
-            share: self.share.max(other.share),
+            panels: self.panels + other.panels,
+            bonds: self.bonds + other.bonds,
+            stiffness: self.stiffness.max(other.stiffness),
+            tail: self.tail.max(other.tail),
             touching: self.touching + other.touching,
             halved: self.halved + other.halved,
             failure: self.failure.or(other.failure),
@@ -154,8 +162,9 @@ impl<const M: usize> Workspace<M> {
         let mut verdict = f64::run(work);
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
+        verdict.bonds = mine.len();
         verdict.touching = bonds[mine.clone()].iter().filter(|bond| !bond.contacts.is_empty()).count();
-        verdict.share = bonds[mine.clone()].iter().fold(0.0, |share, bond| bond.share.max(share));
+        verdict.stiffness = bonds[mine.clone()].iter().fold(0.0, |stiffness, bond| bond.stiffness.max(stiffness));
         verdict.halved = bonds[mine.clone()].iter().filter(|bond| bond.halvings > 0).count();
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frame.h) };
@@ -248,9 +257,10 @@ fn sweep<L: PairLaw, const M: usize>(
             me.dirty = false;
             continue;
         }
+        verdict.panels += me.panels.len as u64;
         let change = me.sweep(frame, law, left, right, goal.cuts, old);
-        let share = if me.share < 1.0 { me.share } else { 1.0 };
-        let again = change.impulse * share > goal.change || change.moved > 0.0;
+        let age = me.age;
+        let again = change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
         me.dirty = again;
         if !change.impulse.is_finite() {
             verdict.failure = Some((b, change.impulse));
@@ -268,7 +278,7 @@ fn sweep<L: PairLaw, const M: usize>(
         {
             let other = &mut bonds[beside];
             // Those behind in this sweep are not done if this changes them.
-            if !other.contacts.is_empty() && (far || change.impulse * other.share > goal.change) {
+            if !other.contacts.is_empty() && (far || change.impulse * other.answer(age) > goal.change) {
                 other.dirty = true;
                 other.stale |= far;
                 if worst.is_none() {
@@ -292,8 +302,9 @@ fn unsettled<const M: usize>(
 ) -> Option<usize> {
     let n = bonds.len();
     let mut anew = None;
+    verdict.tail = 0.0;
     for bond in &mut *bonds {
-        bond.surprised();
+        bond.surprised(frame.h);
     }
     let per = 0.5 * frame.h * frame.h;
     for b in 0..n {
@@ -307,7 +318,13 @@ fn unsettled<const M: usize>(
                 Some(false) => {}
             }
         }
-        if me.panels.as_slice().iter().any(|panel| panel.tail(frame) > goal.tail) {
+        let mut tail = 0.0;
+        for panel in me.panels.as_slice() {
+            let last = panel.tail(frame);
+            tail = if last > tail { last } else { tail };
+        }
+        verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
+        if tail > goal.tail {
             me.halvings += 1;
             (me.stale, anew) = (true, Some(b));
             if me.halvings > MOST_HALVINGS {

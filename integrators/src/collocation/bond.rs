@@ -190,8 +190,10 @@ pub(crate) struct Bond<const M: usize> {
     pub(crate) panels: Panels<M>,
     /// The contact that it is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
-    /// A bound on what a change of an impulse, here or beside, changes in this bond's own, as a share.
-    pub(crate) share: f64,
+    /// The largest `f'(g) h^2`.
+    pub(crate) stiffness: f64,
+    /// Sweeps since its panels were laid out.
+    pub(crate) age: u32,
     /// Overlap at the end of the window, as last used to look ahead.
     at_end: f64,
     /// See [`Search::slack`].
@@ -243,8 +245,6 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
 
 /// A release up to this many windows beyond the end is looked for.
 const AHEAD: f64 = 1.5;
-/// A change of a force changes it again, in the next sweep, by at most about this share of `f'(g) h^2`.
-const CONTRACTION: f64 = 0.35;
 /// Share of a window over which speeds are differences.
 const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share.
@@ -290,7 +290,8 @@ impl<const M: usize> Bond<M> {
             panels: Panels::new(),
             ongoing: None,
             at_end: 0.0,
-            share: 0.0,
+            stiffness: 0.0,
+            age: 0,
             slack: 0.0,
             surprise: 0.0,
             stale: false,
@@ -316,7 +317,7 @@ impl<const M: usize> Bond<M> {
         self.contacts.clear();
         self.panels.clear();
         (self.surprise, self.suspicious, self.stale, self.dirty, self.halvings) = (0.0, false, false, false, 0);
-        self.share = 0.0;
+        self.stiffness = 0.0;
     }
 
     /// What the forces at the start of the window, kept up to first order, do to this bond's overlap: its second and third rate.
@@ -507,11 +508,17 @@ impl<const M: usize> Bond<M> {
 
     /// How far the force is from that predicted.
     #[inline(always)]
-    pub(crate) fn surprised(&mut self) {
-        let mut surprise: f64 = 0.0;
+    pub(crate) fn surprised(&mut self, h: f64) {
+        let predicted = |t: f64| self.force[0] + self.force[1] * t;
+        // The prediction goes on after a release, when there is no force.
+        let mut surprise = match self.contacts.last() {
+            Some(contact) if contact.release > h => 0.0,
+            Some(_) => predicted(h).abs(),
+            None => predicted(0.0).abs().max(predicted(h).abs()),
+        };
         for panel in self.panels.as_slice() {
             for j in 0..M {
-                let off = (panel.force[j] - (self.force[0] + self.force[1] * panel.tau[j])).abs();
+                let off = (panel.force[j] - predicted(panel.tau[j])).abs();
                 surprise = if off > surprise { off } else { surprise };
             }
         }
@@ -601,7 +608,7 @@ impl<const M: usize> Bond<M> {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;
-        self.stale = false;
+        (self.stale, self.age) = (false, 0);
         for i in 0..self.contacts.len() {
             let contact = self.contacts[i];
             let first = self.panels.len;
@@ -704,6 +711,17 @@ impl<const M: usize> Bond<M> {
         self.panels.total = before;
     }
 
+    /// The share of a change of an impulse, here or beside and of that age, that the next sweep may change in this bond's own.
+    ///
+    /// Three forces of stiffness `f'` answer a change, four times in all, through `K(t) <= t`. A change of age `n` is an integral taken `2 n`
+    /// times over and grows like `t^{2n}`, so that the next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
+    #[inline(always)]
+    pub(crate) fn answer(&self, age: u32) -> f64 {
+        let age = f64::from(age.min(self.age));
+        let answer = 4.0 * self.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
+        if answer < 1.0 { answer } else { 1.0 }
+    }
+
     /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and end.
     #[inline(always)]
     pub(crate) fn sweep(
@@ -780,7 +798,8 @@ impl<const M: usize> Bond<M> {
             change.impulse = (before[1] - total[1]).abs()
                 + frame.omega * ((before[2] - total[2]).abs() + (before[3] - total[3]).abs());
         }
-        self.share = law.stiffness(largest) * frame.h * frame.h * CONTRACTION;
+        self.stiffness = law.stiffness(largest) * frame.h * frame.h;
+        self.age += 1;
         self.panels.total = before;
         self.stale |= change.moved > 0.0;
         change

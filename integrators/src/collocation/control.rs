@@ -27,22 +27,46 @@ pub enum Pace {
 /// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: measured, on waves, impacts and random chains.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
-/// Share of a change that the next sweep may leave: windows are made short enough for that.
-const MOST_SHARE: f64 = 0.08;
+/// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones have fewer panels.
+const STIFFNESS: f64 = 0.06;
+const STIFFNESSES: [f64; 2] = [0.02, 0.25];
+/// A trial of longer or shorter windows changes `f'(g) h^2` by this factor.
+const TRIAL: f64 = 1.25;
+/// What a bond costs in a window, in sweeps of a panel.
+const BOND: f64 = 0.75;
 /// Sweeps that a good window takes.
 const GOOD_SWEEPS: u64 = 5;
-/// Share of the tolerance of a window that sweeps may leave undone; a tenth let single windows through that broke the tolerance.
-const UNDONE: f64 = 3e-3;
+/// Share of the tolerance of a window that sweeps may leave undone.
+const UNDONE: f64 = 1e-2;
 /// A change that is rounding, in units of velocities, and last terms that are.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
-/// Share of contacts whose panels may be halved before windows become shorter.
+/// Share of contacts whose panels may be halved before panels have more nodes, or windows become shorter.
 const MOST_HALVED: f64 = 0.3;
+/// Windows between two changes of the number of nodes, and two trials of their length.
+const PATIENCE: u32 = 16;
+/// Two nodes less cost the last terms about this factor.
+const TWO_NODES: f64 = 60.0;
+/// More nodes than this resolve nothing that shorter windows do not resolve at less cost.
+const MOST_NODES: usize = 12;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
     pace: Pace,
     nodes: usize,
+    /// Fewer were too few.
+    least_nodes: usize,
+    /// Windows since the number of nodes was changed, and the largest last terms in them in units of those allowed.
+    since: u32,
+    tail: f64,
+    /// The largest `f'(g) h^2`, and the factor of the last trial.
+    stiffness: f64,
+    trial: f64,
+    /// Windows, their length and work since that trial, and what a unit of time cost before it.
+    tried: u32,
+    time: f64,
+    work: f64,
+    cost: f64,
     /// The length to try next.
     h: f64,
     /// The longest window given up since the last good one; zero if none.
@@ -117,6 +141,15 @@ impl Control {
         Ok(Self {
             pace,
             nodes,
+            least_nodes: 4,
+            since: 0,
+            tail: 0.0,
+            stiffness: STIFFNESS,
+            trial: TRIAL,
+            tried: 0,
+            time: 0.0,
+            work: 0.0,
+            cost: f64::INFINITY,
             h,
             given_up: 0.0,
             equal: h,
@@ -164,7 +197,7 @@ impl Control {
             cuts: Cuts {
                 neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
                 merge: lost(self.alpha + 3.0),
-                near: 0.75,
+                near: 0.35,
                 missed: 0.1 * change * self.size,
                 unfelt: (0.1 * change * self.size / h).powf(1.0 / self.alpha),
                 frozen_beside: lost(self.alpha + 3.0),
@@ -190,6 +223,8 @@ impl Control {
                 self.given_up = 0.0;
                 let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
                 self.halved += 0.2 * (halved - self.halved);
+                self.try_lengths(verdict, h);
+                self.choose_nodes(verdict.tail / self.goal(h).tail);
                 let halved = self.halved;
                 self.h *= if verdict.touching == 0 {
                     2.0
@@ -200,12 +235,47 @@ impl Control {
                 } else {
                     1.0
                 };
-                // Sweeps must contract.
-                if verdict.share > 0.0 {
-                    self.h = self.h.min(h * (MOST_SHARE / verdict.share).sqrt());
+                // Sweeps are to contract.
+                if verdict.stiffness > 0.0 {
+                    self.h = self.h.min(h * (self.stiffness / verdict.stiffness).sqrt());
                 }
             }
         }
+    }
+
+    /// Longer or shorter windows, whichever way the work for a unit of time went down.
+    fn try_lengths(&mut self, verdict: &Verdict, h: f64) {
+        self.tried += 1;
+        self.time += h;
+        self.work += verdict.panels as f64 + BOND * verdict.bonds as f64;
+        if self.tried == PATIENCE {
+            let cost = self.work / self.time;
+            if cost > self.cost {
+                self.trial = self.trial.recip();
+            }
+            self.stiffness = (self.stiffness * self.trial).clamp(STIFFNESSES[0], STIFFNESSES[1]);
+            (self.tried, self.time, self.work, self.cost) = (0, 0.0, 0.0, cost);
+        }
+    }
+
+    /// More nodes where panels are halved, fewer where the last terms are far below what is allowed.
+    fn choose_nodes(&mut self, tail: f64) {
+        self.since += 1;
+        self.tail = self.tail.max(tail);
+        let nodes = if self.since < PATIENCE {
+            return;
+        } else if self.halved > MOST_HALVED && self.nodes < MOST_NODES {
+            self.least_nodes = self.nodes + 2;
+            self.least_nodes
+        } else if self.tail * TWO_NODES < 1.0 && self.nodes > self.least_nodes {
+            self.nodes - 2
+        } else {
+            self.nodes
+        };
+        if nodes != self.nodes {
+            (self.nodes, self.halved) = (nodes, 0.0);
+        }
+        (self.since, self.tail) = (0, 0.0);
     }
 
     /// A window of length `h` was given up: whether a shorter one may be tried.

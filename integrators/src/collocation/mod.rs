@@ -220,6 +220,10 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             self.state.advance(&self.chain, &self.left, self.h);
             self.h = 0.0;
         }
+        if self.control.nodes() != self.solver.nodes() {
+            self.solver = solver::with_nodes(self.control.nodes(), self.chain.bonds());
+            self.inside = None;
+        }
         loop {
             let left_to_go = (self.end - self.state.t).value();
             let h = self.control.propose(left_to_go);
