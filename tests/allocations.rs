@@ -3,8 +3,10 @@
 use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
 use hertzchain::integrators::{
     SplitFlow, Splitting, Stepper,
+    collocation::Pace,
     splitting::{First, tables::ALL},
 };
+use hertzchain::scene::Scene;
 use std::{
     alloc::{GlobalAlloc, Layout, System},
     cell::Cell,
@@ -83,5 +85,29 @@ fn a_thousand_steps_allocate_nothing() {
             assert_steps_allocate_nothing(&chain, KineticFlow::new(chain.clone()), "kinetic");
             assert_steps_allocate_nothing(&chain, LinearFlow::new(chain.clone()), "linear");
         }
+    }
+}
+
+#[test]
+fn windows_of_collocation_allocate_nothing() {
+    // Truth: a count of all calls of the allocator. Each of 50 bonds has lists of contacts and crossings, which grow when first used; nearly
+    // all have by 150 periods.
+    let scene = Scene::load("tw-q15").unwrap();
+    let (y0, period) = (scene.initial().as_slice(), scene.period());
+    let equal = Pace::Windows { windows: 12_000, nodes: 10, neighbours: true };
+    for pace in [equal, Pace::Tolerance(1e-6), Pace::Tolerance(1e-11)] {
+        let mut run = scene.chain().collocation(y0, (0.0, 300.0 * period), pace).unwrap();
+        let mut up_to = |periods: f64| {
+            allocations(|| {
+                while run.time() < periods * period && !run.done() {
+                    run.step().unwrap();
+                }
+            })
+        };
+        let [grown, rest] = [150.0, 300.0].map(&mut up_to);
+        println!("{pace:?}: {grown} up to 150 periods, {rest} after");
+        assert!(grown > 0 && grown < 50 * 10);
+        // Five of 900 windows, at most.
+        assert!(rest <= 10, "{pace:?}: {rest}");
     }
 }

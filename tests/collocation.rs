@@ -1,16 +1,20 @@
 //! Contact collocation against independent runs, closed forms and its own orders.
 
+mod common;
+
+use common::{collocated, distance, largest, truth, windows};
 use hertzchain::{
-    chain::{Boundary, Chain, Field, Overlaps, Params, Site, State},
+    chain::{Boundary, Chain, Params, Site, State},
     experiments::{Records, generic_state, run, run_with_contacts},
-    integrators::{
-        Error, Observer, Regularised, Silent, Stats, Stepper, collocation::Pace, dop853::Options, drive,
-        regularised::power,
-    },
+    integrators::{Error, Observer, Stats, collocation::Pace, drive},
     method::{Method, Setting},
     scene::{Scene, SceneFile},
 };
-use std::ops::ControlFlow;
+use proptest::{
+    prelude::*,
+    test_runner::{Config, RngSeed, TestError, TestRunner},
+};
+use std::{cell::RefCell, ops::ControlFlow};
 
 fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
@@ -19,37 +23,6 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a, b| b.abs().max(a))
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    largest(a.iter().zip(b).map(|(a, b)| a - b))
-}
-
-/// The end of a regularised run: shares neither variable nor step with collocation.
-fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
-    let alpha = chain.params().alpha;
-    let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
-    let size = largest(y0.iter().copied()).max(1e-300);
-    let options = Options { atol: tol * size, ..Options::new(tol) };
-    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, end), options).unwrap();
-    let mut y = y0.to_vec();
-    drive(&mut run, &mut Silent, &mut y).unwrap();
-    y
-}
-
-fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> (Vec<f64>, Stats) {
-    let mut run = chain.collocation(y0, (0.0, end), pace).unwrap();
-    let mut y = y0.to_vec();
-    drive(&mut run, &mut Silent, &mut y).unwrap();
-    (y, run.stats())
-}
-
-fn windows(windows: u64, nodes: usize) -> Pace {
-    Pace::Windows { windows, nodes, neighbours: true }
 }
 
 /// Errors of a scene at its end, relative to the largest strain or the amplitude that theory gives, by tolerance.
@@ -81,7 +54,7 @@ fn generic_scene(name: &str, rho: f64, boundary: &str, end: f64) -> Scene {
 
 #[test]
 fn the_error_is_what_was_asked_for_over_six_decades() {
-    // Truth: regularised DOP853 at a tenth of a rounding a step.
+    // Truth: regularised DOP853 at a tenth of a rounding a step. Measured: 0.87 of the tolerance.
     let scenes = [
         Scene::load("tw-q15").unwrap(),
         Scene::load("impact").unwrap(),
@@ -92,7 +65,7 @@ fn the_error_is_what_was_asked_for_over_six_decades() {
     for scene in &scenes {
         for (error, tol) in errors(scene, &tolerances).into_iter().zip(tolerances) {
             println!("{} tol {tol:e}: {error:.2e}, {:.2}", scene.name(), error / tol);
-            assert!(error < 10.0 * tol, "{} at {tol:e}: {error:e}", scene.name());
+            assert!(error < 2.6 * tol, "{} at {tol:e}: {error:e}", scene.name());
         }
     }
 }
@@ -166,51 +139,69 @@ fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
             let (y, _) = collocated(&chain, start.as_slice(), 12.0, Pace::Tolerance(1e-10));
             let error = distance(&y[..12], &reference[..12]);
             println!("alpha {alpha}, rho {rho:e}, tol 1e-10: {error:.1e}");
-            assert!(error < 1e-9, "{error:e}");
+            // Measured: 3.9e-13.
+            assert!(error < 1.2e-12, "{error:e}");
         }
     }
 }
 
+/// A chain and a state of it.
+#[derive(Clone, Debug)]
+struct Motion {
+    chain: Chain<f64>,
+    y: Vec<f64>,
+}
+
+fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
+    (from.ln()..to.ln()).prop_map(f64::exp)
+}
+
+/// Every exponent, mass ratio and boundary, from 1 to 9 beads, amplitudes from 1e-3 to 1. Some start with beads that just touch, at rest.
+fn motions() -> impl Strategy<Value = Motion> {
+    let alpha =
+        prop_oneof![0.7..5.0, prop::sample::select(vec![0.7, 1.0, 1.05, 1.2, 1.5, 1.5, 1.5, 2.0, 2.5, 3.0, 5.0])];
+    let rho = prop_oneof![1 => Just(0.0), 1 => Just(f64::INFINITY), 4 => log_uniform(1e-6, 1e6)];
+    let boundary = prop::sample::select(vec![Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing]);
+    let entry = |still: u32| prop_oneof![still => Just(0.0), 4 => -1.0..1.0];
+    let entries = prop_oneof![4 => prop::collection::vec(entry(0), 4 * 9), 1 => prop::collection::vec(entry(4), 4 * 9)];
+    (alpha, rho, boundary, 1..=9_usize, log_uniform(1e-3, 1.0), entries).prop_map(
+        |(alpha, rho, boundary, sites, amplitude, entries)| {
+            let chain = Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, sites).unwrap();
+            let state = State::from_fn(&chain, |n| {
+                let [u, v, u_dot, v_dot] = std::array::from_fn(|k| amplitude * entries[4 * n + k]);
+                // Light resonators follow their beads.
+                if rho < 0.1 { Site { u, v: u, u_dot, v_dot: u_dot } } else { Site { u, v, u_dot, v_dot } }
+            });
+            Motion { y: state.unwrap().as_slice().to_vec(), chain }
+        },
+    )
+}
+
 #[test]
 fn random_chains_agree_with_the_regularised_run() {
-    // Every exponent, mass ratio and boundary, from 1 to 9 beads, amplitudes from 1e-3 to 1. No run may fail, and errors stay near what
-    // was asked for. Truth: the regularised run.
+    // No run may fail, and errors stay near what was asked for. Truth: the regularised run. The same cases in every run. Measured:
+    // half below 1e-5 of the tolerance, 90 % below 0.038, the worst 2.1; of 5000 cases 8.7, with light resonators.
     let tol = 1e-7;
-    let mut ratios = Vec::new();
-    for case in 0..300u64 {
-        let mut next = random(case.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 12345);
-        let alphas = [1.5, 1.5, 0.7, 1.05, 1.2, 2.0, 2.5, 3.0, 5.0, 1.0 + 3.0 * next()];
-        let alpha = alphas[(next() * 10.0) as usize];
-        let rhos = [0.0, f64::INFINITY, 1e-6, 1e-4, 1e-2, 1.0 / 3.0, 3.0, 1e2, 1e4, 1e6];
-        let rho = rhos[(next() * 10.0) as usize];
-        let sites = 1 + (next() * 9.0) as usize;
-        let boundary = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing][(next() * 4.0) as usize];
-        let amplitude = 10f64.powf(-3.0 * next());
-        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, sites).unwrap();
-        // Some start with beads that just touch, at rest.
-        let sparse = next() < 0.2;
-        let state = State::from_fn(&chain, |_| {
-            let mut draw = || {
-                let value = amplitude * (2.0 * next() - 1.0);
-                if sparse && next() < 0.5 { 0.0 } else { value }
-            };
-            let (u, v, u_dot, v_dot) = (draw(), draw(), draw(), draw());
-            // Light resonators follow their beads.
-            if rho < 0.1 { Site { u, v: u, u_dot, v_dot: u_dot } } else { Site { u, v, u_dot, v_dot } }
-        })
-        .unwrap();
-        let y0 = state.as_slice();
-        let reference = truth(&chain, y0, 8.0, 1e-13);
-        let (y, _) = collocated(&chain, y0, 8.0, Pace::Tolerance(tol));
+    let ratios = RefCell::new(Vec::new());
+    let config = Config { cases: 600, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
+    let outcome = TestRunner::new(config).run(&motions(), |Motion { chain, y }| {
+        let reference = truth(&chain, &y, 8.0, 1e-13);
+        let (end, _) = collocated(&chain, &y, 8.0, Pace::Tolerance(tol));
         let half = y.len() / 2;
-        let size = largest(reference[..half].iter().copied());
-        let ratio = distance(&y[..half], &reference[..half]) / (tol * size.max(1e-300));
-        assert!(ratio < 200.0, "case {case}, alpha {alpha}, rho {rho}, {sites} {boundary:?}: {ratio}");
-        ratios.push(ratio);
+        let size = largest(reference[..half].iter().copied()).max(1e-300);
+        let ratio = distance(&end[..half], &reference[..half]) / (tol * size);
+        ratios.borrow_mut().push(ratio);
+        prop_assert!(ratio < 15.0, "{ratio} times the tolerance");
+        Ok(())
+    });
+    if let Err(TestError::Fail(why, motion)) = outcome {
+        panic!("{why}: {motion:?}");
     }
+    let mut ratios = ratios.into_inner();
     ratios.sort_by(f64::total_cmp);
-    println!("median {:.1e}, 90 % {:.1e}, worst {:.1e}", ratios[150], ratios[270], ratios[299]);
-    assert!(ratios[270] < 1.0);
+    let [median, most, worst] = [0.5, 0.9, 1.0].map(|share| ratios[(share * (ratios.len() - 1) as f64) as usize]);
+    println!("median {median:.1e}, 90 % {most:.1e}, worst {worst:.1e}");
+    assert!(most < 0.12);
 }
 
 struct At<'a> {
@@ -245,7 +236,8 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
     let error = |(&t, state): (&f64, &Vec<f64>)| distance(state, &truth(&chain, y0, t, 1e-15));
     let worst = largest(times.iter().zip(&observer.states).map(error));
     println!("{worst:e}");
-    assert!(worst < 1e-12, "{worst:e}");
+    // Measured: 8e-15.
+    assert!(worst < 2.4e-14, "{worst:e}");
 }
 
 #[test]
@@ -260,17 +252,17 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
     assert_eq!(found.len(), expected.len());
     assert!(found.len() > 40);
-    // Speeds come from a quotient extrapolated to its end: twice what was measured.
+    // Measured: times 2.3e-11; speeds, which come from a quotient extrapolated to its end, 1.3e-7; impulses and overlaps 5.7e-12.
     let close = |a: Option<f64>, b: Option<f64>, bound: f64| match (a, b) {
         (Some(a), Some(b)) => (a - b).abs() < bound,
         (a, b) => a == b,
     };
     for (a, b) in found.iter().zip(&expected) {
         assert_eq!(a.bond, b.bond);
-        assert!(close(a.onset, b.onset, 1e-9) && close(a.release, b.release, 1e-9), "{a:?} {b:?}");
-        assert!(close(a.approach, b.approach, 3e-6) && close(a.separation, b.separation, 3e-6), "{a:#?} {b:#?}");
-        assert!((a.impulse - b.impulse).abs() < 1e-9, "{a:#?} {b:#?}");
-        assert!((a.largest_overlap - b.largest_overlap).abs() < 1e-9, "{a:#?} {b:#?}");
+        assert!(close(a.onset, b.onset, 7e-11) && close(a.release, b.release, 7e-11), "{a:?} {b:?}");
+        assert!(close(a.approach, b.approach, 4e-7) && close(a.separation, b.separation, 4e-7), "{a:#?} {b:#?}");
+        assert!((a.impulse - b.impulse).abs() < 1.8e-11, "{a:#?} {b:#?}");
+        assert!((a.largest_overlap - b.largest_overlap).abs() < 1.8e-11, "{a:#?} {b:#?}");
     }
 }
 
@@ -293,7 +285,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     let drift = (energy(&one) / energy(y0) - 1.0).abs();
     let momentum = (chain.momentum(&one) - chain.momentum(y0)).abs();
     println!("energy {drift:e}, momentum {momentum:e}");
-    assert!(drift < 1e-12 && momentum < 1e-12);
+    // Measured: 3.2e-14 and 9.4e-16.
+    assert!(drift < 1e-13 && momentum < 3e-15);
 }
 
 #[test]
@@ -302,7 +295,8 @@ fn a_thousand_periods_keep_the_energy_to_rounding() {
     let outcome = run(&scene, Method::Collocation, Setting::Windows(4000, 12), Records::Energy, &mut |_| ()).unwrap();
     let error = outcome.energy_error.unwrap();
     println!("{error:e}");
-    assert!(error < 1e-12, "{error:e}");
+    // Measured: 2.7e-13.
+    assert!(error < 6e-13, "{error:e}");
 }
 
 #[test]

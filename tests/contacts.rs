@@ -211,6 +211,14 @@ fn a_start_that_just_touches_fires_if_it_moves_in() {
 }
 
 #[test]
+#[ignore = "a bug: a bead at rest between two walls that it touches, drawn by a heavy resonator: StepUnderflow at once"]
+fn a_start_on_the_surface_at_rest_is_left_by_a_resonator() {
+    let chain = chain(1.854_387_304_186_515_8, (1.0, 170.159_267_162_093_16), Boundary::Fixed, 1);
+    let (y, _, _) = run(&chain, &[0.0, 0.0, 0.0, -0.044_240_388_319_732_35], 8.0, 1e-13);
+    assert!(y[0] != 0.0);
+}
+
+#[test]
 fn rest_and_permanent_contact_have_no_events_and_take_long_steps() {
     let rest = chain(1.5, (1.0, 0.5), Boundary::Ring, 8);
     let (y, events, steps) = run(&rest, &vec![0.0; 32], 1000.0, 1e-10);

@@ -97,8 +97,9 @@ const TEN_PERIODS: f64 = 10.0 * std::f64::consts::PI;
 
 #[test]
 fn ten_periods_agree_with_differences_in_double_double() {
-    // Truth: central differences of runs by a regularised DOP853 in 32 digits. Their step leaves 1e-15, the runs 5e-13. Steps of
-    // 1e-7 and more, extrapolated, do not do: their error does not go with the square of the step.
+    // Truth: central differences of runs by a regularised DOP853 in 32 digits. Measured with runs at 1e-20: the error of differences goes
+    // with the square of their step from 4e-5 (2.8e-6) to 1e-6 (1.7e-9) and without a rule below 1e-7 (2e-11 to 2e-12). So a step
+    // of 1e-9, and runs at 1e-23. Measured: 6.8e-13.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let m = matrix(case, TEN_PERIODS, fine(400));
     for k in 0..2 {
@@ -106,13 +107,13 @@ fn ten_periods_agree_with_differences_in_double_double() {
         let truth = difference::<TwoFloat>(case, &w, TEN_PERIODS, 1e-9, 1e-23);
         let error = error(&times(&m, &w), &truth);
         println!("direction {k}: {error:e}");
-        assert!(error < 2e-12, "direction {k}: {error:e}");
+        assert!(error < 1.4e-12, "direction {k}: {error:e}");
     }
 }
 
 #[test]
 fn it_is_symplectic() {
-    // Truth: Hamiltonian flows are.
+    // Truth: Hamiltonian flows are. Measured: 1.8e-16.
     for case in [
         (1.5, THIRD, Boundary::Free, 21),
         (1.5, THIRD, Boundary::Ring, 12),
@@ -126,14 +127,14 @@ fn it_is_symplectic() {
         let m = matrix(case, 12.0, fine(400));
         let defect = symplectic_defect(case, &m);
         println!("{case:?}: {defect:e}, norm {:e}", m.norm());
-        assert!(defect < 1e-12, "{case:?}: {defect:e}");
+        assert!(defect < 4e-16, "{case:?}: {defect:e}");
     }
 }
 
 #[test]
 fn it_agrees_with_differences_for_every_exponent_and_boundary() {
     // Truth: central differences of runs by a regularised DOP853; their own error is the step's square and the rounding over
-    // the step, 1e-8 at most.
+    // the step. Measured: 1.4e-8 at most.
     let exponents = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0].map(|alpha| (alpha, THIRD, Boundary::Free, 6));
     let boundaries = [
         (1.5, THIRD, Boundary::Fixed, 5),
@@ -153,13 +154,13 @@ fn it_agrees_with_differences_for_every_exponent_and_boundary() {
         let w = direction(m.ncols(), 1);
         let error = error(&times(&m, &w), &difference::<f64>(case, &w, 6.0, 1e-5, 1e-15));
         println!("{case:?}: {error:e}");
-        assert!(error < 1e-7, "{case:?}: {error:e}");
+        assert!(error < 3e-8, "{case:?}: {error:e}");
     }
 }
 
 #[test]
 fn strains_on_a_ring_move_as_the_differences_of_displacements() {
-    // Truth: x = D u, y = D v carries the ring of displacements to that of strains, so M_x D = D M_u.
+    // Truth: x = D u, y = D v carries the ring of displacements to that of strains, so M_x D = D M_u. Measured: 3.7e-15.
     let n = 6;
     let [ring, strains] = [Boundary::Ring, Boundary::StrainRing].map(|b| chain::<f64>(1.5, THIRD, b, n));
     let u = start(&ring);
@@ -172,7 +173,7 @@ fn strains_on_a_ring_move_as_the_differences_of_displacements() {
         .map(|(chain, y)| DMatrix::from_vec(4 * n, 4 * n, chain.monodromy(&y, (0.0, 9.0), fine(300)).unwrap()));
     let error = (&m_x * &d - &d * &m_u).norm() / m_u.norm();
     println!("{error:e}");
-    assert!(error < 1e-12, "{error:e}");
+    assert!(error < 8e-15, "{error:e}");
 }
 
 #[test]
@@ -207,7 +208,7 @@ fn without_contact_it_is_the_linear_flow() {
 
 #[test]
 fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
-    // Truth: the chain rule.
+    // Truth: the chain rule. Measured: 2.6e-15.
     let chain = chain::<f64>(1.5, THIRD, Boundary::Fixed, 5);
     let y0 = start(&chain);
     let dim = y0.len();
@@ -232,19 +233,19 @@ fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
         .map(|columns| DMatrix::from_vec(dim, dim, columns));
     let error = (rest * first - &whole).norm() / whole.norm();
     println!("{error:e}");
-    assert!(error < 1e-13, "{error:e}");
+    assert!(error < 6e-15, "{error:e}");
 }
 
 #[test]
 fn under_a_tolerance_it_is_about_as_good_as_the_run() {
-    // Truth: equal windows, so many that twice as many change nothing.
+    // Truth: equal windows, so many that twice as many change nothing. Measured: 414 times the tolerance.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let truth = matrix(case, TEN_PERIODS, fine(800));
     for tol in [1e-8, 1e-10, 1e-12, 1e-14] {
         let m = matrix(case, TEN_PERIODS, Pace::Tolerance(tol));
         let error = (m - &truth).norm() / truth.norm();
         println!("{tol:e}: {error:e}");
-        assert!(error < 1e3 * tol, "{tol:e}: {error:e}");
+        assert!(error < 1.2e3 * tol, "{tol:e}: {error:e}");
     }
 }
 

@@ -1,0 +1,150 @@
+//! Run times of contact collocation on one thread: against its nearest competitors at equal error, against the length of the chain, and
+//! of the tangent map.
+//!
+//! What is timed is checked first; errors are printed.
+
+use criterion::{Criterion, Throughput};
+use hertzchain::{
+    chain::{Boundary, Chain, Field, Overlaps, Params},
+    experiments::generic_state,
+    integrators::{
+        Regularised, Silent, Stepper, collocation::Pace, dop853::Options, drive, regularised::power, splitting::tables,
+    },
+    method::{Contacts, Method, Setting},
+    scene::{Initial, Scene, SceneFile},
+};
+use std::{f64::consts::PI, hint::black_box, time::Duration};
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, b| b.abs().max(a))
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+/// The state at the end of a run.
+fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
+    let mut y = vec![0.0; run.dim()];
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+/// Methods whose errors after a hundred periods of the wave are about equal, by rungs of `hertzchain compare`, and that error: relative to
+/// the amplitude of theory, twice the largest of the three that was measured.
+fn rungs() -> [([(Method, Setting); 3], f64); 3] {
+    let (regularised, landed) = (Method::Dop853(Contacts::Regularised), Method::Landed(&tables::ABA1064));
+    let rung = |tol: f64, of_a_step: f64, steps: u64| {
+        [
+            (Method::Collocation, Setting::Tolerance(tol)),
+            (regularised, Setting::Tolerance(of_a_step)),
+            (landed, Setting::Steps(steps)),
+        ]
+    };
+    [(rung(1e-6, 4e-11, 6_000), 3e-7), (rung(1e-9, 1e-13, 70_000), 4.2e-10), (rung(1e-11, 1e-15, 350_000), 6.2e-12)]
+}
+
+fn at_equal_error(criterion: &mut Criterion) {
+    let scene = Scene::load("tw-q15").unwrap();
+    let amplitude = scene.amplitude().unwrap();
+    let (y0, chain, alpha) = (scene.initial().as_slice(), scene.chain(), scene.chain().params().alpha);
+    let truth = {
+        let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
+        let options = Options { atol: 1e-16 * largest(y0.iter().copied()), ..Options::new(1e-16) };
+        end(Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, scene.end()), options).unwrap())
+    };
+    for (methods, bound) in rungs() {
+        let mut group = criterion.benchmark_group(format!("tw-q15, 100 periods, errors below {bound:e}"));
+        for (method, setting) in methods {
+            let run = || end(method.start(&scene, setting).unwrap());
+            let error = distance(&scene.strains(&run()), &scene.strains(&truth)) / amplitude;
+            println!("{}, {setting:?}: {error:.1e}", method.name());
+            assert!(error < bound, "{}, {setting:?}: {error:e}", method.name());
+            group.bench_function(method.name(), |bencher| bencher.iter(run));
+        }
+        group.finish();
+    }
+}
+
+/// Numbers in (-1, 1) without a pattern.
+fn noise(i: usize) -> f64 {
+    2.0 * (0.618_033_988_749_894_9 * i as f64 + 0.3 * (i as f64).sin()).fract().abs() - 1.0
+}
+
+/// The wave on a ring of so many sites, every entry shaken by up to a tenth of the largest of its kind, for three periods.
+fn perturbed(sites: usize) -> Scene {
+    let mut file = SceneFile::parse(&Scene::source("tw-q15").unwrap(), "tw-q15").unwrap();
+    file.chain.sites = sites;
+    let wave = Scene::build(file.clone()).unwrap();
+    let mut arrays = wave.initial().as_slice().chunks(sites).enumerate().map(|(k, array)| {
+        let size = 0.1 * largest(array.iter().copied());
+        let shifts: Vec<f64> = (0..sites).map(|n| size * noise(k * sites + n)).collect();
+        // The means stay, so that the ring keeps its energy.
+        let mean = shifts.iter().sum::<f64>() / sites as f64;
+        array.iter().zip(shifts).map(|(value, shift)| value + (shift - mean)).collect::<Vec<f64>>()
+    });
+    let mut next = || arrays.next().unwrap();
+    file.initial = Initial::State { u: next(), v: next(), u_dot: next(), v_dot: next() };
+    Scene::build(file).unwrap().until(3.0 * wave.period()).unwrap()
+}
+
+/// Throughput is in bonds and periods.
+fn against_length(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("three periods at 1e-9");
+    for sites in [50, 500, 5000] {
+        let scene = perturbed(sites);
+        let (chain, y0) = (scene.chain(), scene.initial().as_slice());
+        let run = || end(chain.collocation(y0, (0.0, scene.end()), Pace::Tolerance(1e-9)).unwrap());
+        let drift = (chain.energy(&run()).total() / chain.energy(y0).total() - 1.0).abs();
+        println!("{sites} sites: energy off by {drift:.1e}");
+        assert!(drift < 2.5e-14, "{sites} sites: {drift:e}");
+        group.throughput(Throughput::Elements(3 * sites as u64));
+        group.bench_function(format!("{sites} sites"), |bencher| bencher.iter(run));
+    }
+    group.finish();
+}
+
+/// All 84 columns of 21 beads that collide, beside the run alone.
+fn tangent_map(criterion: &mut Criterion) {
+    let chain: Chain<f64> = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 21).unwrap();
+    let start = generic_state(&chain).unwrap();
+    let (y0, span) = (start.as_slice(), (0.0, PI));
+    let pace = Pace::Windows { windows: 40, nodes: 12, neighbours: true };
+    let run = |y: &[f64]| end(chain.collocation(y, span, pace).unwrap());
+    let monodromy = || chain.monodromy(y0, span, pace).unwrap();
+
+    // Central differences in one direction.
+    let direction: Vec<f64> = (0..y0.len()).map(noise).collect();
+    let size = 1e-5;
+    let [ahead, behind] = [size, -size].map(|size| {
+        let y: Vec<f64> = y0.iter().zip(&direction).map(|(y, w)| y + size * w).collect();
+        run(&y)
+    });
+    let difference: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * size)).collect();
+    let mut image = vec![0.0; y0.len()];
+    for (column, w) in monodromy().chunks(y0.len()).zip(&direction) {
+        image.iter_mut().zip(column).for_each(|(image, entry)| *image += w * entry);
+    }
+    let error = distance(&image, &difference) / largest(difference);
+    println!("monodromy: off differences by {error:.1e}");
+    assert!(error < 4e-9, "{error:e}");
+
+    let mut group = criterion.benchmark_group("20 bonds, one period");
+    group.bench_function("run", |bencher| bencher.iter(|| run(black_box(y0))));
+    group.bench_function("monodromy", |bencher| bencher.iter(monodromy));
+    group.finish();
+}
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .sample_size(10)
+        .configure_from_args();
+    #[cfg(feature = "parallel")]
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
+    at_equal_error(&mut criterion);
+    against_length(&mut criterion);
+    tangent_map(&mut criterion);
+    criterion.final_summary();
+}

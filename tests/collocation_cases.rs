@@ -1,0 +1,367 @@
+//! Contact collocation where contacts are hard: ties, grazing, very short contacts, starts on the surface, contacts that never open,
+//! nothing at all; and where there is a closed form.
+
+mod common;
+
+use common::{collocated, distance, largest, truth, windows};
+use hertzchain::{
+    chain::{Boundary, Chain, Params, Site, State},
+    integrators::{Stepper, collocation::Pace},
+};
+
+fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
+    Chain::new(Params::new(alpha, kappa, rho).unwrap(), boundary, sites).unwrap()
+}
+
+/// A plain free chain.
+fn plain(alpha: f64, sites: usize) -> Chain<f64> {
+    chain(alpha, (0.0, 0.0), Boundary::Free, sites)
+}
+
+/// The state with these displacements and velocities of beads; resonators lie where the beads do, at rest.
+fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
+    let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
+    State::from_fn(chain, site).unwrap().as_slice().to_vec()
+}
+
+/// Error of a state relative to the largest entry of the truth.
+fn relative(y: &[f64], reference: &[f64]) -> f64 {
+    distance(y, reference) / largest(reference.iter().copied())
+}
+
+/// A chain, where it starts, and until when it runs.
+type Motion<'a> = (&'a Chain<f64>, &'a [f64], f64);
+
+/// Holds runs at three tolerances against a reference, to `most` times each.
+fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], most: f64) {
+    for tol in [1e-6, 1e-9, 1e-12] {
+        let (y, stats) = collocated(chain, y0, end, Pace::Tolerance(tol));
+        let error = relative(&y, reference);
+        println!("{name}, tol {tol:e}: {error:.1e}, {:.3} of it, {} windows", error / tol, stats.steps);
+        assert!(error < most * tol, "{name}, tol {tol:e}: {error:e}");
+    }
+}
+
+/// Holds a run in so many equal windows of 10 nodes against a reference.
+fn windows_resolve(name: &str, (chain, y0, end): Motion, reference: &[f64], (count, bound): (u64, f64)) {
+    let (y, _) = collocated(chain, y0, end, windows(count, 10));
+    let error = relative(&y, reference);
+    println!("{name}, {count} windows: {error:.1e} ({bound:.1e})");
+    assert!(error < bound, "{name}, {count} windows: {error:e}");
+}
+
+fn agree(name: &str, motion: Motion, reference: &[f64], most: f64, windows: (u64, f64)) {
+    tolerances_are_kept(name, motion, reference, most);
+    windows_resolve(name, motion, reference, windows);
+}
+
+#[test]
+fn ties() {
+    // Truth: the regularised run, which keeps ties exactly; and the mirror image. Measured: 0.1 of the tolerance, 9e-14 with alpha = 1.2,
+    // else 1.1e-14.
+    let hit_from_both_sides = |alpha| (plain(alpha, 3), vec![-0.5, 0.0, 0.5, 0.8, 0.0, -0.8], 4.0);
+    let ring = chain(1.5, (0.0, 0.0), Boundary::Ring, 6);
+    let alternate = state(&ring, &[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], &[0.5, -0.5, 0.5, -0.5, 0.5, -0.5]);
+    let resonant = chain(1.5, (1.0, 1.0 / 3.0), Boundary::Free, 5);
+    let inwards = state(&resonant, &[-0.8, -0.4, 0.0, 0.4, 0.8], &[1.0, 0.5, 0.0, -0.5, -1.0]);
+    let walls = chain(1.5, (1.0, 1.0), Boundary::Fixed, 2);
+    let outwards = state(&walls, &[0.2, -0.2], &[-1.0, 1.0]);
+    let cases = [
+        ("three beads, alpha 1.2", hit_from_both_sides(1.2), 2e-13),
+        ("three beads, alpha 1.5", hit_from_both_sides(1.5), 2.5e-14),
+        ("three beads, alpha 2", hit_from_both_sides(2.0), 2.5e-14),
+        ("six on a ring", (ring, alternate, 6.0), 2.5e-14),
+        ("five, resonant", (resonant, inwards, 6.0), 2.5e-14),
+        ("two and their walls", (walls, outwards, 10.0), 2.5e-14),
+    ];
+    for (name, (chain, y0, end), bound) in &cases {
+        let reference = truth(chain, y0, *end, 1e-15);
+        agree(name, (chain, y0, *end), &reference, 0.3, (100, *bound));
+        let (y, _) = collocated(chain, y0, *end, windows(100, 10));
+        let u = chain.layout().u(&y);
+        let skew = largest(u.iter().zip(u.iter().rev()).map(|(a, b)| a + b));
+        println!("{name}: mirror {skew:e}");
+        assert!(skew < 1.3e-16, "{name}: {skew:e}");
+        let drift = (chain.energy(&y).total() / chain.energy(y0).total() - 1.0).abs();
+        println!("{name}: energy {drift:e}");
+        assert!(drift < 3.5e-15, "{name}: {drift:e}");
+    }
+}
+
+#[test]
+fn ties_broken_by_a_rounding() {
+    // Truth: the regularised run. Measured: 1.4 of the tolerance, 1.5e-14.
+    let chain = plain(1.5, 3);
+    for shift in [1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3] {
+        let y0 = [-0.5, 0.0, 0.5 + shift, 0.8, 0.0, -0.8];
+        let reference = truth(&chain, &y0, 4.0, 1e-15);
+        agree(&format!("shift {shift:e}"), (&chain, &y0, 4.0), &reference, 4.0, (100, 3e-14));
+    }
+}
+
+/// Two resonant beads whose overlap, without a contact force, is `(1 + excess) sin(omega t) - 1`.
+fn grazing(alpha: f64, excess: f64) -> (Chain<f64>, Vec<f64>) {
+    let chain = chain(alpha, (1.0, 1.0), Boundary::Free, 2);
+    let speed = 0.5 * (1.0 + excess) * chain.params().omega();
+    let y0 = vec![-0.5, 0.5, -0.5, 0.5, speed, -speed, -speed, speed];
+    (chain, y0)
+}
+
+#[test]
+fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
+    // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse e^{alpha+1/2} sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx,
+    // but for a share of order e, measured to be 1.2 e; it stays with the centres of mass.
+    let third = 1.0 / 3.0;
+    for (alpha, integral) in [(1.0, 4.0 * third), (1.5, 0.375 * std::f64::consts::PI), (2.0, 3.2 * third)] {
+        for excess in [1e-2, 1e-4, 1e-6, 1e-10, 0.0, -1e-10, -1e-6] {
+            let (chain, y0) = grazing(alpha, excess);
+            let omega = chain.params().omega();
+            let touches = excess > 0.0;
+            let height = if touches { excess } else { 0.0 };
+            let expected = height.powf(alpha + 0.5) * (2.0 / (1.0 + excess)).sqrt() / omega * integral;
+            for pace in [windows(7, 10), windows(50, 12), Pace::Tolerance(1e-6), Pace::Tolerance(1e-13)] {
+                let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, pace);
+                let impulse = y[5] + y[7];
+                assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {pace:?}: {impulse:e}");
+                // A tolerance may leave out what it does not ask for, and velocities are rounded.
+                let unasked = if let Pace::Tolerance(tol) = pace { 1e-8 * tol } else { 0.0 };
+                let error = (impulse - expected).abs();
+                println!("alpha {alpha}, excess {excess:e}, {pace:?}: {expected:e}, off by {error:.1e}");
+                let bound = 2.4 * height * expected + unasked + f64::EPSILON;
+                assert!(error < bound, "alpha {alpha}, excess {excess:e}, {pace:?}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn contacts_that_graze_agree() {
+    // Truth: the regularised run. Measured: 0.2 of the tolerance, 1.8e-13 with alpha = 1, else 1.5e-14.
+    for (alpha, bound) in [(1.0, 4e-13), (1.5, 3e-14), (3.0, 3e-14)] {
+        for excess in [1e-2, 1e-6, 1e-10, 0.0, -1e-10, -1e-6] {
+            let (chain, y0) = grazing(alpha, excess);
+            let reference = truth(&chain, &y0, 10.0, 1e-15);
+            agree(&format!("alpha {alpha}, excess {excess:e}"), (&chain, &y0, 10.0), &reference, 0.6, (40, bound));
+        }
+    }
+}
+
+/// One bead between walls, each pressed by `delta`. It leaves one if `v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2)`: its speed is off
+/// that by a share.
+fn nearly_open(share: f64) -> (Chain<f64>, [f64; 2]) {
+    let delta = 0.3f64;
+    let chain = chain(1.5, (0.0, 0.0), Boundary::Fixed, 1).precompressed(delta).unwrap();
+    let critical = (2.0 / 2.5 * ((2.0 * delta).powf(2.5) - 2.0 * delta.powf(2.5))).sqrt();
+    (chain, [0.0, critical * (1.0 + share)])
+}
+
+#[test]
+fn contacts_that_nearly_open_or_do_for_a_moment() {
+    // Truth: the regularised run. An overlap that turns just above zero has a force like |t|^3 that no event tells of: there equal
+    // windows keep order four only.
+    for (share, bound) in
+        [(-1e-3, 1e-13), (-1e-6, 2e-10), (-1e-10, 2e-10), (0.0, 2e-10), (1e-10, 5e-14), (1e-6, 8e-13), (1e-3, 1.3e-13)]
+    {
+        let (chain, y0) = nearly_open(share);
+        let reference = truth(&chain, &y0, 20.0, 1e-15);
+        windows_resolve(&format!("share {share:e}"), (&chain, &y0, 20.0), &reference, (200, bound));
+    }
+}
+
+#[test]
+#[ignore = "a bug: the tolerance is missed by up to 500 times where an overlap turns just above zero"]
+fn contacts_that_nearly_open_keep_the_tolerance() {
+    for share in [-1e-3, -1e-6, -1e-10, 0.0, 1e-10, 1e-6, 1e-3] {
+        let (chain, y0) = nearly_open(share);
+        let reference = truth(&chain, &y0, 20.0, 1e-15);
+        tolerances_are_kept(&format!("share {share:e}"), (&chain, &y0, 20.0), &reference, 10.0);
+    }
+}
+
+/// `alpha` and the time for which two plain beads touch that meet with relative speed `w`: `2 (g/w) int_0^1 ds/sqrt(1 - s^{alpha+1})` with
+/// the largest overlap `g = (w^2 (alpha+1)/4)^{1/(alpha+1)}`; integrals by the gamma function.
+fn durations(w: f64) -> [(f64, f64); 6] {
+    [
+        (1.0, std::f64::consts::FRAC_PI_2),
+        (1.2, 1.526_424_067_651_674_6),
+        (1.5, 1.471_637_592_162_352_3),
+        (2.0, 1.402_182_105_325_454_3),
+        (3.0, 1.311_028_777_146_059_9),
+        (5.0, 1.214_325_323_943_790_8),
+    ]
+    .map(|(alpha, integral)| (alpha, 2.0 * (w * w * (alpha + 1.0) / 4.0).powf(1.0 / (alpha + 1.0)) / w * integral))
+}
+
+#[test]
+fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
+    // The first flies at the second, which rests. The centre goes on and the relative velocity is reversed: restitution one. Measured:
+    // 0.06 of the tolerance, 2.5e-15; events to 3.3e-13, energy to 2.9e-14.
+    let (w, end) = (0.7, 9.0);
+    for (alpha, duration) in durations(w) {
+        let chain = plain(alpha, 2);
+        let onset = 0.5 / w;
+        let y0 = [-0.5, 0.0, w, 0.0];
+        // At the release both are at the same place.
+        let meeting = 0.5 * w * duration;
+        let reference = [meeting, meeting + w * (end - onset - duration), 0.0, w];
+        agree(&format!("alpha {alpha}"), (&chain, &y0, end), &reference, 0.2, (30, 5e-15));
+
+        let mut run = chain.collocation(&y0, (0.0, end), windows(30, 12)).unwrap().logged();
+        let (mut onsets, mut releases, mut impulse) = (Vec::new(), Vec::new(), 0.0);
+        while !run.done() {
+            run.step().unwrap();
+            let (begin, pieces) = run.pieces();
+            for piece in pieces {
+                onsets.extend(piece.onset.map(|(t, _)| begin + t));
+                releases.extend(piece.release.map(|(t, _)| begin + t));
+                impulse += piece.impulse;
+            }
+        }
+        let ([began], [ended]) = (&onsets[..], &releases[..]) else { panic!("{onsets:?} {releases:?}") };
+        let errors = [began - onset, ended - onset - duration, impulse - w];
+        println!("alpha {alpha}: {errors:?}");
+        assert!(largest(errors) < 7e-13, "alpha {alpha}: {errors:?}");
+
+        let (y, _) = collocated(&chain, &y0, end, windows(30, 10));
+        let (momentum, energy) = (chain.momentum(&y) / w - 1.0, chain.energy(&y).total() / (0.5 * w * w) - 1.0);
+        println!("alpha {alpha}: momentum {momentum:e}, energy {energy:e}");
+        assert!(momentum.abs() < 5e-16 && energy.abs() < 6e-14, "{momentum:e} {energy:e}");
+    }
+}
+
+#[test]
+fn contacts_shorter_than_a_window() {
+    // Contacts that last 2.2 to 3 in windows of 60; they are cut into shorter ones. Truth: the regularised run.
+    for (alpha, bound) in [(1.0, 6e-12), (1.5, 2e-13), (3.0, 2e-9)] {
+        let chain = plain(alpha, 2);
+        let (y0, end) = ([-10.0, 0.0, 1.0, 0.0], 60.0);
+        let reference = truth(&chain, &y0, end, 1e-15);
+        windows_resolve(&format!("alpha {alpha}"), (&chain, &y0, end), &reference, (1, bound));
+    }
+}
+
+#[test]
+#[ignore = "a bug: sweeps end with no force in a contact whose nodes all opened, and beads pass through each other"]
+fn contacts_far_shorter_than_a_window() {
+    // Two beads meet after a long free flight. Truth: they swap velocities.
+    for alpha in [1.0, 1.5, 3.0] {
+        for gap in [30.0, 1000.0] {
+            let chain = plain(alpha, 2);
+            let y0 = [-gap, 0.0, 1.0, 0.0];
+            for pace in [Pace::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
+                let (y, _) = collocated(&chain, &y0, 3.0 * gap, pace);
+                let off = distance(&y[2..], &[0.0, 1.0]);
+                assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {pace:?}: {:?}", &y[2..]);
+            }
+        }
+    }
+}
+
+/// Two beads that shake at `omega = 40` and touch at every turn, for a tenth of a unit of time.
+fn shaking() -> (Chain<f64>, [f64; 8]) {
+    (chain(1.5, (800.0, 1.0), Boundary::Free, 2), [-0.01, 0.01, -0.01, 0.01, 0.6, -0.6, -0.6, 0.6])
+}
+
+#[test]
+fn several_contacts_of_one_bond_in_a_window() {
+    // Up to thirteen. Truth: the regularised run, good to 1.9e-12.
+    let (chain, y0) = shaking();
+    let reference = truth(&chain, &y0, 2.0, 1e-15);
+    for count in [1, 2, 4, 16, 32, 64] {
+        windows_resolve("shaking", (&chain, &y0, 2.0), &reference, (count, 4e-12));
+    }
+    tolerances_are_kept("shaking", (&chain, &y0, 2.0), &reference, 4.0);
+}
+
+#[test]
+#[ignore = "a bug: of a bond in contact when the window begins, the prediction may count one release where there are more events"]
+fn a_contact_after_one_that_ends_in_the_window_is_found() {
+    // Truth: the regularised run. The contact from 0.6466 to 0.6886 is missed in the window from 0.5 to 0.75.
+    let (chain, y0) = shaking();
+    let reference = truth(&chain, &y0, 2.0, 1e-15);
+    windows_resolve("shaking", (&chain, &y0, 2.0), &reference, (8, 4e-12));
+}
+
+#[test]
+#[ignore = "a bug: two strains with light resonators miss a tolerance of 1e-7 by 19 times"]
+fn light_resonators_keep_the_tolerance() {
+    // Truth: the regularised run.
+    let chain = chain(1.5, (1.0, 1e-6), Boundary::StrainRing, 2);
+    let (x, rate) = ([-0.07838913405313976, 0.042970218152998896], [0.12805823955767454, -0.004853157386953166]);
+    let y0 = [x, x, rate, rate].concat();
+    let reference = truth(&chain, &y0, 8.0, 1e-13);
+    let (y, _) = collocated(&chain, &y0, 8.0, Pace::Tolerance(1e-7));
+    let error = relative(&y[..4], &reference[..4]);
+    assert!(error < 1e-6, "{error:e}");
+}
+
+#[test]
+fn starts_on_the_surface() {
+    // Truth: the regularised run, or free flight. Measured: 0.15 of the tolerance, in a row with alpha = 0.7 three times as much as it;
+    // windows as below, half of it.
+    for (alpha, bounds) in
+        [(0.7, [6e-11, 2.5e-11]), (1.0, [1.2e-15, 1.2e-13]), (1.5, [3.2e-15, 5e-14]), (2.0, [1e-15, 2.5e-14])]
+    {
+        let pair = plain(alpha, 2);
+        for speed in [0.5, -0.5] {
+            let y0 = [0.0, 0.0, speed, 0.0];
+            let flight = vec![5.0 * speed, 0.0, speed, 0.0];
+            let reference = if speed > 0.0 { truth(&pair, &y0, 5.0, 1e-15) } else { flight };
+            agree(&format!("alpha {alpha}, speed {speed}"), (&pair, &y0, 5.0), &reference, 0.5, (20, bounds[0]));
+        }
+        for pace in [Pace::Tolerance(1e-9), windows(20, 10)] {
+            assert_eq!(collocated(&pair, &[0.0; 4], 5.0, pace).0, [0.0; 4]);
+        }
+        let row = chain(alpha, (1.0, 1.0 / 3.0), Boundary::Fixed, 6);
+        let mut y0 = vec![0.0; 24];
+        y0[12] = 1.0;
+        let reference = truth(&row, &y0, 12.0, 1e-15);
+        let most = if alpha < 1.0 { 10.0 } else { 1.0 };
+        agree(&format!("alpha {alpha}, struck row"), (&row, &y0, 12.0), &reference, most, (120, bounds[1]));
+    }
+}
+
+#[test]
+fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
+    // Truth: the regularised run. Gauss collocation with M nodes has order 2 M: measured 7.9 and 11.8 for M = 4 and 6.
+    for boundary in [Boundary::Fixed, Boundary::Ring] {
+        let chain = chain(1.5, (1.0, 0.5), boundary, 6).precompressed(0.3).unwrap();
+        let u: Vec<f64> = (0..6).map(|n| 0.05 * (1.7 * n as f64).sin()).collect();
+        let y0 = state(&chain, &u, &[0.0; 6]);
+        let reference = truth(&chain, &y0, 20.0, 1e-15);
+        agree(&format!("{boundary:?}"), (&chain, &y0, 20.0), &reference, 0.03, (40, 3.5e-14));
+        for (nodes, counts, least) in [(4, [28, 80], 7.6), (6, [28, 56], 11.5)] {
+            let errors =
+                counts.map(|count| relative(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
+            let slope = (errors[0] / errors[1]).ln() / (counts[1] as f64 / counts[0] as f64).ln();
+            println!("{boundary:?}, {nodes} nodes: {errors:?}, slope {slope:.2}");
+            assert!(slope > least, "{boundary:?}, {nodes} nodes: {errors:?}, slope {slope}");
+        }
+    }
+}
+
+#[test]
+fn free_flight_is_exact_and_takes_few_windows() {
+    // Truth: straight lines; centres of mass on those and an oscillation about them.
+    let free = plain(1.5, 3);
+    let y0 = [-1.0, 0.0, 1.0, -0.3, 0.1, 0.7];
+    let flight = [-31.0, 10.0, 71.0, -0.3, 0.1, 0.7];
+    let (chain, mut shaken) = grazing(1.5, -0.01);
+    (shaken[4], shaken[6]) = (shaken[4] - 1e-3, shaken[6] - 1e-3);
+    let t = 1000.0;
+    let omega = chain.params().omega();
+    let (p, p_dot) = (0.495 * (omega * t).sin(), 0.495 * omega * (omega * t).cos());
+    let r = -0.5 - 1e-3 * t;
+    let oscillation = [r + p, 0.5 - p, r - p, 0.5 + p, p_dot - 1e-3, -p_dot, -p_dot - 1e-3, p_dot];
+    for (name, (chain, y0, end), reference, most, bound) in [
+        ("straight", (&free, &y0[..], 100.0), &flight[..], 16, 1e-16),
+        ("shaken", (&chain, &shaken[..], t), &oscillation[..], 25, 3e-14),
+    ] {
+        for pace in [Pace::Tolerance(1e-6), Pace::Tolerance(1e-12), windows(5, 10)] {
+            let (y, stats) = collocated(chain, y0, end, pace);
+            let error = relative(&y, reference);
+            println!("{name}, {pace:?}: {error:e}, {stats:?}");
+            assert!(error < bound && stats.steps < most, "{name}, {pace:?}: {error:e}, {stats:?}");
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! What the tests of contact collocation share: the run under test, and one that shares nothing with it.
+
+use hertzchain::{
+    chain::{Chain, Field, Overlaps},
+    integrators::{Regularised, Silent, Stats, Stepper, collocation::Pace, dop853::Options, drive, regularised::power},
+};
+
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, b| b.abs().max(a))
+}
+
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+/// The end of a regularised run: shares neither variable nor step with collocation.
+pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
+    let alpha = chain.params().alpha;
+    let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
+    let size = largest(y0.iter().copied()).max(1e-300);
+    let options = Options { atol: tol * size, ..Options::new(tol) };
+    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, end), options).unwrap();
+    let mut y = y0.to_vec();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> (Vec<f64>, Stats) {
+    let mut run = chain.collocation(y0, (0.0, end), pace).unwrap();
+    let mut y = y0.to_vec();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    (y, run.stats())
+}
+
+pub(crate) fn windows(windows: u64, nodes: usize) -> Pace {
+    Pace::Windows { windows, nodes, neighbours: true }
+}
