@@ -257,7 +257,7 @@ fn contacts_far_shorter_than_a_window() {
     }
 }
 
-/// Two beads that shake at `omega = 40` and touch at every turn, for a tenth of a unit of time.
+/// Two beads that shake at `omega = 40` and touch at every turn.
 fn shaking() -> (Chain<f64>, [f64; 8]) {
     (chain(1.5, (800.0, 1.0), Boundary::Free, 2), [-0.01, 0.01, -0.01, 0.01, 0.6, -0.6, -0.6, 0.6])
 }
