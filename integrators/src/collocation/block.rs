@@ -5,7 +5,7 @@
 //! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads.
 
 use super::{
-    bond::{Beside, Bond, Contact, Cuts, Panels},
+    bond::{BOND, Beside, Bond, Contact, Cuts, LAYOUT, Panels},
     panel::{Frame, sin_cos},
     sites::{Site, overlap},
     system::{ContactChain, PairLaw, Path},
@@ -41,6 +41,8 @@ pub(crate) struct Goal {
     pub(crate) change: f64,
     /// Last terms of the series of an impulse; infinite if panels are not to be halved.
     pub(crate) tail: f64,
+    /// How many times those of a force that nearly goes out count.
+    pub(crate) slow: f64,
     pub(crate) cuts: Cuts,
 }
 
@@ -70,9 +72,8 @@ pub struct Piece {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdict {
     pub(crate) sweeps: u64,
-    /// Panels swept, and bonds.
-    pub(crate) panels: u64,
-    pub(crate) bonds: usize,
+    /// What it cost, see [`BOND`].
+    pub(crate) work: u64,
     /// The largest `f'(g) h^2`.
     pub(crate) stiffness: f64,
     /// The largest last terms of a series.
@@ -88,8 +89,7 @@ impl Verdict {
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             sweeps: self.sweeps.max(other.sweeps),
-            panels: self.panels + other.panels,
-            bonds: self.bonds + other.bonds,
+            work: self.work + other.work,
             stiffness: self.stiffness.max(other.stiffness),
             tail: self.tail.max(other.tail),
             touching: self.touching + other.touching,
@@ -162,7 +162,7 @@ impl<const M: usize> Workspace<M> {
         let mut verdict = f64::run(work);
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
-        verdict.bonds = mine.len();
+        verdict.work += BOND * len as u64;
         verdict.touching = bonds[mine.clone()].iter().filter(|bond| !bond.contacts.is_empty()).count();
         verdict.stiffness = bonds[mine.clone()].iter().fold(0.0, |stiffness, bond| bond.stiffness.max(stiffness));
         verdict.halved = bonds[mine.clone()].iter().filter(|bond| bond.halvings > 0).count();
@@ -215,6 +215,7 @@ impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
             me.lay_out(frame, left, right, goal.cuts, old);
             me.start(frame, law, left, right);
             me.dirty = true;
+            verdict.work += LAYOUT * me.panels.len as u64;
         }
         let mut rounds = 0;
         loop {
@@ -257,9 +258,9 @@ fn sweep<L: PairLaw, const M: usize>(
             me.dirty = false;
             continue;
         }
-        verdict.panels += me.panels.len as u64;
         let change = me.sweep(frame, law, left, right, goal.cuts, old);
         let age = me.age;
+        verdict.work += change.work;
         let again = change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
         me.dirty = again;
         if !change.impulse.is_finite() {
@@ -277,6 +278,7 @@ fn sweep<L: PairLaw, const M: usize>(
         .flatten()
         {
             let other = &mut bonds[beside];
+            other.age = other.age.min(age);
             // Those behind in this sweep are not done if this changes them.
             if !other.contacts.is_empty() && (far || change.impulse * other.answer(age) > goal.change) {
                 other.dirty = true;
@@ -320,7 +322,7 @@ fn unsettled<const M: usize>(
         }
         let mut tail = 0.0;
         for panel in me.panels.as_slice() {
-            let last = panel.tail(frame);
+            let last = panel.tail(frame, goal.slow);
             tail = if last > tail { last } else { tail };
         }
         verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };

@@ -108,15 +108,16 @@ impl<const M: usize> Panels<M> {
         }
     }
 
-    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour.
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many pieces.
     #[inline(always)]
-    fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) {
+    fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
         let Panel { tau, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
             self.look(tau, view);
         }
         let (first, last) = view.span();
+        let mut pieces = 0;
         for place in first.max(0)..=last {
             let k = (place / 2) as usize;
             let (path, moved) = if place % 2 == 0 {
@@ -130,7 +131,9 @@ impl<const M: usize> Panels<M> {
                 let value = along(path, tau[j], cos[j], sin[j]) + moved[j];
                 out[j] += if view.place[j] == f64::from(place) { value } else { 0.0 };
             }
+            pieces += 1;
         }
+        pieces
     }
 
     /// Adds `weight int_0^t K(t - s) f(s) ds` at ascending times.
@@ -190,9 +193,10 @@ pub(crate) struct Bond<const M: usize> {
     pub(crate) panels: Panels<M>,
     /// The contact that it is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
-    /// The largest `f'(g) h^2`.
+    /// The largest `f'(g) h^2`, and the largest overlap at a node.
     pub(crate) stiffness: f64,
-    /// Sweeps since its panels were laid out.
+    largest: f64,
+    /// Sweeps since panels were laid out, here or where the change came from.
     pub(crate) age: u32,
     /// Overlap at the end of the window, as last used to look ahead.
     at_end: f64,
@@ -218,7 +222,16 @@ pub(crate) struct Change {
     pub(crate) impulse: f64,
     /// How far an event moved; panels of this bond must be laid out anew if it did.
     pub(crate) moved: f64,
+    /// What it cost.
+    pub(crate) work: u64,
 }
+
+/// What a window costs, measured, in units of about 10 ns: for each bond, each panel laid out, each panel swept, and each panel of a
+/// neighbour that acts on it.
+pub(crate) const BOND: u64 = 12;
+pub(crate) const LAYOUT: u64 = 11;
+const SWEEP: u64 = 8;
+const VIEW: u64 = 3;
 
 /// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
 #[inline(always)]
@@ -245,6 +258,8 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
 
 /// A release up to this many windows beyond the end is looked for.
 const AHEAD: f64 = 1.5;
+/// Contacts of a bond in one window that are foreseen; more cost an allocation.
+const CONTACTS: usize = 4;
 /// Share of a window over which speeds are differences.
 const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share.
@@ -285,12 +300,13 @@ impl<const M: usize> Bond<M> {
             force: [0.0; 2],
             bend: 0.0,
             band: 0.0,
-            contacts: Vec::new(),
-            assumed: Vec::new(),
+            contacts: Vec::with_capacity(CONTACTS),
+            assumed: Vec::with_capacity(CONTACTS),
             panels: Panels::new(),
             ongoing: None,
             at_end: 0.0,
             stiffness: 0.0,
+            largest: 0.0,
             age: 0,
             slack: 0.0,
             surprise: 0.0,
@@ -298,7 +314,7 @@ impl<const M: usize> Bond<M> {
             dirty: false,
             suspicious: false,
             halvings: 0,
-            crossings: Vec::new(),
+            crossings: Vec::with_capacity(2 * CONTACTS),
         }
     }
 
@@ -317,7 +333,7 @@ impl<const M: usize> Bond<M> {
         self.contacts.clear();
         self.panels.clear();
         (self.surprise, self.suspicious, self.stale, self.dirty, self.halvings) = (0.0, false, false, false, 0);
-        self.stiffness = 0.0;
+        (self.stiffness, self.largest) = (0.0, 0.0);
     }
 
     /// What the forces at the start of the window, kept up to first order, do to this bond's overlap: its second and third rate.
@@ -364,30 +380,21 @@ impl<const M: usize> Bond<M> {
             self.contacts.extend(self.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact }));
             return true;
         }
+        let least = |a: f64, b: f64| if a < b { a } else { b };
         if c1 > band && c2 > error + band && c3 > band && c4 > band && sign * start > -band {
-            let least = |a: f64, b: f64| if a < b { a } else { b };
             self.slack = least(least(c1, c2 - error), least(c3, c4));
             let Some(contact) = self.ongoing else { return true };
             self.contacts.push(Contact { release: f64::INFINITY, ..contact });
             self.look_ahead(frame, drive, (end, rate));
             return true;
         }
-        let once = sign * start > band
-            && c4 < -band
-            && match (c1 > 0.0, c3 > 0.0) {
-                (true, true) => c2 > error,
-                (true, false) => true,
-                (false, false) => c2 < -error,
-                (false, true) => false,
-            };
+        // One change of sign among the coefficients, whatever the error and a slack make of them.
+        let more = |a: f64, b: f64| if a > b { a } else { b };
+        let slack = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
+        let once = sign * start > band && slack > band;
         if !once {
-            let found = self.look(frame, drive, linear, cuts);
-            if self.contacts.last().is_some_and(|contact| contact.release > h) {
-                self.look_ahead(frame, drive, (end, rate));
-            }
-            return found;
+            return self.look(frame, drive, linear, cuts, (end, rate));
         }
-        self.slack = -c4;
         // A few steps of the Illinois method are better than the prediction deserves.
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
         for _ in 0..4 {
@@ -401,8 +408,11 @@ impl<const M: usize> Bond<M> {
             b = (t, g);
         }
         let t = b.0 - b.1 / slope;
-        if !(sign * slope < 0.0 && t > 0.0 && t < h) {
-            return self.look(frame, drive, linear, cuts);
+        // Within what is unsure about the overlap, its rate must not turn.
+        let unsure = slope * slope / (linear + drive[0].abs() + drive[1].abs() * h) - error;
+        self.slack = least(slack, unsure);
+        if !(sign * slope < 0.0 && t > 0.0 && t < h && unsure > 0.0) {
+            return self.look(frame, drive, linear, cuts, (end, rate));
         }
         match self.ongoing {
             Some(contact) => {
@@ -424,13 +434,18 @@ impl<const M: usize> Bond<M> {
         self.path[1] + frame.omega * (self.path[3] * cos - self.path[2] * sin) + drive[0] * k1 + drive[1] * k2
     }
 
+    /// Searches the prediction.
     #[inline(never)]
-    fn look(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], linear: f64, cuts: Cuts) -> bool {
+    fn look(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], linear: f64, cuts: Cuts, end: (f64, f64)) -> bool {
         let path = self.path;
         let driven = |t: f64| drive[0].abs() + drive[1].abs() * t;
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let g = |t| predicted(frame, &path, drive, t);
-        self.search(frame.h, cuts.unfelt.max(rounding), |t| linear + driven(t), g)
+        let found = self.search(frame.h, cuts.unfelt.max(rounding), |t| linear + driven(t), g);
+        if self.contacts.last().is_some_and(|contact| contact.release > frame.h) {
+            self.look_ahead(frame, drive, end);
+        }
+        found
     }
 
     /// Estimates when a contact that outlasts the window will end.
@@ -696,7 +711,7 @@ impl<const M: usize> Bond<M> {
         let drive = self.drive(left, right);
         let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.bend);
         let bend = bend(left) + bend(right) - self.recoil * self.bend;
-        let mut before = [0.0; 4];
+        let (mut before, mut largest) = ([0.0; 4], 0.0);
         for panel in &mut self.panels.list[..self.panels.len] {
             let mut g = [0.0; M];
             for j in 0..M {
@@ -704,11 +719,14 @@ impl<const M: usize> Bond<M> {
                 let (k2, k3) = ramps(frame, t, cos, sin);
                 g[j] = along(&self.path, t, cos, sin) + (drive[0] * k2 + drive[1] * k3) + bend * ramp2(frame, t, cos);
             }
+            for j in 0..M {
+                largest = if g[j] > largest { g[j] } else { largest };
+            }
             panel.force = law.forces(&g);
             panel.before = before;
             before = panel.integrate(frame);
         }
-        self.panels.total = before;
+        (self.panels.total, self.largest) = (before, largest);
     }
 
     /// The share of a change of an impulse, here or beside and of that age, that the next sweep may change in this bond's own.
@@ -737,7 +755,8 @@ impl<const M: usize> Bond<M> {
         if anew {
             self.lay_out(frame, left, right, cuts, old);
         }
-        let mut change = Change::default();
+        let panels = self.panels.len as u64;
+        let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = if anew { old.total } else { self.panels.total };
         let mut before = [0.0; 4];
         let mut largest = 0.0;
@@ -763,10 +782,10 @@ impl<const M: usize> Bond<M> {
                 }
                 let panel = &mut self.panels.list[k];
                 if let Some(bond) = left {
-                    bond.panels.act(panel, 0, &mut g);
+                    change.work += VIEW * bond.panels.act(panel, 0, &mut g);
                 }
                 if let Some(bond) = right {
-                    bond.panels.act(panel, 1, &mut g);
+                    change.work += VIEW * bond.panels.act(panel, 1, &mut g);
                 }
                 let force = law.forces(&g);
                 let mut by = [0.0; M];
@@ -798,8 +817,11 @@ impl<const M: usize> Bond<M> {
             change.impulse = (before[1] - total[1]).abs()
                 + frame.omega * ((before[2] - total[2]).abs() + (before[3] - total[3]).abs());
         }
-        self.stiffness = law.stiffness(largest) * frame.h * frame.h;
-        self.age += 1;
+        // A sweep may open all nodes: what it found before counts too.
+        let was = std::mem::replace(&mut self.largest, largest);
+        self.stiffness = law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
+        // Where the stiffness has no bound its largest overlap tells little.
+        self.age = if law.exponent() < 1.0 { 1 } else { self.age + 1 };
         self.panels.total = before;
         self.stale |= change.moved > 0.0;
         change

@@ -27,13 +27,15 @@ pub enum Pace {
 /// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: measured, on waves, impacts and random chains.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
+/// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`.
+const SLOW_TAIL: f64 = 1e3;
+/// Where panels feel an event: without control of the error, and with halvings to make good for what is felt beyond.
+const NEAR: [f64; 2] = [0.75, 0.5];
 /// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones have fewer panels.
-const STIFFNESS: f64 = 0.06;
+const STIFFNESS: f64 = 0.04;
 const STIFFNESSES: [f64; 2] = [0.02, 0.25];
 /// A trial of longer or shorter windows changes `f'(g) h^2` by this factor.
 const TRIAL: f64 = 1.25;
-/// What a bond costs in a window, in sweeps of a panel.
-const BOND: f64 = 0.75;
 /// Sweeps that a good window takes.
 const GOOD_SWEEPS: u64 = 5;
 /// Share of the tolerance of a window that sweeps may leave undone.
@@ -85,6 +87,11 @@ pub(crate) struct Control {
     alpha: f64,
 }
 
+/// Whether a force of this exponent is analytic in the square root of time from an event.
+fn analytic(alpha: f64) -> bool {
+    (2.0 * alpha).fract() == 0.0
+}
+
 fn rule(name: &'static str, value: f64, rule: &'static str) -> Error {
     Error::Argument { name, value, rule }
 }
@@ -129,8 +136,8 @@ impl Control {
                 let nodes = match tol {
                     1e-3.. => 4,
                     1e-5.. => 6,
-                    1e-8.. => 8,
-                    3e-11.. => 10,
+                    1e-6.. => 8,
+                    1e-8.. => 10,
                     _ => 12,
                 };
                 let rate = stiffness.sqrt().max(omega.min(1e3)).max(1.0 / span.value());
@@ -141,7 +148,8 @@ impl Control {
         Ok(Self {
             pace,
             nodes,
-            least_nodes: 4,
+            // Where no variable makes the force analytic, its last terms tell less.
+            least_nodes: if analytic(law.exponent()) { 4 } else { nodes },
             since: 0,
             tail: 0.0,
             stiffness: STIFFNESS,
@@ -182,22 +190,27 @@ impl Control {
     }
 
     pub(crate) fn goal(&self, h: f64) -> Goal {
-        let (change, tail) = match self.pace {
+        let (change, tail, slow) = match self.pace {
             // All that sweeps can do.
-            Pace::Windows { .. } => (0.1 * ROUNDING, f64::INFINITY),
+            Pace::Windows { .. } => (0.1 * ROUNDING, f64::INFINITY, 1.0),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(1e-6);
-                ((UNDONE * share).max(ROUNDING), (TAIL * share).powf(POWER).max(ROUNDED_TAIL))
+                let tail = (TAIL * share).powf(POWER).max(ROUNDED_TAIL);
+                ((UNDONE * share).max(ROUNDING), tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
         let lost = |power: f64| h * change.max(ROUNDING).powf(1.0 / power);
         Goal {
             change: change * self.size,
             tail: tail * self.size,
+            slow,
             cuts: Cuts {
                 neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
                 merge: lost(self.alpha + 3.0),
-                near: 0.35,
+                near: match self.pace {
+                    Pace::Tolerance(_) if analytic(self.alpha) => NEAR[1],
+                    _ => NEAR[0],
+                },
                 missed: 0.1 * change * self.size,
                 unfelt: (0.1 * change * self.size / h).powf(1.0 / self.alpha),
                 frozen_beside: lost(self.alpha + 3.0),
@@ -247,7 +260,7 @@ impl Control {
     fn try_lengths(&mut self, verdict: &Verdict, h: f64) {
         self.tried += 1;
         self.time += h;
-        self.work += verdict.panels as f64 + BOND * verdict.bonds as f64;
+        self.work += verdict.work as f64;
         if self.tried == PATIENCE {
             let cost = self.work / self.time;
             if cost > self.cost {

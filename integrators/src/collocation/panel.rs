@@ -272,9 +272,10 @@ impl<const M: usize> Panel<M> {
     }
 
     /// The last terms of the series of the impulses that the free part and the oscillating part take: how well the nodes resolve
-    /// the force, and the oscillation.
+    /// the force, and the oscillation. They count `slow` times for a force that nearly goes out without an event, or does and comes back: its
+    /// terms fall slowly at last.
     #[inline(always)]
-    pub(crate) fn tail(&self, frame: &Frame<'_, M>) -> f64 {
+    pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> f64 {
         let w = times(&self.force, &self.rate);
         let last = |w: &[f64; M]| {
             let [a, b] = [&frame.rule.tail[0], &frame.rule.tail[1]].map(|row| dot(row, w).abs());
@@ -287,7 +288,12 @@ impl<const M: usize> Panel<M> {
                 tail = if other > tail { other } else { tail };
             }
         }
-        tail
+        let (mut least, mut most) = (self.overlap[0], self.overlap[0]);
+        for g in self.overlap {
+            least = if g < least { g } else { least };
+            most = if g > most { g } else { most };
+        }
+        if self.q < frame.q && least < FADING * most { slow * tail } else { tail }
     }
 
     /// From the force at the nodes, what it moves: [`local`](Self::local), [`series`](Self::series), and the path that is left
@@ -316,6 +322,8 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
     out
 }
 
+/// An overlap that falls to this share of itself within a panel, with no event near.
+const FADING: f64 = 0.03;
 /// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.
 pub(crate) const MONOMIAL: usize = 8;
 
