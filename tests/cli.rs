@@ -290,13 +290,11 @@ fn bad_numbers_are_refused_by_name_and_rule() {
 }
 
 #[test]
-#[ignore = "a bug: --nodes beside --tol is taken and does nothing"]
 fn nodes_beside_a_tolerance_are_refused() {
     assert!(refusal(&["run", "tw-q15", "--tol", "1e-6", "--nodes", "8", "--json"]).contains("--nodes"));
 }
 
 #[test]
-#[ignore = "a bug: --plan says yes to a setting that a run refuses"]
 fn a_plan_refuses_what_a_run_refuses() {
     for flags in [&["--windows-per-period", "5", "--nodes", "18"][..], &["--tol", "5"]] {
         refusal(&[&["run", "tw-q15", "--plan"], flags].concat());
@@ -304,7 +302,6 @@ fn a_plan_refuses_what_a_run_refuses() {
 }
 
 #[test]
-#[ignore = "a bug: the value in the message is the number of windows of the run, not the one that was given"]
 fn windows_for_another_method_are_refused_by_the_value_given() {
     let message = refusal(&["run", "tw-q15", "--integrator", "dop853", "--windows-per-period", "5"]);
     assert!(message.contains("windows-per-period = 5 "), "{message}");
@@ -353,5 +350,51 @@ fn chains_of_one_and_two_beads_run_with_every_method() {
                 json(&["run", path.to_str().unwrap(), "--integrator", method, "--json"]);
             }
         }
+    }
+}
+
+#[test]
+fn dps_integrals_keep_their_contract() {
+    let of =
+        |b: &str, r: &str| json(&["dps", "integrals", "--alpha", "2", "--kappa", "0.5", "--b", b, "--r", r, "--json"]);
+    // alpha = 2, never open: g = b^2 + (2 kappa r)^2 / 2, r h = -b (2 kappa r).
+    let closed = of("-3", "2");
+    let want = [
+        ("g", 11.0),
+        ("h", 3.0),
+        ("dg_db", -6.0),
+        ("dg_dr", 2.0),
+        ("dh_db", -1.0),
+        ("dh_dr", 0.0),
+        ("drh_db", -2.0),
+        ("drh_dr", 3.0),
+    ];
+    for (key, want) in want {
+        assert!((closed[key].as_f64().unwrap() - want).abs() < 1e-14, "{key}: {}", closed[key]);
+    }
+    assert!(
+        of("2", "2").as_object().unwrap().values().all(|value| value.as_f64() == Some(0.0)),
+        "no contact, no force"
+    );
+    let singular = json(&["dps", "integrals", "--alpha", "0.5", "--b", "-2", "--r", "1", "--json"]);
+    assert_eq!((&singular["dg_db"], &singular["dh_db"]), (&Value::from("-inf"), &Value::from("inf")));
+    let text = stdout(&hertzchain(&["dps", "integrals", "--b", "0", "--r", "1"]));
+    assert!(text.contains("mean contact force") && text.contains("6.47223121426055"), "{text}");
+    for (flag, value, rule) in [
+        ("--r", "-1", "r = -1 is not valid: the amplitude is finite and at least zero"),
+        ("--r", "inf", "r = inf"),
+        ("--b", "nan", "b = NaN is not valid: the mean strain is finite"),
+        ("--alpha", "0", "alpha = 0 is not valid: the exponent is positive and at most 10"),
+        ("--alpha", "10.5", "alpha = 10.5"),
+        ("--kappa", "0", "kappa = 0 is not valid: the spring constant is finite and positive"),
+    ] {
+        let mut args = vec!["dps", "integrals", "--json"];
+        for pair in [["--b", "0"], ["--r", "1"]] {
+            if pair[0] != flag {
+                args.extend(pair);
+            }
+        }
+        args.extend([flag, value]);
+        assert!(refusal(&args).contains(rule), "{}", refusal(&args));
     }
 }

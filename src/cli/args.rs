@@ -25,6 +25,8 @@ pub(super) enum Command {
     Scaling(ScalingArgs),
     /// Measure how the energy error grows with time.
     Drift(DriftArgs),
+    /// The modulation equations of small oscillations, and what follows from them.
+    Dps(DpsArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -70,7 +72,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"], allow_negative_numbers = true)]
     pub(super) windows_per_period: Option<f64>,
     /// Nodes a panel, with --windows-per-period: 4, 6, .. 16 [default: 10].
-    #[arg(long, value_name = "M", requires = "windows_per_period")]
+    #[arg(long, value_name = "M", requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(super) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
@@ -146,6 +148,37 @@ pub(super) struct DriftArgs {
     /// Folder for drift.csv, drift.json and drift.png [default: out/drift-SCENE; with --json: none].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct DpsArgs {
+    #[command(subcommand)]
+    pub(super) action: DpsAction,
+}
+
+#[derive(Subcommand)]
+pub(super) enum DpsAction {
+    /// The averaged contact force g_alpha(b, r), its harmonic h_alpha(b, r), and their derivatives.
+    Integrals(IntegralsArgs),
+}
+
+#[derive(Args)]
+pub(super) struct IntegralsArgs {
+    /// Exponent of the contact force, above 0 and at most 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Spring constant of the resonators, positive; dimensionless, like all below.
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) kappa: f64,
+    /// Mean strain of the bond -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    pub(super) b: f64,
+    /// Amplitude, at least zero.
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub(super) r: f64,
     /// Print JSON instead of the table.
     #[arg(long)]
     pub(super) json: bool,

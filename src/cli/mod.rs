@@ -2,6 +2,7 @@
 
 mod args;
 mod compare;
+mod dps;
 mod drift;
 mod integrators;
 mod order;
@@ -23,6 +24,7 @@ pub fn main() -> ExitCode {
         Command::Order(args) => order::main(&args),
         Command::Scaling(args) => scaling::main(&args),
         Command::Drift(args) => drift::main(&args),
+        Command::Dps(args) => dps::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

@@ -28,6 +28,8 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
     let (setting, wording) = setting(args, method, &scene)?;
     if args.plan {
+        // What a run refuses is not planned.
+        method.start(&scene, setting)?;
         let plan = scene.plan(args.events);
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": method.name(), "plan": plan})) + "\n"
@@ -65,6 +67,9 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
         if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
     };
     if let Some(per_period) = args.windows_per_period {
+        if method != Method::Collocation {
+            return Err(Error::parameter("windows-per-period", per_period, "only collocation takes windows"));
+        }
         let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
         let windows = (scene.end() / scene.period() * positive("windows-per-period", per_period)?).ceil().max(1.0);
         if windows > MOST_STEPS {

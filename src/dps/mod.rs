@@ -1,5 +1,6 @@
-//! The modulation (DpS) equations: so far the two integrals that travelling waves need.
+//! The modulation (DpS) equations of small oscillations: the averages that couple amplitudes `A_n` and mean strains `B_n`.
 
+mod hypergeometric;
 mod integrals;
 
-pub use integrals::{g_alpha, r_h_alpha};
+pub use integrals::{Averages, Values};

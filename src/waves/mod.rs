@@ -8,7 +8,7 @@
 
 use crate::{
     chain::{Params, Resonators, Site, max_norm},
-    dps::r_h_alpha,
+    dps::Averages,
     error::{Error, Result},
 };
 
@@ -77,7 +77,7 @@ impl TravellingWave {
             return Err(Error::parameter("b", b, "the mean strain is below 2 kappa a, or no contact ever closes"));
         }
         let omega = params.omega();
-        let h_alpha = r_h_alpha(params.alpha, params.kappa, b, a) / a;
+        let h_alpha = Averages::new(params.alpha, params.kappa)?.h(b, a);
         let per_size = 2.0 / omega.powi(3) * (0.5 * q).sin().powi(2) * h_alpha;
         let power = params.alpha - 1.0;
         let (epsilon, detuning) = match size {

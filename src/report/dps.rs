@@ -1,0 +1,32 @@
+//! Reports of the modulation equations.
+
+use super::table;
+use crate::{dps::Values, output::to_json};
+use serde_json::{Value, json};
+
+/// The averages as JSON; infinite slopes, which JSON has no number for, as `"inf"` and `"-inf"`.
+pub fn averages_json(values: &Values) -> String {
+    let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
+    let fields = rows(values).map(|(name, _, value)| (name.to_owned(), number(value)));
+    to_json(&Value::Object(fields.into_iter().collect()))
+}
+
+/// The averages as a table, all digits.
+pub fn averages_table(values: &Values) -> String {
+    let rows =
+        rows(values).map(|(name, meaning, value)| vec![name.to_owned(), format!("{value:e}"), meaning.to_owned()]);
+    table(&["quantity", "value", "what it is"], &rows)
+}
+
+fn rows(values: &Values) -> [(&'static str, &'static str, f64); 8] {
+    [
+        ("g", "mean contact force", values.g),
+        ("h", "first harmonic of the contact force over r", values.h),
+        ("dg_db", "d g / d b", values.dg_db),
+        ("dg_dr", "d g / d r", values.dg_dr),
+        ("dh_db", "d h / d b", values.dh_db),
+        ("dh_dr", "d h / d r", values.dh_dr),
+        ("drh_db", "d (r h) / d b", values.drh_db),
+        ("drh_dr", "d (r h) / d r", values.drh_dr),
+    ]
+}
