@@ -5,8 +5,10 @@
 //! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads.
 
 use super::{
-    bond::{BOND, Beside, Bond, Contact, Cuts, LAYOUT, Panels},
+    bond::{BOND, Beside, Bond, Contact, LAYOUT},
+    layout::Cuts,
     panel::{Frame, sin_cos},
+    panels::Panels,
     sites::{Site, overlap},
     system::{ContactChain, PairLaw, Path},
 };
@@ -14,10 +16,10 @@ use crate::real::{Kernel, Real};
 use std::ops::Range;
 
 /// Bonds of a block, and those of its neighbours on either side that it takes along.
-pub(crate) const OWN: usize = 128;
+pub(crate) const OWN: usize = 256;
 const ALONG: usize = 12;
 /// A chain up to this is one block.
-const WHOLE: usize = 2 * OWN;
+const WHOLE: usize = OWN;
 /// Sweeps after which a window is given up.
 const MOST_SWEEPS: u64 = 40;
 /// Times that a window may turn out to be other than it was taken for.
@@ -39,6 +41,8 @@ pub(crate) struct Start<'a, C> {
 pub(crate) struct Goal {
     /// Change of an impulse that another sweep may make.
     pub(crate) change: f64,
+    /// A change of an impulse that is nothing but rounding.
+    pub(crate) rounded: f64,
     /// Last terms of the series of an impulse; infinite if panels are not to be halved.
     pub(crate) tail: f64,
     /// How many times those of a force that nearly goes out count.
@@ -261,7 +265,8 @@ fn sweep<L: PairLaw, const M: usize>(
         let change = me.sweep(frame, law, left, right, goal.cuts, old);
         let age = me.age;
         verdict.work += change.work;
-        let again = change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
+        let unsettled = change.impulse > goal.rounded;
+        let again = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
         me.dirty = again;
         if !change.impulse.is_finite() {
             verdict.failure = Some((b, change.impulse));
@@ -280,7 +285,7 @@ fn sweep<L: PairLaw, const M: usize>(
             let other = &mut bonds[beside];
             other.age = other.age.min(age);
             // Those behind in this sweep are not done if this changes them.
-            if !other.contacts.is_empty() && (far || change.impulse * other.answer(age) > goal.change) {
+            if !other.contacts.is_empty() && (far || unsettled && change.impulse * other.answer(age) > goal.change) {
                 other.dirty = true;
                 other.stale |= far;
                 if worst.is_none() {

@@ -2,7 +2,7 @@
 
 use super::{
     block::{Goal, Verdict},
-    bond::Cuts,
+    layout::Cuts,
     sites::Site,
     system::{ContactChain, PairLaw},
 };
@@ -40,6 +40,8 @@ const TRIAL: f64 = 1.25;
 const GOOD_SWEEPS: u64 = 5;
 /// Share of the tolerance of a window that sweeps may leave undone.
 const UNDONE: f64 = 1e-2;
+/// Sweeps come from one side: what they leave in every window adds up, unlike roundings.
+const BIAS: f64 = 1e-18;
 /// A change that is rounding, in units of velocities, and last terms that are.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
@@ -192,16 +194,18 @@ impl Control {
     pub(crate) fn goal(&self, h: f64) -> Goal {
         let (change, tail, slow) = match self.pace {
             // All that sweeps can do.
-            Pace::Windows { .. } => (0.1 * ROUNDING, f64::INFINITY, 1.0),
+            Pace::Windows { .. } => (0.0, f64::INFINITY, 1.0),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(1e-6);
                 let tail = (TAIL * share).powf(POWER).max(ROUNDED_TAIL);
-                ((UNDONE * share).max(ROUNDING), tail, (tail / (SLOW_TAIL * share)).max(1.0))
+                (UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
-        let lost = |power: f64| h * change.max(ROUNDING).powf(1.0 / power);
+        let least = change.max(ROUNDING);
+        let lost = |power: f64| h * least.powf(1.0 / power);
         Goal {
-            change: change * self.size,
+            change: change.max(BIAS) * self.size,
+            rounded: 0.1 * ROUNDING * self.size,
             tail: tail * self.size,
             slow,
             cuts: Cuts {
@@ -211,8 +215,8 @@ impl Control {
                     Pace::Tolerance(_) if analytic(self.alpha) => NEAR[1],
                     _ => NEAR[0],
                 },
-                missed: 0.1 * change * self.size,
-                unfelt: (0.1 * change * self.size / h).powf(1.0 / self.alpha),
+                missed: 0.1 * least * self.size,
+                unfelt: (0.1 * least * self.size / h).powf(1.0 / self.alpha),
                 frozen_beside: lost(self.alpha + 3.0),
             },
         }

@@ -2,7 +2,7 @@
 
 use super::{
     block::{Goal, Left, Piece, Start, Verdict, Workspace, blocks, own},
-    bond::Cuts,
+    layout::Cuts,
     panel::Frame,
     rule::Rule,
     system::{ContactChain, PairLaw},

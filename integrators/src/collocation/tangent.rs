@@ -14,8 +14,10 @@
 use super::{
     Collocation,
     block::blocks,
-    bond::{Bond, Cuts, Panels},
+    bond::Bond,
+    layout::Cuts,
     panel::{Frame, Panel, along, dot},
+    panels::Panels,
     sites::Phase,
     system::{ContactChain, PairLaw, Path},
 };

@@ -1,0 +1,130 @@
+//! How contacts are cut into panels.
+
+use super::{
+    bond::{Beside, Bond, Contact},
+    panel::{Frame, Origin},
+    panels::Panels,
+    system::PairLaw,
+};
+
+/// How contacts are cut into panels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cuts {
+    /// Also where a contact of a neighbour begins or ends.
+    pub(crate) neighbours: bool,
+    /// Cuts nearer to an end than this are left out.
+    pub(crate) merge: f64,
+    /// A panel feels an event up to this many of its lengths away.
+    pub(crate) near: f64,
+    /// An event is where it is if what it misses of the impulse is less.
+    pub(crate) missed: f64,
+    /// Overlaps up to this make no force that counts.
+    pub(crate) unfelt: f64,
+    /// An event of a neighbour is where it is if it is that near.
+    pub(crate) frozen_beside: f64,
+}
+
+impl Cuts {
+    /// Whether an event may be off by a time and an overlap.
+    #[inline(always)]
+    pub(super) fn negligible(&self, law: &impl PairLaw, overlap: f64, by: f64) -> bool {
+        law.force(overlap.abs()) * by.abs() <= self.missed
+    }
+}
+
+impl<const M: usize> Bond<M> {
+    /// Cuts the contacts into panels.
+    #[inline(always)]
+    pub(crate) fn lay_out(
+        &mut self,
+        frame: &Frame<'_, M>,
+        left: Beside<M>,
+        right: Beside<M>,
+        cuts: Cuts,
+        old: &mut Panels<M>,
+    ) {
+        std::mem::swap(&mut self.panels, old);
+        self.panels.clear();
+        self.panels.version = old.version + 1;
+        (self.stale, self.age) = (false, 0);
+        for i in 0..self.contacts.len() {
+            let contact = self.contacts[i];
+            let first = self.panels.len;
+            if contact.release > contact.onset {
+                self.cut(frame, contact, [left, right], cuts);
+            }
+            self.contacts[i].panels = (first, self.panels.len);
+        }
+    }
+
+    #[inline(always)]
+    fn cut(&mut self, frame: &Frame<'_, M>, contact: Contact, beside: [Beside<M>; 2], cuts: Cuts) {
+        let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
+        // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
+        let (mut behind, mut ahead) = (contact.onset, contact.release);
+        let mut points = [(0.0, false); 8];
+        let mut count = 0;
+        if cuts.neighbours {
+            for bond in beside.into_iter().flatten() {
+                for c in &bond.contacts {
+                    if c.onset <= start + cuts.merge {
+                        behind = behind.max(c.onset.min(start));
+                    } else if c.onset < end - cuts.merge && count < points.len() {
+                        points[count] = (c.onset, true);
+                        count += 1;
+                    }
+                    if c.release >= end - cuts.merge {
+                        ahead = ahead.min(c.release.max(end));
+                    } else if c.release > start + cuts.merge && count < points.len() {
+                        points[count] = (c.release, false);
+                        count += 1;
+                    }
+                }
+            }
+        }
+        let points = &mut points[..count];
+        if count > 1 {
+            points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        let mut from = start;
+        for i in 0..=count {
+            let (to, onset) = if i < count { points[i] } else { (end, false) };
+            if to > from + cuts.merge || i == count {
+                let next = points[i..].iter().find(|p| !p.1).map_or(ahead, |p| p.0);
+                self.piece(frame, (from, to), (behind, next), cuts);
+                from = to;
+            }
+            if onset {
+                behind = to;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn piece(&mut self, frame: &Frame<'_, M>, (from, to): (f64, f64), (onset, release): (f64, f64), cuts: Cuts) {
+        let reach = cuts.near * (to - from);
+        let (early, late) = (frame.q > 1 && from - onset < reach, frame.q > 1 && release - to < reach);
+        match (early, late) {
+            (true, true) => {
+                let middle = 0.5 * (from + to);
+                self.halve(frame, from, middle, Origin::Before(onset.min(from)));
+                self.halve(frame, middle, to, Origin::After(release.max(to)));
+            }
+            (true, false) => self.halve(frame, from, to, Origin::Before(onset.min(from))),
+            (false, true) => self.halve(frame, from, to, Origin::After(release.max(to))),
+            (false, false) => self.halve(frame, from, to, Origin::None),
+        }
+    }
+
+    /// Lays out one stretch, in equal parts of its variable where one panel is not enough.
+    #[inline(always)]
+    fn halve(&mut self, frame: &Frame<'_, M>, from: f64, to: f64, origin: Origin) {
+        let parts = 1 << self.halvings;
+        let mut start = from;
+        for i in 1..=parts {
+            let end = if i == parts { to } else { origin.between(frame.q, from, to, f64::from(i) / f64::from(parts)) };
+            self.panels.push(frame, start, end, origin);
+            start = end;
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The panels of a bond in a window, and what their forces move in its neighbours.
+
+use super::{
+    panel::{Frame, Origin, Panel, View, along},
+    system::Path,
+};
+
+#[derive(Clone, Debug)]
+pub(crate) struct Panels<const M: usize> {
+    pub(crate) list: Vec<Panel<M>>,
+    pub(crate) len: usize,
+    /// Changes whenever panels are laid out.
+    pub(crate) version: u64,
+    /// The path that the whole window leaves behind.
+    pub(crate) total: Path,
+}
+
+impl<const M: usize> Panels<M> {
+    pub(crate) fn new() -> Self {
+        Self { list: Vec::new(), len: 0, version: 0, total: [0.0; 4] }
+    }
+
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        (self.len, self.total) = (0, [0.0; 4]);
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, frame: &Frame<'_, M>, start: f64, end: f64, origin: Origin) {
+        if self.len == self.list.len() {
+            self.list.push(Panel::new());
+        }
+        for view in &mut self.list[self.len].views {
+            view.version = 0;
+        }
+        self.list[self.len].place(frame, start, end, origin);
+        self.len += 1;
+    }
+
+    /// The largest force at a node of a panel that starts before `t`.
+    pub(super) fn largest_force(&self, t: f64) -> f64 {
+        let panels = self.as_slice().iter().take_while(|panel| panel.start < t);
+        panels.flat_map(|panel| panel.force).fold(0.0, f64::max)
+    }
+
+    pub(crate) fn as_slice(&self) -> &[Panel<M>] {
+        &self.list[..self.len]
+    }
+
+    /// The path left behind when panel `k` starts.
+    #[inline(always)]
+    pub(crate) fn before(&self, k: usize) -> &Path {
+        if k < self.len { &self.list[k].before } else { &self.total }
+    }
+
+    /// Where ascending times are among these panels.
+    #[inline(always)]
+    fn look(&self, tau: &[f64; M], view: &mut View<M>) {
+        view.version = self.version;
+        view.place = [-1.0; M];
+        for (k, panel) in self.as_slice().iter().enumerate() {
+            if tau[M - 1] < panel.start {
+                return;
+            }
+            let place = 2.0 * k as f64;
+            for j in 0..M {
+                view.place[j] = if tau[j] > panel.end { place + 1.0 } else { view.place[j] };
+            }
+            if tau[0] <= panel.end {
+                let x = panel.variable(tau);
+                for j in 0..M {
+                    let inside = tau[j] >= panel.start && tau[j] <= panel.end;
+                    view.place[j] = if inside { place } else { view.place[j] };
+                    view.x[j] = if inside { x[j] } else { view.x[j] };
+                }
+            }
+        }
+    }
+
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many pieces.
+    #[inline(always)]
+    pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
+        let Panel { tau, cos, sin, views, .. } = panel;
+        let view = &mut views[side];
+        if view.version != self.version {
+            self.look(tau, view);
+        }
+        let (first, last) = view.span();
+        let mut pieces = 0;
+        for place in first.max(0)..=last {
+            let k = (place / 2) as usize;
+            let (path, moved) = if place % 2 == 0 {
+                (&self.list[k].before, self.list[k].moved_at(&view.x))
+            } else if view.place.contains(&f64::from(place)) {
+                (self.before(k + 1), [0.0; M])
+            } else {
+                continue;
+            };
+            for j in 0..M {
+                let value = along(path, tau[j], cos[j], sin[j]) + moved[j];
+                out[j] += if view.place[j] == f64::from(place) { value } else { 0.0 };
+            }
+            pieces += 1;
+        }
+        pieces
+    }
+
+    /// Adds `weight int_0^t K(t - s) f(s) ds` at ascending times.
+    #[inline(always)]
+    pub(crate) fn influence<const L: usize>(
+        &self,
+        (tau, cos, sin): (&[f64; L], &[f64; L], &[f64; L]),
+        weight: f64,
+        out: &mut [f64; L],
+    ) {
+        let (first, last) = (tau[0], tau[L - 1]);
+        for k in 0..self.len {
+            let panel = &self.list[k];
+            if last < panel.start {
+                return;
+            }
+            let next = if k + 1 < self.len { self.list[k + 1].start } else { f64::INFINITY };
+            if first >= next {
+                continue;
+            }
+            let after = self.before(k + 1);
+            let mut value = [0.0; L];
+            for j in 0..L {
+                value[j] = along(after, tau[j], cos[j], sin[j]);
+            }
+            if first <= panel.end {
+                let moved = panel.moved(tau);
+                for j in 0..L {
+                    let inside = along(&panel.before, tau[j], cos[j], sin[j]) + moved[j];
+                    value[j] = if tau[j] <= panel.end { inside } else { value[j] };
+                }
+            }
+            for j in 0..L {
+                let here = tau[j] >= panel.start && tau[j] < next;
+                out[j] += if here { weight * value[j] } else { 0.0 };
+            }
+        }
+    }
+}
