@@ -28,7 +28,7 @@ pub enum Pace {
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
 /// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`.
-const SLOW_TAIL: f64 = 1e3;
+const SLOW_TAIL: f64 = 2e2;
 /// Where panels feel an event: without control of the error, and with halvings to make good for what is felt beyond.
 const NEAR: [f64; 2] = [0.75, 0.5];
 /// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones have fewer panels.
@@ -201,7 +201,7 @@ impl Control {
                 (UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
-        let least = change.max(ROUNDING);
+        let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { ROUNDING });
         let lost = |power: f64| h * least.powf(1.0 / power);
         Goal {
             change: change.max(BIAS) * self.size,

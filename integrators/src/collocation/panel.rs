@@ -323,7 +323,7 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
 }
 
 /// An overlap that falls to this share of itself within a panel, with no event near.
-const FADING: f64 = 0.03;
+const FADING: f64 = 0.15;
 /// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.
 pub(crate) const MONOMIAL: usize = 8;
 
