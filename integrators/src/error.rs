@@ -66,4 +66,16 @@ pub enum Error {
         /// That change.
         residual: f64,
     },
+    /// The stages of an implicit step did not settle.
+    #[error(
+        "the stages of the step did not settle at t = {t}: step {h:e}, last change {residual:e}; take a smaller step"
+    )]
+    NotSettled {
+        /// Time.
+        t: f64,
+        /// The step.
+        h: f64,
+        /// The last change of a stage that was a number.
+        residual: f64,
+    },
 }

@@ -7,6 +7,7 @@
 //! | [`system`] | what a method may ask of a problem |
 //! | [`splitting`] | schemes as const data, and one loop that runs them all |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
+//! | [`gauss`] | Gauss collocation of order 2 and 4, exact for quadratic invariants |
 //! | [`events`] | changes of sign: never missed, never twice |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
 //! | [`drive`](mod@drive) | the one loop over time: advance, record, stop |
@@ -18,6 +19,7 @@ pub mod dop853;
 pub mod drive;
 pub mod error;
 pub mod events;
+pub mod gauss;
 pub mod real;
 pub mod regularised;
 pub mod splitting;
@@ -30,6 +32,7 @@ pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
+pub use gauss::Gauss;
 pub use real::{Kernel, Real};
 pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
