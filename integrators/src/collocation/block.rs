@@ -1,6 +1,6 @@
 //! A stretch of neighbouring bonds, solved over one window by one thread.
 //!
-//! A long chain is cut into blocks that fit the cache. A block takes some bonds of its neighbours along and solves for them too, without
+//! A long chain is cut into blocks, so that memory is needed for one a thread only. A block takes some bonds of its neighbours along and solves for them too, without
 //! handing on what it finds: forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
 //! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads.
 
