@@ -28,6 +28,7 @@ pub mod experiments;
 pub mod figures;
 pub mod method;
 pub mod output;
+mod random;
 pub mod report;
 pub mod scene;
 pub mod waves;

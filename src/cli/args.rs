@@ -27,6 +27,8 @@ pub(super) enum Command {
     Drift(DriftArgs),
     /// The modulation equations of small oscillations, and what follows from them.
     Dps(DpsArgs),
+    /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
+    Wave(WaveArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -149,6 +151,39 @@ pub(super) struct DriftArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct WaveArgs {
+    /// Name of a built-in scene, or a TOML file, with an initial state of kind travelling-wave.
+    pub(super) scene: String,
+    /// Perturb real and imaginary part of each amplitude by up to this share of it, from 0 (none) to below 1 [default: the scene's].
+    #[arg(long, value_name = "Z", allow_negative_numbers = true)]
+    pub(super) zeta: Option<f64>,
+    /// Seed of the perturbation [default: the scene's, else 1].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(super) seed: Option<u64>,
+    /// Run this many perturbed waves, from that seed on, on all cores, and give the spread of their growth: from 1 to 10^4 [default: 1].
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    pub(super) seeds: Option<u32>,
+    /// An integrator that takes a tolerance; `hertzchain integrators` lists all.
+    #[arg(long, value_name = "NAME", default_value = "collocation")]
+    pub(super) integrator: String,
+    /// Tolerance. For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    #[arg(long, value_name = "T", default_value_t = 1e-10, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+    /// Samples a period of the wave, from 2 to 1000, for errors in time and their largest value; the end is one of them.
+    #[arg(long, value_name = "M", default_value_t = 20, allow_negative_numbers = true)]
+    pub(super) samples_per_period: u32,
+    /// End time, in units of time [default: the scene's].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) until: Option<f64>,
+    /// Folder for wave.json, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and spread.csv [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the tables.
     #[arg(long)]
     pub(super) json: bool,
 }

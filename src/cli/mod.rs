@@ -9,6 +9,7 @@ mod order;
 mod run;
 mod scaling;
 mod scenes;
+mod wave;
 
 use crate::error::Result;
 use args::{Cli, Command};
@@ -25,6 +26,7 @@ pub fn main() -> ExitCode {
         Command::Scaling(args) => scaling::main(&args),
         Command::Drift(args) => drift::main(&args),
         Command::Dps(args) => dps::main(&args),
+        Command::Wave(args) => wave::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

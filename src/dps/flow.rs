@@ -26,7 +26,7 @@
 //!
 //! The factor of (eq:S1new) is `2 i omega^3`; the paper prints `2 i kappa omega^3`, which agrees at `kappa = 1` only.
 
-use super::Averages;
+use super::{Averages, Values};
 use crate::{
     chain::{Params, Resonators},
     error::{Error, Result},
@@ -76,6 +76,19 @@ pub struct Layout {
 impl Layout {
     fn bonds(&self) -> usize {
         self.sites - usize::from(self.ends == Ends::Free)
+    }
+
+    /// Displacements of all sites, with sum zero, whose strains are given.
+    pub(super) fn stacked(self, strains: &[f64]) -> Vec<f64> {
+        let mut displacements = vec![0.0; self.sites];
+        // A ring's first strain closes it and is not needed.
+        let skip = strains.len() + 1 - displacements.len();
+        for n in 1..displacements.len() {
+            displacements[n] = displacements[n - 1] + strains[n - 1 + skip];
+        }
+        let mean = displacements.iter().sum::<f64>() / displacements.len() as f64;
+        displacements.iter_mut().for_each(|u| *u -= mean);
+        displacements
     }
 
     fn checked(self) -> Result<Self> {
@@ -184,6 +197,42 @@ impl Dps {
         &self.means
     }
 
+    /// The rates `db_n/dtau` of the mean strains at the state `y`, of which `dy` is the slope `dy/dtau`; zeros for DpS.
+    ///
+    /// The constraint, differentiated: `dg/db db_n + dg/dr dr_n = dC`, with `dC = 0` for a given force and `sum db_n = 0` for a given mean strain.
+    ///
+    /// # Panics
+    /// If `y` or `dy` is not of length [`dim`](VectorField::dim).
+    pub fn mean_strain_rates(&mut self, y: &[f64], dy: &[f64]) -> Vec<f64> {
+        self.load(dy);
+        let [re_slope, im_slope] = self.strains.clone();
+        self.load(y);
+        self.close();
+        let Coupling::Generalised { averages, constraint, .. } = &self.coupling else {
+            return vec![0.0; self.radii.len()];
+        };
+        let [re, im] = &self.strains;
+        // Of each bond: its rate at constant force, and db/dC.
+        let bonds: Vec<(f64, f64)> = (0..self.radii.len())
+            .map(|n| {
+                let (r, Values { dg_db, dg_dr, .. }) =
+                    (self.radii[n], averages.values(self.means[n], self.radii[n]));
+                // A contact that never closes has no slopes, and nothing moves it; g is even in r.
+                if dg_db == 0.0 || r == 0.0 {
+                    return (0.0, if dg_db == 0.0 { 0.0 } else { dg_db.recip() });
+                }
+                let r_slope = (re[n] * re_slope[n] + im[n] * im_slope[n]) / r;
+                (-dg_dr * r_slope / dg_db, dg_db.recip())
+            })
+            .collect();
+        let (rate, yielding) = bonds.iter().fold((0.0, 0.0), |(a, b), bond| (a + bond.0, b + bond.1));
+        let force_rate = match constraint {
+            Constraint::MeanStrain(_) if yielding != 0.0 => -rate / yielding,
+            _ => 0.0,
+        };
+        bonds.iter().map(|(own, per_force)| own + force_rate * per_force).collect()
+    }
+
     /// The energy `H` at the state `y`, conserved.
     ///
     /// With a given force it is counted from the chain at rest: `(alpha+1) E = 2 kappa r (r h) + alpha C (b + C^{1/alpha})`; with a given mean strain
@@ -236,15 +285,7 @@ impl Dps {
             if self.layout.ends == Ends::Ring && sum.abs() > 1e-12 * size {
                 return Err(Error::parameter("sum D", sum, "the strains of a ring of displacements have sum zero"));
             }
-            let mut a = vec![0.0; self.layout.sites];
-            // A ring's first strain closes it and is not needed.
-            let skip = part.len() + 1 - a.len();
-            for n in 1..a.len() {
-                a[n] = a[n - 1] + part[n - 1 + skip];
-            }
-            let mean = a.iter().sum::<f64>() / a.len() as f64;
-            a.iter_mut().for_each(|a| *a -= mean);
-            norm += square(&a);
+            norm += square(&self.layout.stacked(part));
         }
         Ok(norm)
     }

@@ -1,8 +1,10 @@
-//! The modulation (DpS) equations of small oscillations: the averages that couple amplitudes `A_n` and mean strains `B_n`, and their flows.
+//! The modulation (DpS) equations of small oscillations: the averages that couple amplitudes `A_n` and mean strains `B_n`, their flows, and the way to the chain and back.
 
+mod ansatz;
 mod flow;
 mod hypergeometric;
 mod integrals;
 
+pub use ansatz::{Ansatz, Envelope, project};
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
 pub use integrals::{Averages, Values};

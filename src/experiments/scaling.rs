@@ -8,6 +8,7 @@ use super::compare::time;
 use crate::{
     error::{Error, Result},
     method::{Contacts, Method, Setting},
+    random::uniform,
     scene::{Initial, Scene, SceneFile},
 };
 use hertzchain_integrators::Stats;
@@ -225,7 +226,7 @@ fn perturbed(sites: usize, seed: u64) -> Result<Scene> {
     let mut file = SceneFile::parse(&Scene::source(SCENE)?, SCENE)?;
     file.chain.sites = sites;
     let wave = Scene::build(file.clone())?;
-    let mut random = random(seed);
+    let mut random = uniform(seed);
     let mut arrays = wave.initial().as_slice().chunks(sites).map(|array| shaken(array, &mut random));
     let mut next = || arrays.next().unwrap_or_default();
     file.initial = Initial::State { u: next(), v: next(), u_dot: next(), v_dot: next() };
@@ -237,16 +238,6 @@ fn shaken(array: &[f64], random: &mut impl FnMut() -> f64) -> Vec<f64> {
     let shifts: Vec<f64> = array.iter().map(|_| size * random()).collect();
     let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
     array.iter().zip(shifts).map(|(value, shift)| value + (shift - mean)).collect()
-}
-
-/// Numbers in (-1, 1) that look random: splitmix64.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod order;
 mod run;
 mod scaling;
 mod table;
+mod wave;
 
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
@@ -17,6 +18,7 @@ pub use order::{order_csv, order_json, order_table};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
 pub use table::table;
+pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table};
 
 #[cfg(feature = "plot")]
 pub use compare::comparison_png;

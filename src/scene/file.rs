@@ -73,6 +73,12 @@ pub enum Initial {
         /// Frequency above `omega`.
         #[serde(skip_serializing_if = "Option::is_none")]
         detuning: Option<f64>,
+        /// Largest relative perturbation of the amplitudes (eq:dA0_ptb), from 0 (none, as if left out) to below 1.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        zeta: Option<f64>,
+        /// Seed of the perturbation (1 if left out).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        seed: Option<u64>,
     },
     /// Everything at rest but one bead.
     SingleBead {

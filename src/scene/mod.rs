@@ -9,7 +9,7 @@ use crate::{
     breathers::TrivialBreather,
     chain::{Boundary, Chain, Resonators, Site, State},
     error::{Error, Result},
-    waves::{Shape, Size, TravellingWave},
+    waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use builtin::BUILTIN;
 use std::{f64::consts::PI, path::Path};
@@ -19,11 +19,18 @@ const MOST_SITES: usize = 100_000_000;
 /// More samples than a figure can show or a file should hold.
 const MOST_SAMPLES: usize = 1_000_000;
 
+/// Seed of a perturbation that has none of its own.
+const DEFAULT_SEED: u64 = 1;
+const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
+const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
+
 /// Theory that a scene can be held against.
 #[derive(Clone, Debug)]
 pub enum Theory {
     /// The first-order wave (eq:xytw_app).
     Wave(TravellingWave),
+    /// The same, perturbed (eq:dA0_ptb): its ansatz (eq:xy_app) takes a run of the modulation equations.
+    PerturbedWave(PerturbedWave),
     /// The exact solution (uncpl).
     Breather(TrivialBreather),
 }
@@ -88,6 +95,7 @@ impl Scene {
         let (initial, theory) = initial_state(&chain, &file.initial)?;
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
+            Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
             _ if chain.params().resonators() != Resonators::None => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
@@ -118,6 +126,31 @@ impl Scene {
         self.end = end;
         (self.file.span.periods, self.file.span.until) = (None, Some(end));
         Ok(self)
+    }
+
+    /// The same wave with another perturbation of its amplitudes; `zeta = 0`: none. The seed is 1 if left out.
+    ///
+    /// # Errors
+    /// A scene that is no travelling wave; `zeta` outside `[0, 1)`; a seed without perturbation.
+    pub fn perturbed(&self, zeta: f64, seed: Option<u64>) -> Result<Self> {
+        let mut file = self.file.clone();
+        let Initial::TravellingWave { zeta: own_zeta, seed: own_seed, .. } = &mut file.initial else {
+            return Err(Error::parameter("scene", self.name(), NO_WAVE));
+        };
+        (*own_zeta, *own_seed) = (Some(zeta), seed);
+        Self::build(file)
+    }
+
+    /// The wave of a scene, without its perturbation.
+    ///
+    /// # Errors
+    /// A scene that is no travelling wave.
+    pub fn wave(&self) -> Result<&TravellingWave> {
+        match &self.theory {
+            Some(Theory::Wave(wave)) => Ok(wave),
+            Some(Theory::PerturbedWave(perturbed)) => Ok(perturbed.wave()),
+            _ => Err(Error::parameter("scene", self.name(), NO_WAVE)),
+        }
     }
 
     /// Short name.
@@ -160,6 +193,7 @@ impl Scene {
     pub fn amplitude(&self) -> Option<f64> {
         match &self.theory {
             Some(Theory::Wave(wave)) => Some(wave.amplitude()),
+            Some(Theory::PerturbedWave(perturbed)) => Some(perturbed.wave().amplitude()),
             _ => None,
         }
     }
@@ -213,6 +247,13 @@ impl Scene {
             Some(Theory::Wave(wave)) => {
                 format!("theory: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw())
             }
+            Some(Theory::PerturbedWave(perturbed)) => format!(
+                "theory: travelling wave, epsilon = {}, omega_tw = {}, perturbed by zeta = {}, seed {}; `wave` holds it against its ansatz",
+                perturbed.wave().epsilon(),
+                perturbed.wave().omega_tw(),
+                perturbed.zeta(),
+                perturbed.seed()
+            ),
             Some(Theory::Breather(_)) => "theory: exact solution, the reference of `compare`".to_owned(),
             None => "theory: none".to_owned(),
         };
@@ -234,7 +275,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
     let n = chain.sites();
     let rest = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
     match *initial {
-        Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning } => {
+        Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
             if chain.boundary() != Boundary::StrainRing {
                 let rule = "a travelling wave lives on a strain-ring";
                 return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
@@ -256,7 +297,16 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
                 }
             };
             let wave = TravellingWave::new(chain.params(), Shape { q: q_over_pi * PI, a, b, phi }, size)?;
-            Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave))))
+            let zeta = zeta.unwrap_or(0.0);
+            if zeta == 0.0 {
+                return match seed {
+                    Some(seed) => Err(Error::parameter("seed", seed, NOTHING_DRAWN)),
+                    None => Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
+                };
+            }
+            let perturbed = PerturbedWave::new(wave, n, zeta, seed.unwrap_or(DEFAULT_SEED))?;
+            let sites = perturbed.initial(perturbed.constraint())?;
+            Ok((State::from_fn(chain, |i| sites[i])?, Some(Theory::PerturbedWave(perturbed))))
         }
         Initial::SingleBead { site, displacement, velocity } => {
             if site >= n {

@@ -6,11 +6,16 @@
 //! | `epsilon` | amplitude of the strain: `x_n` swings by `2 kappa epsilon a` about `epsilon b` |
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
+mod perturbed;
+
+pub use perturbed::PerturbedWave;
+
 use crate::{
     chain::{Params, Resonators, Site, max_norm},
     dps::Averages,
     error::{Error, Result},
 };
+use std::f64::consts::PI;
 
 /// A wave `x_n = epsilon b + 2 kappa epsilon a cos(n q - omega_tw t + phi)` (eq:xytw_app).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +75,9 @@ impl TravellingWave {
                 return Err(Error::parameter(name, value, "a finite number"));
             }
         }
+        if q.abs() > PI {
+            return Err(Error::parameter("q", q, "the wave number is from -pi to pi: a lattice knows no other"));
+        }
         if !(a.is_finite() && a > 0.0) {
             return Err(Error::parameter("a", a, "the amplitude is finite and positive"));
         }
@@ -95,6 +103,22 @@ impl TravellingWave {
             return Err(Error::parameter("epsilon", epsilon, "the size of the wave is a normal number"));
         }
         Ok(Self { params, q, a, b, phi, epsilon, omega_tw: omega + detuning })
+    }
+
+    /// Exponent, spring constant and mass ratio of the chain.
+    pub fn params(&self) -> Params {
+        self.params
+    }
+
+    /// The shape.
+    pub fn shape(&self) -> Shape {
+        let &Self { q, a, b, phi, .. } = self;
+        Shape { q, a, b, phi }
+    }
+
+    /// The slow time `epsilon^{alpha-1} t`.
+    pub fn slow_time(&self, t: f64) -> f64 {
+        self.epsilon.powf(self.params.alpha - 1.0) * t
     }
 
     /// `epsilon`.
@@ -133,7 +157,6 @@ impl TravellingWave {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     fn wave(rho: f64, q_over_pi: f64, size: Size) -> TravellingWave {
         let params = Params::new(1.5, 1.0, rho).unwrap();

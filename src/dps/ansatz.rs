@@ -1,0 +1,177 @@
+//! From the envelope to the chain and back.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `epsilon` | size of the oscillations |
+//! | `tau` | slow time `epsilon^{alpha-1} t` |
+//! | `Z_n, M_n` | `delta^- A_n, delta^- B_n` in the strain form; `A_n, B_n` in the displacement form |
+//! | `T` | `2 pi / omega`, the period of the linear oscillation |
+//!
+//! # Envelope to chain
+//!
+//! (eq:xy_app) and its exact derivative in `t` (eq:xy_v_app), in which "c.c." belongs to the terms with `Z` only:
+//!
+//! ```text
+//! x_n = epsilon (M_n + kappa (Z_n e^{i omega t} + c.c.)),    y_n = epsilon (M_n - kappa/rho (Z_n e^{i omega t} + c.c.))
+//! ```
+//!
+//! `dZ/dtau` is the flow itself; `dM/dtau` follows from the constraint on the `b_n`, differentiated ([`Dps::mean_strain_rates`]).
+//!
+//! # Chain to envelope
+//!
+//! The ansatz has two combinations of `x` and `y` that keep `Z` and `M` apart: `x - y = epsilon omega^2 (Z e^{i omega t} + c.c.)`, and
+//! `(x + rho y) / (1 + rho) = epsilon M`. [`project`] takes the first against `e^{-i omega t}` and the second against 1, over a period, and takes
+//! the mean of that over all periods that contain the time: in sum a weight that is a triangle over two periods. Its transform has a double zero
+//! at each harmonic, so that slopes of the envelope leave no trace; curvature does, `epsilon^{2 (alpha-1)} T^2/12 d^2 Z/dtau^2`. So it inverts the
+//! ansatz to the order `epsilon^{2 (alpha-1)}`. What a *chain* does is the ansatz to the order `epsilon^{alpha-1}` only, which bounds how well its envelope
+//! is defined at all.
+
+use super::{Constraint, Dps, Ends, Form, Layout};
+use crate::{
+    chain::{Params, Resonators, Site},
+    error::{Error, Result},
+};
+use hertzchain_integrators::VectorField;
+use std::f64::consts::PI;
+
+/// The chain state that an envelope stands for, to first order in its size.
+///
+/// ```
+/// use hertzchain::{chain::Params, dps::{Ansatz, Constraint, Ends, Form, Layout}};
+/// let layout = Layout { sites: 2, ends: Ends::Ring, form: Form::Strains };
+/// let mut ansatz = Ansatz::generalised(Params::new(1.5, 1.0, 1.0)?, Constraint::MeanStrain(0.5), layout, 0.01)?;
+/// // D = (1, -1): x = epsilon (1/2 +- 2), y = epsilon (1/2 -+ 2).
+/// let sites = ansatz.sites(0.0, &[1.0, -1.0, 0.0, 0.0]);
+/// assert!((sites[0].u - 0.025).abs() < 1e-15 && (sites[0].v + 0.015).abs() < 1e-15);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+pub struct Ansatz {
+    params: Params,
+    layout: Layout,
+    epsilon: f64,
+    dps: Dps,
+}
+
+impl Ansatz {
+    /// The ansatz whose envelope obeys the generalised DpS equations (eq:xy_app).
+    ///
+    /// # Errors
+    /// As [`Dps::generalised`]; `epsilon` not finite and positive; displacements of a ring with mean strains whose sum is not held at zero.
+    pub fn generalised(params: Params, constraint: Constraint, layout: Layout, epsilon: f64) -> Result<Self> {
+        if layout.form == Form::Displacements && layout.ends == Ends::Ring && constraint != Constraint::MeanStrain(0.0) {
+            let rule = "displacements of a ring have strains with sum zero: give the mean strain 0";
+            return Err(Error::parameter("constraint", format!("{constraint:?}"), rule));
+        }
+        Self::new(params, layout, epsilon, Dps::generalised(params, constraint, layout)?)
+    }
+
+    /// The ansatz of Newton's cradle, whose envelope obeys the DpS equation: `u_n = epsilon kappa (A_n e^{i omega t} + c.c.)`, `omega = sqrt(kappa)`
+    /// (eq:approx_zn), resonators at rest.
+    ///
+    /// # Errors
+    /// As [`Dps::plain`]; `epsilon` not finite and positive.
+    pub fn plain(alpha: f64, kappa: f64, layout: Layout, epsilon: f64) -> Result<Self> {
+        Self::new(Params::new(alpha, kappa, f64::INFINITY)?, layout, epsilon, Dps::plain(alpha, kappa, layout)?)
+    }
+
+    fn new(params: Params, layout: Layout, epsilon: f64, dps: Dps) -> Result<Self> {
+        if !(epsilon.is_finite() && epsilon > 0.0) {
+            return Err(Error::parameter("epsilon", epsilon, "the size of the oscillations is finite and positive"));
+        }
+        Ok(Self { params, layout, epsilon, dps })
+    }
+
+    /// The slow time `tau = epsilon^{alpha-1} t`.
+    pub fn slow_time(&self, t: f64) -> f64 {
+        self.slowness() * t
+    }
+
+    fn slowness(&self) -> f64 {
+        self.epsilon.powf(self.params.alpha - 1.0)
+    }
+
+    /// The state of the chain at time `t` (eq:xy_app), (eq:xy_v_app), from the state `z` of the flow at [`slow_time`](Self::slow_time)`(t)`.
+    ///
+    /// Strains `x, y` in the strain form; displacements otherwise, those of the `B_n` with sum zero.
+    ///
+    /// # Panics
+    /// If `z` is not of the length of the flow's state.
+    pub fn sites(&mut self, t: f64, z: &[f64]) -> Vec<Site<f64>> {
+        let mut dz = vec![0.0; self.dps.dim()];
+        self.dps.eval(0.0, z, &mut dz);
+        let rates = self.dps.mean_strain_rates(z, &dz);
+        let strains = self.dps.mean_strains(z).to_vec();
+        let (means, rates) = match self.layout.form {
+            Form::Strains => (strains, rates),
+            Form::Displacements => (self.layout.stacked(&strains), self.layout.stacked(&rates)),
+        };
+        let (Params { kappa, rho, .. }, omega) = (self.params, self.params.omega());
+        let (epsilon, slowness, count) = (self.epsilon, self.slowness(), means.len());
+        let (sin, cos) = (omega * t).sin_cos();
+        let site = |n: usize| {
+            let (re, im, re_slope, im_slope) = (z[n], z[count + n], slowness * dz[n], slowness * dz[count + n]);
+            let swing = 2.0 * kappa * epsilon * (re * cos - im * sin);
+            let rate = 2.0 * kappa * epsilon * ((re_slope - omega * im) * cos - (im_slope + omega * re) * sin);
+            let (mean, mean_rate) = (epsilon * means[n], epsilon * slowness * rates[n]);
+            Site {
+                u: mean + swing,
+                v: mean - swing / rho,
+                u_dot: mean_rate + rate,
+                v_dot: mean_rate - rate / rho,
+            }
+        };
+        (0..count).map(site).collect()
+    }
+}
+
+/// What [`project`] finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Envelope {
+    /// `Z_n`: real parts, then imaginary parts, as the state of [`Dps`].
+    pub amplitudes: Vec<f64>,
+    /// `M_n`.
+    pub means: Vec<f64>,
+}
+
+/// Samples a period: forces have `alpha` derivatives and positions two more, so harmonics from the 63rd on, which samples cannot tell from the
+/// first, are below 1e-8 for spheres.
+const SAMPLES: i32 = 64;
+
+/// The envelope at time `t` of a motion of a chain with moving resonators, from its states between `t - T` and `t + T`, `T = 2 pi/omega`.
+///
+/// `state` is asked for the states at increasing times, in the layout of the chain: `[u, v, ..]`.
+///
+/// # Errors
+/// No moving resonators; `epsilon` not finite and positive; what `state` says.
+///
+/// # Panics
+/// If states have different lengths.
+pub fn project(params: Params, epsilon: f64, t: f64, mut state: impl FnMut(f64) -> Result<Vec<f64>>) -> Result<Envelope> {
+    params.validate()?;
+    if params.resonators() != Resonators::Moving {
+        return Err(Error::parameter("rho", params.rho, "an envelope needs resonators: 0 < rho < inf, kappa > 0"));
+    }
+    if !(epsilon.is_finite() && epsilon > 0.0) {
+        return Err(Error::parameter("epsilon", epsilon, "the size of the oscillations is finite and positive"));
+    }
+    let (omega, rho) = (params.omega(), params.rho);
+    let mut envelope = Envelope { amplitudes: Vec::new(), means: Vec::new() };
+    for j in 1 - SAMPLES..SAMPLES {
+        let share = f64::from(j) / f64::from(SAMPLES);
+        let weight = (1.0 - share.abs()) / f64::from(SAMPLES) / epsilon;
+        let now = t + 2.0 * PI / omega * share;
+        let y = state(now)?;
+        let sites = y.len() / 4;
+        envelope.amplitudes.resize(2 * sites, 0.0);
+        envelope.means.resize(sites, 0.0);
+        let (sin, cos) = (omega * now).sin_cos();
+        for n in 0..sites {
+            let (u, v) = (y[n], y[sites + n]);
+            let optical = weight * (u - v) / (omega * omega);
+            envelope.amplitudes[n] += optical * cos;
+            envelope.amplitudes[sites + n] -= optical * sin;
+            envelope.means[n] += weight * (u + rho * v) / (1.0 + rho);
+        }
+    }
+    Ok(envelope)
+}

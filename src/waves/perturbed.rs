@@ -1,0 +1,116 @@
+//! Perturbed travelling waves (eq:dA0_ptb): every amplitude of the envelope is drawn anew about that of the wave.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `D_n` | `delta^- A_n`, complex amplitude of strain `n` |
+//! | `b_n` | `delta^- B_n`, its mean |
+//! | `zeta` | largest relative change of real and imaginary part of `D_n` |
+//! | `C` | mean force `g_alpha(b, a)` of the wave, and of every bond of the perturbed one (eq:g_alpha) |
+//!
+//! The initial state of the chain is (eq:xy_app), (eq:xy_v_app) at `t = 0`; at later times the ansatz follows the flow (eq:S1newS).
+//!
+//! # Which mean strains
+//!
+//! The paper holds `C` constant. A ring conserves the mean of `x_n' + rho y_n'` instead, so that the mean of `(x_n + rho y_n) / (1 + rho)`, to leading order that
+//! of `epsilon b_n`, moves at the constant speed that it starts with. With constant `C` the mean of the `b_n` follows that of the `r_n`, which the
+//! perturbation moves at second order in `zeta`.
+
+use super::TravellingWave;
+use crate::{
+    chain::Site,
+    dps::{Ansatz, Averages, Constraint, Dps, Ends, Form, Layout},
+    error::{Error, Result},
+    random::uniform,
+};
+
+/// A travelling wave and one draw of its perturbation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PerturbedWave {
+    wave: TravellingWave,
+    zeta: f64,
+    seed: u64,
+    sites: usize,
+    force: f64,
+    amplitudes: Vec<f64>,
+}
+
+impl PerturbedWave {
+    /// The wave on a ring of so many sites, with `D_n(0) = a [(1 + zeta_n^(1)) cos(nq + phi) - i (1 + zeta_n^(2)) sin(nq + phi)]` (eq:dA0_ptb): all `zeta_n`
+    /// are independent, uniform in `(-zeta, zeta)`, and follow from the seed.
+    ///
+    /// # Errors
+    /// `zeta` outside `(0, 1)`, fewer than two sites, a mean force that underflows.
+    pub fn new(wave: TravellingWave, sites: usize, zeta: f64, seed: u64) -> Result<Self> {
+        if !(zeta > 0.0 && zeta < 1.0) {
+            return Err(Error::parameter("zeta", zeta, "the relative size of a perturbation is above 0 and below 1"));
+        }
+        if sites < 2 {
+            return Err(Error::parameter("sites", sites, "a perturbed ring has at least two sites"));
+        }
+        let force = Averages::new(wave.params.alpha, wave.params.kappa)?.g(wave.b, wave.a);
+        if !force.is_normal() {
+            return Err(Error::parameter("C", force, "the mean force g_alpha(b, a) is a normal number"));
+        }
+        let mut random = uniform(seed);
+        let mut amplitudes = vec![0.0; 2 * sites];
+        for n in 0..sites {
+            let (sin, cos) = (n as f64 * wave.q + wave.phi).sin_cos();
+            amplitudes[n] = wave.a * (1.0 + zeta * random()) * cos;
+            amplitudes[sites + n] = -wave.a * (1.0 + zeta * random()) * sin;
+        }
+        Ok(Self { wave, zeta, seed, sites, force, amplitudes })
+    }
+
+    /// The wave without perturbation.
+    pub fn wave(&self) -> &TravellingWave {
+        &self.wave
+    }
+
+    /// `zeta`.
+    pub fn zeta(&self) -> f64 {
+        self.zeta
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// `D_n(0)`, the state of the flow at `tau = 0`: real parts, then imaginary parts.
+    pub fn amplitudes(&self) -> &[f64] {
+        &self.amplitudes
+    }
+
+    /// The paper's constraint (eq:g_alpha): the mean force is `C = g_alpha(b, a)` for all time.
+    pub fn constraint(&self) -> Constraint {
+        Constraint::Force(self.force)
+    }
+
+    /// The flow of the `D_n` (eq:S1newS) under a constraint.
+    ///
+    /// # Errors
+    /// As [`Dps::generalised`].
+    pub fn flow(&self, constraint: Constraint) -> Result<Dps> {
+        Dps::generalised(self.wave.params, constraint, self.layout())
+    }
+
+    /// The way from the `D_n` to the chain (eq:xy_app).
+    ///
+    /// # Errors
+    /// As [`Ansatz::generalised`].
+    pub fn ansatz(&self, constraint: Constraint) -> Result<Ansatz> {
+        Ansatz::generalised(self.wave.params, constraint, self.layout(), self.wave.epsilon)
+    }
+
+    /// The strains and their rates at `t = 0`.
+    ///
+    /// # Errors
+    /// As [`ansatz`](Self::ansatz).
+    pub fn initial(&self, constraint: Constraint) -> Result<Vec<Site<f64>>> {
+        Ok(self.ansatz(constraint)?.sites(0.0, &self.amplitudes))
+    }
+
+    fn layout(&self) -> Layout {
+        Layout { sites: self.sites, ends: Ends::Ring, form: Form::Strains }
+    }
+}
