@@ -175,7 +175,7 @@ pub(super) struct WaveArgs {
     #[arg(long, value_name = "T", default_value_t = 1e-10, allow_negative_numbers = true)]
     pub(super) tol: f64,
     /// Samples a period of the wave, from 2 to 1000, for errors in time and their largest value; the end is one of them.
-    #[arg(long, value_name = "M", default_value_t = 20, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", default_value_t = 50, allow_negative_numbers = true)]
     pub(super) samples_per_period: u32,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]

@@ -46,7 +46,9 @@ fn scene(args: &WaveArgs) -> Result<Scene> {
         _ => (0.0, None),
     };
     match (args.zeta, args.seed) {
-        (Some(0.0), Some(seed)) => Err(Error::parameter("seed", seed, "a seed needs a perturbation: give zeta above 0")),
+        (Some(0.0), Some(seed)) => {
+            Err(Error::parameter("seed", seed, "a seed needs a perturbation: give zeta above 0"))
+        }
         (Some(0.0), None) => scene.perturbed(0.0, None),
         (zeta_given, seed_given) => scene.perturbed(zeta_given.unwrap_or(zeta), seed_given.or(seed)),
     }

@@ -17,13 +17,17 @@
 //!
 //! `dZ/dtau` is the flow itself; `dM/dtau` follows from the constraint on the `b_n`, differentiated ([`Dps::mean_strain_rates`]).
 //!
+//! A chain that starts from it departs by `epsilon^{alpha-1}`, relative to the oscillation, up to a fixed `t`, but by `epsilon^{(alpha-1)/2}` up to a fixed
+//! `tau`: in the next order the mean strains have a velocity of `epsilon^{alpha-1}`, and without it they swing about the constraint at a frequency like
+//! `epsilon^{(alpha-1)/2}`. With resonators `rho` times heavier these swings are `rho` times larger relative to `y`.
+//!
 //! # Chain to envelope
 //!
 //! The ansatz has two combinations of `x` and `y` that keep `Z` and `M` apart: `x - y = epsilon omega^2 (Z e^{i omega t} + c.c.)`, and
 //! `(x + rho y) / (1 + rho) = epsilon M`. [`project`] takes the first against `e^{-i omega t}` and the second against 1, over a period, and takes
 //! the mean of that over all periods that contain the time: in sum a weight that is a triangle over two periods. Its transform has a double zero
-//! at each harmonic, so that slopes of the envelope leave no trace; curvature does, `epsilon^{2 (alpha-1)} T^2/12 d^2 Z/dtau^2`. So it inverts the
-//! ansatz to the order `epsilon^{2 (alpha-1)}`. What a *chain* does is the ansatz to the order `epsilon^{alpha-1}` only, which bounds how well its envelope
+//! at each harmonic, so that slopes of the envelope leave no trace; curvature does, `epsilon^{2 (alpha-1)} T^2/12` of `d^2/dtau^2` of `M`, and of
+//! `Z - 3/(4 pi^2) conj(Z) e^{-2 i omega t}`. So it inverts the ansatz to the order `epsilon^{2 (alpha-1)}`. What a *chain* does is the ansatz to the order `epsilon^{alpha-1}` only, which bounds how well its envelope
 //! is defined at all.
 
 use super::{Constraint, Dps, Ends, Form, Layout};
@@ -58,7 +62,8 @@ impl Ansatz {
     /// # Errors
     /// As [`Dps::generalised`]; `epsilon` not finite and positive; displacements of a ring with mean strains whose sum is not held at zero.
     pub fn generalised(params: Params, constraint: Constraint, layout: Layout, epsilon: f64) -> Result<Self> {
-        if layout.form == Form::Displacements && layout.ends == Ends::Ring && constraint != Constraint::MeanStrain(0.0) {
+        if layout.form == Form::Displacements && layout.ends == Ends::Ring && constraint != Constraint::MeanStrain(0.0)
+        {
             let rule = "displacements of a ring have strains with sum zero: give the mean strain 0";
             return Err(Error::parameter("constraint", format!("{constraint:?}"), rule));
         }
@@ -113,12 +118,7 @@ impl Ansatz {
             let swing = 2.0 * kappa * epsilon * (re * cos - im * sin);
             let rate = 2.0 * kappa * epsilon * ((re_slope - omega * im) * cos - (im_slope + omega * re) * sin);
             let (mean, mean_rate) = (epsilon * means[n], epsilon * slowness * rates[n]);
-            Site {
-                u: mean + swing,
-                v: mean - swing / rho,
-                u_dot: mean_rate + rate,
-                v_dot: mean_rate - rate / rho,
-            }
+            Site { u: mean + swing, v: mean - swing / rho, u_dot: mean_rate + rate, v_dot: mean_rate - rate / rho }
         };
         (0..count).map(site).collect()
     }
@@ -146,7 +146,12 @@ const SAMPLES: i32 = 64;
 ///
 /// # Panics
 /// If states have different lengths.
-pub fn project(params: Params, epsilon: f64, t: f64, mut state: impl FnMut(f64) -> Result<Vec<f64>>) -> Result<Envelope> {
+pub fn project(
+    params: Params,
+    epsilon: f64,
+    t: f64,
+    mut state: impl FnMut(f64) -> Result<Vec<f64>>,
+) -> Result<Envelope> {
     params.validate()?;
     if params.resonators() != Resonators::Moving {
         return Err(Error::parameter("rho", params.rho, "an envelope needs resonators: 0 < rho < inf, kappa > 0"));

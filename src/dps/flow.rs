@@ -215,8 +215,7 @@ impl Dps {
         // Of each bond: its rate at constant force, and db/dC.
         let bonds: Vec<(f64, f64)> = (0..self.radii.len())
             .map(|n| {
-                let (r, Values { dg_db, dg_dr, .. }) =
-                    (self.radii[n], averages.values(self.means[n], self.radii[n]));
+                let (r, Values { dg_db, dg_dr, .. }) = (self.radii[n], averages.values(self.means[n], self.radii[n]));
                 // A contact that never closes has no slopes, and nothing moves it; g is even in r.
                 if dg_db == 0.0 || r == 0.0 {
                     return (0.0, if dg_db == 0.0 { 0.0 } else { dg_db.recip() });

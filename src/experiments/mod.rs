@@ -12,9 +12,7 @@ pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
-pub use wave::{
-    Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave,
-};
+pub use wave::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave};
 
 /// Least-squares slope, and the largest residual.
 fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {

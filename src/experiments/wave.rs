@@ -38,7 +38,8 @@ pub struct WaveOptions {
     pub method: Method,
     /// Its tolerance.
     pub tolerance: f64,
-    /// Samples a period of the wave, from 2 to 1000.
+    /// Samples a period of the wave, from 2 to 1000. Largest values are of these samples: with 50, in the runs of the paper, at most 0.1 % below those
+    /// with 400.
     pub samples_per_period: u32,
     /// Members of the ensemble of a perturbed wave, from 1 to 10^4: the seed of the scene and those after it.
     pub seeds: Option<u32>,
@@ -205,7 +206,11 @@ pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) +
             perturbed = perturbed.or(own);
         }
         ensemble = Some(Ensemble {
-            members: seeds.iter().zip(&all).map(|(&seed, errors)| member(seed, &times, scene.period(), errors)).collect(),
+            members: seeds
+                .iter()
+                .zip(&all)
+                .map(|(&seed, errors)| member(seed, &times, scene.period(), errors))
+                .collect(),
             difference_x: spreads(all.iter().map(|errors| &errors.x[..])),
             difference_y: spreads(all.iter().map(|errors| &errors.y[..])),
         });
@@ -262,7 +267,9 @@ fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64
             };
             Ok((first..=last).collect())
         }
-        (_, Some(count)) => Err(Error::parameter("seeds", count, "an ensemble needs a perturbation: give zeta above 0")),
+        (_, Some(count)) => {
+            Err(Error::parameter("seeds", count, "an ensemble needs a perturbation: give zeta above 0"))
+        }
         _ => Ok(Vec::new()),
     }
 }

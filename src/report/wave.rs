@@ -212,8 +212,7 @@ fn spread_csv(study: &WaveStudy, ensemble: &Ensemble) -> Vec<u8> {
     };
     let rows = study.t.iter().zip(ensemble.difference_x.iter().zip(&ensemble.difference_y));
     let rows = rows.map(|(&t, (x, y))| [t].into_iter().chain(numbers(x)).chain(numbers(y)).collect());
-    let names = [
-        "t", "x_low", "x_lower", "x_median", "x_upper", "x_high", "y_low", "y_lower", "y_median", "y_upper", "y_high",
-    ];
+    let names =
+        ["t", "x_low", "x_lower", "x_median", "x_upper", "x_high", "y_low", "y_lower", "y_median", "y_upper", "y_high"];
     csv(&names, rows)
 }
