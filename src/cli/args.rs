@@ -198,6 +198,8 @@ pub(super) struct DpsArgs {
 pub(super) enum DpsAction {
     /// The averaged contact force g_alpha(b, r), its harmonic h_alpha(b, r), and their derivatives.
     Integrals(IntegralsArgs),
+    /// Which modulations of a travelling wave grow and how fast: in closed form, and measured on the full chain.
+    Stability(StabilityArgs),
 }
 
 #[derive(Args)]
@@ -214,6 +216,52 @@ pub(super) struct IntegralsArgs {
     /// Amplitude, at least zero.
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub(super) r: f64,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct StabilityArgs {
+    /// A travelling-wave scene, by name or as a TOML file, to take everything below from.
+    #[arg(conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"])]
+    pub(super) scene: Option<String>,
+    /// Exponent of the contact force, above 0 and at most 10.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Spring constant of the resonators, positive; dimensionless, like all below.
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) kappa: f64,
+    /// Mass ratio, positive; inf for the DpS equation of Newton's cradle, with --b 0.
+    #[arg(long, value_name = "R", default_value_t = 1.0 / 3.0, allow_negative_numbers = true)]
+    pub(super) rho: f64,
+    /// Amplitude of the wave, positive.
+    #[arg(long, value_name = "A", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) a: f64,
+    /// Mean strain of the wave, below 2 kappa a.
+    #[arg(long, value_name = "B", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) b: f64,
+    /// Wave number over pi, with a whole number of waves on the ring.
+    #[arg(long, value_name = "Q", default_value_t = 0.2, allow_negative_numbers = true)]
+    pub(super) q_over_pi: f64,
+    /// Sizes of the wave, separated by commas: rates per unit of time are those of the first, growth is measured at each.
+    #[arg(long, value_name = "E,F,..", value_delimiter = ',', default_values_t = [0.01], allow_negative_numbers = true)]
+    pub(super) epsilon: Vec<f64>,
+    /// Sites of the ring, from 2 to 10^4; to be measured at most 1000.
+    #[arg(long, value_name = "N", default_value_t = 50, allow_negative_numbers = true)]
+    pub(super) sites: usize,
+    /// Measure the growth on the full chain as well.
+    #[arg(long)]
+    pub(super) measure: bool,
+    /// Wave numbers that are measured, spread over those of the ring; the fastest comes on top.
+    #[arg(long, value_name = "M", default_value_t = 12, requires = "measure", allow_negative_numbers = true)]
+    pub(super) modes: usize,
+    /// Chart the fastest growth over q and b as well.
+    #[arg(long)]
+    pub(super) chart: bool,
+    /// Folder for stability.csv, stability.json and dps-growth.png, with --measure measured.csv, with --chart chart.csv [default: none].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.
     #[arg(long)]
     pub(super) json: bool,

@@ -2,15 +2,25 @@
 
 use super::{
     Exit,
-    args::{DpsAction, DpsArgs, IntegralsArgs},
-    print,
+    args::{DpsAction, DpsArgs, IntegralsArgs, StabilityArgs},
+    print, progress_bar,
 };
-use crate::{dps::Averages, report};
-use std::process::ExitCode;
+use crate::{
+    chain::Params,
+    dps::Averages,
+    error::{Error, Result},
+    experiments::{StabilityOptions, stability},
+    output::Folder,
+    report,
+    scene::{Scene, Theory},
+    waves::Shape,
+};
+use std::{f64::consts::PI, process::ExitCode};
 
 pub(super) fn main(args: &DpsArgs) -> Exit {
     match &args.action {
         DpsAction::Integrals(args) => integrals(args),
+        DpsAction::Stability(args) => wave_stability(args),
     }
 }
 
@@ -18,4 +28,49 @@ fn integrals(args: &IntegralsArgs) -> Exit {
     let values = Averages::new(args.alpha, args.kappa)?.checked(args.b, args.r)?;
     print(&if args.json { report::averages_json(&values) + "\n" } else { report::averages_table(&values) });
     Ok(ExitCode::SUCCESS)
+}
+
+fn wave_stability(args: &StabilityArgs) -> Exit {
+    let options = options(args)?;
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let bar = progress_bar();
+    let study = stability(&options, &|share, what| {
+        bar.set_position((1000.0 * share.min(1.0)) as u64);
+        bar.set_message(what.to_owned());
+    });
+    bar.finish_and_clear();
+    let study = study?;
+    let json = report::stability_json(&study);
+    print(&if args.json { json.clone() + "\n" } else { report::stability_table(&study) });
+    if let Some(folder) = folder {
+        folder.write("stability.csv", &report::stability_csv(&study))?;
+        folder.write("stability.json", json.as_bytes())?;
+        if args.measure {
+            folder.write("measured.csv", &report::measured_growth_csv(&study))?;
+        }
+        if let Some(chart) = &study.chart {
+            folder.write("chart.csv", &report::stability_chart_csv(chart))?;
+        }
+        #[cfg(feature = "plot")]
+        folder.write("dps-growth.png", &report::stability_png(&study)?)?;
+        eprintln!("written to {}", folder.path().display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The wave of a scene, or that of the flags.
+fn options(args: &StabilityArgs) -> Result<StabilityOptions> {
+    let &StabilityArgs { alpha, kappa, rho, a, b, q_over_pi, sites, measure, modes, chart, .. } = args;
+    let modes = measure.then_some(modes);
+    let Some(name) = &args.scene else {
+        let shape = Shape { q: q_over_pi * PI, a, b, phi: 0.0 };
+        let (params, epsilons) = (Params { alpha, kappa, rho }, args.epsilon.clone());
+        return Ok(StabilityOptions { params, shape, epsilons, sites, modes, chart });
+    };
+    let scene = Scene::load(name)?;
+    let Some(Theory::Wave(wave)) = scene.theory() else {
+        return Err(Error::parameter("scene", name, "a scene that starts from a travelling wave"));
+    };
+    let (params, shape, epsilons) = (wave.params(), wave.shape(), vec![wave.epsilon()]);
+    Ok(StabilityOptions { params, shape, epsilons, sites: scene.chain().sites(), modes, chart })
 }

@@ -5,6 +5,7 @@ mod drift;
 mod order;
 mod run;
 mod scaling;
+mod stability;
 mod wave;
 
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
@@ -12,6 +13,7 @@ pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
+pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
 pub use wave::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave};
 
 /// Least-squares slope, and the largest residual.

@@ -18,15 +18,22 @@ pub(super) struct Entry {
     pub(super) colour: Rgb,
     /// The look of the line, and whether its marker is hollow; a heading has none.
     pub(super) sample: Option<(Style, bool)>,
+    /// Whether the sample has a line besides its marker.
+    pub(super) line: bool,
 }
 
 impl Entry {
     pub(super) fn heading(text: &str, colour: Rgb) -> Self {
-        Self { text: text.into(), colour, sample: None }
+        Self { text: text.into(), colour, sample: None, line: false }
     }
 
     pub(super) fn line(text: &str, style: Style) -> Self {
-        Self { text: text.into(), colour: INK, sample: Some((style, false)) }
+        Self { text: text.into(), colour: INK, sample: Some((style, false)), line: true }
+    }
+
+    /// A marker alone, hollow.
+    pub(super) fn point(text: &str, style: Style) -> Self {
+        Self { text: text.into(), colour: INK, sample: Some((style, true)), line: false }
     }
 
     fn indent(&self) -> f64 {
@@ -36,7 +43,9 @@ impl Entry {
     /// Draws the entry with its first line centred on `y`.
     fn draw(&self, canvas: &mut Canvas, x: f64, y: f64, size: f64, lines: &[String]) -> Result<(), Error> {
         if let Some((style, hollow)) = self.sample {
-            canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, 1.6, style.dash)?;
+            if self.line {
+                canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, 1.6, style.dash)?;
+            }
             mark(canvas, &style, (x + SAMPLE / 2.0, y), hollow)?;
         }
         for (k, line) in lines.iter().enumerate() {

@@ -11,6 +11,7 @@
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
 //! | quantities against time | [`series()`] |
+//! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
 //! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
 //! a picture that has lost its page still says how it was made.
@@ -18,6 +19,7 @@
 mod axes;
 mod canvas;
 mod colour_bar;
+pub mod growth;
 mod guide;
 mod legend;
 pub mod palette;
@@ -30,6 +32,7 @@ pub mod work_precision;
 use canvas::{Canvas, Rect};
 
 pub use canvas::missing_glyphs;
+pub use growth::{Growth, GrowthMap, growth};
 pub use profile::{Panel, Profile, profile};
 pub use raster::{Bar, Raster, raster};
 pub use series::{TimeSeries, series};

@@ -84,7 +84,7 @@ fn range(figure: &SpaceTime) -> (f64, f64) {
 }
 
 /// Brings a matrix to a size in pixels, the last row on top; each pixel takes the largest of the entries it covers.
-fn largest(values: &[f64], sites: usize, (wide, high): (usize, usize)) -> Vec<f64> {
+pub(super) fn largest(values: &[f64], sites: usize, (wide, high): (usize, usize)) -> Vec<f64> {
     let rows = values.len() / sites;
     // A pixel narrower than a cell shows the cell at its middle.
     let cover = |pixel: usize, pixels: usize, cells: usize| match (2 * pixel + 1) * cells / (2 * pixels) {

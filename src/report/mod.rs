@@ -7,6 +7,7 @@ mod drift;
 mod order;
 mod run;
 mod scaling;
+mod stability;
 mod table;
 mod wave;
 
@@ -17,6 +18,7 @@ pub use drift::{drift_csv, drift_json, drift_table};
 pub use order::{order_csv, order_json, order_table};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
+pub use stability::{measured_growth_csv, stability_chart_csv, stability_csv, stability_json, stability_table};
 pub use table::table;
 pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table};
 
@@ -32,6 +34,8 @@ pub use order::order_pictures;
 pub use run::run_pictures;
 #[cfg(feature = "plot")]
 pub use scaling::scaling_png;
+#[cfg(feature = "plot")]
+pub use stability::stability_png;
 
 /// The end of every caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]

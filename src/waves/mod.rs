@@ -6,9 +6,14 @@
 //! | `epsilon` | amplitude of the strain: `x_n` swings by `2 kappa epsilon a` about `epsilon b` |
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
+mod modes;
 mod perturbed;
+mod stability;
 
+pub use modes::Mode;
+pub(crate) use modes::strains;
 pub use perturbed::PerturbedWave;
+pub use stability::{Eigenvalue, Modulation, Verdict};
 
 use crate::{
     chain::{Params, Resonators, Site, max_norm},

@@ -1,0 +1,123 @@
+//! Growth rates: curves with the points that were measured, and a map of the largest beside them.
+
+use super::axes::{Axes, Axis, mark};
+use super::canvas::{Canvas, Rect};
+use super::colour_bar::{ColourBar, range_with_zero};
+use super::legend::{self, Entry};
+use super::palette::{self, Marker, Rgb, Style};
+use super::space_time::largest;
+use super::{Error, Line, page, usable};
+
+/// Growth against wave number, and its map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growth {
+    /// Title above the axes.
+    pub title: String,
+    /// Label of the abscissa of the curve, such as “wave number p / π”.
+    pub wave_label: String,
+    /// Label of its ordinate.
+    pub growth_label: String,
+    /// What theory says: joined, without markers.
+    pub theory: Line,
+    /// What was measured: markers alone.
+    pub measured: Vec<Line>,
+    /// The map, if there is one.
+    pub map: Option<GrowthMap>,
+    /// What a reader needs to make the figure again.
+    pub caption: String,
+}
+
+/// A map of cells, with lines and points on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GrowthMap {
+    /// Labels of abscissa, ordinate and colour bar.
+    pub labels: [String; 3],
+    /// The ranges that the cells fill evenly.
+    pub x: (f64, f64),
+    /// The same upwards.
+    pub y: (f64, f64),
+    /// The values row by row, the lowest first.
+    pub values: Vec<f64>,
+    /// Length of a row.
+    pub columns: usize,
+    /// Lines over the map: white, each with dashes of its own.
+    pub lines: Vec<Line>,
+    /// Points over the map.
+    pub points: Line,
+}
+
+/// Draws growth rates: the curve at the left, the map, if there is one, at the right; legends above each.
+///
+/// # Errors
+///
+/// No point of theory that can be drawn, a map without cells or with a broken row, a letter the font lacks, or more text than fits.
+pub fn growth(figure: &Growth) -> Result<Vec<u8>, Error> {
+    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let middle = 0.5 * (body.x0 + body.x1);
+    let left = if figure.map.is_some() { Rect { x1: middle - 24.0, ..body } } else { body };
+    curves(&mut canvas, left, figure)?;
+    if let Some(map) = &figure.map {
+        draw_map(&mut canvas, Rect { x0: middle, ..body }, map)?;
+    }
+    canvas.png(&figure.caption)
+}
+
+fn curves(canvas: &mut Canvas, area: Rect, figure: &Growth) -> Result<(), Error> {
+    let lines = || std::iter::once(&figure.theory).chain(&figure.measured);
+    let points = || lines().flat_map(|line| &line.points).filter(|point| usable(point.0) && usable(point.1));
+    if !figure.theory.points.iter().any(|point| usable(point.0) && usable(point.1)) {
+        return Err(Error("a figure of growth needs a point of theory that its axes can show".into()));
+    }
+    let theory = Style { colour: palette::INK, dash: &[], marker: None };
+    let styles = (0..figure.measured.len()).map(|nth| Style::of_family(nth, nth)).collect::<Vec<_>>();
+    let measured = figure.measured.iter().zip(&styles);
+    let mut entries = vec![Entry::line(&figure.theory.name, theory)];
+    entries.extend(measured.clone().map(|(line, style)| Entry::point(&line.name, *style)));
+    let area = legend::above(canvas, area, &entries)?;
+    let x = Axis::linear(points().map(|point| point.0), 0.0);
+    let y = Axis::linear(points().map(|point| point.1).chain([0.0]), 0.06);
+    let axes = Axes::draw(canvas, area, (x, &figure.wave_label), (y, &figure.growth_label), true)?;
+    axes.join(canvas, &figure.theory.points, &theory)?;
+    for (line, style) in measured {
+        for at in line.points.iter().filter_map(|&point| axes.place(point)) {
+            mark(canvas, style, at, true)?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Error> {
+    if map.columns == 0 || map.values.is_empty() || !map.values.len().is_multiple_of(map.columns) {
+        return Err(Error(format!("{} values are no map with rows of {} cells", map.values.len(), map.columns)));
+    }
+    let (lo, hi) = range_with_zero(map.values.iter().copied());
+    let colour = |value: f64| -> Rgb {
+        if usable(value) { palette::magnitude((value - lo) / (hi - lo)) } else { palette::ABSENT }
+    };
+    let over = |nth: usize| Style { colour: palette::PAPER, marker: None, ..Style::plain(nth) };
+    let sample = |nth: usize| Style { colour: palette::INK, ..over(nth) };
+    let dots = Style { colour: palette::family(1), dash: &[], marker: Some(Marker::Circle) };
+    let lines = map.lines.iter().enumerate();
+    let mut entries: Vec<_> = lines.clone().map(|(nth, line)| Entry::line(&line.name, sample(nth))).collect();
+    if !map.points.points.is_empty() {
+        entries.push(Entry::point(&map.points.name, dots));
+    }
+    let area = legend::above(canvas, area, &entries)?;
+    let [x_label, y_label, value_label] = &map.labels;
+    let bar = ColourBar::new((lo, hi), value_label, area.height());
+    let x = Axis::exact(map.x.0, map.x.1, false);
+    let y = Axis::exact(map.y.0, map.y.1, false);
+    let axes = Axes::draw(canvas, bar.beside(area), (x, x_label), (y, y_label), false)?;
+    let frame = axes.frame;
+    let (wide, high) = (frame.width() as usize, frame.height() as usize);
+    let pixels: Vec<Rgb> = largest(&map.values, map.columns, (wide, high)).into_iter().map(colour).collect();
+    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
+    for (nth, line) in lines {
+        axes.join(canvas, &line.points, &over(nth))?;
+    }
+    for at in map.points.points.iter().filter_map(|&point| axes.place(point)) {
+        mark(canvas, &dots, at, true)?;
+    }
+    axes.close(canvas)?;
+    bar.draw(canvas, frame, area.x1, colour)
+}
