@@ -145,22 +145,23 @@ fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
     assert!(worst < 1e-6, "{worst:e}");
 }
 
-/// `s` from means with the weight `(cos t - beta)_+^{alpha-1}`, by the midpoint rule in `t = t_c sin(theta)`.
+/// `s` from means with the weight `(cos t - beta)_+^{alpha-1}`, by the midpoint rule, in `t = t_c sin(theta)` if the contact opens.
 fn slope_by_midpoints(alpha: f64, beta: f64) -> f64 {
     const COUNT: usize = 40_000;
-    let t_c = beta.clamp(-1.0, 1.0).acos();
     let mut sums = [0.0; 3];
     for k in 0..COUNT {
         let theta = (k as f64 + 0.5) / COUNT as f64 * 0.5 * PI;
-        let cos = (t_c * theta.sin()).cos();
-        let weight = (cos - beta).max(0.0).powf(alpha - 1.0) * theta.cos();
+        // Without an opening the integrand is periodic in t itself.
+        let (t, dt) = if beta < -1.0 { (2.0 * theta, 1.0) } else { (beta.acos() * theta.sin(), theta.cos()) };
+        let cos = t.cos();
+        let weight = (cos - beta).max(0.0).powf(alpha - 1.0) * dt;
         [1.0, cos, cos * cos].iter().zip(&mut sums).for_each(|(x, sum)| *sum += weight * x);
     }
     let (mean, square) = (sums[1] / sums[0], sums[2] / sums[0]);
     (square - mean * mean) / (1.0 - square) - 1.0
 }
 
-// Truth: quadrature, whose own error is the larger (6e-11, at alpha = 1.2), and closed forms.
+// Truth: quadrature, whose own error is the larger (1.03e-11, at alpha = 1.2), and closed forms.
 #[test]
 fn the_slope_has_its_closed_forms_and_is_negative() {
     let slope = |alpha: f64, beta: f64| modulation((alpha, 0.8, 2.0), 1.0, 1.7, beta * 1.6 * 1.7).slope();
@@ -180,7 +181,7 @@ fn the_slope_has_its_closed_forms_and_is_negative() {
         assert!((slope(alpha, 0.0) - (alpha - 1.0 - (alpha + 1.0) * mean * mean)).abs() < 1e-13);
     }
     println!("{worst:e}");
-    assert!(worst < 1.2e-10);
+    assert!(worst < 2.1e-11);
     // A linear chain: every wave is neutral. The cradle: the power of the DpS equation.
     assert_eq!(modulation((1.0, 1.0, 1.0), 0.7, 1.0, -3.0).slope(), 0.0);
     assert_eq!(modulation((1.0, 1.0, 1.0), 0.7, 1.0, -3.0).verdict(), Verdict::Neutral);

@@ -243,7 +243,7 @@ impl Bench {
         let chain = Chain::new(params, Boundary::StrainRing, sites)?;
         let rate = rates.per_time(study.fastest().map_or(study.modulation.slow_frequency(), |row| row.growth));
         let periods = WINDOW.1 / rate * rates.omega_tw / (2.0 * PI);
-        if !(periods <= MOST_PERIODS) {
+        if periods.is_nan() || periods > MOST_PERIODS {
             let rule = "growth that takes more than 10^5 periods of the wave is not measured";
             return Err(Error::parameter("epsilon", rates.epsilon, rule));
         }
