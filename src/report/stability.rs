@@ -238,7 +238,7 @@ pub fn stability_png(study: &StabilityStudy) -> crate::error::Result<Vec<u8>> {
     let how = if study.measured.is_empty() {
         String::new()
     } else {
-        how_measured(study).replace('\n', " ").replace("Omega", "Ω").replace("10^-6", "10⁻⁶") + " "
+        how_measured(study).lines().next().unwrap_or_default().replace("Omega", "Ω").replace("10^-6", "10⁻⁶") + " "
     };
     let chart = study
         .chart

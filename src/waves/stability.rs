@@ -37,7 +37,7 @@
 //! - The wave is unstable if and only if `s cos q < 0` and `cos q + s cos^2(q/2) != 0`.
 //! - Then, with `tan(p_c/2) = sqrt(-s / cos q) |sin(q/2)|`: if `s (cos q + s cos^2(q/2)) < 0`, the discriminant at `p -> 0`, long waves grow, with `0 < p < p_c`,
 //!   fastest that with `sin^2(p/2) = sin^2(p_c/2) / 2`; else short ones, with `p_c < p <= pi`, fastest `p = pi`.
-//! - `s = <cos^2> - <cos>^2 over <sin^2>, less 1`, means with the weight `(2 kappa a cos t - b)_+^{alpha-1}`. So `-1 < s`; it depends on `alpha` and `b / (2 kappa a)`
+//! - `s = (<cos^2> - <cos>^2) / <sin^2> - 1`, means with the weight `(2 kappa a cos t - b)_+^{alpha-1}`. So `-1 < s`; it depends on `alpha` and `b / (2 kappa a)`
 //!   only. Known values: `alpha - 1 - (alpha+1) <cos>^2` with `<cos> = Gamma((alpha+1)/2)^2 / (Gamma(alpha/2) Gamma(alpha/2 + 1))` at `b = 0`; `1/alpha - 1` at `b = -2 kappa a`;
 //!   about `-alpha (alpha-1) / 4 (2 kappa a / b)^2` for `b -> -inf`, where the chain is linear and every wave neutral; `-1` for `b -> 2 kappa a`.
 //!   It is negative for every `alpha > 1` (on a grid, no proof): a larger amplitude pushes beads apart until the mean force is what it was, and that
