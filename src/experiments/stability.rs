@@ -58,7 +58,7 @@ pub struct Rates {
     pub slow: f64,
     /// `omega_tw` (eq:w_tw).
     pub omega_tw: f64,
-    /// `(1 + rho) epsilon^{alpha-1}`: the theory holds where it is small, so that mean strains follow at once.
+    /// `(1 + rho) epsilon^{alpha-1}`: the theory holds where it is small, so that mean strains follow at once. Infinite with `rho`, where there are none.
     pub lag: f64,
 }
 

@@ -61,7 +61,7 @@ pub fn stability_json(study: &StabilityStudy) -> String {
         },
         "Omega": modulation.slow_frequency(),
         "omega_tw": rates.omega_tw,
-        "lag": number(rates.lag),
+        "lag": rates.lag,
         "sigma": modulation.sigma(),
         "slope": modulation.slope(),
         "verdict": modulation.verdict().words(),
@@ -126,7 +126,7 @@ pub fn stability_table(study: &StabilityStudy) -> String {
     text += &format!(
         "\nalpha = {}, kappa = {}, rho = {}, q = {} pi, a = {a}, b = {b}, epsilon = {}, N = {}: Omega = {:.6e}, omega_tw = {:.9}, s = {:.6}.\n\
          lambda and Omega per slow time epsilon^(alpha-1) t; s = d ln sigma / d ln r at constant mean force.\n\
-         (1 + rho) epsilon^(alpha-1) = {:.3}: the theory holds where this is small, so that mean strains follow at once.\n{}\n",
+         {}\n{}\n",
         params.alpha,
         params.kappa,
         params.rho,
@@ -136,7 +136,7 @@ pub fn stability_table(study: &StabilityStudy) -> String {
         modulation.slow_frequency(),
         rates.omega_tw,
         modulation.slope(),
-        rates.lag,
+        lag(rates.lag),
         verdict(study),
     );
     if !study.measured.is_empty() {
@@ -146,6 +146,16 @@ pub fn stability_table(study: &StabilityStudy) -> String {
         text += &format!("\n{}\n", chart_words(chart));
     }
     text
+}
+
+/// Where the theory holds, in words.
+fn lag(lag: f64) -> String {
+    if lag.is_infinite() {
+        return "rho = inf: the DpS equation of Newton's cradle, which has no mean strain.".to_owned();
+    }
+    format!(
+        "(1 + rho) epsilon^(alpha-1) = {lag:.3}: the theory holds where this is small, so that mean strains follow at once."
+    )
 }
 
 /// What grows, in words.
