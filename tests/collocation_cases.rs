@@ -108,6 +108,23 @@ fn grazing(alpha: f64, excess: f64) -> (Chain<f64>, Vec<f64>) {
 }
 
 #[test]
+fn short_contacts_are_found_in_few_sweeps() {
+    // Onset and release within one window, where a chord of the overlap is far from its tangent: Newton's method with the slope of a chord
+    // goes to and fro. Measured: 9, 7, 7, 3 sweeps.
+    for excess in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let (chain, y0) = grazing(1.5, excess);
+        let most = (5..25).map(|count| {
+            let (_, stats) = collocated(&chain, &y0, 2.0, windows(count, 10));
+            assert_eq!(stats.rejected, 0, "{count} windows");
+            stats.force_evaluations / 10
+        });
+        let most = most.max().unwrap();
+        println!("excess {excess:e}: {most} sweeps");
+        assert!(most <= 9, "excess {excess:e}: {most} sweeps");
+    }
+}
+
+#[test]
 fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
     // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse e^{alpha+1/2} sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx,
     // but for a share of order e, measured to be 1.2 e; it stays with the centres of mass.
@@ -194,7 +211,7 @@ fn durations(w: f64) -> [(f64, f64); 6] {
 #[test]
 fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
     // The first flies at the second, which rests. The centre goes on and the relative velocity is reversed: restitution one. Measured:
-    // 0.06 of the tolerance, 2.5e-15; events to 3.3e-13, energy to 2.9e-14.
+    // 0.06 of the tolerance, 2.5e-15; events to 4.4e-16, energy to 2.9e-14.
     let (w, end) = (0.7, 9.0);
     for (alpha, duration) in durations(w) {
         let chain = plain(alpha, 2);
@@ -219,7 +236,7 @@ fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
         let ([began], [ended]) = (&onsets[..], &releases[..]) else { panic!("{onsets:?} {releases:?}") };
         let errors = [began - onset, ended - onset - duration, impulse - w];
         println!("alpha {alpha}: {errors:?}");
-        assert!(largest(errors) < 7e-13, "alpha {alpha}: {errors:?}");
+        assert!(largest(errors) < 1e-15, "alpha {alpha}: {errors:?}");
 
         let (y, _) = collocated(&chain, &y0, end, windows(30, 10));
         let (momentum, energy) = (chain.momentum(&y) / w - 1.0, chain.energy(&y).total() / (0.5 * w * w) - 1.0);

@@ -2,18 +2,19 @@
 //!
 //! A long chain is cut into blocks, so that memory is needed for one a thread only. A block takes some bonds of its neighbours along and solves for them too, without
 //! handing on what it finds: forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
-//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads.
+//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads. A block at rest sleeps until something
+//! moves in what it takes along.
 
 use super::{
     bond::{BOND, Beside, Bond, Contact, LAYOUT},
     layout::Cuts,
     panel::{Frame, sin_cos},
     panels::Panels,
-    sites::{Site, overlap},
+    sites::{Site, at_rest, overlap},
     system::{ContactChain, PairLaw, Path},
 };
 use crate::real::{Kernel, Real};
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Bonds of a block, and those of its neighbours on either side that it takes along.
 pub(crate) const OWN: usize = 256;
@@ -22,6 +23,8 @@ const ALONG: usize = 12;
 const WHOLE: usize = OWN;
 /// Sweeps after which a window is given up.
 const MOST_SWEEPS: u64 = 40;
+/// Sweeps of the first pass.
+const LEVELS: usize = 5;
 /// Times that a window may turn out to be other than it was taken for.
 const MOST_ROUNDS: u32 = 10;
 /// Times that panels may be halved.
@@ -146,6 +149,11 @@ impl<const M: usize> Workspace<M> {
             let first = own.start.saturating_sub(ALONG);
             (first, (own.end + ALONG).min(all) - first)
         };
+        let asleep = |b: usize| start.ongoing[b].is_none() && at_rest(chain, start.sites, b);
+        if !whole && chain.rest() <= 0.0 && (first..first + len).all(|b| asleep(b % all)) {
+            left.fill(Left::default());
+            return Verdict::default();
+        }
         let offset = (own.start + all - first) % all;
         while self.bonds.len() < len {
             self.bonds.push(Bond::new());
@@ -214,87 +222,102 @@ impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
         }
-        for b in 0..n {
-            let (me, left, right) = beside(bonds, b, ring);
-            me.lay_out(frame, left, right, goal.cuts, old);
-            me.start(frame, law, left, right);
-            me.dirty = true;
-            verdict.work += LAYOUT * me.panels.len as u64;
-        }
+        let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let worst = sweep(bonds, old, frame, law, goal, ring, &mut verdict);
-            let Some(worst) = worst else {
+            let busy = pass(bonds, old, frame, law, goal, ring, levels, &mut verdict);
+            levels = 1..=1;
+            if verdict.failure.is_some() {
+                return verdict;
+            }
+            if !busy {
                 let Some(b) = unsettled(bonds, frame, goal, ring, &mut verdict) else { return verdict };
                 rounds += 1;
                 if rounds > MOST_ROUNDS {
                     verdict.failure = Some((b, f64::INFINITY));
                     return verdict;
                 }
-                continue;
-            };
-            if verdict.sweeps >= MOST_SWEEPS || verdict.failure.is_some() {
-                verdict.failure = verdict.failure.or(Some(worst));
+            } else if verdict.sweeps >= MOST_SWEEPS {
+                let change = |b: &usize| if bonds[*b].dirty || bonds[*b].stale { bonds[*b].change } else { 0.0 };
+                let worst = (0..n).max_by(|a, b| change(a).total_cmp(&change(b)));
+                verdict.failure = worst.map(|b| (b, bonds[b].change));
                 return verdict;
             }
         }
     }
 }
 
-/// One sweep over all bonds that have something to do; the worst of them and its change, if any is not done.
+/// Takes the bonds through some levels: level 0 lays panels out and starts from the prediction, every other is one sweep over those that have
+/// something to do. Returns whether any had.
+///
+/// A level follows a bond behind the one before it, so that a bond is swept again and again while it and its neighbours are in the cache. It starts a bond
+/// further on too: on a ring the first bond then comes after its neighbour at the end, and what a sweep sees is the same as if it went over all bonds alone.
 #[inline(always)]
-fn sweep<L: PairLaw, const M: usize>(
+#[allow(clippy::too_many_arguments)]
+fn pass<L: PairLaw, const M: usize>(
     bonds: &mut [Bond<M>],
     old: &mut Panels<M>,
     frame: &Frame<'_, M>,
     law: &L,
     goal: &Goal,
     ring: bool,
+    levels: RangeInclusive<usize>,
     verdict: &mut Verdict,
-) -> Option<(usize, f64)> {
+) -> bool {
     let n = bonds.len();
-    let mut worst: Option<(usize, f64)> = None;
-    verdict.sweeps += 1;
-    for b in 0..n {
-        let (me, left, right) = beside(bonds, b, ring);
-        // A contact that turned out to be none is swept once more, to be forgotten.
-        if !(me.stale || me.dirty && !me.contacts.is_empty()) {
-            me.dirty = false;
-            continue;
-        }
-        let change = me.sweep(frame, law, left, right, goal.cuts, old);
-        let age = me.age;
-        verdict.work += change.work;
-        let unsettled = change.impulse > goal.rounded;
-        let again = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
-        me.dirty = again;
-        if !change.impulse.is_finite() {
-            verdict.failure = Some((b, change.impulse));
-        }
-        if again && worst.is_none_or(|(_, impulse)| change.impulse > impulse) {
-            worst = Some((b, change.impulse));
-        }
-        let far = change.moved > goal.cuts.frozen_beside;
-        for beside in [
-            if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
-            if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
-        ]
-        .into_iter()
-        .flatten()
-        {
-            let other = &mut bonds[beside];
-            other.age = other.age.min(age);
-            // Those behind in this sweep are not done if this changes them.
-            if !other.contacts.is_empty() && (far || unsettled && change.impulse * other.answer(age) > goal.change) {
-                other.dirty = true;
-                other.stale |= far;
-                if worst.is_none() {
-                    worst = Some((beside, change.impulse));
+    let mut deepest = 0;
+    for place in 0..n + 2 * levels.end() {
+        for level in levels.clone() {
+            if place < 2 * level || place >= n + 2 * level {
+                continue;
+            }
+            let mut b = place - level;
+            while b >= n {
+                b -= n;
+            }
+            let (me, left, right) = beside(bonds, b, ring);
+            if level == 0 {
+                me.lay_out(frame, left, right, goal.cuts, old);
+                me.start(frame, law, left, right);
+                me.dirty = true;
+                verdict.work += LAYOUT * me.panels.len as u64;
+                continue;
+            }
+            // A contact that turned out to be none is swept once more, to be forgotten.
+            if !(me.stale || me.dirty && !me.contacts.is_empty()) {
+                me.dirty = false;
+                continue;
+            }
+            deepest = deepest.max(level);
+            let change = me.sweep(frame, law, left, right, goal.cuts, old);
+            let age = me.age;
+            verdict.work += change.work;
+            let unsettled = change.impulse > goal.rounded;
+            me.dirty = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
+            me.change = change.impulse;
+            if !change.impulse.is_finite() {
+                verdict.failure = Some((b, change.impulse));
+            }
+            let far = change.moved > goal.cuts.frozen_beside;
+            for beside in [
+                if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
+                if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
+            ]
+            .into_iter()
+            .flatten()
+            {
+                let other = &mut bonds[beside];
+                other.age = other.age.min(age);
+                if !other.contacts.is_empty() && (far || unsettled && change.impulse * other.answer(age) > goal.change)
+                {
+                    other.dirty = true;
+                    other.stale |= far;
                 }
             }
         }
     }
-    worst
+    verdict.sweeps += deepest as u64;
+    deepest > 0
 }
 
 /// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. The last bond

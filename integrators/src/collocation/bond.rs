@@ -59,6 +59,8 @@ pub(crate) struct Bond<const M: usize> {
     /// The largest `f'(g) h^2`, and the largest overlap at a node.
     pub(crate) stiffness: f64,
     largest: f64,
+    /// What the last sweep changed of an impulse.
+    pub(crate) change: f64,
     /// Sweeps since panels were laid out, here or where the change came from.
     pub(crate) age: u32,
     /// Overlap at the end of the window, as last used to look ahead.
@@ -138,6 +140,7 @@ impl<const M: usize> Bond<M> {
             at_end: 0.0,
             stiffness: 0.0,
             largest: 0.0,
+            change: 0.0,
             age: 0,
             slack: 0.0,
             surprise: 0.0,
@@ -272,11 +275,16 @@ impl<const M: usize> Bond<M> {
                 before = panel.integrate(frame);
                 if k == first {
                     let at_start = dot(&frame.rule.ends[0], &g);
-                    change.moved = change.moved.max(self.shift_onset(c, at_start, law, cuts));
+                    let k = panel.next_to(panel.start, 0..M);
+                    let slope = (g[k] - at_start) / (panel.tau[k] - panel.start);
+                    change.moved = change.moved.max(self.shift_onset(c, (at_start, slope), law, cuts));
                 }
                 if k + 1 == last {
+                    let panel = &self.panels.list[k];
                     let at_end = dot(&frame.rule.ends[1], &g);
-                    change.moved = change.moved.max(self.shift_release(c, at_end, frame.h, law, cuts));
+                    let k = panel.next_to(panel.end, (0..M).rev());
+                    let slope = (at_end - g[k]) / (panel.end - panel.tau[k]);
+                    change.moved = change.moved.max(self.shift_release(c, (at_end, slope), frame.h, law, cuts));
                 }
             }
         }
@@ -295,12 +303,15 @@ impl<const M: usize> Bond<M> {
         change
     }
 
-    /// Moves an onset by Newton's method with the slope that is known; returns by how much, zero if that is too little to matter.
+    /// Moves an onset by Newton's method; returns by how much, zero if that is too little to matter.
     #[inline(always)]
-    fn shift_onset(&mut self, c: usize, overlap: f64, law: &impl PairLaw, cuts: Cuts) -> f64 {
+    fn shift_onset(&mut self, c: usize, (overlap, slope): (f64, f64), law: &impl PairLaw, cuts: Cuts) -> f64 {
         let contact = &mut self.contacts[c];
         if contact.onset < 0.0 {
             return 0.0;
+        }
+        if slope > 0.0 {
+            contact.slopes[0] = slope;
         }
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
         if cuts.negligible(law, overlap, by) {
@@ -313,13 +324,16 @@ impl<const M: usize> Bond<M> {
 
     /// The same for a release, in the window or ahead of it.
     #[inline(always)]
-    fn shift_release(&mut self, c: usize, overlap: f64, h: f64, law: &impl PairLaw, cuts: Cuts) -> f64 {
+    fn shift_release(&mut self, c: usize, (overlap, slope): (f64, f64), h: f64, law: &impl PairLaw, cuts: Cuts) -> f64 {
         let contact = &mut self.contacts[c];
         if contact.release == f64::INFINITY {
             self.suspicious |= overlap < -self.band;
             return 0.0;
         }
         let (inside, ahead) = (contact.release <= h, contact.release - h);
+        if inside && slope < 0.0 {
+            contact.slopes[1] = slope;
+        }
         let by = if inside {
             -overlap / contact.slopes[1]
         } else if ahead < 0.1 * h {

@@ -40,7 +40,7 @@ const TRIAL: f64 = 1.25;
 const GOOD_SWEEPS: u64 = 5;
 /// Share of the tolerance of a window that sweeps may leave undone.
 const UNDONE: f64 = 1e-2;
-/// Sweeps come from one side: what they leave in every window adds up, unlike roundings.
+/// What sweeps leave undone and what events are off by comes from one side: it adds up over windows, unlike roundings.
 const BIAS: f64 = 1e-18;
 /// A change that is rounding, in units of velocities, and last terms that are.
 const ROUNDING: f64 = 1e-15;
@@ -201,7 +201,7 @@ impl Control {
                 (UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
-        let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { ROUNDING });
+        let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
         let lost = |power: f64| h * least.powf(1.0 / power);
         Goal {
             change: change.max(BIAS) * self.size,
@@ -223,7 +223,7 @@ impl Control {
     }
 
     /// A window of this verdict is done; `last` if it reached the end.
-    pub(crate) fn accept(&mut self, verdict: &Verdict, h: f64, last: bool) {
+    pub(crate) fn accept(&mut self, verdict: &Verdict, goal: &Goal, h: f64, last: bool) {
         match self.pace {
             Pace::Windows { windows, .. } => {
                 self.rest -= h;
@@ -241,7 +241,7 @@ impl Control {
                 let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
                 self.halved += 0.2 * (halved - self.halved);
                 self.try_lengths(verdict, h);
-                self.choose_nodes(verdict.tail / self.goal(h).tail);
+                self.choose_nodes(verdict.tail / goal.tail);
                 let halved = self.halved;
                 self.h *= if verdict.touching == 0 {
                     2.0

@@ -32,12 +32,18 @@ fn overlap_at<const M: usize>(
     beside: [Beside<M>; 2],
     t: f64,
 ) -> f64 {
+    let mut own = [0.0];
     let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
-    let at = (&[t], &[cos], &[sin]);
+    panels.influence((&[t], &[cos], &[sin]), -recoil, &mut own);
+    driven_at(path, frame, beside, t) + own[0]
+}
+
+/// The same without the bond's own forces.
+fn driven_at<const M: usize>(path: &Path, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64) -> f64 {
+    let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
     let mut out = [along(path, t, cos, sin)];
-    panels.influence(at, -recoil, &mut out);
     for bond in beside.into_iter().flatten() {
-        bond.panels.influence(at, 1.0, &mut out);
+        bond.panels.influence((&[t], &[cos], &[sin]), 1.0, &mut out);
     }
     out[0]
 }
@@ -282,30 +288,33 @@ impl<const M: usize> Bond<M> {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
-        // dg/dt of the parabola through three points nearby.
-        let speed = |t: f64| {
-            let near = SPEED_STEP * frame.h;
-            let (a, c) = ((t - near).max(0.0), (t + near).min(frame.h));
-            let b = 0.5 * (a + c);
-            let [ga, gb, gc] = [a, b, c].map(|t| overlap_at(&self.path, (&self.panels, self.recoil), frame, beside, t));
-            let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
-            0.5 * (first + second) + (second - first) * (t - b) / (b - a)
-        };
-        // The last correction of t_e was too small for new panels, but not for the record.
-        let event = |mut t: f64| {
+        // An event is known to the force that counts; for the record it is found to the last digit. There is no force at it, so that the
+        // overlap goes on along the path on which the panels before it leave the bond, whose values do not hang on any series.
+        let event = |mut t: f64, before: usize| {
+            let own = self.panels.before(before);
+            let path = std::array::from_fn(|i| self.path[i] - self.recoil * own[i]);
+            let g = |t: f64| driven_at(&path, frame, beside, t);
+            // dg/dt of the parabola through three points nearby.
+            let speed = |t: f64| {
+                let near = SPEED_STEP * frame.h;
+                let (a, c) = ((t - near).max(0.0), (t + near).min(frame.h));
+                let b = 0.5 * (a + c);
+                let [ga, gb, gc] = [a, b, c].map(g);
+                let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+                0.5 * (first + second) + (second - first) * (t - b) / (b - a)
+            };
             for _ in 0..2 {
                 let slope = speed(t);
                 if slope != 0.0 {
-                    t = (t - overlap_at(&self.path, (&self.panels, self.recoil), frame, beside, t) / slope)
-                        .clamp(0.0, frame.h);
+                    t = (t - g(t) / slope).clamp(0.0, frame.h);
                 }
             }
             (t, speed(t))
         };
         Piece {
             bond,
-            onset: begins.then(|| event(contact.onset)),
-            release: ends.then(|| event(contact.release)),
+            onset: begins.then(|| event(contact.onset, contact.panels.0)),
+            release: ends.then(|| event(contact.release, contact.panels.1)),
             impulse: panels.iter().map(|panel| panel.impulse(rule)).sum(),
             largest: panels.iter().map(|panel| panel.largest(rule)).fold(0.0, f64::max),
         }

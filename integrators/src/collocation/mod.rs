@@ -120,7 +120,10 @@ impl State {
     fn advance<C: ContactChain>(&mut self, chain: &C, left: &[Left], h: f64) {
         let phase = self.phase.sin_cos();
         for (i, site) in self.sites.iter_mut().enumerate() {
-            site.advance(&chain.push(i, |b| left[b].path), h, phase);
+            let push = chain.push(i, |b| left[b].path);
+            if !(site.at_rest() && push == [0.0; 4]) {
+                site.advance(&push, h, phase);
+            }
         }
         for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
             *ongoing = left.ongoing;
@@ -243,7 +246,7 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
             self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
             let Some((bond, residual)) = verdict.failure else {
-                self.control.accept(&verdict, h, h >= left_to_go);
+                self.control.accept(&verdict, &goal, h, h >= left_to_go);
                 self.h = h;
                 self.stats.steps += 1;
                 return Ok(());

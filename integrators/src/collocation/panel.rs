@@ -221,6 +221,13 @@ impl<const M: usize> Panel<M> {
         }
     }
 
+    /// The first of some nodes that is far enough from an end for the slope of the chord between them.
+    #[inline(always)]
+    pub(crate) fn next_to(&self, end: f64, mut nodes: impl Iterator<Item = usize>) -> usize {
+        let least = CHORD * (self.end - self.start);
+        nodes.find(|&k| (self.tau[k] - end).abs() > least).unwrap_or(M / 2)
+    }
+
     /// `x` at times inside the panel.
     #[inline(always)]
     pub(crate) fn variable<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
@@ -322,6 +329,8 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
     out
 }
 
+/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope, a longer one its bend.
+const CHORD: f64 = 1e-3;
 /// An overlap that falls to this share of itself within a panel, with no event near.
 const FADING: f64 = 0.15;
 /// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.

@@ -23,6 +23,12 @@ impl Site {
         self.lo[k] += error;
     }
 
+    /// Whether it rests at the origin.
+    #[inline(always)]
+    pub(crate) fn at_rest(&self) -> bool {
+        self.hi == [0.0; 4] && self.lo == [0.0; 4]
+    }
+
     /// Moves freely for `h`, with the impulses `path` (in the phase `(sin, cos)`) of a window of that length.
     #[inline(always)]
     pub(crate) fn advance(&mut self, path: &Path, h: f64, (sin, cos): (f64, f64)) {
@@ -64,6 +70,17 @@ pub(crate) fn overlap<C: ContactChain>(
     let lo = chain.across(bond, |i| sites[i].lo);
     let [r, v, c, s] = [hi[0] + lo[0], hi[1] + lo[1], hi[2] + lo[2], hi[3] + lo[3]];
     ([chain.rest() + r, v, c * cos + s * sin, s * cos - c * sin], largest.get())
+}
+
+/// Whether the sites of a bond rest at the origin.
+#[inline(always)]
+pub(crate) fn at_rest<C: ContactChain>(chain: &C, sites: &[Site], bond: usize) -> bool {
+    let resting = Cell::new(true);
+    chain.across(bond, |i| {
+        resting.set(resting.get() && sites[i].at_rest());
+        [0.0; 4]
+    });
+    resting.get()
 }
 
 /// The phase `omega t` kept to twice the working precision.
