@@ -36,6 +36,7 @@ use crate::{
     error::{Error, Result},
 };
 use hertzchain_integrators::VectorField;
+use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// The chain state that an envelope stands for, to first order in its size.
@@ -88,11 +89,7 @@ impl Ansatz {
 
     /// The slow time `tau = epsilon^{alpha-1} t`.
     pub fn slow_time(&self, t: f64) -> f64 {
-        self.slowness() * t
-    }
-
-    fn slowness(&self) -> f64 {
-        self.epsilon.powf(self.params.alpha - 1.0)
+        self.epsilon.powf(self.params.alpha - 1.0) * t
     }
 
     /// The state of the chain at time `t` (eq:xy_app), (eq:xy_v_app), from the state `z` of the flow at [`slow_time`](Self::slow_time)`(t)`.
@@ -110,18 +107,30 @@ impl Ansatz {
             Form::Strains => (strains, rates),
             Form::Displacements => (self.layout.stacked(&strains), self.layout.stacked(&rates)),
         };
-        let (Params { kappa, rho, .. }, omega) = (self.params, self.params.omega());
-        let (epsilon, slowness, count) = (self.epsilon, self.slowness(), means.len());
-        let (sin, cos) = (omega * t).sin_cos();
+        let count = means.len();
+        let complex = |z: &[f64], n: usize| Complex64::new(z[n], z[count + n]);
         let site = |n: usize| {
-            let (re, im, re_slope, im_slope) = (z[n], z[count + n], slowness * dz[n], slowness * dz[count + n]);
-            let swing = 2.0 * kappa * epsilon * (re * cos - im * sin);
-            let rate = 2.0 * kappa * epsilon * ((re_slope - omega * im) * cos - (im_slope + omega * re) * sin);
-            let (mean, mean_rate) = (epsilon * means[n], epsilon * slowness * rates[n]);
-            Site { u: mean + swing, v: mean - swing / rho, u_dot: mean_rate + rate, v_dot: mean_rate - rate / rho }
+            let amplitude = [complex(z, n), complex(&dz, n)];
+            first_order(self.params, self.epsilon, t, amplitude, [means[n], rates[n]])
         };
         (0..count).map(site).collect()
     }
+}
+
+/// A site at time `t`, from `Z`, `M` and their slow derivatives.
+pub(crate) fn first_order(
+    params: Params,
+    epsilon: f64,
+    t: f64,
+    [z, dz]: [Complex64; 2],
+    [m, dm]: [f64; 2],
+) -> Site<f64> {
+    let (Params { alpha, kappa, rho }, omega) = (params, params.omega());
+    let (slowness, turn) = (epsilon.powf(alpha - 1.0), Complex64::from_polar(2.0 * kappa * epsilon, omega * t));
+    let swing = (z * turn).re;
+    let rate = ((slowness * dz + Complex64::new(0.0, omega) * z) * turn).re;
+    let (mean, mean_rate) = (epsilon * m, epsilon * slowness * dm);
+    Site { u: mean + swing, v: mean - swing / rho, u_dot: mean_rate + rate, v_dot: mean_rate - rate / rho }
 }
 
 /// What [`project`] finds.

@@ -5,6 +5,7 @@ mod flow;
 mod hypergeometric;
 mod integrals;
 
+pub(crate) use ansatz::first_order;
 pub use ansatz::{Ansatz, Envelope, project};
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
 pub use integrals::{Averages, Values};

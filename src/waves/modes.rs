@@ -7,7 +7,7 @@
 //! | `c` | share of the mode in a perturbation: `c = ell . (U, V)`, `ell` the left eigenvector, `ell . (U, V)_mode = 1` |
 
 use super::{Eigenvalue, Modulation, Shape, TravellingWave};
-use crate::chain::Site;
+use crate::{chain::Site, dps::first_order};
 use num_complex::Complex64;
 
 /// The mode of the first of [`Modulation::eigenvalues`] at a wave number.
@@ -70,7 +70,7 @@ impl Mode {
         let Shape { a, b, .. } = self.modulation.shape();
         let slope = size * a * self.modulation.mean_slope();
         let [w, dw] = self.perturbation(n as f64).map(|w| slope * w.re);
-        first_order(wave, self.amplitude(size, n), [b + w, dw])
+        first_order(wave.params(), wave.epsilon(), 0.0, self.amplitude(size, n), [b + w, dw])
     }
 
     /// The share `c` of the mode in a perturbation of the `D_n` of a wave: complex, proportional to `e^{lambda tau}`.
@@ -90,21 +90,6 @@ impl Mode {
             differences.map(|(n, (z, x))| turned(&(x - z), n, q - p)).sum::<Complex64>() / (carrier * count)
         };
         dot(self.left, [side(self.p), side(-self.p).conj()])
-    }
-}
-
-/// A site of the ansatz (eq:xy_app), (eq:xy_v_app) at `t = 0`, from `D`, `b` and their slow derivatives.
-fn first_order(wave: &TravellingWave, [d, d_tau]: [Complex64; 2], [b, b_tau]: [f64; 2]) -> Site<f64> {
-    let (params, epsilon) = (wave.params(), wave.epsilon());
-    let slow = epsilon.powf(params.alpha - 1.0);
-    let swing = 2.0 * params.kappa * epsilon * d.re;
-    let rate = 2.0 * params.kappa * epsilon * (slow * d_tau.re - params.omega() * d.im);
-    let (mean, mean_rate) = (epsilon * b, epsilon * slow * b_tau);
-    Site {
-        u: mean + swing,
-        v: mean - swing / params.rho,
-        u_dot: mean_rate + rate,
-        v_dot: mean_rate - rate / params.rho,
     }
 }
 
