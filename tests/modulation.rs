@@ -210,7 +210,7 @@ fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
 fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
     for (k, b) in [-4.0, -2.0, -1.0, 0.0, 1.0, 1.9].into_iter().enumerate() {
         for j in -20..=20 {
-            let wave = modulation((1.5, 1.0, 2.0), 0.157 * f64::from(j) + 0.01 * k as f64, 1.0, b);
+            let wave = modulation((1.5, 1.0, 2.0), 0.154 * f64::from(j) + 0.01 * k as f64, 1.0, b);
             let growths: Vec<(f64, f64)> =
                 (0..=5000).map(|i| PI * f64::from(i) / 5000.0).map(|p| (p, wave.growth(p))).collect();
             for p in [0.0, 0.4, 1.3, PI] {
