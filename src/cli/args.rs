@@ -1,6 +1,6 @@
 //! The raw flags.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Nonlinear waves in locally resonant Hertzian chains: which integrator buys which error for which run time.
@@ -198,8 +198,29 @@ pub(super) struct DpsArgs {
 pub(super) enum DpsAction {
     /// The averaged contact force g_alpha(b, r), its harmonic h_alpha(b, r), and their derivatives.
     Integrals(IntegralsArgs),
+    /// The homoclinic solutions of the stationary DpS equation: profiles of bright breathers.
+    Homoclinic(HomoclinicArgs),
     /// Which modulations of a travelling wave grow and how fast: in closed form, and measured on the full chain.
     Stability(StabilityArgs),
+}
+
+#[derive(Args)]
+pub(super) struct HomoclinicArgs {
+    /// Exponent of the contact force, from 1.01 to 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// What the profile is symmetric about.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Site)]
+    pub(super) center: CenterArg,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum CenterArg {
+    Site,
+    Bond,
 }
 
 #[derive(Args)]

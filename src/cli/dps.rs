@@ -2,12 +2,12 @@
 
 use super::{
     Exit,
-    args::{DpsAction, DpsArgs, IntegralsArgs, StabilityArgs},
+    args::{CenterArg, DpsAction, DpsArgs, HomoclinicArgs, IntegralsArgs, StabilityArgs},
     print, progress_bar,
 };
 use crate::{
     chain::Params,
-    dps::Averages,
+    dps::{Averages, Center, Homoclinic},
     error::{Error, Result},
     experiments::{StabilityOptions, stability},
     output::Folder,
@@ -20,8 +20,19 @@ use std::{f64::consts::PI, process::ExitCode};
 pub(super) fn main(args: &DpsArgs) -> Exit {
     match &args.action {
         DpsAction::Integrals(args) => integrals(args),
+        DpsAction::Homoclinic(args) => homoclinic(args),
         DpsAction::Stability(args) => wave_stability(args),
     }
+}
+
+fn homoclinic(args: &HomoclinicArgs) -> Exit {
+    let center = match args.center {
+        CenterArg::Site => Center::Site,
+        CenterArg::Bond => Center::Bond,
+    };
+    let one = Homoclinic::new(args.alpha, center)?;
+    print(&if args.json { report::homoclinic_json(&one) + "\n" } else { report::homoclinic_table(&one) });
+    Ok(ExitCode::SUCCESS)
 }
 
 fn integrals(args: &IntegralsArgs) -> Exit {

@@ -2,10 +2,12 @@
 
 mod ansatz;
 mod flow;
+mod homoclinic;
 mod hypergeometric;
 mod integrals;
 
 pub(crate) use ansatz::first_order;
 pub use ansatz::{Ansatz, Envelope, project};
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
+pub use homoclinic::{Center, Homoclinic};
 pub use integrals::{Averages, Values};

@@ -1,7 +1,10 @@
 //! Reports of the modulation equations.
 
 use super::table;
-use crate::{dps::Values, output::to_json};
+use crate::{
+    dps::{Homoclinic, Values},
+    output::to_json,
+};
 use serde_json::{Value, json};
 
 /// The averages as JSON; infinite slopes, which JSON has no number for, as `"inf"` and `"-inf"`.
@@ -29,4 +32,27 @@ fn rows(values: &Values) -> [(&'static str, &'static str, f64); 8] {
         ("drh_db", "d (r h) / d b", values.drh_db),
         ("drh_dr", "d (r h) / d r", values.drh_dr),
     ]
+}
+
+/// A homoclinic solution as JSON.
+pub fn homoclinic_json(one: &Homoclinic) -> String {
+    to_json(&json!({
+        "alpha": one.alpha(),
+        "omega_0": one.omega_0(),
+        "n": one.sites().collect::<Vec<_>>(),
+        "a": one.sites().map(|n| one.a(n)).collect::<Vec<_>>(),
+        "residual": one.residual(),
+    }))
+}
+
+/// A homoclinic solution as a table, all digits.
+pub fn homoclinic_table(one: &Homoclinic) -> String {
+    let rows: Vec<_> = one.sites().map(|n| vec![n.to_string(), format!("{:e}", one.a(n))]).collect();
+    table(&["n", "a_n"], &rows)
+        + &format!(
+            "\nalpha = {}, omega_0 = {}; largest relative residual of (dpsstat) {:.1e}\n",
+            one.alpha(),
+            one.omega_0(),
+            one.residual()
+        )
 }
