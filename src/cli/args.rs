@@ -29,6 +29,11 @@ pub(super) enum Command {
     Dps(DpsArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
+    /// Hold every number in the text of the paper's Sec. 3 and 4 against ours: what it says, what we get, the verdict, and why if they differ.
+    ///
+    /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
+    /// one is not, or a run failed.
+    Verify(VerifyArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -184,6 +189,19 @@ pub(super) struct WaveArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the tables.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct VerifyArgs {
+    /// One section of the paper: 3 or 4 [default: all].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(super) section: Option<u32>,
+    /// Folder for verify.txt, verify.csv and verify.json [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -9,6 +9,7 @@ mod order;
 mod run;
 mod scaling;
 mod scenes;
+mod verify;
 mod wave;
 
 use crate::error::Result;
@@ -27,6 +28,7 @@ pub fn main() -> ExitCode {
         Command::Drift(args) => drift::main(&args),
         Command::Dps(args) => dps::main(&args),
         Command::Wave(args) => wave::main(&args),
+        Command::Verify(args) => verify::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

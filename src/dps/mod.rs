@@ -10,4 +10,5 @@ pub(crate) use ansatz::first_order;
 pub use ansatz::{Ansatz, Envelope, project};
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
 pub use homoclinic::{Center, Homoclinic};
+pub(crate) use hypergeometric::per_gamma;
 pub use integrals::{Averages, Values};

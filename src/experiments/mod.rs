@@ -6,6 +6,7 @@ mod order;
 mod run;
 mod scaling;
 mod stability;
+mod verify;
 mod wave;
 
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
@@ -14,6 +15,7 @@ pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theo
 pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
+pub use verify::{Item, Rule, Verdict, Verification, verify};
 pub use wave::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave};
 
 /// Least-squares slope, and the largest residual.

@@ -287,7 +287,7 @@ impl Track {
 }
 
 /// The state at time `t` of a run that has not gone beyond the step that holds it.
-fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
+pub(super) fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
         run.step()?;
     }

@@ -9,6 +9,7 @@ mod run;
 mod scaling;
 mod stability;
 mod table;
+mod verify;
 mod wave;
 
 pub use compare::{comparison_csv, comparison_json, comparison_table};
@@ -20,6 +21,7 @@ pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
 pub use stability::{measured_growth_csv, stability_chart_csv, stability_csv, stability_json, stability_table};
 pub use table::table;
+pub use verify::{verify_csv, verify_json, verify_table};
 pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table};
 
 #[cfg(feature = "plot")]

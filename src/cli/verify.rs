@@ -1,0 +1,27 @@
+//! `hertzchain verify`.
+
+use super::{Exit, args::VerifyArgs, print, progress_bar};
+use crate::{experiments::verify, output::Folder, report};
+use std::process::ExitCode;
+
+pub(super) fn main(args: &VerifyArgs) -> Exit {
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let bar = progress_bar();
+    let verification = verify(args.section, &|done, total| bar.set_position(1000 * done / total));
+    bar.finish_and_clear();
+    let verification = verification?;
+    let (json, table) = (report::verify_json(&verification), report::verify_table(&verification));
+    print(&if args.json { json.clone() + "\n" } else { table.clone() });
+    if let Some(folder) = folder {
+        folder.write("verify.txt", table.as_bytes())?;
+        folder.write("verify.csv", &report::verify_csv(&verification))?;
+        folder.write("verify.json", json.as_bytes())?;
+        eprintln!("written to {}", folder.path().display());
+    }
+    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.id).collect();
+    if unexpected.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    eprintln!("not as known: {}", unexpected.join(", "));
+    Ok(ExitCode::FAILURE)
+}

@@ -1,0 +1,78 @@
+//! Measurements that several sections take on the full chain.
+
+use crate::{
+    chain::{Boundary, Chain, Params, State},
+    error::Result,
+    experiments::{fit_line, wave::state_at},
+    waves::{Shape, Size, TravellingWave, strains},
+};
+use hertzchain_integrators::{VectorField, collocation::Pace};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Slow time over which a frequency is measured.
+const SLOW_TIME: f64 = 30.0;
+/// Size at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the frequency shift.
+const SIZE: f64 = 1e-5;
+/// Sites of the ring; a wave with `q = 4 pi/5` fits twice.
+const SITES: usize = 5;
+
+/// A small wave with `alpha = 3/2, rho = 1, q = 4 pi/5, a = 1`.
+pub(super) fn small_wave(kappa: f64, b: f64) -> Result<TravellingWave> {
+    let shape = Shape { q: 0.8 * PI, a: 1.0, b, phi: 0.0 };
+    TravellingWave::new(Params::new(1.5, kappa, 1.0)?, shape, Size::Epsilon(SIZE))
+}
+
+/// `Omega` on the chain: the slope, in the slow time, of the phase of `sum_n D_n e^{iqn}`.
+pub(super) fn measured_slow_frequency(wave: &TravellingWave) -> Result<f64> {
+    let (params, q, end) = (wave.params(), wave.shape().q, SLOW_TIME / wave.slow_time(1.0));
+    let chain = Chain::new(params, Boundary::StrainRing, SITES)?;
+    let start = State::from_fn(&chain, |n| wave.site(n, 0.0))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
+    // Not in step with the oscillation, so that its harmonics leave no trace.
+    let count = (1.3 * end * params.omega() / (2.0 * PI)).ceil() as u32;
+    let (mut phase, mut points) = (0.0, Vec::new());
+    for k in 0..=count {
+        let t = end * f64::from(k) / f64::from(count);
+        let y = state_at(&mut run, t)?;
+        let part = |k: usize| &y[k * SITES..(k + 1) * SITES];
+        let envelope = strains(wave, t, [part(0), part(1), part(2), part(3)]);
+        let turned = envelope.iter().enumerate().map(|(n, d)| d * Complex64::from_polar(1.0, q * n as f64));
+        phase += (turned.sum::<Complex64>().arg() - phase + PI).rem_euclid(2.0 * PI) - PI;
+        points.push((wave.slow_time(t), phase));
+    }
+    Ok(fit_line(&points).map_or(f64::NAN, |line| line.0))
+}
+
+/// The slope of a modulation equation at the state `z`.
+pub(super) fn slope(mut flow: impl VectorField<f64>, z: &[f64]) -> Vec<f64> {
+    let mut dz = vec![0.0; z.len()];
+    flow.eval(0.0, z, &mut dz);
+    dz
+}
+
+/// The share of a profile that is not the sinusoid with so many waves on it, relative to that sinusoid, in quadratic mean.
+pub(super) fn distortion(profile: &[f64], waves: f64) -> f64 {
+    let count = profile.len() as f64;
+    let mean = profile.iter().sum::<f64>() / count;
+    let turn = |n: usize| Complex64::from_polar(1.0, -2.0 * PI * waves * n as f64 / count);
+    let mode = profile.iter().enumerate().map(|(n, x)| (x - mean) * turn(n)).sum::<Complex64>() * (2.0 / count);
+    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let sinusoid = |n: usize| (mode * turn(n).conj()).re;
+    let rest = square(&mut profile.iter().enumerate().map(|(n, x)| x - mean - sinusoid(n)));
+    (rest / square(&mut (0..profile.len()).map(sinusoid))).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distortion_is_that_of_two_sinusoids() {
+        let phase = |n: usize, waves: f64| 2.0 * PI * waves * n as f64 / 50.0;
+        let profile: Vec<f64> =
+            (0..50).map(|n| 7.0 + 2.0 * (phase(n, 5.0) + 0.3).cos() + 0.5 * phase(n, 10.0).sin()).collect();
+        assert!((distortion(&profile, 5.0) - 0.25).abs() < 1e-14);
+        assert!((distortion(&profile, 10.0) - 4.0).abs() < 1e-12);
+    }
+}

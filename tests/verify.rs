@@ -1,0 +1,182 @@
+//! The paper's numbers against ours: the table, its contract, and that it notices a number that has changed.
+
+use hertzchain::experiments::{Item, Rule, Verdict, Verification, verify};
+use std::{collections::HashSet, sync::OnceLock};
+
+/// All sections, made once.
+fn all() -> &'static Verification {
+    static ALL: OnceLock<Verification> = OnceLock::new();
+    ALL.get_or_init(|| verify(None, &|_, _| {}).unwrap())
+}
+
+fn item(id: &str) -> &'static Item {
+    all().items.iter().find(|item| item.id == id).unwrap_or_else(|| panic!("no item {id}"))
+}
+
+#[test]
+fn every_verdict_is_the_one_that_is_known() {
+    let unexpected: Vec<_> = all().unexpected().map(|item| (item.id, item.value)).collect();
+    assert!(unexpected.is_empty(), "{unexpected:?}");
+}
+
+#[test]
+fn items_are_named_once_in_the_order_of_the_paper_and_differences_have_reasons() {
+    let items = &all().items;
+    let names: HashSet<&str> = items.iter().map(|item| item.id).collect();
+    assert_eq!(names.len(), items.len());
+    assert!(items.is_sorted_by_key(|item| item.section));
+    for item in items {
+        assert!(item.id.starts_with(&format!("s{}", item.section)), "{}", item.id);
+        assert!(!item.quantity.is_empty() && !item.label.is_empty() && !item.paper.is_empty(), "{}", item.id);
+        let good = matches!(item.verdict(), Verdict::Agrees | Verdict::Holds);
+        assert!(good || item.instead.is_some() && !item.why.is_empty(), "{} differs without a reason", item.id);
+        if let (Rule::Digits(printed), false) = (item.rule, item.statement) {
+            assert_eq!(printed, item.paper, "{}: a printed number is held against its own digits", item.id);
+            assert!(printed.parse::<f64>().is_ok(), "{printed}");
+        }
+    }
+}
+
+// Truth: the paper's misprints as derived from the model; nothing else in these sections is known to differ.
+#[test]
+fn the_known_differences_are_these() {
+    let differ: Vec<&str> = all().items.iter().filter(|item| item.instead.is_some()).map(|item| item.id).collect();
+    let known = [
+        "s3.1-D1",
+        "s3.1-factor",
+        "s4-disp",
+        "s4-Omega0",
+        "s4-h-domain",
+        "s4-cc",
+        "s4.1-period",
+        "s4.1-q45-later",
+        "s4.2-rho3-Ey",
+        "s4.2-rho3-stable",
+        "s4.2-b0-modulations",
+    ];
+    assert_eq!(differ, known);
+}
+
+// Truth: closed forms, and the runs of the seven waves by another program (errors in percent, to the digits given).
+#[test]
+fn our_numbers_are_right() {
+    let close = |id: &str, truth: f64, within: f64| {
+        let value = item(id).value;
+        assert!((value / truth - 1.0).abs() <= within, "{id}: {value} is not {truth}");
+    };
+    let pi = std::f64::consts::PI;
+    close("s4.1-period", 2.0 * pi / 2.001, 1e-15);
+    close("s4.1-epsilon", 0.057_113_112_999_943_07, 1e-12);
+    close("s4.2-rho3-omega", (4.0f64 / 3.0).sqrt(), 1e-15);
+    close("s4.2-rho-c", 10.0, 1e-14);
+    close("s4.2-rho1000-gamma", 2.5, 1e-14);
+    close("s3.1-harmonics", 12.0, 1e-12);
+    for (id, percent) in [
+        ("s4.1-Ex-end", 4.94),
+        ("s4.1-Ey-end", 2.25),
+        ("s4.1-Ex-max", 7.64),
+        ("s4.1-Ey-max", 2.84),
+        ("s4.1-q45-Ex", 5.49),
+        ("s4.1-q45-Ey", 2.24),
+        ("s4.1-q45-fast-fails", 47.4),
+        ("s4.2-rho3-Ex", 7.01),
+        ("s4.2-rho3-Ey", 17.0),
+        ("s4.2-rho10-Ex", 8.92),
+        ("s4.2-rho1000-Ex", 4.97),
+        ("s4.2-rho1000-Ey", 433.0),
+    ] {
+        close(id, percent, 2e-3);
+    }
+}
+
+#[test]
+fn a_changed_number_is_noticed() {
+    for item in &all().items {
+        // Two parts in three is beyond every printed digit; a bound may be far off, then the value goes there.
+        let moved = match (item.instead.unwrap_or(item.rule), item.instead.is_some()) {
+            (Rule::AtMost(bound), _) => bound.abs().max(1e-300) * 2.0,
+            (Rule::AtLeast(bound), _) => bound / 2.0 - f64::MIN_POSITIVE,
+            _ => item.value * 3.0,
+        };
+        for value in [moved, f64::NAN] {
+            let changed = Item { value, ..*item };
+            assert!(!changed.as_expected(), "{}: {value} for {} passes", item.id, item.value);
+        }
+    }
+}
+
+#[test]
+fn a_section_alone_has_the_items_it_has_in_all() {
+    let part = verify(Some(3), &|_, _| {}).unwrap();
+    let whole: Vec<Item> = all().items.iter().filter(|item| item.section == 3).copied().collect();
+    assert!(!part.items.is_empty());
+    assert_eq!(part.items, whole);
+    let text = verify(Some(7), &|_, _| {}).unwrap_err().to_string();
+    assert!(text.contains("section = 7 is not valid: ") && text.contains("3 or 4"), "{text}");
+}
+
+#[cfg(feature = "cli")]
+mod command {
+    use serde_json::Value;
+    use std::process::{Command, Output};
+
+    fn hertzchain(args: &[&str], threads: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
+    }
+
+    #[test]
+    fn json_csv_and_table_hold_the_same_items() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("deep/er");
+        let output = hertzchain(&["verify", "--section", "3", "--json", "--out", out.to_str().unwrap()], "2");
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&read("verify.json")).unwrap(), printed);
+        let items = printed["items"].as_array().unwrap();
+        assert!(printed["as_expected"] == true && printed["wall_s"].is_f64() && printed["version"].is_string());
+        let words = ["agrees", "differs", "holds", "fails"];
+        let counted: u64 = words.iter().map(|word| printed["counts"][word].as_u64().unwrap()).sum();
+        assert_eq!(counted as usize, items.len());
+        let (csv, table) = (read("verify.csv"), read("verify.txt"));
+        assert_eq!(csv.lines().count(), items.len() + 1);
+        for (item, line) in items.iter().zip(csv.lines().skip(1)) {
+            for name in ["id", "label", "quantity", "paper", "rule", "shown", "verdict", "expected", "why"] {
+                assert!(item[name].is_string(), "{name}: {item}");
+            }
+            assert!(item["value"].is_f64() && item["section"] == 3 && item["as_expected"] == true, "{item}");
+            let (id, verdict) = (item["id"].as_str().unwrap(), item["verdict"].as_str().unwrap());
+            assert!(words.contains(&verdict));
+            assert!(line.starts_with(&format!("{id},3,")) && line.contains(verdict), "{line}");
+            assert!(table.contains(id) && table.contains(item["shown"].as_str().unwrap()), "{id}");
+        }
+        assert!(table.ends_with("all as known.\n"), "{table}");
+    }
+
+    #[test]
+    fn numbers_are_the_same_on_one_thread_and_on_three() {
+        let on = |threads| {
+            let mut value: Value =
+                serde_json::from_slice(&hertzchain(&["verify", "--section", "4", "--json"], threads).stdout).unwrap();
+            value["wall_s"] = Value::Null;
+            value
+        };
+        assert_eq!(on("1"), on("3"));
+    }
+
+    #[test]
+    fn refusals_name_value_and_rule() {
+        for (args, message) in [
+            (["verify", "--section", "7"], "section = 7 is not valid: a section of the paper that has items: 3 or 4"),
+            (["verify", "--section", "-3"], "invalid value '-3'"),
+            (["verify", "--section", "4.1"], "invalid value '4.1'"),
+        ] {
+            let output = hertzchain(&args, "1");
+            let text = String::from_utf8(output.stderr).unwrap();
+            assert!(!output.status.success() && output.stdout.is_empty(), "{args:?}");
+            assert!(text.contains(message) && !text.contains("panicked"), "{args:?}: {text}");
+        }
+        let help = String::from_utf8(hertzchain(&["verify", "--help"], "1").stdout).unwrap();
+        assert!(help.contains("Exit code 0") && help.contains("Exit code 1"), "{help}");
+    }
+}
