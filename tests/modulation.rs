@@ -117,7 +117,7 @@ fn the_closed_form_has_all_eigenvalues_of_the_flow() {
     assert!(worst[0] < 1e-9 && worst[1] < 6e-5);
 }
 
-// Truth: the flow, integrated. Measured: 1.4e-7 at worst, the nonlinearity of what has grown.
+// Truth: the flow, integrated. Measured: 1.2e-8 at worst.
 #[test]
 fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
     let mut worst = 0f64;
@@ -142,7 +142,7 @@ fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
         println!("N = {sites}, j = {j}: {lambda:?}, {error:e}");
         worst = worst.max(error);
     }
-    assert!(worst < 1e-6, "{worst:e}");
+    assert!(worst < 2.5e-8, "{worst:e}");
 }
 
 /// `s` from means with the weight `(cos t - beta)_+^{alpha-1}`, by the midpoint rule, in `t = t_c sin(theta)` if the contact opens.
