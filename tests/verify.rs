@@ -155,9 +155,10 @@ mod command {
 
     #[test]
     fn numbers_are_the_same_on_one_thread_and_on_three() {
+        // The runs of Sec. 4 are those of `wave`, which has such a test of its own.
         let on = |threads| {
             let mut value: Value =
-                serde_json::from_slice(&hertzchain(&["verify", "--section", "4", "--json"], threads).stdout).unwrap();
+                serde_json::from_slice(&hertzchain(&["verify", "--section", "3", "--json"], threads).stdout).unwrap();
             value["wall_s"] = Value::Null;
             value
         };
