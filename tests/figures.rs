@@ -33,17 +33,14 @@ fn line(name: &str, values: &[f64]) -> Line {
     Line { name: name.into(), points: values.iter().enumerate().map(|(n, &v)| (n as f64, v)).collect() }
 }
 
-fn chain(values: &[f64]) -> Profile {
+fn chain(values: &[f64]) -> Panels {
     let panel = |label: &str| Panel {
-        label: label.into(),
+        x_label: "site n".into(),
+        y_label: label.into(),
         lines: ["numerical", "approximation", "linear"].map(|name| line(name, values)).into(),
+        ..Panel::default()
     };
-    Profile {
-        title: "Strain at t = 100".into(),
-        site_label: "site n".into(),
-        panels: vec![panel("strain xₙ"), panel("resonator strain yₙ")],
-        caption: CAPTION.into(),
-    }
+    Panels::column("Strain at t = 100", vec![panel("strain xₙ"), panel("resonator strain yₙ")], CAPTION)
 }
 
 fn map(values: Vec<f64>, sites: usize) -> SpaceTime {
@@ -75,15 +72,15 @@ fn contacts(bars: &[(f64, f64, f64, f64)]) -> Raster {
     }
 }
 
-fn energies(values: &[f64], log: bool) -> TimeSeries {
-    TimeSeries {
-        title: "Energy".into(),
-        time_label: "time t".into(),
-        value_label: "relative error of H(t)".into(),
-        log,
+fn energies(values: &[f64], log: bool) -> Panels {
+    let panel = Panel {
+        kind: if log { Kind::LogTime } else { Kind::Time },
+        x_label: "time t".into(),
+        y_label: "relative error of H(t)".into(),
         lines: vec![line("Störmer–Verlet", values), line("τ = 10⁻³", values)],
-        caption: CAPTION.into(),
-    }
+        ..Panel::default()
+    };
+    Panels::column("Energy", vec![panel], CAPTION)
 }
 
 /// The pixels of a figure, row by row, and its caption as the file keeps it.
@@ -105,9 +102,9 @@ fn the_same_numbers_give_the_same_bytes_and_keep_their_caption() {
     let draw = || {
         [
             work_precision(&diagram(6)).unwrap(),
-            profile(&chain(&wave)).unwrap(),
+            panels(&chain(&wave)).unwrap(),
             space_time(&map(wave.clone(), 8)).unwrap(),
-            series(&energies(&wave, true)).unwrap(),
+            panels(&energies(&wave, true)).unwrap(),
             raster(&contacts(&[(2.0, 10.0, 20.0, 1.0), (7.0, 15.0, 60.0, 2.0)])).unwrap(),
         ]
     };
@@ -127,10 +124,10 @@ fn the_font_has_the_letters_of_the_labels() {
         []
     );
     assert_eq!(missing_glyphs("ok\n日\t日"), ['\t', '日']);
-    let wrong = |text: &str| TimeSeries { title: text.into(), ..energies(&[1.0, 2.0], false) };
-    assert!(series(&wrong("日")).unwrap_err().to_string().contains('日'));
-    let wrong = TimeSeries { caption: "日".into(), ..energies(&[1.0, 2.0], false) };
-    assert!(series(&wrong).is_err());
+    let wrong = |text: &str| Panels { title: text.into(), ..energies(&[1.0, 2.0], false) };
+    assert!(panels(&wrong("日")).unwrap_err().to_string().contains('日'));
+    let wrong = Panels { caption: "日".into(), ..energies(&[1.0, 2.0], false) };
+    assert!(panels(&wrong).is_err());
 }
 
 #[test]
@@ -141,12 +138,12 @@ fn figures_of_nothing_are_errors() {
         point.error = 0.0;
     }
     assert!(work_precision(&unusable).is_err());
-    assert!(profile(&chain(&[])).is_err());
-    assert!(profile(&Profile { panels: vec![], ..chain(&[1.0]) }).is_err());
+    assert!(panels(&chain(&[])).is_err());
+    assert!(panels(&Panels { columns: vec![], ..chain(&[1.0]) }).is_err());
     assert!(space_time(&map(vec![], 3)).is_err());
     assert!(space_time(&map(vec![1.0; 4], 3)).is_err());
     assert!(space_time(&map(vec![1.0; 4], 0)).is_err());
-    assert!(series(&energies(&[0.0, -1.0, f64::NAN], true)).is_err());
+    assert!(panels(&energies(&[0.0, -1.0, f64::NAN], true)).is_err());
 }
 
 #[test]
@@ -174,11 +171,11 @@ fn odd_numbers_are_drawn_without_panic() {
         vec![1.0, 1.0 + f64::EPSILON],
     ];
     let draw = |values: &[f64]| {
-        profile(&chain(values)).unwrap();
+        panels(&chain(values)).unwrap();
         space_time(&map(values.to_vec(), 1)).unwrap();
         let one_moment = SpaceTime { times: (3.0, 3.0), signed: false, ..map(values.to_vec(), values.len()) };
         space_time(&one_moment).unwrap();
-        assert_eq!(series(&energies(values, true)).is_ok(), values.iter().any(|&v| v > 0.0));
+        assert_eq!(panels(&energies(values, true)).is_ok(), values.iter().any(|&v| v > 0.0));
         let bars: Vec<_> = values.iter().enumerate().map(|(n, &shade)| (n as f64, n as f64, n as f64, shade)).collect();
         raster(&contacts(&bars)).unwrap();
         raster(&Raster { times: (3.0, 3.0), bonds: (2.0, 2.0), ..contacts(&bars) }).unwrap();
@@ -329,4 +326,162 @@ fn a_guide_runs_through_the_middle_at_its_slope() {
     }
     let long = WorkPrecision { guides: vec![(1.0, "order ".repeat(60))], ..bare };
     assert!(work_precision(&long).is_err());
+}
+
+fn growth_of(measured: &[(f64, f64)], map: Option<GrowthMap>) -> Growth {
+    Growth {
+        title: "Growth of modulations".into(),
+        wave_label: "wave number p / π".into(),
+        growth_label: "growth rate Re λ".into(),
+        theory: Line { name: "theory".into(), points: vec![(0.0, 0.0), (1.0, 0.0)] },
+        measured: vec![Line { name: "full chain, ε = 0.01".into(), points: measured.to_vec() }],
+        map,
+        caption: CAPTION.into(),
+    }
+}
+
+fn chart(values: Vec<f64>) -> GrowthMap {
+    let nothing = Line { name: "this wave".into(), points: vec![] };
+    GrowthMap {
+        labels: ["q / π", "b / (2κa)", "fastest growth"].map(String::from),
+        x: (0.0, 1.0),
+        y: (-3.0, 1.0),
+        values,
+        columns: 2,
+        lines: vec![Line { name: "edge".into(), points: vec![(0.5, -3.0), (0.5, 1.0)] }],
+        points: nothing,
+    }
+}
+
+/// Whether a pixel of a colour lies within so many pixels of a place, in shares of the width and, upwards, the height.
+fn has(picture: &[Vec<[u8; 3]>], (x, y): (f64, f64), near: usize, colour: impl Fn(&[u8; 3]) -> bool) -> bool {
+    let (x, y) = ((x * picture[0].len() as f64) as usize, ((1.0 - y) * picture.len() as f64) as usize);
+    let rows = &picture[y.saturating_sub(near)..(y + near).min(picture.len())];
+    rows.iter().any(|row| row[x.saturating_sub(near)..(x + near).min(row.len())].iter().any(&colour))
+}
+
+fn blue(p: &[u8; 3]) -> bool {
+    p[2] > p[0].saturating_add(40)
+}
+
+fn orange(p: &[u8; 3]) -> bool {
+    p[0] > p[2].saturating_add(40)
+}
+
+#[test]
+fn measured_growth_lies_where_it_was_measured() {
+    let bytes = growth(&growth_of(&[(0.25, 1.0)], None)).unwrap();
+    assert_eq!(decode(&bytes).1, CAPTION);
+    assert_eq!(Ok(&bytes), growth(&growth_of(&[(0.25, 1.0)], None)).as_ref());
+    let picture = inside(&bytes);
+    // The ordinate goes from -0.06 to 1.06.
+    assert!(has(&picture, (0.25, 1.06 / 1.12), 8, blue));
+    assert!(!has(&picture, (0.75, 1.06 / 1.12), 8, blue));
+    assert!(has(&picture, (0.75, 0.06 / 1.12), 4, |p| p[0] < 60), "theory");
+}
+
+#[test]
+fn a_map_of_growth_has_its_lowest_row_at_the_bottom_and_whole_rows_only() {
+    let (pixels, _) = decode(&growth(&growth_of(&[], Some(chart(vec![0.0, 0.0, 1.0, 1.0])))).unwrap());
+    let yellow = |p: &[u8; 3]| p[0] > 240 && p[1] > 220 && p[2] < 60;
+    // Half of the map, and the end of the colour bar beside it.
+    let places = pixels.iter().enumerate().filter(|(_, p)| yellow(p)).map(|(k, _)| k / SIZE.0 as usize);
+    let rows: Vec<usize> = places.collect();
+    let (top, bottom) = (rows[0], rows[rows.len() - 1]);
+    assert!(rows.len() > 20_000 && top < 130 && (300..450).contains(&bottom), "{top} {bottom} {}", rows.len());
+
+    assert!(growth(&growth_of(&[], Some(chart(vec![1.0; 3])))).is_err());
+    assert!(growth(&growth_of(&[], Some(chart(vec![])))).is_err());
+    assert!(growth(&growth_of(&[], Some(GrowthMap { columns: 0, ..chart(vec![1.0; 4]) }))).is_err());
+    let no_theory = Line { name: "theory".into(), points: vec![(f64::NAN, 1.0)] };
+    assert!(growth(&Growth { theory: no_theory, ..growth_of(&[(0.5, 1.0)], None) }).is_err());
+}
+
+/// Two lines over time: at 0, and at `high` until the middle.
+fn two_lines(high: f64) -> Panel {
+    let line = |name: &str, points: &[(f64, f64)]| Line { name: name.into(), points: points.into() };
+    Panel {
+        kind: Kind::Time,
+        x_label: "time t".into(),
+        y_label: "E (%)".into(),
+        lines: vec![line("E_x", &[(0.0, 0.0), (1.0, 0.0)]), line("E_y", &[(0.0, high), (0.5, high), (1.0, 0.0)])],
+        ..Panel::default()
+    }
+}
+
+#[test]
+fn bands_fill_what_they_span_and_both_show_where_they_overlap() {
+    let band = |low: f64, high: f64, to: f64| Band {
+        name: "range".into(),
+        points: vec![(0.0, low, high), (to, low, high), (f64::NAN, 0.0, 1.0), (1.0, low, high)],
+    };
+    let panel = Panel { bands: vec![band(1.0, 3.0, 0.6), band(2.0, 4.0, 0.6)], ..two_lines(0.0) };
+    let picture = inside(&panels(&Panels::column("Bands", vec![panel], CAPTION)).unwrap());
+    // The ordinate goes from -0.24 to 4.24; places between grid lines.
+    let at = |x: f64, y: f64| {
+        picture[((1.0 - (y + 0.24) / 4.48) * picture.len() as f64) as usize][(x * picture[0].len() as f64) as usize]
+    };
+    let [below, both, above] = [1.2, 2.8, 3.2].map(|y| at(0.33, y));
+    assert!(blue(&below) && orange(&above), "{below:?} {above:?}");
+    assert_eq!(both, std::array::from_fn(|k| below[k].min(above[k])));
+    for (x, y) in [(0.33, 0.8), (0.33, 4.1), (0.7, 2.8)] {
+        assert_eq!(at(x, y), [255; 3], "({x}, {y})");
+    }
+}
+
+#[test]
+fn an_inset_covers_no_data() {
+    let inset = |line: usize| Some(Inset { label: "E_x (%)".into(), line });
+    let draw = |panel: Panel| panels(&Panels::column("Inset", vec![panel], CAPTION));
+    let bare = inside(&draw(two_lines(5.0)).unwrap());
+    let with = inside(&draw(Panel { inset: inset(0), ..two_lines(5.0) }).unwrap());
+    let count = |picture: &[Vec<[u8; 3]>], rows: std::ops::Range<f64>| {
+        let (from, to) = ((rows.start * picture.len() as f64) as usize, (rows.end * picture.len() as f64) as usize);
+        picture[from..to].iter().flatten().filter(|p| orange(p)).count()
+    };
+    // E_y is at the top without an inset, and below the inset with one; none of it is lost.
+    assert!(count(&bare, 0.0..0.46) > 1000);
+    assert_eq!(count(&with, 0.0..0.46), 0);
+    assert!(count(&with, 0.46..1.0) > 1000);
+    assert!(with[..with.len() / 2].iter().flatten().any(blue), "the enlarged line");
+
+    assert!(draw(Panel { inset: inset(2), ..two_lines(5.0) }).is_err());
+    assert!(draw(Panel { inset: inset(0), kind: Kind::LogTime, ..two_lines(5.0) }).is_err());
+}
+
+#[test]
+fn columns_stand_side_by_side_and_none_is_empty() {
+    let column = |heading: &str, panels: Vec<Panel>| Column { heading: heading.into(), panels };
+    let figure = |columns: Vec<Column>| Panels { columns, ..Panels::column("Columns", vec![], CAPTION) };
+    let (left, right) = (two_lines(5.0), two_lines(0.0));
+    let bytes = panels(&figure(vec![column("one", vec![left.clone(), left]), column("ζ = 0.1", vec![right])])).unwrap();
+    let (pixels, _) = decode(&bytes);
+    // E_y is high in the panels at the left only.
+    let wide = SIZE.0 as usize;
+    let high = |columns: std::ops::Range<usize>| {
+        pixels.iter().enumerate().filter(|(k, p)| columns.contains(&(k % wide)) && k / wide < 250 && orange(p)).count()
+    };
+    assert!(high(0..wide / 2) > 300 + high(wide / 2..wide), "{} {}", high(0..wide / 2), high(wide / 2..wide));
+    assert!(panels(&figure(vec![])).is_err());
+    assert!(panels(&figure(vec![column("empty", vec![])])).is_err());
+    assert!(panels(&figure(vec![column("no lines", vec![Panel::default()])])).is_err());
+}
+
+// A row of fine pixels lost to rounding would make one line lighter than the other.
+#[test]
+fn a_text_is_as_dark_wherever_its_line_falls() {
+    let caption = ["Hlll", "Hlll", "Hlll", "Hlll", "Hlll", "Hlll"].join("\n");
+    let mut figure = energies(&[1.0, 2.0], false);
+    figure.caption = caption;
+    let (pixels, _) = decode(&panels(&figure).unwrap());
+    let rows: Vec<u64> = pixels
+        .chunks(SIZE.0 as usize)
+        .map(|row| row[..60].iter().map(|p| u64::from(255 - p[0])).sum::<u64>())
+        .collect();
+    // From the bottom: six lines of letters without descenders.
+    let lines: Vec<u64> =
+        rows[670..].split(|&ink| ink == 0).filter(|line| !line.is_empty()).map(|line| line.iter().sum()).collect();
+    assert_eq!(lines.len(), 6);
+    let (least, most) = (*lines.iter().min().unwrap(), *lines.iter().max().unwrap());
+    assert!(most < least + least / 20, "{lines:?}");
 }

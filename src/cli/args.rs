@@ -34,6 +34,8 @@ pub(super) enum Command {
     /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
     /// one is not, or a run failed.
     Verify(VerifyArgs),
+    /// Compute the figures of the paper: pictures, and the numbers behind them as CSV.
+    Figures(FiguresArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -302,6 +304,19 @@ pub(super) struct StabilityArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct FiguresArgs {
+    /// Figures, separated by commas [default: all].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    pub(super) only: Vec<String>,
+    /// Folder for NAME.png and the tables NAME-….csv.
+    #[arg(long, value_name = "DIR", default_value = "out/figures")]
+    pub(super) out: PathBuf,
+    /// Print JSON instead of the table: name, source, title, files, caption, wall time.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -54,13 +54,9 @@ fn wave_stability(args: &StabilityArgs) -> Exit {
     let json = report::stability_json(&study);
     print(&if args.json { json.clone() + "\n" } else { report::stability_table(&study) });
     if let Some(folder) = folder {
-        folder.write("stability.csv", &report::stability_csv(&study))?;
         folder.write("stability.json", json.as_bytes())?;
-        if args.measure {
-            folder.write("measured.csv", &report::measured_growth_csv(&study))?;
-        }
-        if let Some(chart) = &study.chart {
-            folder.write("chart.csv", &report::stability_chart_csv(chart))?;
+        for (name, bytes) in report::stability_tables(&study) {
+            folder.write(name, &bytes)?;
         }
         #[cfg(feature = "plot")]
         folder.write("dps-growth.png", &report::stability_png(&study)?)?;

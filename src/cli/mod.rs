@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod dps;
 mod drift;
+mod figures;
 mod integrators;
 mod order;
 mod run;
@@ -29,6 +30,7 @@ pub fn main() -> ExitCode {
         Command::Dps(args) => dps::main(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Verify(args) => verify::main(&args),
+        Command::Figures(args) => figures::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

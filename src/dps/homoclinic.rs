@@ -27,6 +27,10 @@ const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
 const PRECISION: usize = 128;
 /// The middle ends where `b_n` falls below this; it is more than the exact solution has.
 const MIDDLE: f64 = 1e-30;
+/// Where it stops to be good, as a share of its largest value.
+const GOOD: f64 = 1e-8;
+/// The tail ends this far below the smallest normal double, so that the zero behind it is none.
+const BEYOND: f64 = 1e-40;
 /// Iterations that a middle may take, and steps of Newton's method.
 const MOST: usize = 100_000;
 const MOST_NEWTON: usize = 20;
@@ -69,7 +73,15 @@ impl Homoclinic {
         if !ALPHAS.contains(&alpha) {
             return Err(Error::parameter("alpha", alpha, "homoclinics are computed for alpha from 1.01 to 10"));
         }
-        let b = refined(alpha, center, with_tail(alpha, middle(alpha, center)?))?;
+        let middle = middle(alpha, center)?;
+        let good = middle.iter().take_while(|b| **b > GOOD * middle[0]);
+        let mut b: Vec<Big> = good.map(|b| big(*b)).collect();
+        let beyond = big(f64::MIN_POSITIVE) * big(BEYOND);
+        // What follows the end in a power of it is too little where alpha is near one: then once more.
+        while b.last().is_none_or(|last| *last > beyond) {
+            extend(alpha, &mut b, &beyond);
+            b = refined(alpha, center, b)?;
+        }
         let half = b.iter().map(|b| b.to_f64().value()).take_while(|b| b.is_normal()).collect();
         let omega_0 = 0.5 * Averages::new(alpha, 1.0)?.h(0.0, 1.0);
         Ok(Self { alpha, center, omega_0, half })
@@ -158,22 +170,14 @@ fn middle(alpha: f64, center: Center) -> Result<Vec<f64>> {
     Err(Error::parameter("alpha", alpha, "the iteration for the middle of a homoclinic settles"))
 }
 
-/// The middle as far as it is good, and the tail `b_{n+1} = b_n^alpha` to beyond the smallest double.
-fn with_tail(alpha: f64, middle: Vec<f64>) -> Vec<Big> {
+/// The tail from the end to beyond a value: `b_{n+1} = b_n^alpha`.
+fn extend(alpha: f64, b: &mut Vec<Big>, beyond: &Big) {
     let power = big(alpha);
-    let good = middle.iter().position(|b| *b < 1e-8 * middle[0]).unwrap_or(middle.len());
-    let mut b: Vec<Big> = middle[..good].iter().map(|b| big(*b)).collect();
-    let least = big(f64::MIN_POSITIVE);
-    // Two more, so that the zero behind them is none.
-    let mut beyond = 0;
     while let Some(last) = b.last()
-        && beyond < 3
+        && last > beyond
     {
-        let next = last.powf(&power);
-        beyond += usize::from(next < least);
-        b.push(next);
+        b.push(last.powf(&power));
     }
-    b
 }
 
 /// Newton's method to full precision.

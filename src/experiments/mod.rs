@@ -3,6 +3,7 @@
 mod compare;
 mod drift;
 mod order;
+mod paper;
 mod run;
 mod scaling;
 mod stability;
@@ -12,6 +13,7 @@ mod wave;
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
+pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, WaveRun};
 pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};

@@ -1,7 +1,7 @@
 //! Axes: ranges, ticks and labels, the same for every figure.
 
 use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width, wrap};
-use super::palette::{GRID, INK, PAPER, Style};
+use super::palette::{GRID, INK, PAPER, Rgb, Style};
 use super::{Error, usable};
 
 /// Radius of a marker.
@@ -10,6 +10,8 @@ const MARKER: f64 = 4.6;
 const TICK: f64 = 5.0;
 /// Least space at the left of the axes, so that stacked panels align.
 pub(super) const LEFT: f64 = 100.0;
+/// The same for axes that stand within others.
+const BARE: f64 = 40.0;
 /// Height of a line of a label.
 pub(super) const LINE: f64 = 1.3 * LABEL;
 
@@ -111,7 +113,7 @@ impl Axis {
 
     /// Sets as many ticks as have room on an axis of so many pixels without touching each other.
     pub(super) fn tick(&mut self, pixels: f64, upright: bool) {
-        let most = ((pixels / if upright { 48.0 } else { 95.0 }) as usize).clamp(2, 12);
+        let most = ((pixels / if upright { 48.0 } else { 95.0 }) as usize).clamp(5, 12);
         for count in (1..=most).rev() {
             if self.log {
                 self.log_ticks(count)
@@ -240,9 +242,25 @@ impl Axes {
     pub(super) fn draw(
         canvas: &mut Canvas,
         area: Rect,
+        x: (Axis, &str),
+        y: (Axis, &str),
+        grid: bool,
+    ) -> Result<Self, Error> {
+        Self::draw_from(canvas, area, x, y, grid, LEFT)
+    }
+
+    /// The same without a grid, and with no more space at the left than its labels need.
+    pub(super) fn draw_bare(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
+        Self::draw_from(canvas, area, x, y, false, BARE)
+    }
+
+    fn draw_from(
+        canvas: &mut Canvas,
+        area: Rect,
         (mut x, x_label): (Axis, &str),
         (mut y, y_label): (Axis, &str),
         grid: bool,
+        least: f64,
     ) -> Result<Self, Error> {
         let x_lines = wrap(x_label, LABEL, 0.6 * area.width());
         let bottom = TICK + 1.5 * SMALL + LINE * x_lines.len() as f64 + 4.0;
@@ -252,7 +270,7 @@ impl Axes {
         y.tick(frame.height(), true);
         let y_lines = wrap(y_label, LABEL, frame.height());
         let left = TICK + 8.0 + y.label_width() + LINE * y_lines.len() as f64;
-        frame.x0 = (area.x0 + left.max(LEFT)).round();
+        frame.x0 = (area.x0 + left.max(least)).round();
         x.tick(area.x1 - frame.x0, false);
         frame.x1 = (area.x1 - (0.5 * x.label_width()).max(10.0)).round();
         x.tick(frame.width(), false);
@@ -295,7 +313,7 @@ impl Axes {
             canvas.text(line, (middle_x, label_top + LINE * k as f64), LABEL, INK, (0.5, 0.0))?;
         }
         for (k, line) in y_lines.iter().enumerate() {
-            let at = frame.x0 - left.max(LEFT) + LINE * k as f64;
+            let at = frame.x0 - left.max(least) + LINE * k as f64;
             canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0))?;
         }
         axes.close(canvas)?;
@@ -311,6 +329,17 @@ impl Axes {
     pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = (self.x.place(x)?, self.y.place(y)?);
         Some((self.frame.x0 + x * self.frame.width(), self.frame.y1 - y * self.frame.height()))
+    }
+
+    /// Fills the range between a lower and an upper ordinate at each abscissa, with a gap wherever one of them has no place.
+    pub(super) fn fill(&self, canvas: &mut Canvas, points: &[(f64, f64, f64)], colour: Rgb) {
+        let place = |&(x, low, high): &(f64, f64, f64)| Some((self.place((x, low))?, self.place((x, high))?));
+        let places: Vec<_> = points.iter().map(place).collect();
+        for pair in places.windows(2) {
+            if let [Some((low, high)), Some((next_low, next_high))] = pair {
+                canvas.tint([low.0, next_low.0], [high.1, next_high.1], [low.1, next_low.1], colour);
+            }
+        }
     }
 
     /// Joins points, with a gap wherever one has no place; a point alone between two gaps becomes a dot.

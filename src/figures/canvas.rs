@@ -108,6 +108,12 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
+/// The nearest corner of fine pixels. A text that starts at half of one would lose some of its rows to rounding, and fade.
+fn snapped((x, y): (f64, f64)) -> (f64, f64) {
+    let snap = |value: f64| (value * f64::from(FINE)).round() / f64::from(FINE);
+    (snap(x), snap(y))
+}
+
 /// A picture in the making.
 pub(super) struct Canvas {
     size: (u32, u32),
@@ -154,6 +160,27 @@ impl Canvas {
         self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
     }
 
+    /// Darkens a strip between two uprights to a pale colour, from one straight edge down to another.
+    ///
+    /// What is darker stays, and a place tinted twice with one colour is as if once: neighbouring strips leave no seam, ranges that overlap both show.
+    pub(super) fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
+        let scale = f64::from(FINE);
+        let (wide, high) = (f64::from(self.size.0 * FINE), f64::from(self.size.1 * FINE));
+        let whole = |value: f64, most: f64| (value * scale).round().clamp(0.0, most - 1.0) as usize;
+        let (from, to) = (whole(x[0].min(x[1]), wide), whole(x[0].max(x[1]), wide));
+        for column in from..=to {
+            let share =
+                if x[0] == x[1] { 0.0 } else { ((column as f64 / scale - x[0]) / (x[1] - x[0])).clamp(0.0, 1.0) };
+            let at = |edge: [f64; 2]| whole(edge[0] + share * (edge[1] - edge[0]), high);
+            for row in at(top)..=at(bottom) {
+                let start = 3 * (row * wide as usize + column);
+                for (ink, pale) in self.fine[start..start + 3].iter_mut().zip([colour.0, colour.1, colour.2]) {
+                    *ink = (*ink).min(pale);
+                }
+            }
+        }
+    }
+
     /// Draws the border of a rectangle.
     pub(super) fn border(&mut self, area: &Rect, colour: Rgb) -> Result<(), Error> {
         let Rect { x0, y0, x1, y1 } = *area;
@@ -188,7 +215,8 @@ impl Canvas {
         colour: Rgb,
         anchor: (f64, f64),
     ) -> Result<(), Error> {
-        self.glyphs(text, size, colour, anchor, |u, v| (at.0 + u, at.1 + v))
+        let (x, y) = snapped(at);
+        self.glyphs(text, size, colour, anchor, |u, v| (x + u, y + v))
     }
 
     /// Writes a text from below upwards; `anchor` as in [`Canvas::text`].
@@ -200,7 +228,8 @@ impl Canvas {
         colour: Rgb,
         anchor: (f64, f64),
     ) -> Result<(), Error> {
-        self.glyphs(text, size, colour, anchor, |u, v| (at.0 + v, at.1 - u))
+        let (x, y) = snapped(at);
+        self.glyphs(text, size, colour, anchor, |u, v| (x + v, y - u))
     }
 
     fn glyphs(
@@ -217,7 +246,7 @@ impl Canvas {
         }
         let (glyphs, width) = layout(text, size);
         let scale = f64::from(FINE);
-        let (du, dv) = (-anchor.0 * f64::from(width), 0.73 * (1.0 - anchor.1) * size * scale);
+        let (du, dv) = ((-anchor.0 * f64::from(width)).round(), (0.73 * (1.0 - anchor.1) * size * scale).round());
         let mut backend = self.backend();
         for outline in glyphs.into_iter().filter_map(|glyph| FONT.outline_glyph(glyph)) {
             let corner = outline.px_bounds().min;

@@ -18,22 +18,28 @@ pub(super) struct Entry {
     pub(super) colour: Rgb,
     /// The look of the line, and whether its marker is hollow; a heading has none.
     pub(super) sample: Option<(Style, bool)>,
-    /// Whether the sample has a line besides its marker.
-    pub(super) line: bool,
+    /// Width of the line of the sample besides its marker; 0 for none.
+    pub(super) width: f64,
 }
 
 impl Entry {
     pub(super) fn heading(text: &str, colour: Rgb) -> Self {
-        Self { text: text.into(), colour, sample: None, line: false }
+        Self { text: text.into(), colour, sample: None, width: 0.0 }
     }
 
     pub(super) fn line(text: &str, style: Style) -> Self {
-        Self { text: text.into(), colour: INK, sample: Some((style, false)), line: true }
+        Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 1.6 }
     }
 
     /// A marker alone, hollow.
     pub(super) fn point(text: &str, style: Style) -> Self {
-        Self { text: text.into(), colour: INK, sample: Some((style, true)), line: false }
+        Self { text: text.into(), colour: INK, sample: Some((style, true)), width: 0.0 }
+    }
+
+    /// A range.
+    pub(super) fn band(text: &str, colour: Rgb) -> Self {
+        let style = Style { colour, dash: &[], marker: None };
+        Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 0.8 * SMALL }
     }
 
     fn indent(&self) -> f64 {
@@ -43,8 +49,8 @@ impl Entry {
     /// Draws the entry with its first line centred on `y`.
     fn draw(&self, canvas: &mut Canvas, x: f64, y: f64, size: f64, lines: &[String]) -> Result<(), Error> {
         if let Some((style, hollow)) = self.sample {
-            if self.line {
-                canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, 1.6, style.dash)?;
+            if self.width > 0.0 {
+                canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, self.width, style.dash)?;
             }
             mark(canvas, &style, (x + SAMPLE / 2.0, y), hollow)?;
         }

@@ -7,10 +7,9 @@
 //! | figure | function |
 //! | --- | --- |
 //! | error against work, log-log | [`work_precision()`] |
-//! | strain against site at one time | [`profile()`] |
+//! | quantities against site or time, in columns of panels | [`panels()`] |
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
-//! | quantities against time | [`series()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
 //! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
@@ -23,9 +22,8 @@ pub mod growth;
 mod guide;
 mod legend;
 pub mod palette;
-pub mod profile;
+pub mod panels;
 pub mod raster;
-pub mod series;
 pub mod space_time;
 pub mod work_precision;
 
@@ -33,13 +31,12 @@ use canvas::{Canvas, Rect};
 
 pub use canvas::missing_glyphs;
 pub use growth::{Growth, GrowthMap, growth};
-pub use profile::{Panel, Profile, profile};
+pub use panels::{Band, Column, Inset, Kind, Panel, Panels, panels};
 pub use raster::{Bar, Raster, raster};
-pub use series::{TimeSeries, series};
 pub use space_time::{SpaceTime, space_time};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
 
-/// Width and height of every figure in pixels.
+/// Width and height of a figure in pixels; one of more than two rows of panels is higher.
 pub const SIZE: (u32, u32) = (1200, 800);
 
 /// Lines of the caption which are drawn at most; the text chunk of the file always holds all of them.
@@ -75,8 +72,13 @@ fn usable(value: f64) -> bool {
 
 /// An empty figure with its title and caption, and the space left between them.
 fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
-    let mut canvas = Canvas::new(SIZE);
-    let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
+    page_of(SIZE, title, caption)
+}
+
+/// The same of another size.
+fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+    let mut canvas = Canvas::new(size);
+    let (width, height) = (f64::from(size.0), f64::from(size.1));
     let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
 
     for line in canvas::wrap(title, canvas::TITLE, body.width()) {

@@ -1,7 +1,7 @@
 //! Colours, markers and dashes: what tells one line from another.
 //!
 //! The colours of lines are those of Okabe and Ito, which the common kinds of colour blindness keep apart; no figure
-//! relies on colour alone, a marker or a dash always goes with it.
+//! relies on hue alone: a marker, a dash or, for lines too dense for those, lightness goes with it.
 
 use std::f64::consts::TAU;
 
@@ -29,6 +29,12 @@ const DASHES: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.5], &[9.0, 3.5, 2.5, 3.5
 /// The colour of a family, or of the n-th line of a figure; they repeat after seven.
 pub fn family(index: usize) -> Rgb {
     FAMILIES[index % FAMILIES.len()]
+}
+
+/// A colour mixed with much white, for what lies beneath a line of that colour.
+pub fn pale((r, g, b): Rgb) -> Rgb {
+    let mixed = |c: u8| (0.3 * f64::from(c) + 0.7 * 255.0).round() as u8;
+    (mixed(r), mixed(g), mixed(b))
 }
 
 /// The colour of a signed value between −1 (blue) and 1 (red); 0 is almost white.
@@ -137,6 +143,11 @@ impl Style {
     /// The style of the n-th line of a figure without markers.
     pub fn plain(nth: usize) -> Self {
         Self { colour: family(nth), dash: DASHES[(nth + nth / FAMILIES.len()) % DASHES.len()], marker: None }
+    }
+
+    /// The style of the n-th of a few lines so dense that dashes would not show: whole, and told apart by lightness.
+    pub fn dense(nth: usize) -> Self {
+        Self { colour: family([0, 5, 4, 2][nth % 4]), dash: &[], marker: None }
     }
 
     /// The style of a strain profile: squares for what was computed, then stars and crosses for approximations.

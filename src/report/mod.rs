@@ -5,6 +5,7 @@ mod contacts;
 mod dps;
 mod drift;
 mod order;
+mod paper;
 mod run;
 mod scaling;
 mod stability;
@@ -17,12 +18,13 @@ pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, c
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
 pub use drift::{drift_csv, drift_json, drift_table};
 pub use order::{order_csv, order_json, order_table};
+pub use paper::{Drawn, paper_caption, paper_json, paper_table, paper_tables};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
-pub use stability::{measured_growth_csv, stability_chart_csv, stability_csv, stability_json, stability_table};
+pub use stability::{stability_csv, stability_json, stability_table, stability_tables};
 pub use table::table;
 pub use verify::{verify_csv, verify_json, verify_table};
-pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table};
+pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table, wave_tables};
 
 #[cfg(feature = "plot")]
 pub use compare::comparison_png;
@@ -32,6 +34,8 @@ pub use contacts::contacts_png;
 pub use drift::drift_png;
 #[cfg(feature = "plot")]
 pub use order::order_pictures;
+#[cfg(feature = "plot")]
+pub use paper::paper_png;
 #[cfg(feature = "plot")]
 pub use run::run_pictures;
 #[cfg(feature = "plot")]

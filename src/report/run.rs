@@ -176,7 +176,7 @@ pub fn run_pictures(
     use crate::figures;
     let how = format!("Integrator {}, {setting}.", method.name());
     let caption = |what: &str| format!("{what} {}", super::provenance(scene, &how));
-    let mut pictures = vec![("profile.png", figures::profile(&profile_figure(scene, outcome, &caption))?)];
+    let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
         let clipped = if clips { format!("; gaps beyond {range:.3e} have the darkest red") } else { String::new() };
@@ -196,17 +196,16 @@ pub fn run_pictures(
     }
     let errors = energy_errors(outcome);
     if !errors.is_empty() {
-        let figure = figures::TimeSeries {
-            title: format!("{}: relative energy error", scene.name()),
-            time_label: "time t".to_owned(),
-            value_label: "|E(t) − E(0)| / |E(0)|".to_owned(),
-            log: true,
+        let panel = figures::Panel {
+            kind: figures::Kind::LogTime,
+            x_label: "time t".to_owned(),
+            y_label: "|E(t) − E(0)| / |E(0)|".to_owned(),
             lines: vec![figures::Line { name: method.name(), points: errors }],
-            caption: caption(
-                "Relative error of the total energy at the sample times; points without error are left out.",
-            ),
+            ..Default::default()
         };
-        pictures.push(("energy.png", figures::series(&figure)?));
+        let what = "Relative error of the total energy at the sample times; points without error are left out.";
+        let title = format!("{}: relative energy error", scene.name());
+        pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
     }
     if let Some(contacts) = &outcome.contacts {
         pictures.push(("contacts.png", super::contacts_png(scene, &how, outcome.t, contacts)?));
@@ -240,8 +239,8 @@ fn energy_errors(outcome: &Outcome) -> Vec<(f64, f64)> {
 }
 
 #[cfg(feature = "plot")]
-fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> String) -> crate::figures::Profile {
-    use crate::figures::{Line, Panel, Profile};
+fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> String) -> crate::figures::Panels {
+    use crate::figures::{Line, Panel, Panels};
     let layout = scene.chain().layout();
     let ring = scene.chain().boundary() == Boundary::StrainRing;
     let first = first_bond(scene);
@@ -261,15 +260,13 @@ fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> St
             };
             lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
         }
-        Panel { label: label.to_owned(), lines }
+        let x_label = if ring { "site n" } else { "bond n" };
+        Panel { x_label: x_label.to_owned(), y_label: label.to_owned(), lines, ..Default::default() }
     });
-    Profile {
-        title: format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t),
-        site_label: if ring { "site n" } else { "bond n" }.to_owned(),
-        panels: panels.collect(),
-        caption: caption(match scene.theory() {
-            Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
-            _ => "Strains at the end of the run.",
-        }),
-    }
+    let title = format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t);
+    let caption = caption(match scene.theory() {
+        Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
+        _ => "Strains at the end of the run.",
+    });
+    Panels::column(title, panels.collect(), caption)
 }

@@ -89,8 +89,16 @@ pub fn stability_csv(study: &StabilityStudy) -> Vec<u8> {
     csv(&["p", "growth", "growth_t", "growth_period", "frequency"], study.rows.iter().map(row))
 }
 
+/// All tables, `(file name, CSV)`: `stability.csv`, with measurements `measured.csv`, with a chart `chart.csv`.
+pub fn stability_tables(study: &StabilityStudy) -> Vec<(&'static str, Vec<u8>)> {
+    let mut tables = vec![("stability.csv", stability_csv(study))];
+    tables.extend(study.options.modes.map(|_| ("measured.csv", measured_growth_csv(study))));
+    tables.extend(study.chart.as_ref().map(|chart| ("chart.csv", stability_chart_csv(chart))));
+    tables
+}
+
 /// What was measured as CSV, a line a size and wave number.
-pub fn measured_growth_csv(study: &StabilityStudy) -> Vec<u8> {
+fn measured_growth_csv(study: &StabilityStudy) -> Vec<u8> {
     let row = |at: &MeasuredGrowth| {
         let (row, theory) = (at.row, at.theory);
         vec![at.epsilon, row.p, row.growth, theory.growth, row.frequency, theory.frequency, at.residual]
@@ -100,7 +108,7 @@ pub fn measured_growth_csv(study: &StabilityStudy) -> Vec<u8> {
 }
 
 /// The chart as CSV, a line a cell.
-pub fn stability_chart_csv(chart: &StabilityChart) -> Vec<u8> {
+fn stability_chart_csv(chart: &StabilityChart) -> Vec<u8> {
     let line = |(&b, growth): (&f64, &Vec<f64>)| {
         let cells = chart.q.iter().zip(growth).map(|(&q, &growth)| vec![q, b, growth]);
         cells.collect::<Vec<_>>()
@@ -214,7 +222,7 @@ fn chart_words(chart: &StabilityChart) -> String {
 }
 
 /// A number to four digits, with a power of ten where it is very large or small.
-fn shown(x: f64) -> String {
+pub(super) fn shown(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
@@ -233,7 +241,13 @@ const POINTS: usize = 600;
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
 pub fn stability_png(study: &StabilityStudy) -> crate::error::Result<Vec<u8>> {
-    use crate::figures::{Growth, Line, growth};
+    Ok(crate::figures::growth(&figure(study, caption(study)))?)
+}
+
+/// The same as numbers and words.
+#[cfg(feature = "plot")]
+pub(super) fn figure(study: &StabilityStudy, caption: String) -> crate::figures::Growth {
+    use crate::figures::{Growth, Line};
     let (options, modulation) = (&study.options, &study.modulation);
     let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
     let measured = |rates: &Rates| {
@@ -243,8 +257,27 @@ pub fn stability_png(study: &StabilityStudy) -> crate::error::Result<Vec<u8>> {
             points: at.map(|at| (at.row.p / PI, at.row.growth)).collect(),
         }
     };
-    let Shape { q, a, b, .. } = options.shape;
-    let params = options.params;
+    let Shape { q, b, .. } = options.shape;
+    Growth {
+        title: format!(
+            "Growth of modulations of a travelling wave, q = {} π, b = {}, ρ = {}",
+            shown(q / PI),
+            shown(b),
+            shown(options.params.rho)
+        ),
+        wave_label: "wave number of the modulation, p / π".to_owned(),
+        growth_label: "growth rate Re λ per slow time τ".to_owned(),
+        theory: Line { name: "linearised DpS".to_owned(), points: points.collect() },
+        measured: if study.measured.is_empty() { Vec::new() } else { study.rates.iter().map(measured).collect() },
+        map: study.chart.as_ref().map(|chart| map(study, chart)),
+        caption,
+    }
+}
+
+/// What a picture of the study says beneath it.
+pub(super) fn caption(study: &StabilityStudy) -> String {
+    let (options, modulation) = (&study.options, &study.modulation);
+    let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
     let how = if study.measured.is_empty() {
         String::new()
     } else {
@@ -254,38 +287,20 @@ pub fn stability_png(study: &StabilityStudy) -> crate::error::Result<Vec<u8>> {
         .chart
         .as_ref()
         .map(|chart| chart_words(chart).replace("rho", "ρ").replace("^(-3/2)", "^(−3/2)").replace(" x ", " × ") + " ");
-    let figure = Growth {
-        title: format!(
-            "Growth of modulations of a travelling wave, q = {} π, b = {}, ρ = {}",
-            shown(q / PI),
-            shown(b),
-            shown(params.rho)
-        ),
-        wave_label: "wave number of the modulation, p / π".to_owned(),
-        growth_label: "growth rate Re λ per slow time τ".to_owned(),
-        theory: Line { name: "linearised DpS".to_owned(), points: points.collect() },
-        measured: if study.measured.is_empty() { Vec::new() } else { study.rates.iter().map(measured).collect() },
-        map: study.chart.as_ref().map(|chart| map(study, chart)),
-        caption: format!(
-            "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. α = {}, κ = {}, ρ = {}, \
+    format!(
+        "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. α = {}, κ = {}, ρ = {}, \
              q = {} π, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {}. {how}{}hertzchain {}.",
-            params.alpha,
-            params.kappa,
-            shown(params.rho),
-            shown(q / PI),
-            options.sites,
-            shown(modulation.slow_frequency()),
-            shown(modulation.slope()).replace('-', "−"),
-            verdict(study)
-                .trim_end_matches('.')
-                .replace("Re lambda", "Re λ")
-                .replace("Omega", "Ω")
-                .replace(" pi", " π"),
-            chart.unwrap_or_default(),
-            env!("CARGO_PKG_VERSION")
-        ),
-    };
-    Ok(growth(&figure)?)
+        params.alpha,
+        params.kappa,
+        shown(params.rho),
+        shown(q / PI),
+        options.sites,
+        shown(modulation.slow_frequency()),
+        shown(modulation.slope()).replace('-', "−"),
+        verdict(study).trim_end_matches('.').replace("Re lambda", "Re λ").replace("Omega", "Ω").replace(" pi", " π"),
+        chart.unwrap_or_default(),
+        env!("CARGO_PKG_VERSION")
+    )
 }
 
 /// The chart over `q / pi` and `b / (2 kappa a)`.

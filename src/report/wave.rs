@@ -147,8 +147,15 @@ fn ensemble_table(ensemble: &Ensemble) -> String {
 /// A file that cannot be written.
 pub fn wave_files(folder: &Folder, study: &WaveStudy) -> Result<()> {
     folder.write("wave.json", wave_json(study).as_bytes())?;
-    folder.write("errors.csv", &wave_errors_csv(study))?;
-    folder.write("profile.csv", &wave_profile_csv(study))?;
+    for (name, bytes) in wave_tables(study) {
+        folder.write(name, &bytes)?;
+    }
+    Ok(())
+}
+
+/// All tables, `(file name, CSV)`, as [`wave_files`] writes them.
+pub fn wave_tables(study: &WaveStudy) -> Vec<(&'static str, Vec<u8>)> {
+    let mut tables = vec![("errors.csv", wave_errors_csv(study)), ("profile.csv", wave_profile_csv(study))];
     if let Some(Envelopes { chain, flow, .. }) = study.perturbed.as_ref().and_then(|run| run.envelopes.as_ref()) {
         let sites = chain.means.len();
         let rows = (0..sites).map(|n| {
@@ -157,13 +164,13 @@ pub fn wave_files(folder: &Folder, study: &WaveStudy) -> Result<()> {
             vec![n as f64, re, im, chain.means[n], re_flow, im_flow, flow.means[n]]
         });
         let names = ["n", "re_chain", "im_chain", "b_chain", "re_flow", "im_flow", "b_flow"];
-        folder.write("envelope.csv", &csv(&names, rows))?;
+        tables.push(("envelope.csv", csv(&names, rows)));
     }
     if let Some(ensemble) = &study.ensemble {
-        folder.write("ensemble.csv", &members_csv(ensemble))?;
-        folder.write("spread.csv", &spread_csv(study, ensemble))?;
+        tables.push(("ensemble.csv", members_csv(ensemble)));
+        tables.push(("spread.csv", spread_csv(study, ensemble)));
     }
-    Ok(())
+    tables
 }
 
 /// Errors in time: `t, e_x, e_y`, and of the perturbed wave `e_x_perturbed, e_y_perturbed, tilde_e_x, tilde_e_y`.

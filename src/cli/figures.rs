@@ -1,0 +1,52 @@
+//! `hertzchain figures`.
+
+use super::{Exit, args::FiguresArgs, print, progress_bar};
+use crate::{
+    error::Result,
+    experiments::{PAPER, PaperFigure},
+    output::Folder,
+    report::{self, Drawn},
+};
+use std::{process::ExitCode, time::Instant};
+
+pub(super) fn main(args: &FiguresArgs) -> Exit {
+    let chosen = chosen(&args.only)?;
+    let folder = Folder::create(&args.out)?;
+    let bar = progress_bar();
+    let draw = |(k, figure): (usize, &'static PaperFigure)| {
+        let clock = Instant::now();
+        bar.set_message(figure.name);
+        let tell = |share: f64| bar.set_position((1000.0 * (k as f64 + share.min(1.0)) / chosen.len() as f64) as u64);
+        Drawn { figure, outcome: files(figure, &folder, &tell), wall: clock.elapsed() }
+    };
+    let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
+    bar.finish_and_clear();
+    print(&if args.json { report::paper_json(&drawn) + "\n" } else { report::paper_table(&drawn) });
+    let mut code = ExitCode::SUCCESS;
+    for Drawn { figure, outcome, .. } in &drawn {
+        if let Err(error) = outcome {
+            eprintln!("error: figure {}: {error}", figure.name);
+            code = ExitCode::FAILURE;
+        }
+    }
+    eprintln!("written to {}", folder.path().display());
+    Ok(code)
+}
+
+/// The figures that are asked for, each once and in the order of the paper; all, if none is.
+fn chosen(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
+    let wanted: Vec<_> = only.iter().map(|name| PaperFigure::named(name.trim())).collect::<Result<_>>()?;
+    Ok(PAPER.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
+}
+
+/// Computes a figure and writes its tables and its picture: its caption, and the names of the files.
+fn files(figure: &PaperFigure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
+    let data = figure.data(tell)?;
+    let mut files = report::paper_tables(figure, &data);
+    #[cfg(feature = "plot")]
+    files.insert(0, (format!("{}.png", figure.name), report::paper_png(figure, &data)?));
+    for (name, bytes) in &files {
+        folder.write(name, bytes)?;
+    }
+    Ok((report::paper_caption(figure, &data), files.into_iter().map(|(name, _)| name).collect()))
+}

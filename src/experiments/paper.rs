@@ -1,0 +1,257 @@
+//! The figures of the paper: what each of them shows, and the data behind it.
+//!
+//! A figure is an entry of [`PAPER`]; its numbers come from [`PaperFigure::data`], its picture and its tables from `report`.
+
+use super::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, stability, wave};
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    method::Method,
+    scene::Scene,
+    waves::Shape,
+};
+use std::f64::consts::PI;
+
+/// Integrator, tolerance and samples a period of the waves.
+const INTEGRATOR: &str = "collocation";
+const TOLERANCE: f64 = 1e-10;
+const SAMPLES_PER_PERIOD: u32 = 50;
+/// Draws of a perturbed wave: the one shown has seed 1.
+const SEEDS: u32 = 12;
+
+/// A figure of the paper.
+#[derive(Debug)]
+pub struct PaperFigure {
+    /// Short name: of the figure on the command line, and of its files.
+    pub name: &'static str,
+    /// Where in the paper.
+    pub source: &'static str,
+    /// Title.
+    pub title: &'static str,
+    /// What can be seen, in a sentence or two.
+    pub claim: &'static str,
+    /// How it is computed.
+    pub recipe: Recipe,
+}
+
+/// How a figure is computed, and how it is laid out.
+#[derive(Debug)]
+pub enum Recipe {
+    /// Travelling waves on the chain.
+    Waves {
+        /// What is run.
+        runs: &'static [WaveRun],
+        /// What is shown of it.
+        columns: &'static [WaveColumn],
+    },
+    /// Growth of the modulations of the wave `q = pi/5`, `a = b = 1`, on rings of 50 sites.
+    Growth {
+        /// Mass ratio.
+        rho: f64,
+        /// Sizes at which it is measured on the full chain.
+        epsilons: &'static [f64],
+    },
+}
+
+/// A run of a figure.
+#[derive(Debug)]
+pub struct WaveRun {
+    /// A built-in scene.
+    pub scene: &'static str,
+    /// Size of the perturbation (eq:dA0_ptb); 0 for none.
+    pub zeta: f64,
+    /// What tells its files from those of the other runs of the figure; nothing if there is but one.
+    pub tag: &'static str,
+}
+
+/// A column of panels, all of one run.
+#[derive(Debug)]
+pub struct WaveColumn {
+    /// What it shows, or nothing.
+    pub heading: &'static str,
+    /// Which run.
+    pub run: usize,
+    /// From above.
+    pub panels: &'static [WavePanel],
+}
+
+/// What a panel shows of a run. Profiles are those at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WavePanel {
+    /// Strains of beads.
+    X,
+    /// Strains of resonators.
+    Y,
+    /// Strains of beads of the perturbed wave.
+    PerturbedX,
+    /// Strains of resonators of the perturbed wave.
+    PerturbedY,
+    /// `E_x` and `E_y` in time (eq:relerr_tw).
+    Errors,
+    /// The same with `E_x` again, enlarged.
+    ErrorsEnlarged,
+    /// `tilde E_x` and `tilde E_y` in time (eq:relerr_twPtd).
+    Differences,
+    /// `tilde E_x` with median and range over the seeds.
+    SpreadX,
+    /// `tilde E_y` with median and range over the seeds.
+    SpreadY,
+}
+
+/// The numbers behind a figure.
+#[derive(Debug)]
+pub enum PaperData {
+    /// Travelling waves, a study a run.
+    Waves(&'static [WaveColumn], Vec<(&'static WaveRun, WaveStudy)>),
+    /// Growth of modulations.
+    Growth(Box<StabilityStudy>),
+}
+
+use WavePanel::{Differences, Errors, ErrorsEnlarged, PerturbedX as Px, PerturbedY as Py, SpreadX, SpreadY, X, Y};
+
+/// A run without a tag.
+const fn run(scene: &'static str, zeta: f64) -> WaveRun {
+    WaveRun { scene, zeta, tag: "" }
+}
+
+const fn column(heading: &'static str, run: usize, panels: &'static [WavePanel]) -> WaveColumn {
+    WaveColumn { heading, run, panels }
+}
+
+/// All figures, in the order of the paper.
+pub const PAPER: &[PaperFigure] = &[
+    PaperFigure {
+        name: "tw-q15",
+        source: "Sec. 4.1, fig:tw_r03_q15pi",
+        title: "A travelling wave and its ansatz: q = π/5, ω_tw = ω + 0.001",
+        claim: "The chain follows the first-order ansatz for a hundred periods; the errors stay bounded.",
+        recipe: Recipe::Waves {
+            runs: &[run("tw-q15", 0.0)],
+            columns: &[column("", 0, &[X, Y]), column("", 0, &[Errors])],
+        },
+    },
+    PaperFigure {
+        name: "tw-q15-perturbed",
+        source: "Sec. 4.1, fig:tw_r03_q15pi_ptd",
+        title: "The same wave, perturbed: q = π/5, ζ = 0.01",
+        claim: "The perturbed wave still follows its own ansatz; its distance from the unperturbed wave grows.",
+        recipe: Recipe::Waves {
+            runs: &[run("tw-q15", 0.01)],
+            columns: &[column("", 0, &[Px, Py]), column("", 0, &[SpreadX, SpreadY])],
+        },
+    },
+    PaperFigure {
+        name: "tw-q45",
+        source: "Sec. 4.1, fig:tw_r03_q45pi",
+        title: "A short wave of small amplitude: q = 4π/5, ω_tw = ω + 0.001",
+        claim: "The ansatz holds for two hundred periods, and a perturbation does not grow.",
+        recipe: Recipe::Waves {
+            runs: &[run("tw-q45", 0.1)],
+            columns: &[
+                column("unperturbed", 0, &[X, Y, Errors]),
+                column("perturbed, ζ = 0.1", 0, &[Px, Py, Differences]),
+            ],
+        },
+    },
+    PaperFigure {
+        name: "tw-breakdown",
+        source: "Sec. 4.1, fig:tw_r03_breakdown",
+        title: "Where the ansatz fails",
+        claim: "The long wave, nine times as high as in tw-q15, leaves its ansatz at once; the short one departs from its own within a hundred periods, though it is lower \
+                than the long one of tw-q15.",
+        recipe: Recipe::Waves {
+            runs: &[
+                WaveRun { tag: "q15", ..run("tw-breakdown-q15", 0.0) },
+                WaveRun { tag: "q45", ..run("tw-breakdown-q45", 0.0) },
+            ],
+            columns: &[
+                column("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", 0, &[X, Y]),
+                column("q = 4π/5, ω_tw = ω + 0.009, t = 314", 1, &[X, Y]),
+            ],
+        },
+    },
+    PaperFigure {
+        name: "tw-rho3",
+        source: "Sec. 4.2, fig:tw_r3_q15pi",
+        title: "A heavier resonator: ρ = 3, q = π/5, ε = 0.01",
+        claim: "The ansatz holds for a hundred periods; a perturbation grows.",
+        recipe: Recipe::Waves {
+            runs: &[run("tw-rho3", 0.01)],
+            columns: &[
+                column("unperturbed", 0, &[X, Y, Errors]),
+                column("perturbed, ζ = 0.01", 0, &[Px, Py, Differences]),
+            ],
+        },
+    },
+    PaperFigure {
+        name: "tw-rho10-1000",
+        source: "Sec. 4.2, fig:tw_r10r1000",
+        title: "At and above the critical mass ratio ρ_c = 10: q = π/5, ε = 0.01",
+        claim: "The beads follow the ansatz for a hundred periods; the resonators do not.",
+        recipe: Recipe::Waves {
+            runs: &[
+                WaveRun { tag: "rho10", ..run("tw-rho10", 0.0) },
+                WaveRun { tag: "rho1000", ..run("tw-rho1000", 0.0) },
+            ],
+            columns: &[column("ρ = 10", 0, &[X, Y, ErrorsEnlarged]), column("ρ = 1000", 1, &[X, Y, ErrorsEnlarged])],
+        },
+    },
+    PaperFigure {
+        name: "dps-growth",
+        source: "Sec. 4, which has no such figure",
+        title: "Growth of modulations of a travelling wave",
+        claim: "The growth that the linearised modulation equations predict is that of the full chain, the closer the smaller the wave.",
+        recipe: Recipe::Growth { rho: 3.0, epsilons: &[0.01, 0.0025, 0.000625] },
+    },
+];
+
+impl PaperFigure {
+    /// A figure by its name.
+    ///
+    /// # Errors
+    /// An unknown name, with the nearest one.
+    pub fn named(name: &str) -> Result<&'static Self> {
+        let known = || PAPER.iter().map(|figure| figure.name);
+        PAPER.iter().find(|figure| figure.name == name).ok_or_else(|| Error::unknown("figure", name, known()))
+    }
+
+    /// Computes what the figure shows; `progress` is told the share that is done. The same numbers on any number of cores.
+    ///
+    /// # Errors
+    /// A run that fails.
+    pub fn data(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<PaperData> {
+        match self.recipe {
+            Recipe::Waves { runs, columns } => {
+                let study = |(k, run): (usize, &'static WaveRun)| {
+                    let tell = |done, total| progress((k as f64 + done as f64 / total as f64) / runs.len() as f64);
+                    Ok((run, run.study(&tell)?))
+                };
+                Ok(PaperData::Waves(columns, runs.iter().enumerate().map(study).collect::<Result<_>>()?))
+            }
+            Recipe::Growth { rho, epsilons } => {
+                let options = StabilityOptions {
+                    params: Params { alpha: 1.5, kappa: 1.0, rho },
+                    shape: Shape { q: 0.2 * PI, a: 1.0, b: 1.0, phi: 0.0 },
+                    epsilons: epsilons.to_vec(),
+                    sites: 50,
+                    modes: Some(12),
+                    chart: true,
+                };
+                Ok(PaperData::Growth(Box::new(stability(&options, &|share, _| progress(share))?)))
+            }
+        }
+    }
+}
+
+impl WaveRun {
+    fn study(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+        let scene = Scene::load(self.scene)?.perturbed(self.zeta, None)?;
+        let options = WaveOptions {
+            method: Method::named(INTEGRATOR)?,
+            tolerance: TOLERANCE,
+            samples_per_period: SAMPLES_PER_PERIOD,
+            seeds: (self.zeta > 0.0).then_some(SEEDS),
+        };
+        wave(&scene, &options, progress)
+    }
+}
