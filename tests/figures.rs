@@ -424,7 +424,7 @@ fn bands_fill_what_they_span_and_both_show_where_they_overlap() {
     let [below, both, above] = [1.2, 2.8, 3.2].map(|y| at(0.33, y));
     assert!(blue(&below) && orange(&above), "{below:?} {above:?}");
     assert_eq!(both, std::array::from_fn(|k| below[k].min(above[k])));
-    for (x, y) in [(0.33, 0.8), (0.33, 4.1), (0.7, 2.8)] {
+    for (x, y) in [(0.33, 0.8), (0.33, 4.1), (0.77, 2.8)] {
         assert_eq!(at(x, y), [255; 3], "({x}, {y})");
     }
 }

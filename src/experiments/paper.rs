@@ -144,7 +144,7 @@ pub const PAPER: &[PaperFigure] = &[
         name: "tw-q45",
         source: "Sec. 4.1, fig:tw_r03_q45pi",
         title: "A short wave of small amplitude: q = 4π/5, ω_tw = ω + 0.001",
-        claim: "The ansatz holds for two hundred periods, and a perturbation does not grow.",
+        claim: "The ansatz holds for two hundred periods, and a perturbation keeps its size.",
         recipe: Recipe::Waves {
             runs: &[run("tw-q45", 0.1)],
             columns: &[
