@@ -456,12 +456,15 @@ fn columns_stand_side_by_side_and_none_is_empty() {
     let (left, right) = (two_lines(5.0), two_lines(0.0));
     let bytes = panels(&figure(vec![column("one", vec![left.clone(), left]), column("ζ = 0.1", vec![right])])).unwrap();
     let (pixels, _) = decode(&bytes);
-    // E_y is high in the panels at the left only.
-    let wide = SIZE.0 as usize;
-    let high = |columns: std::ops::Range<usize>| {
-        pixels.iter().enumerate().filter(|(k, p)| columns.contains(&(k % wide)) && k / wide < 250 && orange(p)).count()
+    // Below the legends, E_y is high in the panels at the left, low in the one at the right.
+    let (wide, size) = (SIZE.0 as usize, (SIZE.0 as usize / 2, SIZE.1 as usize));
+    let count = |from: (usize, usize), to: (usize, usize)| {
+        let inside = |k: usize| (from.0..to.0).contains(&(k % wide)) && (from.1..to.1).contains(&(k / wide));
+        pixels.iter().enumerate().filter(|(k, p)| inside(*k) && orange(p)).count()
     };
-    assert!(high(0..wide / 2) > 300 + high(wide / 2..wide), "{} {}", high(0..wide / 2), high(wide / 2..wide));
+    let (left, right) = (count((0, 100), (size.0, 250)), count((size.0, 100), (wide, 250)));
+    assert!(left > 300 && right == 0, "{left} {right}");
+    assert!(count((size.0, 250), (wide, size.1)) > 300);
     assert!(panels(&figure(vec![])).is_err());
     assert!(panels(&figure(vec![column("empty", vec![])])).is_err());
     assert!(panels(&figure(vec![column("no lines", vec![Panel::default()])])).is_err());
