@@ -42,9 +42,9 @@ fn chosen(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
 /// Computes a figure and writes its tables and its picture: its caption, and the names of the files.
 fn files(figure: &PaperFigure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
     let data = figure.data(tell)?;
-    let mut files = report::paper_tables(figure, &data);
+    let files = report::paper_tables(figure, &data);
     #[cfg(feature = "plot")]
-    files.insert(0, (format!("{}.png", figure.name), report::paper_png(figure, &data)?));
+    let files = [vec![(format!("{}.png", figure.name), report::paper_png(figure, &data)?)], files].concat();
     for (name, bytes) in &files {
         folder.write(name, bytes)?;
     }
