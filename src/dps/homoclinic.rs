@@ -19,7 +19,7 @@
 
 use super::Averages;
 use crate::error::{Error, Result};
-use dashu_float::FBig;
+use dashu_float::{FBig, round::mode::HalfEven};
 
 /// The uniform solution and the width of the middle leave the range of doubles below the first; tables end at the second.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
@@ -35,7 +35,7 @@ const BEYOND: f64 = 1e-40;
 const MOST: usize = 100_000;
 const MOST_NEWTON: usize = 20;
 
-type Big = FBig;
+type Big = FBig<HalfEven, 2>;
 
 /// What a profile is symmetric about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 """Reference values of the homoclinic solutions of (dpsstat), written to homoclinic.csv beside this file.
 
 With a_n = (-1)^n b_n the equation is b_n = (b_n + b_{n+1})^alpha + (b_{n-1} + b_n)^alpha. Here it is solved by shooting: from b_0 (site) or b_1 = b_0
-(bond) the map gives all others, and bisection finds the value between those that leave below zero and those that turn up again. 700 digits carry the
+(bond) the map gives all others, and bisection finds the value between those that leave below zero and those that turn up again. 1000 digits carry the
 shots down to the smallest normal double. Needs mpmath; nothing else uses this script.
 """
 
@@ -9,7 +9,7 @@ import csv
 import pathlib
 from mpmath import mp, mpf
 
-mp.dps = 700
+mp.dps = 1000
 SMALLEST = mpf(2) ** -1022
 
 
