@@ -6,7 +6,7 @@ use common::{collocated, distance, largest, truth, windows};
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     experiments::{Records, generic_state, run, run_with_contacts},
-    integrators::{Error, Observer, Stats, collocation::Pace, drive},
+    integrators::{Error, Observer, Stats, Stepper, collocation::Pace, drive},
     method::{Method, Setting},
     scene::{Scene, SceneFile},
 };
@@ -67,6 +67,22 @@ fn the_error_is_what_was_asked_for_over_six_decades() {
             println!("{} tol {tol:e}: {error:.2e}, {:.2}", scene.name(), error / tol);
             assert!(error < 2.6 * tol, "{} at {tol:e}: {error:e}", scene.name());
         }
+    }
+}
+
+#[test]
+fn hardly_a_window_is_given_up() {
+    // Neither by few nodes, whose series say little between them, nor by many. Measured: at most 5.
+    let wave = Scene::load("tw-q15").unwrap();
+    for tol in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9] {
+        let mut run =
+            wave.chain().collocation(wave.initial().as_slice(), (0.0, wave.end()), Pace::Tolerance(tol)).unwrap();
+        while !run.done() {
+            run.step().unwrap();
+        }
+        let stats = run.stats();
+        println!("{tol:e}: {} of {}", stats.rejected, stats.steps);
+        assert!(stats.rejected <= 10, "{tol:e}: {} of {}", stats.rejected, stats.steps);
     }
 }
 

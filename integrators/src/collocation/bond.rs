@@ -275,15 +275,13 @@ impl<const M: usize> Bond<M> {
                 before = panel.integrate(frame);
                 if k == first {
                     let at_start = dot(&frame.rule.ends[0], &g);
-                    let k = panel.next_to(panel.start, 0..M);
-                    let slope = (g[k] - at_start) / (panel.tau[k] - panel.start);
+                    let slope = panel.chord(&g, 0, 1..M);
                     change.moved = change.moved.max(self.shift_onset(c, (at_start, slope), law, cuts));
                 }
                 if k + 1 == last {
                     let panel = &self.panels.list[k];
                     let at_end = dot(&frame.rule.ends[1], &g);
-                    let k = panel.next_to(panel.end, (0..M).rev());
-                    let slope = (at_end - g[k]) / (panel.end - panel.tau[k]);
+                    let slope = panel.chord(&g, M - 1, (0..M - 1).rev());
                     change.moved = change.moved.max(self.shift_release(c, (at_end, slope), frame.h, law, cuts));
                 }
             }

@@ -221,11 +221,13 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// The first of some nodes that is far enough from an end for the slope of the chord between them.
+    /// The slope of a chord from a node to the nearest of others that is far enough from it. Values at nodes are exact where few of them resolve little
+    /// in between.
     #[inline(always)]
-    pub(crate) fn next_to(&self, end: f64, mut nodes: impl Iterator<Item = usize>) -> usize {
+    pub(crate) fn chord(&self, values: &[f64; M], node: usize, mut others: impl Iterator<Item = usize>) -> f64 {
         let least = CHORD * (self.end - self.start);
-        nodes.find(|&k| (self.tau[k] - end).abs() > least).unwrap_or(M / 2)
+        let k = others.find(|&k| (self.tau[k] - self.tau[node]).abs() > least).unwrap_or(M / 2);
+        (values[k] - values[node]) / (self.tau[k] - self.tau[node])
     }
 
     /// `x` at times inside the panel.
