@@ -39,7 +39,8 @@
 //! polynomials) gives `int f`, `int s f`, `int f cos`, `int f sin` up to every node, and these what the force has moved so far. That
 //! becomes one short series in `x`, which is all that neighbours need; after a panel its force has left a path `A + B t + C cos + D sin` behind.
 //! Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts by Newton's method on the interpolant of `g_n`, and again, in the order of the
-//! bonds (Gauss and Seidel), until no impulse changes. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first forces come
+//! bonds (Gauss and Seidel), until no impulse changes. The slope for Newton's method is that between the two nodes nearest to the event: the one
+//! that the search for contacts knows belongs to a chord that may span half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first forces come
 //! from overlaps under forces `f_0 + f_0' t + b t^2` with the `b` that meets the force predicted at the window's end. A bond is swept
 //! again only if its own force or one beside it has changed; one that stays open is not swept at all.
 //!
@@ -63,8 +64,8 @@
 //! # Sums
 //!
 //! Sites keep `[R0, V, C, S]`, which only impulses change, in a phase `omega t` that is one number in two parts. Each sum keeps its rounding
-//! error, and sweeps go on until what they leave is below the roundings, for it has a sign and adds up. The energy error is then that of roundings
-//! for some 10^5 periods (measured, on a breather); after that a part that grows in proportion to time shows.
+//! error; sweeps and the search for events go on until what they leave is below the roundings, for it has a sign and adds up. The energy error is then
+//! a random walk of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
 //! # Limits
 //!
