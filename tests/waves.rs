@@ -516,6 +516,9 @@ mod command {
         let growth = |name: &str| one["growth"][name].as_f64().unwrap();
         assert!(growth("low") < growth("median") && growth("median") < growth("high"));
         assert_eq!(one["seeds"].as_array().unwrap().len(), 6);
+        let energy = one["perturbed"]["flow_energy_change"].as_f64().unwrap();
+        // Measured: a rounding.
+        assert!(energy.abs() < 1e-15, "{energy:e}");
         assert_eq!((&one["seeds"][0], &one["perturbed"]["seed"]), (&3.into(), &3.into()));
     }
 

@@ -76,6 +76,8 @@ pub struct PerturbedRun {
     pub errors: Errors,
     /// Perturbed against unperturbed wave (eq:relerr_twPtd).
     pub difference: Errors,
+    /// Relative change of the energy of the modulation equations from the start to the end, which they conserve.
+    pub flow_energy_change: f64,
     /// The envelopes of chain and ansatz a period `2 pi/omega` before the end, if the run has two: the first by [`project`].
     pub envelopes: Option<Envelopes>,
 }
@@ -357,6 +359,10 @@ fn perturbed_run(
     let all = times.iter().map(|&t| by_ansatz(t)).collect::<Result<Vec<_>>>()?;
     let errors = errors_of(all.iter().zip(&chain.strains).map(|(ansatz, now)| distance(wave, ansatz, now)));
 
+    let mut dps = perturbed.flow(constraint)?;
+    let last = state_at(&mut run, wave.slow_time(scene.end()))?;
+    let flow_energy_change = dps.energy(&last) / dps.energy(perturbed.amplitudes()) - 1.0;
+
     let period = 2.0 * PI / params.omega();
     let t = scene.end() - period;
     let envelopes = if t < period {
@@ -365,7 +371,7 @@ fn perturbed_run(
         let mut again = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
         let chain = project(params, wave.epsilon(), t, |t| Ok(state_at(&mut again, t)?))?;
         let amplitudes = state_at(&mut flow()?, wave.slow_time(t))?;
-        let means = perturbed.flow(constraint)?.mean_strains(&amplitudes).to_vec();
+        let means = dps.mean_strains(&amplitudes).to_vec();
         Some(Envelopes { t, chain, flow: Envelope { amplitudes, means } })
     };
     Ok(PerturbedRun {
@@ -374,6 +380,7 @@ fn perturbed_run(
         ansatz: all.into_iter().next_back().unwrap_or_else(|| chain.last()),
         errors,
         difference: difference.clone(),
+        flow_energy_change,
         envelopes,
     })
 }

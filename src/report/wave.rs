@@ -43,6 +43,7 @@ pub fn wave_json(study: &WaveStudy) -> String {
             "tilde_e_y_final": last(&run.difference.y),
             "tilde_e_x_max": largest(&run.difference.x),
             "tilde_e_y_max": largest(&run.difference.y),
+            "flow_energy_change": run.flow_energy_change,
         })
     });
     let members = ensemble.as_ref().map_or(&[][..], |ensemble| &ensemble.members[..]);
@@ -103,9 +104,11 @@ pub fn wave_table(study: &WaveStudy) -> String {
     );
     if let Some(run) = &study.perturbed {
         text += &format!(
-            "; perturbed by zeta = {}, seed {}, against its own ansatz (eq:xy_app).\ntilde E: perturbed against unperturbed wave (eq:relerr_twPtd)",
+            "; perturbed by zeta = {}, seed {}, against its own ansatz (eq:xy_app).\ntilde E: perturbed against unperturbed wave (eq:relerr_twPtd).\nThe \
+             modulation equations conserve their energy: it changed by {:.1e} of itself",
             run.wave.zeta(),
-            run.wave.seed()
+            run.wave.seed(),
+            run.flow_energy_change
         );
     }
     text += ".\n";
