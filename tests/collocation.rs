@@ -348,3 +348,22 @@ fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
         }
     }
 }
+
+#[test]
+fn blocks_at_rest_wake_when_something_comes() {
+    // A bead struck beside the border of two blocks of a long chain, and the same in a chain of one block, which does not sleep.
+    // Measured: 0.
+    let struck = |sites: usize, bead: usize| {
+        let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
+        let mut y0 = vec![0.0; 2 * sites];
+        y0[sites + bead] = 1.0;
+        let (y, _) = collocated(&chain, &y0, 40.0, windows(400, 10));
+        y[..sites].to_vec()
+    };
+    let (long, short) = (struck(700, 250), struck(240, 120));
+    let off = distance(&long[150..350], &short[20..220]);
+    let reached = long[256..].iter().filter(|u| **u != 0.0).count();
+    println!("{off:e}, {reached} beads beyond the border");
+    assert!(off == 0.0 && reached > 20, "{off:e}, {reached}");
+    assert!(long[..100].iter().chain(&long[400..]).all(|u| *u == 0.0));
+}
