@@ -310,8 +310,7 @@ pub(super) struct StabilityArgs {
 
 #[derive(Args)]
 pub(super) struct FiguresArgs {
-    /// Figures, separated by commas [default: all].
-    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', help = figures_help())]
     pub(super) only: Vec<String>,
     /// Folder for NAME.png and the tables NAME-….csv.
     #[arg(long, value_name = "DIR", default_value = "out/figures")]
@@ -344,4 +343,10 @@ pub(super) struct IntegratorsArgs {
     /// Print JSON instead of the table.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Names the figures that there are.
+fn figures_help() -> String {
+    let names: Vec<_> = crate::experiments::PAPER.iter().map(|figure| figure.name).collect();
+    format!("Figures, separated by commas, of {} [default: all]", names.join(", "))
 }

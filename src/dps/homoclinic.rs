@@ -100,9 +100,8 @@ impl Homoclinic {
     /// `a_n`; zero beyond the last that is a normal double.
     pub fn a(&self, n: i64) -> f64 {
         let k = match self.center {
-            Center::Site => n.abs(),
-            Center::Bond if n > 0 => n - 1,
-            Center::Bond => -n,
+            Center::Bond if n > 0 => n.unsigned_abs() - 1,
+            _ => n.unsigned_abs(),
         };
         let b = usize::try_from(k).ok().and_then(|k| self.half.get(k)).copied().unwrap_or(0.0);
         if n % 2 == 0 { b } else { -b }
