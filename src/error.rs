@@ -1,5 +1,6 @@
 //! The one error type of the library.
 
+use crate::orbits::{Orbit, Setting};
 use std::path::PathBuf;
 
 /// What can go wrong, always with the value and the rule it broke.
@@ -37,6 +38,14 @@ pub enum Error {
     /// An integration that could not go on.
     #[error(transparent)]
     Integration(#[from] hertzchain_integrators::Error),
+    /// A search for a periodic orbit that did not converge.
+    #[error("no periodic orbit after {steps} steps of Newton's method: {}", best_residual(.best.as_deref()))]
+    Stalled {
+        /// Steps taken.
+        steps: usize,
+        /// The iterate with the smallest residual, if one could be integrated.
+        best: Option<Box<Orbit>>,
+    },
     /// A file that could not be read or written.
     #[error("{}: {source}", path.display())]
     File {
@@ -56,6 +65,13 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 fn nearest_hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default()
+}
+
+fn best_residual(best: Option<&Orbit>) -> String {
+    best.map_or("no iterate could be integrated".to_owned(), |orbit| {
+        let Setting { omega_b, params, .. } = orbit.setting;
+        format!("the smallest residual is {:.1e} at omega_b = {omega_b}, rho = {}; it must be 1e-12", orbit.residual, params.rho)
+    })
 }
 
 impl Error {

@@ -27,6 +27,7 @@ pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
 pub mod method;
+pub mod orbits;
 pub mod output;
 mod random;
 pub mod report;

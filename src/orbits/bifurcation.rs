@@ -1,0 +1,297 @@
+//! Bifurcations between the points of a branch, and the branch of doubled period.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `X(s)` | the branch between two of its points, over the chord from one (`s = 0`) to the other (`s = 1`) |
+//! | `psi(s)` | test function, zero at the bifurcation |
+//!
+//! - `tau` through -1: `psi = tau + 1`, a period doubling. `tau` through 1: `psi = 1 - tau`.
+//! - two real `tau` that meet and become complex: `psi = (tau_1 - tau_2)^2/4`, which goes through zero linearly where `tau` has a root. Of signatures that differ,
+//!   if they meet on the circle. Collisions of which nothing stronger than a modulus of `1 + weak` comes are left out: the bands of a long ring are full of them.
+//! - a fold: `psi` is the parameter's part of the tangent.
+
+use super::{
+    continuation::{Continuation, Place, Scales},
+    floquet::Spectrum,
+    setting::Setting,
+    shooting::{Orbit, Shooting},
+};
+use crate::error::{Error, Result};
+use nalgebra::{Complex, DVector};
+use serde::{Deserialize, Serialize};
+
+/// What happens at a point of a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BifurcationKind {
+    /// A pair of multipliers goes through -1.
+    PeriodDoubling,
+    /// A pair goes through 1.
+    PlusOne,
+    /// Two pairs meet on the circle and leave it, or the other way round.
+    KreinCollision,
+    /// Two pairs meet on the real axis and leave it, or the other way round.
+    RealCollision,
+    /// The branch turns back.
+    Fold,
+}
+
+/// A point of a branch where something happens.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bifurcation {
+    /// What.
+    pub kind: BifurcationKind,
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// `tau` there; 1 at a fold.
+    pub tau: f64,
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Strains `z` of the mode of that `tau`, the largest 1; empty at a fold or collision.
+    pub mode: Vec<f64>,
+}
+
+/// Parts that a stretch between two points is cut into at most, until each has one bifurcation.
+const MOST_CUTS: u32 = 12;
+/// Evaluations of a test function at most.
+const MOST_TRIALS: u32 = 60;
+/// A bifurcation is located to this share of the stretch.
+const LOCATED: f64 = 1e-10;
+/// Quartets are the same on both sides if their real parts are that near, and neither has less than this share of the other's imaginary part.
+const NEAR: f64 = 0.05;
+const ALIKE: f64 = 0.3;
+/// Inside a stretch, where bifurcations are told apart.
+const WEAK_INSIDE: f64 = 1e-4;
+
+/// A test function.
+#[derive(Clone, Copy, Debug)]
+enum Test {
+    /// The `k`-th smallest real `tau` against -1.
+    MinusOne(usize),
+    /// The `k`-th largest against 1.
+    PlusOne(usize),
+    /// Two `tau` that meet near this value.
+    Collision(f64),
+    /// The parameter's part of the tangent.
+    Fold,
+}
+
+/// A point with its multipliers.
+struct Known {
+    orbit: Orbit,
+    spectrum: Spectrum,
+}
+
+/// A stretch of a branch over a chord.
+struct Stretch<'a> {
+    continuation: &'a Continuation,
+    place: Place,
+    scales: Scales,
+    length: f64,
+}
+
+impl<'a> Stretch<'a> {
+    fn new(continuation: &'a Continuation, a: &Orbit, b: &Orbit) -> Self {
+        let p = |orbit: &Orbit| orbit.setting.get(continuation.parameter);
+        let mut scales = continuation.scales(a, p(a));
+        scales.parameter = (p(b) - p(a)).abs().max(1e-3 * scales.parameter);
+        let chord = a.z.iter().zip(&b.z).map(|(a, b)| (b - a) / scales.strain);
+        let chord = DVector::from_iterator(a.z.len() + 1, chord.chain([(p(b) - p(a)) / scales.parameter]));
+        let length = chord.norm();
+        Self { continuation, place: Place { orbit: a.clone(), tangent: chord / length }, scales, length }
+    }
+
+    fn orbit(&self, s: f64) -> Result<Orbit> {
+        Ok(self.continuation.step(&self.place, self.scales, s * self.length)?.0)
+    }
+
+    fn known(&self, s: f64) -> Result<Known> {
+        let orbit = self.orbit(s)?;
+        let spectrum = orbit.spectrum(&self.continuation.shooting)?;
+        Ok(Known { orbit, spectrum })
+    }
+
+    /// `psi`, and the `tau` it belongs to.
+    fn test(&self, test: Test, at: &Known) -> Option<(f64, f64)> {
+        match test {
+            Test::MinusOne(k) => reals(&at.spectrum).get(k).map(|&tau| (tau + 1.0, tau)),
+            Test::PlusOne(k) => reals(&at.spectrum).iter().rev().nth(k).map(|&tau| (1.0 - tau, tau)),
+            Test::Collision(near) => pair_near(&at.spectrum, near).map(|(mean, discriminant)| (discriminant, mean)),
+            Test::Fold => {
+                let tangent = self.continuation.tangent(&at.orbit, self.scales, &self.place.tangent).ok()?;
+                Some((tangent[tangent.len() - 1], 1.0))
+            }
+        }
+    }
+
+    /// The zero of `psi` by the rule of false position (Illinois), from known ends.
+    fn locate(&self, mut test: Test, a: &Known, b: &Known) -> Option<Bifurcation> {
+        let (mut left, mut right) = ((0.0, self.test(test, a)?.0), (1.0, self.test(test, b)?.0));
+        if left.1 * right.1 > 0.0 {
+            return None;
+        }
+        let mut last: Option<(Known, f64)> = None;
+        for _ in 0..MOST_TRIALS {
+            let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
+            let known = self.known(s).ok()?;
+            let (psi, tau) = self.test(test, &known)?;
+            if let Test::Collision(near) = &mut test {
+                *near = tau;
+            }
+            last = Some((known, tau));
+            if psi * right.1 < 0.0 {
+                left = right;
+            } else {
+                left.1 *= 0.5;
+            }
+            let by = (s - right.0).abs();
+            right = (s, psi);
+            if psi == 0.0 || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
+                break;
+            }
+        }
+        let (Known { orbit, spectrum }, tau) = last?;
+        let kind = match test {
+            Test::MinusOne(_) => BifurcationKind::PeriodDoubling,
+            Test::PlusOne(_) => BifurcationKind::PlusOne,
+            Test::Collision(_) if tau.abs() <= 1.0 => BifurcationKind::KreinCollision,
+            Test::Collision(_) => BifurcationKind::RealCollision,
+            Test::Fold => BifurcationKind::Fold,
+        };
+        let single = matches!(test, Test::MinusOne(_) | Test::PlusOne(_));
+        let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
+        Some(Bifurcation { kind, parameter: orbit.setting.get(self.continuation.parameter), tau, orbit, mode })
+    }
+}
+
+/// Real `tau` that belong to no exact multiplier, from the smallest.
+fn reals(spectrum: &Spectrum) -> Vec<f64> {
+    let mut reals: Vec<f64> = spectrum.free().filter(|(tau, _)| tau.im == 0.0).map(|(tau, _)| tau.re).collect();
+    reals.sort_by(f64::total_cmp);
+    reals
+}
+
+/// Complex `tau` in the upper half plane, of multipliers with a modulus above `1 + weak`.
+fn quartets(spectrum: &Spectrum, weak: f64) -> Vec<Complex<f64>> {
+    let strong = |tau: &Complex<f64>| tau.im > 0.0 && (tau + (tau * tau - 1.0).sqrt()).norm().ln().abs() > weak.ln_1p();
+    spectrum.free().map(|(tau, _)| tau).filter(strong).collect()
+}
+
+/// Mean and `(tau_1 - tau_2)^2/4` of the two `tau` that are nearest to meeting near a value: conjugates, or real ones that may leave their axis.
+fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
+    let mut axis: Vec<(f64, i8)> =
+        spectrum.free().filter(|(tau, _)| tau.im == 0.0).map(|(tau, krein)| (tau.re, krein)).collect();
+    axis.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let real = axis.windows(2).filter(|w| w[0].1 != w[1].1).map(|w| {
+        let half = 0.5 * (w[1].0 - w[0].0);
+        (0.5 * (w[0].0 + w[1].0), half * half)
+    });
+    let complex = spectrum.free().filter(|(tau, _)| tau.im > 0.0).map(|(tau, _)| (tau.re, -tau.im * tau.im));
+    // The distance of the nearer one of the two from the value.
+    let apart = |&(mean, square): &(f64, f64)| (mean - near).abs() + square.abs().sqrt();
+    real.chain(complex).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+}
+
+/// What happens between two points: the tests whose functions change sign, and whether they account for all that changed.
+fn tests(a: &Spectrum, b: &Spectrum, weak: f64) -> (Vec<Test>, bool) {
+    let (mut found, mut real_pairs) = (Vec::new(), [0i64; 2]);
+    for (ours, theirs, sign) in [(b, a, 1), (a, b, -1)] {
+        for tau in quartets(ours, weak) {
+            let same = |other: &Complex<f64>| (other.re - tau.re).abs() <= NEAR && other.im >= ALIKE * tau.im;
+            if !quartets(theirs, 0.0).iter().any(same) {
+                found.push(Test::Collision(tau.re));
+                // Each takes two from the real axis.
+                real_pairs[0] -= 2 * sign * i64::from(tau.re < -1.0);
+                real_pairs[1] -= 2 * sign * i64::from(tau.re > 1.0);
+            }
+        }
+    }
+    let beyond = |spectrum: &Spectrum| {
+        let reals = reals(spectrum);
+        [reals.iter().filter(|&&tau| tau < -1.0).count(), reals.iter().filter(|&&tau| tau > 1.0).count()]
+    };
+    let (before, after) = (beyond(a), beyond(b));
+    let mut whole = true;
+    for side in 0..2 {
+        let change = after[side] as i64 - before[side] as i64 - real_pairs[side];
+        let k = before[side].min(after[side]);
+        match change.abs() {
+            0 => {}
+            1 => found.push(if side == 0 { Test::MinusOne(k) } else { Test::PlusOne(k) }),
+            _ => whole = false,
+        }
+    }
+    (found, whole)
+}
+
+impl Continuation {
+    /// The bifurcations between the points of a branch, in their order along it; quartets up to a modulus of `1 + weak` are passed over.
+    ///
+    /// Every stretch has at most one of each, or is cut until it has; what cannot be told apart after 12 cuts is left out.
+    pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
+        let known: Vec<Known> = orbits
+            .iter()
+            .zip(spectra)
+            .map(|(orbit, spectrum)| Known { orbit: orbit.clone(), spectrum: spectrum.clone() })
+            .collect();
+        let mut out = Vec::new();
+        for pair in known.windows(2) {
+            self.between(&pair[0], &pair[1], weak, MOST_CUTS, &mut out);
+        }
+        let p = |known: &Known| known.orbit.setting.get(self.parameter);
+        for three in known.windows(3) {
+            if (p(&three[1]) - p(&three[0])) * (p(&three[2]) - p(&three[1])) < 0.0 {
+                let stretch = Stretch::new(self, &three[0].orbit, &three[2].orbit);
+                out.extend(stretch.locate(Test::Fold, &three[0], &three[2]));
+            }
+        }
+        out
+    }
+
+    fn between(&self, a: &Known, b: &Known, weak: f64, cuts: u32, out: &mut Vec<Bifurcation>) {
+        let (found, whole) = tests(&a.spectrum, &b.spectrum, weak);
+        if found.is_empty() && whole {
+            return;
+        }
+        let stretch = Stretch::new(self, &a.orbit, &b.orbit);
+        if let ([test], true) = (&found[..], whole)
+            && let Some(bifurcation) = stretch.locate(*test, a, b)
+        {
+            return out.push(bifurcation);
+        }
+        if let (1.., Ok(middle)) = (cuts, stretch.known(0.5)) {
+            self.between(a, &middle, weak.min(WEAK_INSIDE), cuts - 1, out);
+            self.between(&middle, b, weak.min(WEAK_INSIDE), cuts - 1, out);
+        }
+    }
+}
+
+impl Bifurcation {
+    /// The first orbit of doubled period beyond a period doubling: `Z + size max|Z| z` corrected at fixed distance along `z`.
+    ///
+    /// # Errors
+    /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
+    pub fn doubled(&self, shooting: &Shooting, size: f64) -> Result<Orbit> {
+        if self.kind != BifurcationKind::PeriodDoubling {
+            return Err(Error::parameter("kind", format!("{:?}", self.kind), "the period doubles at a period doubling only"));
+        }
+        if !(size > 0.0 && size <= 1.0) {
+            return Err(Error::parameter("size", size, "a share of the amplitude in (0, 1]"));
+        }
+        let omega_b = 0.5 * self.orbit.setting.omega_b;
+        let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
+        // Near a pitchfork the frequency changes with the square of the amplitude; its scale is of no account.
+        let continuation = Continuation {
+            parameter: super::Parameter::OmegaB,
+            to: 1.01 * omega_b,
+            step: 0.01,
+            most_points: 2,
+            natural: false,
+            shooting: *shooting,
+        };
+        let scales = continuation.scales(&orbit, omega_b);
+        let mode = DVector::from_iterator(self.mode.len() + 1, self.mode.iter().copied().chain([0.0]));
+        let ds = size * orbit.amplitude() * mode.norm() / scales.strain;
+        Ok(continuation.step(&Place { orbit, tangent: mode.normalize() }, scales, ds)?.0)
+    }
+}

@@ -1,0 +1,51 @@
+//! Eigenvalues of a real matrix by the real Schur form `A = Q S Q^T`, and eigenvectors by inverse iteration on `S`.
+
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+/// Eigenvalues and unit eigenvectors; pairs of conjugates stand side by side. `None` if the iteration did not converge.
+pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+    let schur = Schur::try_new(a.clone(), f64::EPSILON, 100 * a.nrows())?;
+    let values = schur.complex_eigenvalues();
+    let (q, s) = schur.unpack();
+    let (q, least) = (q.map(Complex::from), f64::EPSILON * s.norm());
+    let pairs = values.iter().map(|&value| {
+        // The solution is the eigenvector to rounding, as the shift is an eigenvalue to rounding.
+        let vector = &q * solve_quasi_triangular(&s, value, least);
+        (value, vector.unscale(vector.norm()))
+    });
+    Some(pairs.collect())
+}
+
+/// `(S - shift) x = (1, .., 1)`, `S` upper triangular but for blocks of two. No pivot is smaller than `least`.
+fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> DVector<Complex<f64>> {
+    let floor = |pivot: Complex<f64>| if pivot.norm() < least { Complex::from(least) } else { pivot };
+    let mut x = DVector::from_element(s.nrows(), Complex::from(1.0));
+    let mut i = s.nrows();
+    while i > 0 {
+        let pair = i > 1 && s[(i - 1, i - 2)] != 0.0;
+        let first = if pair { i - 2 } else { i - 1 };
+        let last = s[(i - 1, i - 1)] - shift;
+        if pair {
+            let (corner, up, down) = (s[(first, first)] - shift, s[(first, i - 1)], s[(i - 1, first)]);
+            let determinant = floor(corner * last - up * down);
+            let (above, below) = (x[first], x[i - 1]);
+            x[first] = (last * above - below * up) / determinant;
+            x[i - 1] = (corner * below - above * down) / determinant;
+        } else {
+            x[i - 1] /= floor(last);
+        }
+        for j in first..i {
+            for k in 0..first {
+                let by = x[j] * s[(k, j)];
+                x[k] -= by;
+            }
+        }
+        i = first;
+        // A vector that grows without bound is an eigenvector; its length does not matter.
+        let size = x.iter().map(|x| x.norm()).fold(0.0, f64::max);
+        if size > 1e100 {
+            x.unscale_mut(size);
+        }
+    }
+    x
+}

@@ -1,0 +1,25 @@
+//! Periodic orbits of a chain: shooting, Floquet multipliers, continuation (Sec. 7).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `Z = (x, y)` | strains: the state is `(Z, Z')`, and `Z'(0) = 0` |
+//! | `T, omega_b` | period and frequency, `T = 2 pi/omega_b` |
+//! | `M(t)` | derivative of the state at `t` by the state at 0; `M(T)` is the monodromy matrix |
+//! | `lambda, tau` | multipliers, and `(lambda + 1/lambda)/2` |
+//! | `R` | time reversal, `diag(1, -1)` on `(Z, Z')` |
+
+mod bifurcation;
+mod continuation;
+mod eigen;
+mod floquet;
+mod flow;
+mod orbit;
+mod setting;
+mod shooting;
+
+pub use bifurcation::{Bifurcation, BifurcationKind};
+pub use continuation::{Continuation, End};
+pub use floquet::{Kind, Multiplier, Quality, Spectrum};
+pub use orbit::Extent;
+pub use setting::{Parameter, Setting};
+pub use shooting::{Formulation, NewtonStep, Orbit, Shooting};

@@ -1,0 +1,118 @@
+//! What determines an orbit, besides the branch it is on.
+
+use crate::{
+    chain::{Boundary, Chain, Params, Resonators},
+    error::{Error, Result},
+};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A number that a branch of orbits is followed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parameter {
+    /// Frequency `omega_b`.
+    OmegaB,
+    /// Mass ratio `rho`.
+    Rho,
+    /// Spring constant `kappa`.
+    Kappa,
+    /// Exponent `alpha`.
+    Alpha,
+    /// Vertical centre `C_x`.
+    Cx,
+}
+
+impl Parameter {
+    /// All of them, by name.
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("omega_b", Self::OmegaB),
+        ("rho", Self::Rho),
+        ("kappa", Self::Kappa),
+        ("alpha", Self::Alpha),
+        ("c_x", Self::Cx),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, parameter)| *parameter == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// A ring of strains (eq:HertzS), and the frequency and centre of an orbit on it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Setting {
+    /// Exponent, spring constant, mass ratio.
+    pub params: Params,
+    /// Bonds on the ring, `n = -N .. N`.
+    pub sites: usize,
+    /// Frequency `omega_b = 2 pi/T`.
+    pub omega_b: f64,
+    /// Vertical centre of the first bond (eq:center), the mean of its strains at `t = 0` and `T/(2 turns)`.
+    pub c_x: f64,
+    /// How often the background swings in a period: 1, or 2 where the period is doubled.
+    pub turns: u32,
+}
+
+/// What the tangent map of contact collocation is there for.
+const MOST_SITES: usize = 256;
+
+impl Setting {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first one outside its rule: moving resonators and `alpha > 1`; 3 to 256 sites; `omega_b` positive; a finite centre; one turn or two.
+    pub fn chain(&self) -> Result<Chain<f64>> {
+        let Self { params, sites, omega_b, c_x, turns } = *self;
+        params.validate()?;
+        if params.resonators() != Resonators::Moving {
+            let rule = "an orbit of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
+            return Err(Error::parameter("rho", params.rho, rule));
+        }
+        if params.alpha <= 1.0 {
+            return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
+        }
+        if !(3..=MOST_SITES).contains(&sites) {
+            return Err(Error::parameter("sites", sites, "from 3 to 256 sites"));
+        }
+        if !(omega_b.is_finite() && omega_b > 0.0) {
+            return Err(Error::parameter("omega_b", omega_b, "finite and positive"));
+        }
+        if !c_x.is_finite() {
+            return Err(Error::parameter("c_x", c_x, "a finite number"));
+        }
+        if !(1..=2).contains(&turns) {
+            return Err(Error::parameter("turns", turns, "1, or 2 for a doubled period"));
+        }
+        Chain::new(params, Boundary::StrainRing, sites)
+    }
+
+    /// `T = 2 pi/omega_b`.
+    pub fn period(&self) -> f64 {
+        2.0 * PI / self.omega_b
+    }
+
+    /// One of its numbers.
+    pub fn get(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::OmegaB => self.omega_b,
+            Parameter::Rho => self.params.rho,
+            Parameter::Kappa => self.params.kappa,
+            Parameter::Alpha => self.params.alpha,
+            Parameter::Cx => self.c_x,
+        }
+    }
+
+    /// The same with another value of one of its numbers, unchecked.
+    #[must_use]
+    pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
+        *match parameter {
+            Parameter::OmegaB => &mut self.omega_b,
+            Parameter::Rho => &mut self.params.rho,
+            Parameter::Kappa => &mut self.params.kappa,
+            Parameter::Alpha => &mut self.params.alpha,
+            Parameter::Cx => &mut self.c_x,
+        } = value;
+        self
+    }
+}

@@ -1,0 +1,243 @@
+//! Newton's method for periodic orbits that start at rest.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `Z = (x, y)` | strains at `t = 0`, where all velocities are zero |
+//! | `F(Z) = 0` | what makes the orbit periodic, and the centre `C_x` |
+//!
+//! The full state has two Jordan blocks at the multiplier 1: a shift of phase with the change of frequency, and a uniform strain with
+//! uniform drift. States at rest leave one null vector, the derivative by the mean strain; one more equation, for `C_x`, makes
+//! `F` regular. `F` has an equation more than unknowns, since `sum (x' + rho y')` is conserved: it is solved by least squares, exactly.
+
+use super::{
+    flow::{Moment, flow},
+    setting::Setting,
+};
+use crate::{
+    chain::{Chain, max_norm},
+    error::{Error, Result},
+};
+use hertzchain_integrators::{Stepper, collocation::Pace};
+use nalgebra::{DMatrix, DVector, DVectorView};
+use serde::{Deserialize, Serialize};
+
+/// What is solved for `Z`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Formulation {
+    /// `Z'(T/2) = 0` and `(x_1(0) + x_1(T/2))/2 = C_x` (`T/4` where the period is doubled): by reversibility the second half of the period is the first
+    /// one backwards.
+    #[default]
+    HalfPeriod,
+    /// `P_T (Z, 0) = (Z, 0)` with the time average of `x_1` at `C_x` (eq:extra_constraint), as in the paper.
+    FullPeriod,
+}
+
+/// How orbits are searched for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shooting {
+    /// What is solved.
+    pub formulation: Formulation,
+    /// Tolerance of the flow, relative to the size of the state.
+    pub tol: f64,
+    /// Steps of Newton's method at most.
+    pub most_steps: usize,
+}
+
+impl Default for Shooting {
+    fn default() -> Self {
+        Self { formulation: Formulation::HalfPeriod, tol: 1e-13, most_steps: 20 }
+    }
+}
+
+/// A step of Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewtonStep {
+    /// `max |F(Z)|` before it, velocities over `omega_b`, in units of `max |Z|`.
+    pub residual: f64,
+    /// `max` of its change of `Z`, in the same unit.
+    pub step: f64,
+}
+
+/// A periodic orbit, or the best that was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Orbit {
+    /// What it is an orbit of.
+    pub setting: Setting,
+    /// `[x(0), y(0)]`.
+    pub z: Vec<f64>,
+    /// `max |F(Z)|` in units of `max |Z|`.
+    pub residual: f64,
+    /// How it was found.
+    pub newton: Vec<NewtonStep>,
+}
+
+/// After a step below this the next would be below rounding, by quadratic convergence.
+const LAST_STEP: f64 = 1e-9;
+/// Residuals above this are no orbit: rounding is near 1e-16.
+const SOLVED: f64 = 1e-12;
+/// No step is longer than this, in units of `max |Z|`: a seed is better than that.
+const LONGEST_STEP: f64 = 1.0;
+
+/// `F`, and its derivative by `Z`.
+pub(super) struct Equations {
+    pub(super) residual: DVector<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+}
+
+impl Shooting {
+    /// `F` at `z`, with its Jacobian or, cheaper, without (then with no columns).
+    pub(super) fn equations(&self, setting: &Setting, z: &[f64], derivative: bool) -> Result<Equations> {
+        let chain = setting.chain()?;
+        let columns = if derivative { z.len() } else { 0 };
+        match self.formulation {
+            Formulation::HalfPeriod => {
+                let to = |t: f64| self.flow(&chain, z, t, columns, |_| {});
+                let half = 0.5 * setting.period();
+                let end = to(half)?;
+                let other = (setting.turns > 1).then(|| to(half / f64::from(setting.turns))).transpose()?;
+                Ok(half_period(setting, z, &end, other.as_ref().unwrap_or(&end)))
+            }
+            Formulation::FullPeriod => {
+                let mut slopes = Mean::new(z.len(), columns);
+                let end = self.flow(&chain, z, setting.period(), columns, |moment| slopes.add(moment))?;
+                Ok(full_period(setting, z, &end, self.mean_strain(&chain, z, setting.period())?, &slopes))
+            }
+        }
+    }
+
+    /// From `(z, 0)` over the time `t`.
+    pub(super) fn flow(
+        &self,
+        chain: &Chain<f64>,
+        z: &[f64],
+        t: f64,
+        columns: usize,
+        seen: impl FnMut(&Moment),
+    ) -> Result<Moment> {
+        let mut start = z.to_vec();
+        start.resize(2 * z.len(), 0.0);
+        flow(chain, &start, t, columns, self.tol, seen)
+    }
+
+    /// The mean of `x_1` over a period, by the trapezoidal rule: for a period that is even about its middle, and exact where the second half is the
+    /// first one with the other sign.
+    fn mean_strain(&self, chain: &Chain<f64>, z: &[f64], period: f64) -> Result<f64> {
+        const SAMPLES: u32 = 64;
+        let mut state = z.to_vec();
+        state.resize(2 * z.len(), 0.0);
+        let mut run = chain.collocation(&state, (0.0, period), Pace::Tolerance(self.tol))?;
+        let mut sum = z[0];
+        for k in 1..SAMPLES {
+            let t = period * f64::from(k) / f64::from(SAMPLES);
+            while run.time() < t {
+                run.step()?;
+            }
+            run.sample(t, &mut state);
+            sum += state[0];
+        }
+        Ok(sum / f64::from(SAMPLES))
+    }
+
+    /// The orbit near the strains `seed = [x(0), y(0)]`.
+    ///
+    /// # Errors
+    /// A setting outside its rules; a seed of another length, not finite or zero; a flow that fails; and [`Error::Stalled`] with the best
+    /// iterate where Newton's method does not get to a residual of 1e-12.
+    pub fn solve(&self, setting: &Setting, seed: &[f64]) -> Result<Orbit> {
+        if seed.len() != 2 * setting.sites {
+            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), "two strains a site: x, then y"));
+        }
+        let size = max_norm(seed.iter().copied());
+        if !(size > 0.0 && seed.iter().all(|z| z.is_finite())) {
+            return Err(Error::parameter("seed", size, "strains are finite, and not all zero"));
+        }
+        let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
+        let mut best: Option<Orbit> = None;
+        let mut keep = |z: &DVector<f64>, residual: f64, newton: &[NewtonStep]| {
+            if residual < best.as_ref().map_or(f64::INFINITY, |best| best.residual) {
+                best = Some(Orbit { setting: *setting, z: z.as_slice().to_vec(), residual, newton: newton.to_vec() });
+            }
+            best.clone()
+        };
+        for _ in 0..self.most_steps {
+            let Ok(Equations { residual, jacobian }) = self.equations(setting, z.as_slice(), true) else { break };
+            let size = z.amax();
+            let Some(mut by) = least_squares(jacobian, &residual) else { break };
+            newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
+            keep(&z, residual.amax() / size, &newton);
+            by *= (LONGEST_STEP * size / by.amax()).min(1.0);
+            z -= &by;
+            if by.amax() <= LAST_STEP * size {
+                break;
+            }
+        }
+        let last = self.equations(setting, z.as_slice(), false)?.residual.amax() / z.amax();
+        match keep(&z, last, &newton) {
+            Some(orbit) if orbit.residual <= SOLVED => Ok(Orbit { newton, ..orbit }),
+            best => Err(Error::Stalled { steps: newton.len(), best: best.map(Box::new) }),
+        }
+    }
+}
+
+/// The vector that makes `|matrix x - right|` least; `None` where the matrix has not full rank.
+pub(super) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let (columns, qr) = (matrix.ncols(), matrix.qr());
+    let mut right = right.clone();
+    qr.q_tr_mul(&mut right);
+    let x = qr.r().solve_upper_triangular(&right.rows(0, columns).into_owned())?;
+    x.iter().all(|x| x.is_finite()).then_some(x)
+}
+
+/// `F = [Z'(T/2) / omega_b, (x_1(0) + x_1(T/(2 turns)))/2 - C_x]`, from the states at these two times.
+fn half_period(setting: &Setting, z: &[f64], end: &Moment, turn: &Moment) -> Equations {
+    let n = z.len();
+    let residual = DVector::from_column_slice(&end.state[n..]) / setting.omega_b;
+    let mut jacobian = (end.columns.rows(n, n) / setting.omega_b).insert_row(n, 0.0);
+    for j in 0..jacobian.ncols() {
+        jacobian[(n, j)] = 0.5 * (turn.columns[(0, j)] + f64::from(u8::from(j == 0)));
+    }
+    Equations { residual: residual.push(0.5 * (z[0] + turn.state[0]) - setting.c_x), jacobian }
+}
+
+/// `F = [Z(T) - Z(0), Z'(T) / omega_b, mean x_1 - C_x]`.
+fn full_period(setting: &Setting, z: &[f64], end: &Moment, mean: f64, slopes: &Mean) -> Equations {
+    let (n, columns) = (z.len(), end.columns.ncols());
+    let mut residual = DVector::from_column_slice(&end.state);
+    let mut jacobian = end.columns.clone();
+    residual.rows_mut(0, n).zip_apply(&DVectorView::from_slice(z, n), |end, z| *end -= z);
+    residual.rows_mut(n, n).unscale_mut(setting.omega_b);
+    for j in 0..columns {
+        jacobian[(j, j)] -= 1.0;
+    }
+    jacobian.rows_mut(n, n).unscale_mut(setting.omega_b);
+    residual = residual.push(mean - setting.c_x);
+    jacobian = jacobian.insert_row(2 * n, 0.0);
+    for j in 0..columns {
+        jacobian[(2 * n, j)] = slopes.sum[j] / end.t;
+    }
+    Equations { residual, jacobian }
+}
+
+/// `int M_1 dt`, the derivatives of `int x_1 dt` by `Z`: the trapezoidal rule with its correction by slopes, good enough for a Jacobian.
+struct Mean {
+    /// Where the velocity of the first bond is in a state.
+    velocity: usize,
+    sum: DVector<f64>,
+    before: Option<(f64, [DVector<f64>; 2])>,
+}
+
+impl Mean {
+    fn new(velocity: usize, columns: usize) -> Self {
+        Self { velocity, sum: DVector::zeros(columns), before: None }
+    }
+
+    fn add(&mut self, moment: &Moment) {
+        let now = [0, self.velocity].map(|i| moment.columns.row(i).transpose());
+        if let Some((t, [value, slope])) = &self.before {
+            let h = moment.t - t;
+            self.sum += (value + &now[0]) * (0.5 * h) + (slope - &now[1]) * (h * h / 12.0);
+        }
+        self.before = Some((moment.t, now));
+    }
+}
