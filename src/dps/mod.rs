@@ -1,6 +1,7 @@
 //! The modulation (DpS) equations of small oscillations: the averages that couple amplitudes `A_n` and mean strains `B_n`, their flows, and the way to the chain and back.
 
 mod ansatz;
+mod dark;
 mod flow;
 mod homoclinic;
 mod hypergeometric;
@@ -8,6 +9,7 @@ mod integrals;
 
 pub(crate) use ansatz::first_order;
 pub use ansatz::{Ansatz, Envelope, project};
+pub use dark::DarkProfile;
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
 pub use homoclinic::{Center, Homoclinic};
 pub(crate) use hypergeometric::per_gamma;
