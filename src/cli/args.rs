@@ -29,7 +29,7 @@ pub(super) enum Command {
     Dps(DpsArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
-    /// Hold every number in the text of the paper's Sec. 3 and 4 against ours: what it says, what we get, the verdict, and why if they differ.
+    /// Hold every number in the text of the paper's Sec. 3 and 4, and of the first part of Sec. 6, against ours: what it says, what we get, the verdict, and why if they differ.
     ///
     /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
     /// one is not, or a run failed.
@@ -197,7 +197,7 @@ pub(super) struct WaveArgs {
 
 #[derive(Args)]
 pub(super) struct VerifyArgs {
-    /// One section of the paper: 3 or 4 [default: all].
+    /// One section of the paper: 3, 4 or 6 [default: all].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(super) section: Option<u32>,
     /// Folder for verify.txt, verify.csv and verify.json [default: none is written].
@@ -220,6 +220,10 @@ pub(super) enum DpsAction {
     Integrals(IntegralsArgs),
     /// The homoclinic solutions of the stationary DpS equation: profiles of bright breathers.
     Homoclinic(HomoclinicArgs),
+    /// The standing waves with a kink of the generalised DpS equations: profiles of dark breathers, and the strains that start one.
+    ///
+    /// Example: hertzchain dps dark --center bond --rho 3 --omega-b 1.16
+    Dark(DarkArgs),
     /// Which modulations of a travelling wave grow and how fast: in closed form, and measured on the full chain.
     Stability(StabilityArgs),
 }
@@ -241,6 +245,37 @@ pub(super) struct HomoclinicArgs {
 pub(super) enum CenterArg {
     Site,
     Bond,
+}
+
+#[derive(Args)]
+pub(super) struct DarkArgs {
+    /// Where the kink is: on the site 0, or on the bond between the sites 0 and 1.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Site)]
+    pub(super) center: CenterArg,
+    /// Sites of the ring, odd, from 3 to 100001.
+    #[arg(long, value_name = "N", default_value_t = 41, allow_negative_numbers = true)]
+    pub(super) sites: usize,
+    /// Exponent of the contact force, from 1.01 to 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Spring constant of the resonators, positive; dimensionless, like all below.
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) kappa: f64,
+    /// Mass ratio, positive and finite.
+    #[arg(long, value_name = "R", default_value_t = 1.0 / 3.0, allow_negative_numbers = true)]
+    pub(super) rho: f64,
+    /// Mean strain of the background at mu = 1.
+    #[arg(long, value_name = "C", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(super) c: f64,
+    /// Frequency of the breather, radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)) [default: 1.005 omega].
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub(super) omega_b: Option<f64>,
+    /// Folder for dark.csv and dark.json [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 #[derive(Args)]

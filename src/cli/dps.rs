@@ -2,12 +2,12 @@
 
 use super::{
     Exit,
-    args::{CenterArg, DpsAction, DpsArgs, HomoclinicArgs, IntegralsArgs, StabilityArgs},
+    args::{CenterArg, DarkArgs, DpsAction, DpsArgs, HomoclinicArgs, IntegralsArgs, StabilityArgs},
     print, progress_bar,
 };
 use crate::{
     chain::Params,
-    dps::{Averages, Center, Homoclinic},
+    dps::{Averages, Center, DarkProfile, Homoclinic},
     error::{Error, Result},
     experiments::{StabilityOptions, stability},
     output::Folder,
@@ -21,17 +21,36 @@ pub(super) fn main(args: &DpsArgs) -> Exit {
     match &args.action {
         DpsAction::Integrals(args) => integrals(args),
         DpsAction::Homoclinic(args) => homoclinic(args),
+        DpsAction::Dark(args) => dark(args),
         DpsAction::Stability(args) => wave_stability(args),
     }
 }
 
-fn homoclinic(args: &HomoclinicArgs) -> Exit {
-    let center = match args.center {
+fn center(arg: CenterArg) -> Center {
+    match arg {
         CenterArg::Site => Center::Site,
         CenterArg::Bond => Center::Bond,
-    };
-    let one = Homoclinic::new(args.alpha, center)?;
+    }
+}
+
+fn homoclinic(args: &HomoclinicArgs) -> Exit {
+    let one = Homoclinic::new(args.alpha, center(args.center))?;
     print(&if args.json { report::homoclinic_json(&one) + "\n" } else { report::homoclinic_table(&one) });
+    Ok(ExitCode::SUCCESS)
+}
+
+fn dark(args: &DarkArgs) -> Exit {
+    let &DarkArgs { sites, alpha, kappa, rho, c, .. } = args;
+    let profile = DarkProfile::new(Params { alpha, kappa, rho }, center(args.center), sites, c)?;
+    let omega_b = args.omega_b.unwrap_or(1.005 * profile.params().omega());
+    let json = report::dark_json(&profile, omega_b)?;
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    print(&if args.json { json.clone() + "\n" } else { report::dark_table(&profile, omega_b)? });
+    if let Some(folder) = folder {
+        folder.write("dark.csv", &report::dark_csv(&profile, omega_b)?)?;
+        folder.write("dark.json", json.as_bytes())?;
+        eprintln!("written to {}", folder.path().display());
+    }
     Ok(ExitCode::SUCCESS)
 }
 

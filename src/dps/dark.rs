@@ -73,6 +73,17 @@ impl DarkProfile {
     /// `alpha` outside `[1.01, 10]`; no moving resonators; an even number of sites, or one outside `3 ..= 100001`; `c` not finite, or so far below zero that there is
     /// no background; a Newton iteration that does not settle on one kink.
     pub fn new(params: Params, center: Center, sites: usize, c: f64) -> Result<Self> {
+        Self::from_guess(params, center, sites, c, None)
+    }
+
+    /// The same from a guess of another amplitude; that of (eq:an_ini) is one.
+    pub(crate) fn from_guess(
+        params: Params,
+        center: Center,
+        sites: usize,
+        c: f64,
+        amplitude: Option<f64>,
+    ) -> Result<Self> {
         params.validate()?;
         if !ALPHAS.contains(&params.alpha) {
             return Err(Error::parameter(
@@ -94,7 +105,7 @@ impl DarkProfile {
         }
         let averages = Averages::new(params.alpha, params.kappa)?;
         let background = background(&averages, c)?;
-        let mut half = Half::start(&averages, center, sites, c, background);
+        let mut half = Half::start(&averages, center, sites, c, background, amplitude.unwrap_or(background));
         let newton = half.settle()?;
         let middle = averages.mean_strain(half.force, 0.0);
         let Half { p, b, .. } = half;
@@ -261,13 +272,13 @@ struct Half<'a> {
 }
 
 impl<'a> Half<'a> {
-    /// (eq:an_ini), with the amplitude of the background, and the `b_n` that belong to it.
-    fn start(averages: &'a Averages, center: Center, sites: usize, c: f64, size: f64) -> Self {
+    /// (eq:an_ini) times an amplitude, and the `b_n` that belong to it.
+    fn start(averages: &'a Averages, center: Center, sites: usize, c: f64, size: f64, amplitude: f64) -> Self {
         let (count, n_0) = match center {
             Center::Site => (sites / 2, 0.0),
             Center::Bond => (sites / 2 + 1, 0.5),
         };
-        let p: Vec<f64> = (1..=count).map(|n| size * (n as f64 - n_0).tanh()).collect();
+        let p: Vec<f64> = (1..=count).map(|n| amplitude * (n as f64 - n_0).tanh()).collect();
         let force = averages.g(c, p[count - 1]);
         let mut b: Vec<f64> = p.iter().map(|&p| averages.mean_strain(force, p)).collect();
         b[count - 1] = c;

@@ -5,6 +5,7 @@
 use super::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, stability, wave};
 use crate::{
     chain::Params,
+    dps::{Center, DarkProfile},
     error::{Error, Result},
     method::Method,
     scene::Scene,
@@ -50,6 +51,13 @@ pub enum Recipe {
         rho: f64,
         /// Sizes at which it is measured on the full chain.
         epsilons: &'static [f64],
+    },
+    /// Dark profiles at `alpha = 3/2, kappa = 1`, with the kink on a site and on a bond.
+    Dark {
+        /// Sites of the ring.
+        sites: usize,
+        /// Mean strain of the background.
+        c: f64,
     },
 }
 
@@ -105,6 +113,8 @@ pub enum PaperData {
     Waves(&'static [WaveColumn], Vec<(&'static WaveRun, WaveStudy)>),
     /// Growth of modulations.
     Growth(Box<StabilityStudy>),
+    /// Dark profiles.
+    Dark(Vec<DarkProfile>),
 }
 
 use WavePanel::{Differences, Errors, ErrorsEnlarged, PerturbedX as Px, PerturbedY as Py, SpreadX, SpreadY, X, Y};
@@ -203,6 +213,13 @@ pub const PAPER: &[PaperFigure] = &[
         claim: "The growth that the linearised modulation equations predict is that of the full chain, the closer the smaller the wave.",
         recipe: Recipe::Growth { rho: 3.0, epsilons: &[0.01, 0.0025, 0.000625] },
     },
+    PaperFigure {
+        name: "dps-dark",
+        source: "Sec. 6, fig:sw_anbn",
+        title: "Standing waves with a kink: profiles of dark breathers, μ = 1, c = 0",
+        claim: "Neighbours are in antiphase, and at the kink the phase slips by π; there the oscillation is weak and the mean strain is negative, so that every bond bears the same mean force.",
+        recipe: Recipe::Dark { sites: 41, c: 0.0 },
+    },
 ];
 
 impl PaperFigure {
@@ -227,6 +244,12 @@ impl PaperFigure {
                     Ok((run, run.study(&tell)?))
                 };
                 Ok(PaperData::Waves(columns, runs.iter().enumerate().map(study).collect::<Result<_>>()?))
+            }
+            Recipe::Dark { sites, c } => {
+                // The profile does not depend on rho.
+                let params = Params { alpha: 1.5, kappa: 1.0, rho: 1.0 / 3.0 };
+                let profile = |center| DarkProfile::new(params, center, sites, c);
+                Ok(PaperData::Dark([Center::Site, Center::Bond].map(profile).into_iter().collect::<Result<_>>()?))
             }
             Recipe::Growth { rho, epsilons } => {
                 let options = StabilityOptions {

@@ -2,8 +2,9 @@
 
 use super::table;
 use crate::{
-    dps::{Homoclinic, Values},
-    output::to_json,
+    dps::{Center, DarkProfile, Homoclinic, Values},
+    error::Result,
+    output::{csv, to_json},
 };
 use serde_json::{Value, json};
 
@@ -55,4 +56,82 @@ pub fn homoclinic_table(one: &Homoclinic) -> String {
             one.omega_0(),
             one.residual()
         )
+}
+
+/// Where a kink is, as a word.
+pub(super) fn center_word(center: Center) -> &'static str {
+    match center {
+        Center::Site => "site",
+        Center::Bond => "bond",
+    }
+}
+
+/// `a_n` or `b_n` of all sites.
+pub(super) fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
+    profile.sites().map(value).collect()
+}
+
+/// A dark profile and the strains of the breather of frequency `omega_b` as JSON. `a` and `b` are those of `mu = 1`, `x` and `y` those of the `mu` given.
+///
+/// # Errors
+/// An `omega_b` that is not above `omega`.
+pub fn dark_json(profile: &DarkProfile, omega_b: f64) -> Result<String> {
+    let (params, (a, b)) = (profile.params(), profile.background());
+    let (x, y) = profile.seed(omega_b)?;
+    Ok(to_json(&json!({
+        "alpha": params.alpha,
+        "kappa": params.kappa,
+        "rho": params.rho,
+        "center": center_word(profile.center()),
+        "sites": x.len(),
+        "c": profile.c(),
+        "mu": profile.mu(omega_b)?,
+        "omega": params.omega(),
+        "omega_b": omega_b,
+        "n": profile.sites().collect::<Vec<_>>(),
+        "a": of_sites(profile, |n| profile.a(n)),
+        "b": of_sites(profile, |n| profile.b(n)),
+        "residual": profile.residual(),
+        "newton": profile.newton(),
+        "background": { "a": a, "b": b },
+        "x": x,
+        "y": y,
+    })))
+}
+
+/// A dark profile and the strains of the breather as CSV, a line a site.
+///
+/// # Errors
+/// An `omega_b` that is not above `omega`.
+pub fn dark_csv(profile: &DarkProfile, omega_b: f64) -> Result<Vec<u8>> {
+    let (x, y) = profile.seed(omega_b)?;
+    let rows = profile.sites().zip(x.iter().zip(&y));
+    Ok(csv(&["n", "a", "b", "x", "y"], rows.map(|(n, (&x, &y))| vec![n as f64, profile.a(n), profile.b(n), x, y])))
+}
+
+/// A dark profile and the strains of the breather as a table.
+///
+/// # Errors
+/// An `omega_b` that is not above `omega`.
+pub fn dark_table(profile: &DarkProfile, omega_b: f64) -> Result<String> {
+    let (params, (a, b)) = (profile.params(), profile.background());
+    let (x, y) = profile.seed(omega_b)?;
+    let row = |(n, (x, y)): (i64, (&f64, &f64))| {
+        let numbers = [profile.a(n), profile.b(n), *x, *y].map(|value| format!("{value:.9e}"));
+        [vec![n.to_string()], numbers.to_vec()].concat()
+    };
+    let rows: Vec<_> = profile.sites().zip(x.iter().zip(&y)).map(row).collect();
+    let newton: Vec<String> = profile.newton().iter().map(|residual| format!("{residual:.1e}")).collect();
+    Ok(table(&["n", "a_n", "b_n", "x_n(0)", "y_n(0)"], &rows)
+        + &format!(
+            "\na_n, b_n: delta^- of the standing wave (eq:DpSsw2) at mu = 1; x, y: strains of the breather at rest (eq:xy_sw)\n\
+             alpha = {}, kappa = {}, rho = {}; omega = {}, omega_b = {omega_b}, mu = {:e}\n\
+             background: a = {a:e}, b = {b:e}\nresidual at each step of Newton's method: {}\n",
+            params.alpha,
+            params.kappa,
+            params.rho,
+            params.omega(),
+            profile.mu(omega_b)?,
+            newton.join(", "),
+        ))
 }

@@ -16,6 +16,7 @@ mod wave;
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
+pub use dps::{dark_csv, dark_json, dark_table};
 pub use drift::{drift_csv, drift_json, drift_table};
 pub use order::{order_csv, order_json, order_table};
 pub use paper::{Drawn, paper_caption, paper_json, paper_table, paper_tables};

@@ -1,14 +1,16 @@
 //! Reports of the figures of the paper: captions, tables, pictures.
 
 use super::{
+    dps::{center_word, of_sites},
     stability::{caption as growth_caption, shown, stability_tables},
     table,
     wave::wave_tables,
 };
 use crate::{
+    dps::DarkProfile,
     error::Error,
     experiments::{PaperData, PaperFigure, WaveColumn, WavePanel, WaveRun, WaveStudy},
-    output::to_json,
+    output::{csv, to_json},
 };
 use serde_json::{Value, json};
 use std::{f64::consts::PI, time::Duration};
@@ -59,11 +61,12 @@ pub fn paper_caption(figure: &PaperFigure, data: &PaperData) -> String {
     let what = match data {
         PaperData::Waves(columns, runs) => waves_caption(columns, runs),
         PaperData::Growth(study) => growth_caption(study),
+        PaperData::Dark(profiles) => dark_caption(profiles),
     };
     format!("{} {what} Paper: {}.", figure.claim, figure.source)
 }
 
-/// The tables behind a figure, `(file name, CSV)`: those that `wave` or `dps stability` writes.
+/// The tables behind a figure, `(file name, CSV)`: those that `wave` or `dps stability` writes, or the profiles.
 pub fn paper_tables(figure: &PaperFigure, data: &PaperData) -> Vec<(String, Vec<u8>)> {
     let named = |tag: &str, tables: Vec<(&str, Vec<u8>)>| {
         let dash = if tag.is_empty() { "" } else { "-" };
@@ -73,7 +76,41 @@ pub fn paper_tables(figure: &PaperFigure, data: &PaperData) -> Vec<(String, Vec<
     match data {
         PaperData::Waves(_, runs) => runs.iter().flat_map(|(run, study)| named(run.tag, wave_tables(study))).collect(),
         PaperData::Growth(study) => named("", stability_tables(study)),
+        PaperData::Dark(profiles) => {
+            profiles.iter().flat_map(|one| named(center_word(one.center()), vec![dark_csv(one)])).collect()
+        }
     }
+}
+
+fn dark_csv(profile: &DarkProfile) -> (&'static str, Vec<u8>) {
+    ("profile.csv", csv(&["n", "a", "b"], profile.sites().map(|n| vec![n as f64, profile.a(n), profile.b(n)])))
+}
+
+fn dark_caption(profiles: &[DarkProfile]) -> String {
+    let words = |profile: &DarkProfile| {
+        let least = of_sites(profile, |n| profile.b(n)).into_iter().fold(f64::INFINITY, f64::min);
+        format!(
+            "{}-centred: δ⁻a₁ = {}, least δ⁻bₙ = {}; Newton's method from (eq:an_ini) times the amplitude of the background, {} steps, residual {:.0e}. ",
+            center_word(profile.center()),
+            shown(profile.a(1)),
+            shown(least),
+            profile.newton().len() - 1,
+            profile.residual(),
+        )
+    };
+    let Some(one) = profiles.first() else { return String::new() };
+    let (params, (a, c)) = (one.params(), one.background());
+    format!(
+        "Solutions of (eq:DpSsw2), renormalised to μ = 1, on a ring of {} sites; a breather of frequency ω_b has the strains μ^(1/(α−1)) (δ⁻bₙ + 2κ δ⁻aₙ cos ω_b t), \
+         μ = 2ω³(ω_b − ω). α = {}, κ = {}, δ⁻b_(−N) = c = {c}; background δ⁻a = ±{}. {}hertzchain {}.",
+        one.sites().count(),
+        params.alpha,
+        params.kappa,
+        shown(a),
+        profiles.iter().map(words).collect::<String>(),
+        env!("CARGO_PKG_VERSION")
+    )
+    .replace("= -", "= −")
 }
 
 /// A share as percent, to three digits.
@@ -168,6 +205,10 @@ pub fn paper_png(figure: &PaperFigure, data: &PaperData) -> crate::error::Result
     use crate::figures::{Column, Panels, growth, panels};
     let caption = paper_caption(figure, data);
     match data {
+        PaperData::Dark(profiles) => {
+            let columns = profiles.iter().map(dark_column).collect();
+            Ok(panels(&Panels { title: figure.title.to_owned(), columns, caption })?)
+        }
         PaperData::Growth(study) => Ok(growth(&super::stability::figure(study, caption))?),
         PaperData::Waves(columns, runs) => {
             let column = |column: &WaveColumn| Column {
@@ -178,6 +219,23 @@ pub fn paper_png(figure: &PaperFigure, data: &PaperData) -> crate::error::Result
             Ok(panels(&Panels { title: figure.title.to_owned(), columns, caption })?)
         }
     }
+}
+
+/// Amplitudes and mean strains of a dark profile.
+#[cfg(feature = "plot")]
+fn dark_column(profile: &DarkProfile) -> crate::figures::Column {
+    use crate::figures::{Column, Line, Panel};
+    let line = |name: &str, values: Vec<f64>| Line {
+        name: name.to_owned(),
+        points: profile.sites().map(|n| n as f64).zip(values).collect(),
+    };
+    let lines = vec![
+        line("amplitude δ⁻aₙ", of_sites(profile, |n| profile.a(n))),
+        line("mean δ⁻bₙ", of_sites(profile, |n| profile.b(n))),
+    ];
+    let panel =
+        Panel { x_label: "site n".to_owned(), y_label: "strain at μ = 1".to_owned(), lines, ..Panel::default() };
+    Column { heading: format!("{}-centred", center_word(profile.center())), panels: vec![panel] }
 }
 
 /// A panel; of a run without perturbation, what needs one is empty.
