@@ -134,6 +134,34 @@ fn the_numbers_of_a_perturbed_figure_are_those_of_wave() {
     assert!(errors.iter().zip(&spread).all(|(at, range)| range[1] <= at[5] && at[5] <= range[5]));
 }
 
+// Truth: the command `dps dark`, at c = 0 with 41 sites.
+#[test]
+fn the_dark_profiles_are_those_of_dps_dark() {
+    let folder = tempfile::tempdir().unwrap();
+    let (study, output) = figures("dps-dark", folder.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(
+        files(folder.path()),
+        expected(&["dps-dark.png", "dps-dark-site-profile.csv", "dps-dark-bond-profile.csv"])
+    );
+    let caption = study["figures"][0]["caption"].as_str().unwrap();
+    for told in ["α = 1.5", "κ = 1", "c = 0", "ring of 41 sites", "δ⁻a = ±0.1492", "fig:sw_anbn"] {
+        assert!(caption.contains(told), "{told}: {caption}");
+    }
+    for center in ["site", "bond"] {
+        let dark = hertzchain(&["dps", "dark", "--center", center, "--json"]);
+        let dark: Value = serde_json::from_slice(&dark.stdout).unwrap();
+        let csv = std::fs::read_to_string(folder.path().join(format!("dps-dark-{center}-profile.csv"))).unwrap();
+        assert_eq!((csv.lines().next(), csv.lines().count()), (Some("n,a,b"), 42));
+        for (k, row) in rows(&csv).into_iter().enumerate() {
+            for (value, name) in row.into_iter().zip(["n", "a", "b"]) {
+                let truth = dark[name][k].as_f64().unwrap();
+                assert!((value - truth).abs() <= 2.0 * f64::EPSILON * truth.abs(), "{center} {name} {k}");
+            }
+        }
+    }
+}
+
 #[test]
 fn unknown_names_are_refused_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
