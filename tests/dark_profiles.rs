@@ -5,8 +5,11 @@ use hertzchain::{
     dps::{Averages, Center, Constraint, DarkProfile, Dps, Ends, Form, Layout, project},
 };
 use hertzchain_integrators::{Dop853, Silent, Stepper, collocation::Pace, dop853::Options, drive};
+#[cfg(feature = "cli")]
 use serde_json::Value;
-use std::{f64::consts::PI, process::Command};
+use std::f64::consts::PI;
+#[cfg(feature = "cli")]
+use std::process::Command;
 
 const BOTH: [Center; 2] = [Center::Site, Center::Bond];
 
