@@ -90,6 +90,14 @@ impl<R: Real> Chain<R> {
             .collect()
     }
 
+    /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: how many sites share the energy. 1 if one has all of it,
+    /// the number of sites if all have the same.
+    pub fn participation(&self, y: &[R]) -> R {
+        let energies = self.site_energies(y);
+        let (sum, squares) = energies.iter().fold((R::zero(), R::zero()), |(a, b), &e| (a + e, b + e * e));
+        sum * sum / squares
+    }
+
     fn motion(&self, y: &[R]) -> Motion<R> {
         let layout = self.layout;
         let displacement =
