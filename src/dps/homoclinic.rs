@@ -20,6 +20,7 @@
 use super::Averages;
 use crate::error::{Error, Result};
 use dashu_float::{FBig, round::mode::HalfEven};
+use serde::{Deserialize, Serialize};
 
 /// The uniform solution and the width of the middle leave the range of doubles below the first; tables end at the second.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
@@ -38,7 +39,8 @@ const MOST_NEWTON: usize = 20;
 type Big = FBig<HalfEven, 2>;
 
 /// What a profile is symmetric about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Center {
     /// A site: `a^1_n = a^1_{-n}`.
     Site,

@@ -2,6 +2,7 @@
 
 use crate::{
     chain::{Boundary, Params},
+    dps::Center,
     error::{Error, Result, nearest},
 };
 use serde::{Deserialize, Serialize};
@@ -109,6 +110,13 @@ pub enum Initial {
         /// Gap beyond what contacts demand.
         #[serde(default)]
         gap: f64,
+    },
+    /// (ini_num): beads displaced by `2 epsilon a_n`, a homoclinic solution of (dpsstat), all else at rest.
+    BrightBreather {
+        /// What the profile is symmetric about: `site` (`a^1`) or `bond` (`a^2`).
+        center: Center,
+        /// Size of the breather.
+        epsilon: f64,
     },
     /// Any state, array by array; an array left out is zero. Strains and their rates on a strain ring.
     State {

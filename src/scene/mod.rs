@@ -6,7 +6,7 @@ mod file;
 pub use file::{ChainSection, Initial, Record, SceneFile, Span};
 
 use crate::{
-    breathers::TrivialBreather,
+    breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Resonators, Site, State},
     error::{Error, Result},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
@@ -33,6 +33,8 @@ pub enum Theory {
     PerturbedWave(PerturbedWave),
     /// The exact solution (uncpl).
     Breather(TrivialBreather),
+    /// The long-lived breather (time-periodic_osc).
+    Bright(BrightBreather),
 }
 
 /// A scene that has been checked: ready to run.
@@ -96,6 +98,7 @@ impl Scene {
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
+            Some(Theory::Bright(breather)) => breather.period(),
             _ if chain.params().resonators() != Resonators::None => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
@@ -178,7 +181,7 @@ impl Scene {
         self.theory.as_ref()
     }
 
-    /// The unit of "steps per period": `2 pi/omega_tw` for waves, `2 pi/omega` with resonators (`2 pi/sqrt(kappa)` for the
+    /// The unit of "steps per period": `2 pi/omega_tw` for waves, `T_b` for bright breathers, `2 pi/omega` with resonators (`2 pi/sqrt(kappa)` for the
     /// cradle), else what the scene states.
     pub fn period(&self) -> f64 {
         self.period
@@ -189,11 +192,12 @@ impl Scene {
         self.end
     }
 
-    /// The amplitude that errors are divided by, where theory gives one: `2 epsilon kappa a` for waves.
+    /// The amplitude that errors are divided by, where theory gives one: `2 epsilon kappa a` for waves, `2 epsilon max |a_n|` for bright breathers.
     pub fn amplitude(&self) -> Option<f64> {
         match &self.theory {
             Some(Theory::Wave(wave)) => Some(wave.amplitude()),
             Some(Theory::PerturbedWave(perturbed)) => Some(perturbed.wave().amplitude()),
+            Some(Theory::Bright(breather)) => Some(breather.site(breather.origin(), 0.0).u.abs()),
             _ => None,
         }
     }
@@ -255,6 +259,11 @@ impl Scene {
                 perturbed.seed()
             ),
             Some(Theory::Breather(_)) => "theory: exact solution, the reference of `compare`".to_owned(),
+            Some(Theory::Bright(breather)) => format!(
+                "theory: bright breather, Omega_b = {}, horizon {}; `breather bright` holds it against its ansatz",
+                breather.omega_b(),
+                breather.horizon()
+            ),
             None => "theory: none".to_owned(),
         };
         let span = format!("t from 0 to {}, period {}", self.end, self.period);
@@ -334,6 +343,18 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             let phases = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { PI }).collect();
             let breather = TrivialBreather::new(chain.params(), amplitudes, phases, gap)?;
             Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
+        }
+        Initial::BrightBreather { center, epsilon } => {
+            if chain.boundary() == Boundary::StrainRing {
+                let rule = "a bright breather is a state of displacements: free, fixed or ring";
+                return Err(Error::parameter("boundary", "strain-ring", rule));
+            }
+            if chain.precompression() > 0.0 {
+                let rule = "a bright breather lives on a chain without precompression";
+                return Err(Error::parameter("precompression", chain.precompression(), rule));
+            }
+            let breather = BrightBreather::new(chain.params(), center, epsilon, n)?;
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Bright(breather))))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
             for (name, array) in [("u", u), ("v", v), ("u_dot", u_dot), ("v_dot", v_dot)] {
