@@ -1,17 +1,31 @@
-//! The exact solutions without contact (uncpl).
+//! The exact solutions without contact (uncpl): by Theorem nobreath the only localised ones that are periodic.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `a_n, phi_n` | amplitude and phase of the oscillation of `u_n - v_n` |
-//! | `b_n` | mean position; the sum formula below (constraint2) makes it as small as contacts allow |
+//! | `b_n` | mean position; `b_n - b_{n-1}` is at least `l_n` (constraint2) |
+//! | `l_n` | `rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|`: with less the beads press |
+//! | `d_n` | what `b_n` is more than the sum of the `l_k`: nondecreasing |
 
 use crate::{
-    chain::{Params, Resonators, Site},
+    chain::{Boundary, Chain, Params, Resonators, Site},
     error::{Error, Result},
 };
 use hertzchain_integrators::Twofold;
 
+/// Roundings of the mean positions that a gap may be too small by: `b_n` is a sum.
+const ROUNDINGS: f64 = 4.0;
+
 /// `u_n = rho/(1+rho) a_n cos(omega t + phi_n) + b_n`, `v_n = -1/(1+rho) a_n cos(omega t + phi_n) + b_n` (uncpl).
+///
+/// ```
+/// use hertzchain::{breathers::TrivialBreather, chain::Params};
+/// // Neighbours in antiphase: b_n = d_n + rho/(1+rho) (a_n + 2 a_{n-1} + 2 a_{n-2} + ..).
+/// let params = Params::new(1.5, 1.0, 1.0)?;
+/// let breather = TrivialBreather::new(params, vec![0.2, 0.4], vec![0.0, std::f64::consts::PI], &[0.0, 0.1])?;
+/// assert!((breather.means()[0] - 0.1).abs() < 1e-15 && (breather.means()[1] - 0.5).abs() < 1e-15);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrivialBreather {
     params: Params,
@@ -21,12 +35,74 @@ pub struct TrivialBreather {
 }
 
 impl TrivialBreather {
-    /// The breather with amplitudes `a_n >= 0` and phases `phi_n`, and gaps larger by `gap` than contacts demand:
-    /// `b_n - b_{n-1} = gap + rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|` (constraint2). The means have mean zero.
+    /// The breather with amplitudes `a_n >= 0`, phases `phi_n` and offsets `d_n`: `b_n = d_n + sum_{k <= n} l_k`, with `a = 0` before the first site.
     ///
     /// # Errors
-    /// No moving resonators; `amplitudes` and `phases` of different lengths; negative or non-finite numbers.
-    pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, gap: f64) -> Result<Self> {
+    /// No moving resonators; arrays of different lengths; negative amplitudes, decreasing offsets, numbers that are not finite.
+    pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, offsets: &[f64]) -> Result<Self> {
+        if offsets.len() != amplitudes.len() {
+            return Err(Error::parameter("d", format!("{} numbers", offsets.len()), "as many offsets as amplitudes"));
+        }
+        if let Some(d) = offsets.iter().find(|d| !d.is_finite()) {
+            return Err(Error::parameter("d", d, "a finite number"));
+        }
+        if let Some(n) = (1..offsets.len()).find(|&n| offsets[n] < offsets[n - 1]) {
+            let values = format!("{} after {} at site {n}", offsets[n], offsets[n - 1]);
+            return Err(Error::parameter("d", values, "the offsets do not decrease (constraint2)"));
+        }
+        let mut breather = Self::oscillating(params, amplitudes, phases)?;
+        let mut sum = 0.0;
+        for n in 0..offsets.len() {
+            sum += breather.least_gap(n);
+            breather.means[n] = offsets[n] + sum;
+        }
+        Ok(breather)
+    }
+
+    /// The breather with given mean positions `b_n`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); the first bond with `b_n - b_{n-1} < l_n` by more than roundings.
+    pub fn with_means(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, means: Vec<f64>) -> Result<Self> {
+        if means.len() != amplitudes.len() {
+            return Err(Error::parameter("b", format!("{} numbers", means.len()), "as many means as amplitudes"));
+        }
+        if let Some(b) = means.iter().find(|b| !b.is_finite()) {
+            return Err(Error::parameter("b", b, "a finite number"));
+        }
+        let breather = Self { means, ..Self::oscillating(params, amplitudes, phases)? };
+        let rounding = |n: usize| ROUNDINGS * f64::EPSILON * breather.means[n - 1].abs().max(breather.means[n].abs());
+        match (1..breather.means.len()).find(|&n| breather.slack(n) < -rounding(n)) {
+            None => Ok(breather),
+            Some(n) => {
+                let gap = breather.means[n] - breather.means[n - 1];
+                let value = format!("{gap:e} at bond {n}, where at least {:e} is needed,", breather.least_gap(n));
+                Err(Error::parameter("b_n - b_{n-1}", value, "beads may touch but not press (constraint2)"))
+            }
+        }
+    }
+
+    /// The breather that a state of a chain is part of: free ends, every site's centre of mass at rest, gaps that (constraint2) allows. `None` for all others.
+    pub fn of_state(chain: &Chain<f64>, y: &[f64]) -> Option<Self> {
+        let (params, layout) = (chain.params(), chain.layout());
+        let (v, v_dot) = (layout.v(y)?, layout.v_dot(y)?);
+        if chain.boundary() != Boundary::Free {
+            return None;
+        }
+        let (u, u_dot, rho, omega) = (layout.u(y), layout.u_dot(y), params.rho, params.omega());
+        let rests = |n: usize| (u_dot[n] + rho * v_dot[n]).abs() <= 2.0 * f64::EPSILON * u_dot[n].abs();
+        if !(0..u.len()).all(rests) {
+            return None;
+        }
+        let swing = |n: usize| (u[n] - v[n], (v_dot[n] - u_dot[n]) / omega);
+        let amplitudes = (0..u.len()).map(|n| swing(n).0.hypot(swing(n).1)).collect();
+        let phases = (0..u.len()).map(|n| swing(n).1.atan2(swing(n).0)).collect();
+        let means = (0..u.len()).map(|n| v[n] + (u[n] - v[n]) / (1.0 + rho)).collect();
+        Self::with_means(params, amplitudes, phases, means).ok()
+    }
+
+    /// Checked amplitudes and phases.
+    fn oscillating(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>) -> Result<Self> {
         params.validate()?;
         if params.resonators() != Resonators::Moving {
             let rule = "a trivial breather needs moving resonators: 0 < rho < inf and kappa > 0";
@@ -35,33 +111,59 @@ impl TrivialBreather {
         if amplitudes.len() != phases.len() {
             return Err(Error::parameter("phases", phases.len(), "as many phases as amplitudes"));
         }
-        if !(gap.is_finite() && gap >= 0.0) {
-            return Err(Error::parameter("gap", gap, "finite and at least zero"));
-        }
         if let Some(&a) = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0)) {
             return Err(Error::parameter("amplitude", a, "finite and at least zero"));
         }
         if let Some(&phi) = phases.iter().find(|phi| !phi.is_finite()) {
             return Err(Error::parameter("phase", phi, "a finite number"));
         }
-        let mut breather = Self { means: vec![0.0; amplitudes.len()], params, amplitudes, phases };
-        for n in 1..breather.means.len() {
-            breather.means[n] = breather.means[n - 1] + gap + breather.least_gap(n);
-        }
-        let middle = breather.means.iter().sum::<f64>() / breather.means.len().max(1) as f64;
-        breather.means.iter_mut().for_each(|b| *b -= middle);
-        Ok(breather)
+        Ok(Self { means: vec![0.0; amplitudes.len()], params, amplitudes, phases })
+    }
+
+    /// The same breather moved as a whole, so that the mean of the `b_n` is zero.
+    #[must_use]
+    pub fn centred(mut self) -> Self {
+        let middle = self.means.iter().sum::<f64>() / self.means.len().max(1) as f64;
+        self.means.iter_mut().for_each(|b| *b -= middle);
+        self
+    }
+
+    /// Exponent, spring constant and mass ratio.
+    pub fn params(&self) -> Params {
+        self.params
+    }
+
+    /// `a_n`.
+    pub fn amplitudes(&self) -> &[f64] {
+        &self.amplitudes
+    }
+
+    /// `phi_n`.
+    pub fn phases(&self) -> &[f64] {
+        &self.phases
+    }
+
+    /// `b_n`.
+    pub fn means(&self) -> &[f64] {
+        &self.means
+    }
+
+    /// `l_n`, the least gap of bond `n` to the left of site `n`; before the first site there is `a = 0`.
+    pub fn least_gap(&self, n: usize) -> f64 {
+        let a = self.amplitudes[n];
+        let Some(k) = n.checked_sub(1) else { return self.share() * a };
+        let (before, half) = (self.amplitudes[k], 0.5 * (self.phases[n] - self.phases[k]));
+        self.share() * (a - before).hypot(2.0 * (a * before).sqrt() * half.sin())
+    }
+
+    /// `b_n - b_{n-1} - l_n` for `n >= 1`: how far beads stay apart when they are closest.
+    pub fn slack(&self, n: usize) -> f64 {
+        self.means[n] - self.means[n - 1] - self.least_gap(n)
     }
 
     /// `rho/(1+rho)`.
     fn share(&self) -> f64 {
         1.0 / (1.0 + 1.0 / self.params.rho)
-    }
-
-    fn least_gap(&self, n: usize) -> f64 {
-        let (a, before) = (self.amplitudes[n], self.amplitudes[n - 1]);
-        let half = 0.5 * (self.phases[n] - self.phases[n - 1]);
-        self.share() * ((a - before).powi(2) + 4.0 * a * before * half.sin().powi(2)).sqrt()
     }
 
     /// The state of site `n` at time `t`, exactly: the phase `omega t` is formed to twice the working precision.

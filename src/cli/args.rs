@@ -64,7 +64,8 @@ pub(super) struct CompareArgs {
 pub(super) struct RunArgs {
     /// Name of a built-in scene, or a TOML file.
     pub(super) scene: String,
-    /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, else strang-linear].
+    /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, strang-linear with steps; without any
+    /// of these the exact solution, where one is known, else strang-linear].
     #[arg(long, value_name = "NAME")]
     pub(super) integrator: Option<String>,
     /// Steps a period of the scene, for splitting schemes [default: 512].

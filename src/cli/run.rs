@@ -3,7 +3,7 @@
 use super::{Exit, args::RunArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
-    experiments::{Records, run, run_with_contacts},
+    experiments::{Outcome, Records, run, run_in_closed_form, run_with_contacts},
     method::{Method, Setting},
     output::{Folder, to_json},
     report,
@@ -22,19 +22,15 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
-    // A tolerance asks for the method that keeps it best.
-    let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
-    let default = if adaptive { "collocation" } else { "strang-linear" };
-    let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
-    let (setting, wording) = setting(args, method, &scene)?;
+    let how = How::new(args, &scene)?;
+    let (name, wording) = how.words();
     if args.plan {
         // What a run refuses is not planned.
-        method.start(&scene, setting)?;
-        let plan = scene.plan(args.events);
+        let plan = how.plan(&scene, args.events)?;
         let text = if args.json {
-            to_json(&serde_json::json!({"scene": scene.name(), "integrator": method.name(), "plan": plan})) + "\n"
+            to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "plan": plan})) + "\n"
         } else {
-            format!("{}, {}, {wording}\n  {}\n", scene.name(), method.name(), plan.join("\n  "))
+            format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
         print(&text);
         return Ok(ExitCode::SUCCESS);
@@ -43,21 +39,75 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
     let mut progress = |t| bar.set_position((1000.0 * t / scene.end()) as u64);
-    let run = if args.events { run_with_contacts } else { run };
-    let outcome = run(&scene, method, setting, records, &mut progress);
+    let outcome = how.run(&scene, args.events, records, &mut progress);
     bar.finish_and_clear();
     let outcome = outcome?;
-    let json = report::run_json(&scene, method, &wording, &outcome);
-    print(&if args.json { json.clone() + "\n" } else { report::run_summary(&scene, method, &wording, &outcome) });
+    let json = report::run_json(&scene, &name, &wording, &outcome);
+    print(&if args.json { json.clone() + "\n" } else { report::run_summary(&scene, &name, &wording, &outcome) });
     if let Some(folder) = folder {
         report::run_files(&folder, &scene, &outcome, &json)?;
         #[cfg(feature = "plot")]
-        for (name, png) in report::run_pictures(&scene, method, &wording, &outcome)? {
-            folder.write(name, &png)?;
+        for (file, png) in report::run_pictures(&scene, &name, &wording, &outcome)? {
+            folder.write(file, &png)?;
         }
         eprintln!("written to {}", folder.path().display());
     }
     outcome.failure.map_or(Ok(ExitCode::SUCCESS), |failure| Err(failure.into()))
+}
+
+/// How a scene runs.
+enum How {
+    /// By an integrator, with the setting in words.
+    Integrated(Method, Setting, String),
+    /// By its exact solution.
+    ClosedForm,
+}
+
+impl How {
+    /// An integrator where one is named or a flag asks for its accuracy, or where no exact solution is known.
+    fn new(args: &RunArgs, scene: &Scene) -> Result<Self> {
+        // A tolerance asks for the method that keeps it best.
+        let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
+        let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
+        if scene.exact().is_some() && !asked {
+            return Ok(Self::ClosedForm);
+        }
+        let default = if adaptive { "collocation" } else { "strang-linear" };
+        let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
+        let (setting, wording) = setting(args, method, scene)?;
+        Ok(Self::Integrated(method, setting, wording))
+    }
+
+    /// Name and setting.
+    fn words(&self) -> (String, String) {
+        match self {
+            Self::Integrated(method, _, wording) => (method.name(), wording.clone()),
+            Self::ClosedForm => ("closed-form".to_owned(), "exact solution (uncpl), no integrator".to_owned()),
+        }
+    }
+
+    fn plan(&self, scene: &Scene, events: bool) -> Result<Vec<String>> {
+        match self {
+            Self::Integrated(method, setting, _) => {
+                method.start(scene, *setting)?;
+                Ok(scene.plan(events))
+            }
+            Self::ClosedForm => Ok(scene.plan_in_closed_form()),
+        }
+    }
+
+    fn run(&self, scene: &Scene, events: bool, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+        match self {
+            Self::Integrated(method, setting, _) => {
+                let run = if events { run_with_contacts } else { run };
+                run(scene, *method, *setting, records, progress)
+            }
+            Self::ClosedForm => {
+                let outcome = run_in_closed_form(scene, records, progress)?;
+                Ok(Outcome { contacts: events.then(Vec::new), ..outcome })
+            }
+        }
+    }
 }
 
 /// What the flags mean for this method on this scene, and in words.

@@ -14,7 +14,7 @@ pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, WaveRun};
-pub use run::{Outcome, Profile, Records, Sample, run, run_with_contacts};
+pub use run::{Outcome, Profile, Records, Sample, run, run_in_closed_form, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
 pub use verify::{Item, Rule, Verdict, Verification, verify};

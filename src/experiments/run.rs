@@ -1,8 +1,9 @@
 //! One run of a scene.
 
 use crate::{
+    breathers::TrivialBreather,
     chain::{Chain, Contact, ContactLog, Energy, Overlaps, max_norm},
-    error::Result,
+    error::{Error, Result},
     method::{Method, Setting, collocation},
     scene::Scene,
 };
@@ -111,6 +112,56 @@ pub fn run_with_contacts(
     let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
     let outcome = finish(&mut watch, scene, records, progress);
     Ok(Outcome { contacts: Some(watch.into_listener().contacts()), ..outcome })
+}
+
+/// The exact solution of a scene in place of a run: no integrator, no contacts.
+///
+/// # Errors
+/// A scene without one, see [`Scene::exact`].
+pub fn run_in_closed_form(scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+    let Some(breather) = scene.exact() else {
+        let rule = "only a scene whose exact solution is known runs in closed form";
+        return Err(Error::parameter("scene", scene.name(), rule));
+    };
+    Ok(finish(&mut ClosedForm { breather, end: scene.end(), t: 0.0 }, scene, records, progress))
+}
+
+/// A solution that is known: one step goes to the end.
+struct ClosedForm<'a> {
+    breather: &'a TrivialBreather,
+    end: f64,
+    t: f64,
+}
+
+impl Stepper<f64> for ClosedForm<'_> {
+    fn dim(&self) -> usize {
+        4 * self.breather.means().len()
+    }
+
+    fn time(&self) -> f64 {
+        self.t
+    }
+
+    fn done(&self) -> bool {
+        self.t == self.end
+    }
+
+    fn step(&mut self) -> std::result::Result<(), Failure> {
+        self.t = self.end;
+        Ok(())
+    }
+
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let n = self.breather.means().len();
+        for i in 0..n {
+            let site = self.breather.site(i, t);
+            (y[i], y[n + i], y[2 * n + i], y[3 * n + i]) = (site.u, site.v, site.u_dot, site.v_dot);
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        Stats::default()
+    }
 }
 
 /// Collocation that hands what contacts do to a log.

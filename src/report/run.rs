@@ -7,7 +7,6 @@ use crate::{
     chain::{Boundary, Energy},
     error::Result,
     experiments::{Outcome, Profile},
-    method::Method,
     output::{Array, Folder, csv, npz, to_json},
     scene::{Scene, Theory},
 };
@@ -48,11 +47,11 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy.
-pub fn run_json(scene: &Scene, method: Method, setting: &str, outcome: &Outcome) -> String {
+pub fn run_json(scene: &Scene, integrator: &str, setting: &str, outcome: &Outcome) -> String {
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
     put("scene", json!(scene.name()));
-    put("integrator", json!(method.name()));
+    put("integrator", json!(integrator));
     put("setting", json!(setting));
     put("t", json!(outcome.t));
     put("period", json!(scene.period()));
@@ -84,10 +83,10 @@ pub fn run_json(scene: &Scene, method: Method, setting: &str, outcome: &Outcome)
 }
 
 /// The run in a few readable lines.
-pub fn run_summary(scene: &Scene, method: Method, setting: &str, outcome: &Outcome) -> String {
+pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Outcome) -> String {
     let mut lines = vec![
         format!("scene       {} ({})", scene.name(), scene.file().summary),
-        format!("integrator  {}, {setting}", method.name()),
+        format!("integrator  {integrator}, {setting}"),
         format!("reached     t = {} = {:.6} periods of {}", outcome.t, outcome.t / scene.period(), scene.period()),
     ];
     match outcome.energy {
@@ -169,12 +168,12 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Outcome, json: &str) 
 #[cfg(feature = "plot")]
 pub fn run_pictures(
     scene: &Scene,
-    method: Method,
+    integrator: &str,
     setting: &str,
     outcome: &Outcome,
 ) -> Result<Vec<(&'static str, Vec<u8>)>> {
     use crate::figures;
-    let how = format!("Integrator {}, {setting}.", method.name());
+    let how = format!("Integrator {integrator}, {setting}.");
     let caption = |what: &str| format!("{what} {}", super::provenance(scene, &how));
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
@@ -200,7 +199,7 @@ pub fn run_pictures(
             kind: figures::Kind::LogTime,
             x_label: "time t".to_owned(),
             y_label: "|E(t) − E(0)| / |E(0)|".to_owned(),
-            lines: vec![figures::Line { name: method.name(), points: errors }],
+            lines: vec![figures::Line { name: integrator.to_owned(), points: errors }],
             ..Default::default()
         };
         let what = "Relative error of the total energy at the sample times; points without error are left out.";

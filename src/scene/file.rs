@@ -99,18 +99,8 @@ pub enum Initial {
         /// Amplitude.
         amplitude: f64,
     },
-    /// (uncpl) with `a_n = amplitude e^{-|n - center| / decay}`, neighbours in antiphase.
-    TrivialBreather {
-        /// Site of the centre, between sites if fractional.
-        center: f64,
-        /// Largest `a_n`.
-        amplitude: f64,
-        /// Decay length, in sites.
-        decay: f64,
-        /// Gap beyond what contacts demand.
-        #[serde(default)]
-        gap: f64,
-    },
+    /// (uncpl): beads that never touch.
+    TrivialBreather(TrivialSection),
     /// (ini_num): beads displaced by `2 epsilon a_n`, a homoclinic solution of (dpsstat), all else at rest.
     BrightBreather {
         /// What the profile is symmetric about: `site` (`a^1`) or `bond` (`a^2`).
@@ -133,6 +123,39 @@ pub enum Initial {
         #[serde(default)]
         v_dot: Vec<f64>,
     },
+}
+
+/// `[initial]` of kind `trivial-breather`: amplitudes, phases and mean positions, each said in one way.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrivialSection {
+    /// `a_n`, site by site; or `a_n = amplitude e^{-|n - center| / decay}` from the three below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitudes: Option<Vec<f64>>,
+    /// Site of the centre, between sites if fractional.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub center: Option<f64>,
+    /// Largest `a_n`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Decay length, in sites.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decay: Option<f64>,
+    /// `phi_n`, site by site, in radians.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phases: Option<Vec<f64>>,
+    /// `(phi_n - phi_{n-1}) / pi`, the same for all (1, antiphase, if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_step_over_pi: Option<f64>,
+    /// Mean positions `b_n`, site by site.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub b: Option<Vec<f64>>,
+    /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`, as close as contacts allow where it does not rise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub d: Option<Vec<f64>>,
+    /// Gap beyond what contacts demand, the same for all bonds (0 if left out); the mean of the `b_n` is then zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
 }
 
 /// `[span]`: exactly one of `periods` and `until`.

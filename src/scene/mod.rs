@@ -3,7 +3,7 @@
 mod builtin;
 mod file;
 
-pub use file::{ChainSection, Initial, Record, SceneFile, Span};
+pub use file::{ChainSection, Initial, Record, SceneFile, Span, TrivialSection};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
@@ -181,6 +181,14 @@ impl Scene {
         self.theory.as_ref()
     }
 
+    /// The exact solution, where there is one: of the kind `trivial-breather`, and of states that are one.
+    pub fn exact(&self) -> Option<&TrivialBreather> {
+        match &self.theory {
+            Some(Theory::Breather(breather)) => Some(breather),
+            _ => None,
+        }
+    }
+
     /// The unit of "steps per period": `2 pi/omega_tw` for waves, `T_b` for bright breathers, `2 pi/omega` with resonators (`2 pi/sqrt(kappa)` for the
     /// cradle), else what the scene states.
     pub fn period(&self) -> f64 {
@@ -216,11 +224,31 @@ impl Scene {
         if strains.is_empty() { u.to_vec() } else { strains }
     }
 
-    /// What runs and what is left out, in words, a line each; `events`: whether contacts are logged.
-    pub fn plan(&self, events: bool) -> Vec<String> {
+    /// What is evaluated and what is left out where the scene has an [exact](Self::exact) solution and nobody asks for an integrator.
+    pub fn plan_in_closed_form(&self) -> Vec<String> {
+        vec![
+            self.plan_of_sites(),
+            "closed form (uncpl): evaluated at each time that is asked for, exact at all; no integrator, no steps".to_owned(),
+            "contact force: none to compute, beads never press each other (constraint2); a contact log is empty".to_owned(),
+            "energy: conserved, checked along the run".to_owned(),
+            format!("t from 0 to {}, period {}", self.end, self.period),
+            self.plan_of_records(),
+            "left out: integrator, contact force, search for contacts, tangent map, dense output; --integrator integrates all the same".to_owned(),
+        ]
+    }
+
+    fn plan_of_records(&self) -> String {
+        match self.file.record.samples {
+            0 => "records: the end only; nothing is allocated per step".to_owned(),
+            samples => {
+                format!("records: energy and strains at {samples} times; strains only when an output folder is given")
+            }
+        }
+    }
+
+    fn plan_of_sites(&self) -> String {
         let (params, n, dim) = (self.chain.params(), self.chain.sites(), self.chain.layout().dim());
-        let Record { samples } = self.file.record;
-        let resonators = match params.resonators() {
+        match params.resonators() {
             Resonators::Moving => format!("{n} beads with resonators: 4 numbers a site, {dim} in all"),
             Resonators::Fixed => format!("{n} beads; rho = inf: resonators left out, 2 numbers a site, {dim} in all"),
             Resonators::None if params.rho == 0.0 => {
@@ -229,8 +257,13 @@ impl Scene {
             Resonators::None => {
                 format!("{n} beads; kappa = 0: nothing ties the resonators, left out, 2 numbers a site, {dim} in all")
             }
-        };
-        let law = match params.alpha {
+        }
+    }
+
+    /// What an integrator does and what is left out, in words, a line each; `events`: whether contacts are logged.
+    pub fn plan(&self, events: bool) -> Vec<String> {
+        let resonators = self.plan_of_sites();
+        let law = match self.chain.params().alpha {
             1.5 => "contact force as g sqrt(g), vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications".to_owned(),
@@ -242,11 +275,7 @@ impl Scene {
         } else {
             "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead"
         };
-        let record = if samples == 0 {
-            "records: the end only; nothing is allocated per step".to_owned()
-        } else {
-            format!("records: energy and strains at {samples} times; strains only when an output folder is given")
-        };
+        let record = self.plan_of_records();
         let theory = match &self.theory {
             Some(Theory::Wave(wave)) => {
                 format!("theory: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw())
@@ -258,7 +287,10 @@ impl Scene {
                 perturbed.zeta(),
                 perturbed.seed()
             ),
-            Some(Theory::Breather(_)) => "theory: exact solution, the reference of `compare`".to_owned(),
+            Some(Theory::Breather(_)) => {
+                "theory: exact solution (uncpl), the reference of `compare`; `run` without an integrator evaluates it"
+                    .to_owned()
+            }
             Some(Theory::Bright(breather)) => format!(
                 "theory: bright breather, Omega_b = {}, horizon {}; `breather bright` holds it against its ansatz",
                 breather.omega_b(),
@@ -331,17 +363,8 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
             Ok((State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..rest })?, None))
         }
-        Initial::TrivialBreather { center, amplitude, decay, gap } => {
-            if !(decay.is_finite() && decay > 0.0) {
-                return Err(Error::parameter("decay", decay, "finite and positive"));
-            }
-            if chain.boundary() != Boundary::Free || !center.is_finite() {
-                let rule = "a trivial breather has a finite center and free ends";
-                return Err(Error::parameter("center", center, rule));
-            }
-            let amplitudes = (0..n).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect();
-            let phases = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { PI }).collect();
-            let breather = TrivialBreather::new(chain.params(), amplitudes, phases, gap)?;
+        Initial::TrivialBreather(ref section) => {
+            let breather = trivial_breather(chain, section)?;
             Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
         }
         Initial::BrightBreather { center, epsilon } => {
@@ -369,7 +392,72 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             }
             let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
             let site = |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) };
-            Ok((State::from_fn(chain, site)?, None))
+            let state = State::from_fn(chain, site)?;
+            let exact = TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather);
+            Ok((state, exact))
         }
     }
+}
+
+fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
+    if chain.boundary() != Boundary::Free {
+        let rule = "a trivial breather has free ends";
+        return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+    }
+    let (params, amplitudes, phases) =
+        (chain.params(), amplitudes(chain.sites(), section)?, phases(chain.sites(), section)?);
+    match (&section.b, &section.d, section.gap) {
+        (Some(b), None, None) => TrivialBreather::with_means(params, amplitudes, phases, b.clone()),
+        (None, Some(d), None) => TrivialBreather::new(params, amplitudes, phases, d),
+        (None, None, gap) => {
+            let gap = gap.unwrap_or(0.0);
+            if !(gap.is_finite() && gap >= 0.0) {
+                return Err(Error::parameter("gap", gap, "finite and at least zero"));
+            }
+            let even: Vec<f64> = (0..amplitudes.len()).map(|n| gap * n as f64).collect();
+            Ok(TrivialBreather::new(params, amplitudes, phases, &even)?.centred())
+        }
+        _ => Err(Error::parameter("initial", "[initial]", "give at most one of `b`, `d` and `gap`")),
+    }
+}
+
+fn amplitudes(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
+    match (&section.amplitudes, section.center, section.amplitude, section.decay) {
+        (Some(amplitudes), None, None, None) => site_by_site("amplitudes", amplitudes, sites),
+        (None, Some(center), Some(amplitude), Some(decay)) => {
+            if !(decay.is_finite() && decay > 0.0) {
+                return Err(Error::parameter("decay", decay, "finite and positive"));
+            }
+            if !center.is_finite() {
+                return Err(Error::parameter("center", center, "a trivial breather has a finite center"));
+            }
+            Ok((0..sites).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect())
+        }
+        _ => {
+            let rule = "give either `amplitudes` or `center`, `amplitude` and `decay`";
+            Err(Error::parameter("initial", "[initial]", rule))
+        }
+    }
+}
+
+fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
+    match (&section.phases, section.phase_step_over_pi) {
+        (Some(phases), None) => site_by_site("phases", phases, sites),
+        (None, step) => {
+            let step = step.unwrap_or(1.0);
+            if !step.is_finite() {
+                return Err(Error::parameter("phase_step_over_pi", step, "a finite number"));
+            }
+            // A phase between neighbours is as good as one of many turns less.
+            Ok((0..sites).map(|i| PI * (i as f64 * step % 2.0)).collect())
+        }
+        _ => Err(Error::parameter("initial", "[initial]", "give at most one of `phases` and `phase_step_over_pi`")),
+    }
+}
+
+fn site_by_site(name: &'static str, values: &[f64], sites: usize) -> Result<Vec<f64>> {
+    if values.len() == sites {
+        return Ok(values.to_vec());
+    }
+    Err(Error::parameter(name, format!("{} numbers", values.len()), "one number a site"))
 }
