@@ -203,3 +203,144 @@ fn bad_numbers_and_names_are_refused() {
         assert!(refusal(&[command, "--out", out.to_str().unwrap()]).contains("under"));
     }
 }
+
+const BRIGHT: [&str; 7] = ["breather", "bright", "--until", "200", "--samples-per-period", "2", "--json"];
+
+#[test]
+fn breather_bright_json_keeps_its_contract() {
+    let study = json(&BRIGHT);
+    assert_eq!((study["center"].as_str(), study["boundary"].as_str()), (Some("bond"), Some("free")));
+    assert!(study["sites"] == 40 && near(&study["rho"], 1000.0) && near(&study["epsilon"], 0.01));
+    for (key, value) in [("slow_period", 19.4158), ("horizon", 194.158), ("period", 6.0862), ("mass_condition", 0.1)] {
+        assert!((study[key].as_f64().unwrap() / value - 1.0).abs() < 5e-6, "{key}: {}", study[key]);
+    }
+    assert_eq!(study["core"], serde_json::json!({"first": 17, "last": 22, "sites": 6}));
+    let periods = &study["periods"];
+    for key in ["t", "e_u", "e_udot", "e_v", "e_vdot", "participation", "core_share"] {
+        // 200 = 32.9 T_b.
+        assert_eq!(numbers(&periods[key]).len(), 33, "{key}");
+    }
+    assert_eq!(periods["e_u"][30], study["at_30_periods"]["e_u"]);
+    for key in ["e_u", "e_udot", "e_v", "e_vdot"] {
+        let [at, to_horizon, all] =
+            ["at_horizon", "largest_to_horizon", "largest"].map(|of| study[of][key].as_f64().unwrap());
+        assert!(0.0 < at && at <= to_horizon && to_horizon <= all, "{key}");
+    }
+    assert_eq!(study["profiles"].as_array().unwrap().len(), 3);
+    assert_eq!(numbers(&study["profiles"][1]["v"]).len(), 40);
+    assert!(study["tenth_left"].is_null() && study["kink"]["height_v"].as_f64().unwrap() > 1e-5);
+    let forces = &study["mean_forces_first_period"];
+    assert_eq!((forces["first_bond"].as_u64(), numbers(&forces["forces"]).len()), (Some(1), 39));
+    assert!(study["final"]["core_share"].as_f64().unwrap() > 0.99 && study["energy_error"].as_f64().unwrap() < 1e-11);
+    // A run that ends before.
+    let short =
+        json(&["breather", "bright", "--center", "site", "--sites", "41", "--rho", "inf", "--until", "10", "--json"]);
+    assert!(short["at_horizon"].is_null() && short["largest_to_horizon"].is_null() && short["at_30_periods"].is_null());
+    assert!(short["rho"] == "inf" && short["center"] == "site" && short["profiles"].as_array().unwrap().len() == 2);
+    assert!(short["core"]["sites"] == 7 && short["final"]["e_v"].as_f64() == Some(0.0));
+}
+
+#[test]
+fn breather_bright_writes_tables_that_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("deep/er");
+    let output = hertzchain(&[&BRIGHT[..6], &["--out", out.to_str().unwrap()]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("T_b") && text.contains("kink at the end"), "{text}");
+    for (name, head, lines) in [
+        ("norms.csv", "t,e_u,e_udot,e_v,e_vdot,participation,core_share,energy", 69),
+        ("periods.csv", "t,e_u,e_udot,e_v,e_vdot,e_u_max,e_udot_max,e_v_max,e_vdot_max", 34),
+        ("profiles.csv", "t,n,u,v,u_ansatz", 121),
+        ("forces.csv", "bond,first_period,after_end", 40),
+    ] {
+        let csv = std::fs::read_to_string(out.join(name)).unwrap();
+        assert_eq!((csv.lines().next().unwrap(), csv.lines().count()), (head, lines), "{name}");
+    }
+    let study: Value = serde_json::from_slice(&std::fs::read(out.join("breather.json")).unwrap()).unwrap();
+    assert!(study["periods"]["t"].is_array());
+}
+
+#[test]
+fn breather_trivial_holds_the_closed_form_against_an_integrator() {
+    let study = json(&["breather", "trivial", "--json"]);
+    assert!(near(&study["omega"], 2.0) && study["sites"] == 40 && study["samples"] == 401);
+    assert!((study["least_slack"]["slack"].as_f64().unwrap() - 1e-3).abs() < 1e-15);
+    assert!(study["deviation_max"].as_f64().unwrap() < 1e-12 && study["energy_error"].as_f64().unwrap() < 1e-14);
+    assert_eq!(
+        (study["mean_forces"]["mean"].as_f64(), study["mean_forces"]["spread"].as_f64()),
+        (Some(0.0), Some(0.0))
+    );
+    let own = ["breather", "trivial", "--amplitudes", "0.1,0.2,0.1", "--phases", "0,1.5,-3", "--until", "20", "--json"];
+    let tight = json(&[&own[..], &["--offsets", "0,0,0.1"]].concat());
+    assert_eq!((numbers(&tight["amplitudes"]), numbers(&tight["phases"])), (vec![0.1, 0.2, 0.1], vec![0.0, 1.5, -3.0]));
+    assert_eq!(tight["least_slack"]["bond"], 1);
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let means = hertzchain(&[&own[..8], &["--means", "0,1,2", "--out", out]].concat());
+    assert!(means.status.success() && String::from_utf8(means.stdout).unwrap().contains("b rises by 2.0"));
+    let sites = std::fs::read_to_string(folder.path().join("sites.csv")).unwrap();
+    assert_eq!((sites.lines().next(), sites.lines().count()), (Some("n,a,phi,b,slack"), 4));
+    assert_eq!(std::fs::read_to_string(folder.path().join("deviation.csv")).unwrap().lines().count(), 402);
+}
+
+// Truth: the closed form has no steps; an integrator that is named has.
+#[test]
+fn a_scene_with_an_exact_solution_runs_without_integrator_unless_one_is_asked_for() {
+    let exact = json(&["run", "trivial-breather", "--events", "--json"]);
+    assert_eq!((exact["integrator"].as_str(), exact["steps"].as_u64()), (Some("closed-form"), Some(0)));
+    assert_eq!(exact["contacts"]["contacts"], 0);
+    assert!(exact["failure"].is_null() && exact["energy_error"].as_f64().unwrap() < 1e-15);
+    for flags in
+        [&["--integrator", "strang-linear"][..], &["--tol", "1e-9"], &["--steps-per-period", "3"], &["--step", "1"]]
+    {
+        let run = json(&[&["run", "trivial-breather", "--json"], flags].concat());
+        assert!(run["integrator"] != "closed-form" && run["steps"].as_u64().unwrap() > 0, "{flags:?}");
+        let plan = json(&[&["run", "trivial-breather", "--plan", "--json"], flags].concat());
+        assert!(plan["plan"].as_array().unwrap().iter().all(|line| !line.as_str().unwrap().contains("no steps")));
+    }
+    let plan = json(&["run", "trivial-breather", "--plan", "--json"]);
+    assert_eq!(plan["integrator"], "closed-form");
+    assert!(
+        plan["plan"].as_array().unwrap().iter().any(|line| line.as_str().unwrap().contains("no integrator, no steps"))
+    );
+}
+
+#[test]
+fn breathers_outside_their_rules_are_refused() {
+    for (flag, value, rule) in [
+        ("--epsilon", "0", "epsilon = 0 is not valid: the size of the breather is finite and positive"),
+        ("--epsilon", "-1", "epsilon = -1"),
+        ("--epsilon", "nan", "epsilon = NaN"),
+        ("--rho", "0", "rho = 0 is not valid: a bright breather needs resonators"),
+        ("--rho", "-2", "rho = -2"),
+        ("--kappa", "0", "kappa = 0 is not valid"),
+        ("--alpha", "1", "alpha = 1 is not valid: homoclinics are computed for alpha from 1.01 to 10"),
+        ("--sites", "4", "sites = 4 is not valid: the chain holds the breather"),
+        ("--sites", "0", "sites = 0"),
+        ("--until", "-3", "until = -3"),
+        ("--until", "1e300", "at most 10^7"),
+        ("--samples-per-period", "0", "samples-per-period = 0 is not valid: from 1 to 1000"),
+        ("--tol", "0", "tol = 0"),
+        ("--integrator", "verlet", "integrator = verlet is not valid: breathers are run by an adaptive method"),
+        ("--integrator", "colocation", "did you mean \"collocation\"?"),
+        ("--center", "bead", "invalid value 'bead'"),
+        ("--boundary", "strain-ring", "invalid value 'strain-ring'"),
+    ] {
+        let message = refusal(&["breather", "bright", flag, value, "--json"]);
+        assert!(message.contains(rule), "{flag} {value}: {message}");
+    }
+    for (flags, rule) in [
+        (&["bright-breather"][..], "a scene of kind trivial-breather, or a state that is one"),
+        (&["tw-q15", "--gap", "0"], "these flags need a scene of kind trivial-breather"),
+        (&["--amplitudes", "0.1,-0.2"], "amplitude = -0.2"),
+        (&["--amplitudes", "0.1,0.2", "--means", "0,0.01"], "at bond 1, where at least 7.5"),
+        (&["--amplitudes", "0.1,0.2", "--offsets", "0,-1"], "d = -1 after 0 at site 1"),
+        (&["--amplitudes", "0.1,0.2", "--offsets", "0,0,0"], "d = 3 numbers"),
+        (&["--phases", "0,1"], "phases = 2 numbers is not valid: one number a site"),
+        (&["--gap", "-1"], "gap = -1"),
+        (&["--gap", "1", "--means", "0,1"], "cannot be used with"),
+    ] {
+        let message = refusal(&[&["breather", "trivial", "--json"], flags].concat());
+        assert!(message.contains(rule), "{flags:?}: {message}");
+    }
+}

@@ -160,7 +160,8 @@ impl BrightBreather {
 
     /// `a_n` of bead `i`.
     pub fn a(&self, i: usize) -> f64 {
-        self.profile.a(i as i64 - self.origin() as i64)
+        // No zeros with a sign beyond the profile.
+        self.profile.a(i as i64 - self.origin() as i64) + 0.0
     }
 
     /// Bead `i` at time `t` by (time-periodic_osc): `u~ = 2 epsilon a cos(Omega_b t)`, `u~' = -2 epsilon sqrt(kappa) a sin(Omega_b t)`, `v~ = v~' = 0`.

@@ -161,6 +161,11 @@ impl TrivialBreather {
         self.means[n] - self.means[n - 1] - self.least_gap(n)
     }
 
+    /// `rho/(1+rho) a_n`, the amplitude of bead `n`.
+    pub fn swing(&self, n: usize) -> f64 {
+        self.share() * self.amplitudes[n]
+    }
+
     /// `rho/(1+rho)`.
     fn share(&self) -> f64 {
         1.0 / (1.0 + 1.0 / self.params.rho)
@@ -173,7 +178,7 @@ impl TrivialBreather {
         let phase = (omega * Twofold::new(t)).reduced(turn) + Twofold::new(self.phases[n]);
         let (sin, cos) = phase.reduced(turn).sin_cos();
         let (a, b) = (self.amplitudes[n], self.means[n]);
-        let (u, v) = (self.share() * a, a / (1.0 + self.params.rho));
+        let (u, v) = (self.swing(n), a / (1.0 + self.params.rho));
         let omega = omega.value();
         Site { u: u * cos + b, v: b - v * cos, u_dot: -omega * u * sin, v_dot: omega * v * sin }
     }

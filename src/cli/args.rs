@@ -1,5 +1,6 @@
 //! The raw flags.
 
+use crate::{chain::Boundary, dps::Center};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -27,6 +28,8 @@ pub(super) enum Command {
     Drift(DriftArgs),
     /// The modulation equations of small oscillations, and what follows from them.
     Dps(DpsArgs),
+    /// Breathers: the long-lived bright one against its ansatz, and the trivial one, whose beads never touch.
+    Breather(BreatherArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
     /// Hold every number in the text of the paper's Sec. 3 and 4, and of the first part of Sec. 6, against ours: what it says, what we get, the verdict, and why if they differ.
@@ -197,6 +200,130 @@ pub(super) struct WaveArgs {
 }
 
 #[derive(Args)]
+pub(super) struct BreatherArgs {
+    #[command(subcommand)]
+    pub(super) action: BreatherAction,
+}
+
+#[derive(Subcommand)]
+pub(super) enum BreatherAction {
+    /// The breather of the DpS equation put on the chain: how far the chain gets from it, and what becomes of it.
+    ///
+    /// Example: hertzchain breather bright --center bond --epsilon 0.01 --rho 1000
+    Bright(BrightArgs),
+    /// An exact solution whose beads never touch: closed form against an integrator, gaps, mean contact forces.
+    ///
+    /// Example: hertzchain breather trivial --amplitudes 0.1,0.2,0.1 --phases 0,1.5,3 --gap 0
+    Trivial(TrivialArgs),
+}
+
+#[derive(Args)]
+pub(super) struct BrightArgs {
+    /// What the breather is symmetric about: a site (a^1), or the bond of the paper's run (a^2).
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Bond)]
+    pub(super) center: CenterArg,
+    /// Size: beads start at 2 epsilon a_n. Dimensionless, like all below.
+    #[arg(long, value_name = "E", default_value_t = 0.01, allow_negative_numbers = true)]
+    pub(super) epsilon: f64,
+    /// Mass ratio, positive; inf for resonators at rest.
+    #[arg(long, value_name = "R", default_value_t = 1000.0, allow_negative_numbers = true)]
+    pub(super) rho: f64,
+    /// Exponent of the contact force, from 1.01 to 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Spring constant of the resonators, positive.
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) kappa: f64,
+    /// Number of beads; with a bond in the middle if even, with a site if odd.
+    #[arg(long, value_name = "N", default_value_t = 40, allow_negative_numbers = true)]
+    pub(super) sites: usize,
+    /// What holds the ends.
+    #[arg(long, value_name = "B", value_enum, default_value_t = EndsArg::Free)]
+    pub(super) boundary: EndsArg,
+    /// End time, in units of time [default: 80 T, T = 2 pi/omega_0 in units of 1/sqrt(kappa)].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) until: Option<f64>,
+    /// Samples a period T_b, from 1 to 1000, for largest values and the time at which energy has left.
+    #[arg(long, value_name = "M", default_value_t = 20, allow_negative_numbers = true)]
+    pub(super) samples_per_period: u32,
+    /// An integrator that takes a tolerance; `hertzchain integrators` lists all.
+    #[arg(long, value_name = "NAME", default_value = "collocation")]
+    pub(super) integrator: String,
+    /// Tolerance. For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    #[arg(long, value_name = "T", default_value_t = 1e-10, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+    /// Folder for breather.json, norms.csv, periods.csv, profiles.csv and forces.csv [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the tables.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum EndsArg {
+    Free,
+    Fixed,
+    Ring,
+}
+
+impl From<EndsArg> for Boundary {
+    fn from(ends: EndsArg) -> Self {
+        match ends {
+            EndsArg::Free => Self::Free,
+            EndsArg::Fixed => Self::Fixed,
+            EndsArg::Ring => Self::Ring,
+        }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct TrivialArgs {
+    /// Name of a built-in scene, or a TOML file, with an initial state of kind trivial-breather or one that is such.
+    #[arg(default_value = "trivial-breather")]
+    pub(super) scene: String,
+    /// Amplitudes a_n, separated by commas, at least zero; as many sites as amplitudes [default: the scene's].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', allow_negative_numbers = true)]
+    pub(super) amplitudes: Vec<f64>,
+    /// Phases phi_n, separated by commas, in radians [default: the scene's].
+    #[arg(
+        long,
+        value_name = "A,B,..",
+        value_delimiter = ',',
+        conflicts_with = "phase_step_over_pi",
+        allow_negative_numbers = true
+    )]
+    pub(super) phases: Vec<f64>,
+    /// The same (phi_n - phi_{n-1}) / pi for all sites; 1 for neighbours in antiphase [default: the scene's].
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(super) phase_step_over_pi: Option<f64>,
+    /// Offsets d_n, separated by commas, nondecreasing: how much the mean positions rise beyond what contacts demand [default: the scene's].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with_all = ["means", "gap"], allow_negative_numbers = true)]
+    pub(super) offsets: Vec<f64>,
+    /// Mean positions b_n, separated by commas; refused where beads would press [default: the scene's].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "gap", allow_negative_numbers = true)]
+    pub(super) means: Vec<f64>,
+    /// The same gap beyond what contacts demand in all bonds, at least zero [default: the scene's].
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    pub(super) gap: Option<f64>,
+    /// End time, in units of time [default: the scene's].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) until: Option<f64>,
+    /// An integrator that takes a tolerance, to hold the closed form against.
+    #[arg(long, value_name = "NAME", default_value = "collocation")]
+    pub(super) integrator: String,
+    /// Its tolerance. For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    #[arg(long, value_name = "T", default_value_t = 1e-10, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+    /// Folder for breather.json, sites.csv and deviation.csv [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
 pub(super) struct VerifyArgs {
     /// One section of the paper: 3, 4 or 6 [default: all].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -246,6 +373,15 @@ pub(super) struct HomoclinicArgs {
 pub(super) enum CenterArg {
     Site,
     Bond,
+}
+
+impl From<CenterArg> for Center {
+    fn from(center: CenterArg) -> Self {
+        match center {
+            CenterArg::Site => Self::Site,
+            CenterArg::Bond => Self::Bond,
+        }
+    }
 }
 
 #[derive(Args)]

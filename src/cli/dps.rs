@@ -2,12 +2,12 @@
 
 use super::{
     Exit,
-    args::{CenterArg, DarkArgs, DpsAction, DpsArgs, HomoclinicArgs, IntegralsArgs, StabilityArgs},
+    args::{DarkArgs, DpsAction, DpsArgs, HomoclinicArgs, IntegralsArgs, StabilityArgs},
     print, progress_bar,
 };
 use crate::{
     chain::Params,
-    dps::{Averages, Center, DarkProfile, Homoclinic},
+    dps::{Averages, DarkProfile, Homoclinic},
     error::{Error, Result},
     experiments::{StabilityOptions, stability},
     output::Folder,
@@ -26,22 +26,15 @@ pub(super) fn main(args: &DpsArgs) -> Exit {
     }
 }
 
-fn center(arg: CenterArg) -> Center {
-    match arg {
-        CenterArg::Site => Center::Site,
-        CenterArg::Bond => Center::Bond,
-    }
-}
-
 fn homoclinic(args: &HomoclinicArgs) -> Exit {
-    let one = Homoclinic::new(args.alpha, center(args.center))?;
+    let one = Homoclinic::new(args.alpha, args.center.into())?;
     print(&if args.json { report::homoclinic_json(&one) + "\n" } else { report::homoclinic_table(&one) });
     Ok(ExitCode::SUCCESS)
 }
 
 fn dark(args: &DarkArgs) -> Exit {
     let &DarkArgs { sites, alpha, kappa, rho, c, .. } = args;
-    let profile = DarkProfile::new(Params { alpha, kappa, rho }, center(args.center), sites, c)?;
+    let profile = DarkProfile::new(Params { alpha, kappa, rho }, args.center.into(), sites, c)?;
     let omega_b = args.omega_b.unwrap_or(1.005 * profile.params().omega());
     let json = report::dark_json(&profile, omega_b)?;
     let folder = args.out.as_ref().map(Folder::create).transpose()?;

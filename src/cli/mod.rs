@@ -1,6 +1,7 @@
 //! The command line: raw flags in `args`, their meaning in one file a command.
 
 mod args;
+mod breather;
 mod compare;
 mod dps;
 mod drift;
@@ -28,6 +29,7 @@ pub fn main() -> ExitCode {
         Command::Scaling(args) => scaling::main(&args),
         Command::Drift(args) => drift::main(&args),
         Command::Dps(args) => dps::main(&args),
+        Command::Breather(args) => breather::main(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Verify(args) => verify::main(&args),
         Command::Figures(args) => figures::main(&args),

@@ -1,5 +1,6 @@
 //! Experiments: data in, data out; nothing is drawn or printed here.
 
+mod breather;
 mod compare;
 mod drift;
 mod order;
@@ -10,6 +11,9 @@ mod stability;
 mod verify;
 mod wave;
 
+pub use breather::{
+    BreatherOptions, BrightSample, BrightStudy, Kink, Shown, TrivialStudy, bright_breather, trivial_breather,
+};
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};

@@ -1,5 +1,6 @@
 //! From outcomes to what people and machines read: tables, JSON, CSV, NPZ, and the input of figures.
 
+mod breather;
 mod compare;
 mod contacts;
 mod dps;
@@ -13,6 +14,10 @@ mod table;
 mod verify;
 mod wave;
 
+pub use breather::{
+    bright_files, bright_forces_csv, bright_json, bright_norms_csv, bright_periods_csv, bright_profiles_csv,
+    bright_table, bright_tables, trivial_files, trivial_json, trivial_table,
+};
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};

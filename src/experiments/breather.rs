@@ -1,0 +1,346 @@
+//! Breathers on the chain (Sec. 5): the long-lived bright one against its ansatz, and what becomes of it; the trivial one against an integrator.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E_u, E_u', E_v, E_v'` | rescaled distances from the ansatz (diff_u_l1norm), (diff_v_l1norm) |
+//! | `T_b, T` | period of the breather; `2 pi/omega_0` |
+//! | participation | `(sum e_n)^2 / sum e_n^2` of the site energies, half of a contact's at either bead |
+//! | share | energy of the core, the sites that hold the breather at first, over the energy of the chain |
+//! | `Fbar_n` | mean contact force over a period (Theorem nobreath) |
+
+use super::wave::state_at;
+use crate::{
+    breathers::{BrightBreather, Norms, TrivialBreather},
+    chain::{Chain, Layout, MeanForces, max_norm},
+    error::{Error, Result},
+    method::{Method, Setting},
+    scene::{Scene, Theory},
+};
+use hertzchain_integrators::{Stats, collocation::Pace};
+use std::time::{Duration, Instant};
+
+/// Samples a period.
+const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 1..=1000;
+/// More samples than a run of years gives.
+const MOST_SAMPLES: f64 = 1e7;
+/// The paper shows a profile after this many periods.
+const SHOWN_PERIOD: f64 = 30.0;
+/// Share of the energy whose departure ends the life of a breather.
+const GONE: f64 = 0.1;
+/// Samples of a trivial breather in a scene that asks for none.
+const DEFAULT_SAMPLES: usize = 100;
+
+/// How a breather is run.
+#[derive(Clone, Debug)]
+pub struct BreatherOptions {
+    /// An adaptive method.
+    pub method: Method,
+    /// Its tolerance.
+    pub tolerance: f64,
+}
+
+/// A bright breather at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrightSample {
+    /// Time.
+    pub t: f64,
+    /// How far from the ansatz.
+    pub norms: Norms,
+    /// Participation number.
+    pub participation: f64,
+    /// Share of the energy in the core.
+    pub share: f64,
+    /// Energy.
+    pub energy: f64,
+}
+
+/// A step from one end of the chain to the other in the positions of beads and resonators.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kink {
+    /// `max u_n - min u_n`.
+    pub height_u: f64,
+    /// `max v_n - min v_n`.
+    pub height_v: f64,
+    /// `v` of the last bead before the centre and the first behind it: of the two in the middle, or of the neighbours of the middle one.
+    pub jump_v: f64,
+    /// `u` of the last bead less that of the first: zero until what the breather sends out comes to the ends.
+    pub between_ends_u: f64,
+    /// `v` of the last bead less that of the first.
+    pub between_ends_v: f64,
+}
+
+/// The whole state at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub state: Vec<f64>,
+}
+
+/// The outcome for a bright breather.
+#[derive(Clone, Debug)]
+pub struct BrightStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: BrightBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// From 0 to the end: equally spaced in each period `T_b`, and the horizon and the end as well.
+    pub samples: Vec<BrightSample>,
+    /// At 0, at 30 `T_b` if the run goes there, and at the end.
+    pub profiles: Vec<Shown>,
+    /// At the end.
+    pub kink: Kink,
+    /// When the share of the core first falls to 0.9 of what it was at the start, between samples by interpolation.
+    pub tenth_left: Option<f64>,
+    /// Largest relative change of the energy.
+    pub energy_error: f64,
+    /// `Fbar_n` over the first `T_b`.
+    pub first_forces: MeanForces,
+    /// `Fbar_n` over a `T_b` from the end on.
+    pub last_forces: MeanForces,
+    /// Work of the run, samples included.
+    pub stats: Stats,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+impl BrightStudy {
+    /// The sample at a time that is one, such as a multiple of `T_b`, the horizon or the end.
+    pub fn at(&self, t: f64) -> Option<&BrightSample> {
+        self.samples.binary_search_by(|sample| sample.t.total_cmp(&t)).ok().map(|k| &self.samples[k])
+    }
+
+    /// The samples at multiples of `T_b`.
+    pub fn periods(&self) -> impl Iterator<Item = &BrightSample> {
+        let period = self.breather.period();
+        (0_u32..).map_while(move |k| self.at(period * f64::from(k)))
+    }
+
+    /// The largest norms of all samples in `[from, to]`.
+    pub fn largest(&self, from: f64, to: f64) -> Norms {
+        let within = self.samples.iter().filter(|sample| (from..=to).contains(&sample.t));
+        within.fold(Norms::default(), |largest, sample| largest.max(&sample.norms))
+    }
+
+    /// 30 `T_b`.
+    pub fn shown_time(&self) -> f64 {
+        SHOWN_PERIOD * self.breather.period()
+    }
+}
+
+/// Runs the bright breather of a scene. `progress` is told the share of the run that is done.
+///
+/// `samples_per_period`, from 1 to 1000, are for largest values and the time at which energy has left.
+///
+/// # Errors
+/// A scene of another kind, a method that takes no tolerance, an option outside its rule, a run that fails.
+pub fn bright_breather(
+    scene: &Scene,
+    options: &BreatherOptions,
+    samples_per_period: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<BrightStudy> {
+    let clock = Instant::now();
+    let Some(Theory::Bright(breather)) = scene.theory() else {
+        let rule = "a scene whose initial state is of kind bright-breather";
+        return Err(Error::parameter("scene", scene.name(), rule));
+    };
+    check(options)?;
+    let times = bright_times(breather, scene.end(), samples_per_period)?;
+    let shown_times = [0.0, SHOWN_PERIOD * breather.period(), scene.end()];
+    let chain = scene.chain();
+    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let (mut samples, mut profiles) = (Vec::with_capacity(times.len()), Vec::new());
+    for t in times {
+        let y = state_at(&mut run, t)?;
+        samples.push(bright_sample(breather, chain, t, &y));
+        if shown_times.contains(&t) {
+            profiles.push(Shown { t, state: y });
+        }
+        progress(t / scene.end());
+    }
+    let stats = run.stats();
+    let last = &profiles[profiles.len() - 1].state;
+    let initial = samples[0].energy;
+    let pace = Pace::Tolerance(options.tolerance);
+    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), pace);
+    Ok(BrightStudy {
+        scene: scene.clone(),
+        breather: breather.clone(),
+        setting: words(options),
+        kink: kink(breather, chain.layout(), last),
+        tenth_left: falls_to(&samples, 1.0 - GONE),
+        energy_error: max_norm(samples.iter().map(|sample| sample.energy / initial - 1.0)),
+        first_forces: forces(scene.initial().as_slice())?,
+        last_forces: forces(last)?,
+        samples,
+        profiles,
+        stats,
+        wall: clock.elapsed(),
+    })
+}
+
+fn check(options: &BreatherOptions) -> Result<()> {
+    if options.method.adaptive() {
+        return Ok(());
+    }
+    let rule = "breathers are run by an adaptive method: collocation or a dop853";
+    Err(Error::parameter("integrator", options.method.name(), rule))
+}
+
+fn words(options: &BreatherOptions) -> String {
+    format!("{}, tol {:e}", options.method.name(), options.tolerance)
+}
+
+/// Parts of periods, the horizon if the run goes there, and the end.
+fn bright_times(breather: &BrightBreather, end: f64, per_period: u32) -> Result<Vec<f64>> {
+    if !SAMPLES_PER_PERIOD.contains(&per_period) {
+        return Err(Error::parameter("samples-per-period", per_period, "from 1 to 1000"));
+    }
+    let (period, parts) = (breather.period(), f64::from(per_period));
+    let count = (end / period * parts).floor();
+    if count > MOST_SAMPLES {
+        return Err(Error::parameter("samples", count, "at most 10^7: a shorter run, or fewer samples a period"));
+    }
+    let mut times: Vec<f64> = (0..=count as u64).map(|k| period * (k as f64 / parts)).collect();
+    times.extend([breather.horizon(), end]);
+    times.retain(|t| *t <= end);
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    Ok(times)
+}
+
+fn bright_sample(breather: &BrightBreather, chain: &Chain<f64>, t: f64, y: &[f64]) -> BrightSample {
+    BrightSample {
+        t,
+        norms: breather.norms(t, chain.layout(), y),
+        participation: chain.participation(y),
+        share: breather.core_share(chain, y),
+        energy: chain.energy(y).total(),
+    }
+}
+
+/// When the share first falls to `part` of its first value.
+fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
+    let bound = part * samples[0].share;
+    let two = samples.windows(2).find(|two| two[1].share <= bound)?;
+    let (before, after) = (two[0], two[1]);
+    Some(before.t + (after.t - before.t) * (before.share - bound) / (before.share - after.share))
+}
+
+fn kink(breather: &BrightBreather, layout: Layout, y: &[f64]) -> Kink {
+    let height = |x: &[f64]| {
+        let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let (u, v) = (layout.u(y), layout.v(y));
+    let last = u.len() - 1;
+    let core = breather.core();
+    let middle = (core.start + core.end - 1) / 2;
+    let before = if core.len().is_multiple_of(2) { middle } else { middle.saturating_sub(1) };
+    Kink {
+        height_u: height(u),
+        height_v: v.map_or(0.0, height),
+        jump_v: v.map_or(0.0, |v| v[(middle + 1).min(last)] - v[before]),
+        between_ends_u: u[last] - u[0],
+        between_ends_v: v.map_or(0.0, |v| v[last] - v[0]),
+    }
+}
+
+/// The outcome for a trivial breather.
+#[derive(Clone, Debug)]
+pub struct TrivialStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: TrivialBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// Sample times, from 0 to the end.
+    pub t: Vec<f64>,
+    /// Largest distance of a bead or a resonator from the closed form at these times, over the largest amplitude of a bead.
+    pub deviation: Vec<f64>,
+    /// Largest relative change of the energy of the closed form at these times: its roundings.
+    pub energy_error: f64,
+    /// The least of `b_n - b_{n-1} - l_n`, and its bond; `None` for a single bead.
+    pub least_slack: Option<(usize, f64)>,
+    /// `Fbar_n` over a period.
+    pub forces: MeanForces,
+    /// Work of the integrator, samples included.
+    pub stats: Stats,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+/// Holds the closed form of a scene against an integrator. `progress` is told the share of the run that is done.
+///
+/// # Errors
+/// A scene without exact solution, a method that takes no tolerance, a run that fails.
+pub fn trivial_breather(
+    scene: &Scene,
+    options: &BreatherOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<TrivialStudy> {
+    let clock = Instant::now();
+    let Some(breather) = scene.exact() else {
+        let rule = "a scene of kind trivial-breather, or a state that is one";
+        return Err(Error::parameter("scene", scene.name(), rule));
+    };
+    check(options)?;
+    let samples = match scene.file().record.samples {
+        0 => DEFAULT_SAMPLES,
+        samples => samples,
+    };
+    let t: Vec<f64> = (0..=samples).map(|k| scene.end() * (k as f64 / samples as f64)).collect();
+    let chain = scene.chain();
+    let exact = |t: f64| -> Vec<f64> {
+        let sites: Vec<_> = (0..chain.sites()).map(|n| breather.site(n, t)).collect();
+        let of = |part: fn(&crate::chain::Site<f64>) -> f64| sites.iter().map(part).collect::<Vec<_>>();
+        [of(|site| site.u), of(|site| site.v), of(|site| site.u_dot), of(|site| site.v_dot)].concat()
+    };
+    let swing = max_norm((0..chain.sites()).map(|n| breather.swing(n)));
+    let scale = if swing > 0.0 { swing } else { 1.0 };
+    let positions = 2 * chain.sites();
+    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let (mut deviation, mut energies) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
+    for &t in &t {
+        let (y, exact) = (state_at(&mut run, t)?, exact(t));
+        energies.push(chain.energy(&exact).total());
+        deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
+        progress(t / scene.end());
+    }
+    let first = if energies[0] > 0.0 { energies[0] } else { 1.0 };
+    let slack = (1..chain.sites()).map(|n| (n, breather.slack(n)));
+    Ok(TrivialStudy {
+        scene: scene.clone(),
+        breather: breather.clone(),
+        setting: words(options),
+        energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
+        least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
+        forces: chain.mean_contact_forces(
+            scene.initial().as_slice(),
+            scene.period(),
+            Pace::Tolerance(options.tolerance),
+        )?,
+        stats: run.stats(),
+        t,
+        deviation,
+        wall: clock.elapsed(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tenth_has_left_between_the_samples_that_say_so() {
+        let sample = |t, share| BrightSample { t, share, norms: Norms::default(), participation: 1.0, energy: 1.0 };
+        let samples = [sample(0.0, 1.0), sample(1.0, 0.95), sample(2.0, 0.85), sample(3.0, 0.99)];
+        assert!((falls_to(&samples, 0.9).unwrap() - 1.5).abs() < 1e-14);
+        assert_eq!(falls_to(&samples, 0.8), None);
+    }
+}
