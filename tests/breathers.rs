@@ -420,22 +420,17 @@ fn mean_forces_of_a_free_chain_are_what_momenta_say() {
 #[test]
 fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
     let params = params(1.5, 1.0, 1.0);
-    let pair = Chain::new(params, Boundary::StrainRing, 2).unwrap();
-    // Released at rest it is at rest after half a period if x and y are right. Above the linear frequency sqrt(2).
-    let rest = |x: f64, y: f64| {
-        let site = |i: usize| {
-            if i == 0 {
-                Site { u: x, v: y, u_dot: 0.0, v_dot: 0.0 }
-            } else {
-                Site { u: -x, v: -y, u_dot: 0.0, v_dot: 0.0 }
-            }
-        };
-        State::from_fn(&pair, site).unwrap().as_slice().to_vec()
+    let [pair, chain] = [2, 6].map(|bonds| Chain::new(params, Boundary::StrainRing, bonds).unwrap());
+    let antiphase = |chain: &Chain<f64>, [x, y]: [f64; 2]| {
+        let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let site = |i: usize| Site { u: sign(i) * x, v: sign(i) * y, u_dot: 0.0, v_dot: 0.0 };
+        State::from_fn(chain, site).unwrap().as_slice().to_vec()
     };
+    // Released at rest it is at rest after half a period if x and y are right. Above the linear frequency sqrt(2).
     let omega_b = 1.45;
     let half = PI / omega_b;
     let residual = |z: [f64; 2]| {
-        let end = truth(&pair, &rest(z[0], z[1]), half, 1e-13);
+        let end = truth(&pair, &antiphase(&pair, z), half, 1e-13);
         [end[4], end[6]]
     };
     let mut z = [0.003, -0.003];
@@ -450,17 +445,11 @@ fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
     }
     let size = residual(z).map(f64::abs);
     assert!(z[0].abs() > 1e-4 && size[0].max(size[1]) < 1e-13, "{z:?} {size:?}");
-    // Six bonds in antiphase.
-    let chain = Chain::new(params, Boundary::StrainRing, 6).unwrap();
-    let site = |i: usize| {
-        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-        Site { u: sign * z[0], v: sign * z[1], u_dot: 0.0, v_dot: 0.0 }
-    };
-    let y = State::from_fn(&chain, site).unwrap();
-    let forces = chain.mean_contact_forces(y.as_slice(), 2.0 * half, CLOSE).unwrap();
+    let y = antiphase(&chain, z);
+    let forces = chain.mean_contact_forces(&y, 2.0 * half, CLOSE).unwrap();
     assert!(forces.spread() < 4e-12 * forces.mean() && forces.mean() > 0.0, "{forces:?}");
     // Over another time it is not.
-    let other = chain.mean_contact_forces(y.as_slice(), 1.3 * half, CLOSE).unwrap();
+    let other = chain.mean_contact_forces(&y, 1.3 * half, CLOSE).unwrap();
     assert!(other.spread() > 0.1 * other.mean(), "{other:?}");
 }
 

@@ -52,9 +52,9 @@ impl TrivialBreather {
         }
         let mut breather = Self::oscillating(params, amplitudes, phases)?;
         let mut sum = 0.0;
-        for n in 0..offsets.len() {
+        for (n, offset) in offsets.iter().enumerate() {
             sum += breather.least_gap(n);
-            breather.means[n] = offsets[n] + sum;
+            breather.means[n] = offset + sum;
         }
         Ok(breather)
     }
