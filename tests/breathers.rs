@@ -12,6 +12,7 @@ use hertzchain::{
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
+#[allow(dead_code, reason = "other tests use the rest of it")]
 mod common;
 use common::{collocated, distance, largest, truth};
 
