@@ -30,6 +30,12 @@ pub(super) enum Command {
     Dps(DpsArgs),
     /// Breathers: the long-lived bright one against its ansatz, and the trivial one, whose beads never touch.
     Breather(BreatherArgs),
+    /// Compute a dark breather as an exact periodic orbit, with its Floquet multipliers.
+    Dark(DarkBreatherArgs),
+    /// Follow a branch of dark breathers in one parameter, with its multipliers and bifurcations.
+    Continue(ContinueArgs),
+    /// Follow the branch of doubled period that leaves the bond-centred dark breathers.
+    Doubled(DoubledArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
     /// Hold every number in the text of the paper's Sec. 3 and 4, and of the first part of Sec. 6, against ours: what it says, what we get, the verdict, and why if they differ.
@@ -382,6 +388,118 @@ impl From<CenterArg> for Center {
             CenterArg::Bond => Self::Bond,
         }
     }
+}
+
+/// The ring and the breather on it.
+#[derive(Args)]
+pub(super) struct RingArgs {
+    /// Sites of the ring, n = -N .. N: odd, from 3 to 255. Weak quartets, and how many there are, depend on it.
+    #[arg(long, value_name = "N", default_value_t = 41, allow_negative_numbers = true)]
+    pub(super) sites: usize,
+    /// Exponent of the contact force, from 1.01 to 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// Spring constant of the resonators, positive; dimensionless, like all below.
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub(super) kappa: f64,
+    /// Mass ratio, positive and finite.
+    #[arg(long, value_name = "R", default_value_t = 1.0 / 3.0, allow_negative_numbers = true)]
+    pub(super) rho: f64,
+    /// Vertical centre of the background (eq:center).
+    #[arg(long, value_name = "C", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(super) c_x: f64,
+    /// What Newton's method solves.
+    #[arg(long, value_name = "F", value_enum, default_value_t = FormulationArg::HalfPeriod)]
+    pub(super) formulation: FormulationArg,
+    /// Tolerance of the flow, relative to the size of the state, from 1e-15 to 0.1.
+    #[arg(long, value_name = "TOL", default_value_t = 1e-13, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum FormulationArg {
+    /// The velocities vanish after half a period: by reversibility the orbit is then periodic.
+    HalfPeriod,
+    /// The paper's: the state comes back after a period, with the time average of the first strain given, by least squares.
+    FullPeriod,
+}
+
+#[derive(Args)]
+pub(super) struct DarkBreatherArgs {
+    /// Where the kink is: on the site 0, or on the bond between the sites 0 and 1.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Site)]
+    pub(super) center: CenterArg,
+    /// Frequency, radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub(super) omega_b: Option<f64>,
+    #[command(flatten)]
+    pub(super) ring: RingArgs,
+    /// Folder for dark-breather.json [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ContinueArgs {
+    /// Where the kink is: on the site 0, or on the bond between the sites 0 and 1.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Site)]
+    pub(super) center: CenterArg,
+    /// What varies: omega_b, rho, kappa, alpha or c_x.
+    #[arg(long, value_name = "P", default_value = "omega_b")]
+    pub(super) parameter: String,
+    /// Where it begins [default for omega_b: 1.005 omega].
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    pub(super) from: Option<f64>,
+    /// Where it ends [default for omega_b: 1.05 omega].
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    pub(super) to: Option<f64>,
+    /// Its largest change from point to point [default: a hundredth of the range].
+    #[arg(long, value_name = "DP", allow_negative_numbers = true)]
+    pub(super) step: Option<f64>,
+    /// Points at most.
+    #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true)]
+    pub(super) points: usize,
+    /// Count the way by the parameter and not by the arclength: such a branch ends at a fold.
+    #[arg(long)]
+    pub(super) natural: bool,
+    /// Collisions of multipliers from which no modulus above 1 + WEAK comes are not located.
+    #[arg(long, value_name = "WEAK", default_value_t = 0.01, allow_negative_numbers = true)]
+    pub(super) weak: f64,
+    /// Frequency, where another number varies [default: 1.025 omega].
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub(super) omega_b: Option<f64>,
+    #[command(flatten)]
+    pub(super) ring: RingArgs,
+    /// Folder for branch.json, branch.csv and branch.npz [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct DoubledArgs {
+    /// Frequency of the whole period where the branch is to end, about half of that of the main branch.
+    #[arg(long, value_name = "W", default_value_t = 1.056, allow_negative_numbers = true)]
+    pub(super) omega_b: f64,
+    /// Where the main branch is left without a period doubling [default: 1.05 omega].
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub(super) most: Option<f64>,
+    /// Largest change of the frequency from point to point of the main branch; half of it on the doubled one.
+    #[arg(long, value_name = "DW", default_value_t = 0.002, allow_negative_numbers = true)]
+    pub(super) step: f64,
+    #[command(flatten)]
+    pub(super) ring: RingArgs,
+    /// Folder for branch.json, branch.csv and branch.npz [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 #[derive(Args)]

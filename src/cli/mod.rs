@@ -7,6 +7,7 @@ mod dps;
 mod drift;
 mod figures;
 mod integrators;
+mod orbits;
 mod order;
 mod run;
 mod scaling;
@@ -30,6 +31,9 @@ pub fn main() -> ExitCode {
         Command::Drift(args) => drift::main(&args),
         Command::Dps(args) => dps::main(&args),
         Command::Breather(args) => breather::main(&args),
+        Command::Dark(args) => orbits::dark(&args),
+        Command::Continue(args) => orbits::branch(&args),
+        Command::Doubled(args) => orbits::doubled(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Verify(args) => verify::main(&args),
         Command::Figures(args) => figures::main(&args),

@@ -3,6 +3,7 @@
 mod breather;
 mod compare;
 mod drift;
+mod orbits;
 mod order;
 mod paper;
 mod run;
@@ -16,6 +17,7 @@ pub use breather::{
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
+pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, WaveRun};
 pub use run::{Outcome, Profile, Records, Sample, run, run_in_closed_form, run_with_contacts};

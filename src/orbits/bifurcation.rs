@@ -273,7 +273,11 @@ impl Bifurcation {
     /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
     pub fn doubled(&self, shooting: &Shooting, size: f64) -> Result<Orbit> {
         if self.kind != BifurcationKind::PeriodDoubling {
-            return Err(Error::parameter("kind", format!("{:?}", self.kind), "the period doubles at a period doubling only"));
+            return Err(Error::parameter(
+                "kind",
+                format!("{:?}", self.kind),
+                "the period doubles at a period doubling only",
+            ));
         }
         if !(size > 0.0 && size <= 1.0) {
             return Err(Error::parameter("size", size, "a share of the amplitude in (0, 1]"));

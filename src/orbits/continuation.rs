@@ -110,7 +110,12 @@ impl Continuation {
     }
 
     /// From a point with a tangent, on towards where the parameter is to go.
-    pub(super) fn along(&self, mut place: Place, from: f64, seen: &mut impl FnMut(&Orbit)) -> Result<(Vec<Orbit>, End)> {
+    pub(super) fn along(
+        &self,
+        mut place: Place,
+        from: f64,
+        seen: &mut impl FnMut(&Orbit),
+    ) -> Result<(Vec<Orbit>, End)> {
         let direction = (self.to - from).signum();
         let mut orbits = vec![place.orbit.clone()];
         let first = self.step / (self.to - from).abs();
@@ -146,7 +151,13 @@ impl Continuation {
                     if reached || back {
                         break if reached { End::Reached } else { End::TurnedBack };
                     }
-                    ds *= if corrections < GOOD_CORRECTIONS { 1.5 } else if corrections > GOOD_CORRECTIONS + 1 { 0.6 } else { 1.0 };
+                    ds *= if corrections < GOOD_CORRECTIONS {
+                        1.5
+                    } else if corrections > GOOD_CORRECTIONS + 1 {
+                        0.6
+                    } else {
+                        1.0
+                    };
                 }
                 Err(_) if ds > SHORTEST * first => ds *= 0.5,
                 Err(_) => break End::Lost,
@@ -223,8 +234,7 @@ impl Continuation {
     pub(super) fn naturally(&self, place: &Place, scales: Scales, to: f64) -> Result<(Orbit, usize)> {
         let columns = place.orbit.z.len();
         let by = (to - place.orbit.setting.get(self.parameter)) / (place.tangent[columns] * scales.parameter);
-        let z: Vec<f64> =
-            place.orbit.z.iter().zip(&place.tangent).map(|(z, t)| z + by * t * scales.strain).collect();
+        let z: Vec<f64> = place.orbit.z.iter().zip(&place.tangent).map(|(z, t)| z + by * t * scales.strain).collect();
         let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
         let orbit = shooting.solve(&place.orbit.setting.with(self.parameter, to), &z)?;
         let corrections = orbit.newton.len();

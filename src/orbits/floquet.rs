@@ -142,7 +142,11 @@ impl Spectrum {
     /// Every `tau` of no exact multiplier, and the signature of one on the circle.
     pub(super) fn free(&self) -> impl Iterator<Item = (Complex<f64>, i8)> + '_ {
         let exact = |kind: Kind| matches!(kind, Kind::Trivial | Kind::Linear);
-        self.tau.iter().zip(&self.modes).filter(move |(_, mode)| !exact(mode.kind)).map(|(tau, mode)| (*tau, mode.krein))
+        self.tau
+            .iter()
+            .zip(&self.modes)
+            .filter(move |(_, mode)| !exact(mode.kind))
+            .map(|(tau, mode)| (*tau, mode.krein))
     }
 
     /// The strains `z`, `A z = tau z`, of the real `tau` nearest to a value, the largest 1.

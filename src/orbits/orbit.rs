@@ -106,8 +106,9 @@ impl Orbit {
     pub fn spectrum(&self, shooting: &Shooting) -> Result<Spectrum> {
         let chain = self.setting.chain()?;
         let half = shooting.flow(&chain, &self.z, 0.5 * self.setting.period(), 2 * self.z.len(), |_| {})?;
-        Spectrum::new(&chain, &half.columns, self.setting.period())
-            .ok_or_else(|| Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge"))
+        Spectrum::new(&chain, &half.columns, self.setting.period()).ok_or_else(|| {
+            Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge")
+        })
     }
 }
 

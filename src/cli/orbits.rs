@@ -1,0 +1,122 @@
+//! `hertzchain dark`, `continue` and `doubled`.
+
+use super::{
+    Exit,
+    args::{CenterArg, ContinueArgs, DarkBreatherArgs, DoubledArgs, FormulationArg, RingArgs},
+    print, progress_bar,
+};
+use crate::{
+    breathers::DarkBreather,
+    chain::Params,
+    error::{Error, Result},
+    experiments::{self, Branch, orbit_study},
+    orbits::{Continuation, End, Formulation, Parameter, Shooting},
+    output::Folder,
+    report,
+};
+use indicatif::ProgressBar;
+use std::process::ExitCode;
+
+/// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a branch.
+const ONE: f64 = 1.025;
+const RANGE: [f64; 2] = [1.005, 1.05];
+
+impl RingArgs {
+    fn shooting(&self) -> Shooting {
+        let formulation = match self.formulation {
+            FormulationArg::HalfPeriod => Formulation::HalfPeriod,
+            FormulationArg::FullPeriod => Formulation::FullPeriod,
+        };
+        Shooting { formulation, tol: self.tol, ..Shooting::default() }
+    }
+
+    /// A breather of this frequency, by default `omega` times `ratio`.
+    fn breather(&self, center: CenterArg, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        let omega_b = omega_b.unwrap_or(ratio * params.omega());
+        Ok(DarkBreather { params, center: center.into(), sites: self.sites, omega_b, c_x: self.c_x })
+    }
+}
+
+pub(super) fn dark(args: &DarkBreatherArgs) -> Exit {
+    let (breather, shooting) = (args.ring.breather(args.center, args.omega_b, ONE)?, args.ring.shooting());
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let study = orbit_study(breather.orbit(&shooting)?, &shooting)?;
+    let json = report::dark_breather_json(&breather, &study) + "\n";
+    print(&if args.json { json.clone() } else { report::dark_breather_table(&breather, &study) });
+    if let Some(folder) = folder {
+        folder.write("dark-breather.json", json.as_bytes())?;
+        eprintln!("written to {}", folder.path().display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+pub(super) fn branch(args: &ContinueArgs) -> Exit {
+    let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == args.parameter) else {
+        return Err(Error::unknown("parameter", &args.parameter, Parameter::ALL.map(|(name, _)| name)));
+    };
+    let mut breather = args.ring.breather(args.center, args.omega_b, ONE)?;
+    let varies = parameter == Parameter::OmegaB;
+    if varies && args.omega_b.is_some() {
+        let rule = "it is the parameter that varies: give --from and --to";
+        return Err(Error::parameter("omega-b", args.omega_b.unwrap_or_default(), rule));
+    }
+    let end = |given: Option<f64>, ratio: f64, name: &'static str| match given {
+        Some(value) => Ok(value),
+        None if varies => Ok(ratio * breather.params.omega()),
+        None => Err(Error::parameter(name, "nothing", "a parameter other than omega_b needs --from and --to")),
+    };
+    let (from, to) = (end(args.from, RANGE[0], "from")?, end(args.to, RANGE[1], "to")?);
+    breather.set(parameter, from);
+    let continuation = Continuation {
+        parameter,
+        to,
+        step: args.step.unwrap_or(0.01 * (to - from).abs()),
+        most_points: args.points,
+        natural: args.natural,
+        shooting: args.ring.shooting(),
+    };
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let branch = with_bar(|progress| experiments::branch(&breather, &continuation, args.weak, progress))?;
+    let json = report::branch_json(&branch) + "\n";
+    print(&if args.json { json.clone() } else { report::branch_table(&branch) });
+    write(folder, &branch, &json)?;
+    Ok(code(&branch))
+}
+
+pub(super) fn doubled(args: &DoubledArgs) -> Exit {
+    let (breather, shooting) = (args.ring.breather(CenterArg::Bond, None, RANGE[0])?, args.ring.shooting());
+    let most = args.most.unwrap_or(RANGE[1] * breather.params.omega());
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let doubled =
+        with_bar(|progress| experiments::doubled(&breather, most, args.omega_b, args.step, &shooting, progress))?;
+    let last = doubled.branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
+    let json = report::doubled_json(&doubled, last.as_ref()) + "\n";
+    print(&if args.json { json.clone() } else { report::doubled_table(&doubled, last.as_ref()) });
+    write(folder, &doubled.branch, &json)?;
+    Ok(code(&doubled.branch))
+}
+
+/// What there is of a branch is written, but one that did not get there is a failure.
+fn code(branch: &Branch) -> ExitCode {
+    if branch.end == End::Reached { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn write(folder: Option<Folder>, branch: &Branch, json: &str) -> Result<()> {
+    let Some(folder) = folder else { return Ok(()) };
+    folder.write("branch.json", json.as_bytes())?;
+    folder.write("branch.csv", &report::branch_csv(branch))?;
+    folder.write("branch.npz", &report::branch_npz(branch)?)?;
+    eprintln!("written to {}", folder.path().display());
+    Ok(())
+}
+
+fn with_bar<T>(work: impl FnOnce(experiments::Progress<'_>) -> Result<T>) -> Result<T> {
+    let bar: ProgressBar = progress_bar();
+    let result = work(&|share, what| {
+        bar.set_position((1000.0 * share.min(1.0)) as u64);
+        bar.set_message(what.to_owned());
+    });
+    bar.finish_and_clear();
+    result
+}

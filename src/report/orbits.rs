@@ -1,0 +1,258 @@
+//! Reports of exact orbits and their branches.
+
+use super::{dps::center_word, table};
+use crate::{
+    breathers::DarkBreather,
+    error::Result,
+    experiments::{Branch, DoubledBranch, OrbitStudy},
+    orbits::{Bifurcation, Extent, Kind, Multiplier, Orbit, Setting},
+    output::{Array, csv, npz, to_json},
+};
+use serde_json::{Value, json};
+
+/// Multipliers off the circle that a branch keeps of each point.
+const LEADING: usize = 8;
+
+/// A dark breather as JSON: the orbit, its multipliers, and how good both are.
+pub fn dark_breather_json(breather: &DarkBreather, study: &OrbitStudy) -> String {
+    let mut fields = orbit(study);
+    fields["center"] = json!(center_word(breather.center));
+    to_json(&fields)
+}
+
+fn orbit(study: &OrbitStudy) -> Value {
+    let OrbitStudy { orbit, spectrum, extent, e_b, forces } = study;
+    let Setting { params, sites, omega_b, .. } = orbit.setting;
+    let half = (sites / 2) as i64;
+    json!({
+        "alpha": params.alpha,
+        "kappa": params.kappa,
+        "rho": params.rho,
+        "omega": params.omega(),
+        "omega_b": omega_b,
+        "sites": sites,
+        "turns": orbit.setting.turns,
+        "n": (-half..=half).collect::<Vec<_>>(),
+        "x": orbit.x(),
+        "y": orbit.y(),
+        "period": orbit.setting.period(),
+        "residual": orbit.residual,
+        "k_x": extent.k_x,
+        "k_y": extent.k_y,
+        "c_x": extent.c_x,
+        "c_y": extent.c_y,
+        "e_b": e_b,
+        "mean_force": forces.mean(),
+        "mean_force_spread": forces.spread(),
+        "newton": orbit.newton,
+        "multipliers": spectrum.multipliers,
+        "max_modulus": spectrum.largest(),
+        "tau": spectrum.tau.iter().map(|tau| json!({ "re": tau.re, "im": tau.im })).collect::<Vec<_>>(),
+        "quality": spectrum.quality,
+    })
+}
+
+/// A dark breather as a table.
+pub fn dark_breather_table(breather: &DarkBreather, study: &OrbitStudy) -> String {
+    format!("dark breather about a {}\n", center_word(breather.center)) + &orbit_table(study)
+}
+
+fn orbit_table(study: &OrbitStudy) -> String {
+    let OrbitStudy { orbit, spectrum, extent: Extent { k_x, k_y, c_x, c_y }, e_b, forces } = study;
+    let Setting { params, sites, omega_b, .. } = orbit.setting;
+    let quality = spectrum.quality;
+    let steps: Vec<Vec<String>> = (1..)
+        .zip(&orbit.newton)
+        .map(|(k, one)| vec![format!("{k}"), format!("{:.1e}", one.residual), format!("{:.1e}", one.step)])
+        .collect();
+    let numbers = [
+        ("sites, n = -N .. N", sites.to_string()),
+        ("alpha, kappa, rho", format!("{}, {}, {}", params.alpha, params.kappa, params.rho)),
+        ("omega, omega_b", format!("{}, {omega_b}", params.omega())),
+        ("period T", format!("{:.15}", orbit.setting.period())),
+        ("K_x, K_y", format!("{k_x:.15e}, {k_y:.15e}")),
+        ("C_x, C_y", format!("{c_x:.1e}, {c_y:.1e}")),
+        ("residual max |F| / max |Z|", format!("{:.1e}", orbit.residual)),
+        ("E_b(T)", format!("{e_b:.1e}")),
+        ("mean contact force, its spread", format!("{:e}, {:.1e}", forces.mean(), forces.spread())),
+        ("largest |lambda|", format!("{:.12}", spectrum.largest())),
+        ("symplectic defect", format!("{:.1e}", quality.symplectic_defect)),
+        ("|tau - 1| of the two that are 1", format!("{:.1e}, {:.1e}", quality.trivial[0], quality.trivial[1])),
+        ("|tau - cos(omega T)| of one", format!("{:.1e}", quality.linear)),
+        ("distance to the eigenvalues of M(T)", format!("{:.1e}", quality.pairing)),
+    ];
+    let rows: Vec<Vec<String>> = numbers.map(|(name, value)| vec![name.to_owned(), value]).to_vec();
+    let circle = spectrum.multipliers.iter().filter(|one| one.kind == Kind::Circle).count();
+    table(&["quantity", "value"], &rows)
+        + "\n"
+        + &table(&["step", "residual", "change of Z"], &steps)
+        + "\n"
+        + &multiplier_table(spectrum.multipliers.iter().filter(|one| one.modulus > 1.0))
+        + &format!(
+            "\n{circle} multipliers on the circle, 4 that are 1, 2 that are exp(+-i omega T); of those off it the inverses are left out\n"
+        )
+}
+
+fn multiplier_table<'a>(multipliers: impl Iterator<Item = &'a Multiplier>) -> String {
+    let rows: Vec<Vec<String>> = multipliers
+        .map(|one| {
+            let number = |value: f64| format!("{value:.12}");
+            vec![number(one.re), number(one.im), number(one.modulus), format!("{:.1e}", one.error), word(&one.kind)]
+        })
+        .collect();
+    if rows.is_empty() {
+        return "no multiplier is off the unit circle\n".to_owned();
+    }
+    table(&["Re lambda", "Im lambda", "|lambda|", "error", "kind"], &rows)
+}
+
+/// A unit variant by its name in files.
+fn word(value: &impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// A branch as JSON.
+pub fn branch_json(branch: &Branch) -> String {
+    to_json(&branch_value(branch))
+}
+
+fn branch_value(branch: &Branch) -> Value {
+    let parameter = branch.continuation.parameter;
+    let points: Vec<Value> = branch
+        .points
+        .iter()
+        .map(|point| {
+            let Extent { k_x, k_y, c_x, c_y } = point.extent;
+            let leading: Vec<&Multiplier> = point
+                .spectrum
+                .multipliers
+                .iter()
+                .filter(|one| one.modulus > 1.0 && one.im >= 0.0)
+                .take(LEADING)
+                .collect();
+            json!({
+                "parameter": point.orbit.setting.get(parameter),
+                "omega_b": point.orbit.setting.omega_b,
+                "rho": point.orbit.setting.params.rho,
+                "k_x": k_x,
+                "k_y": k_y,
+                "c_x": c_x,
+                "c_y": c_y,
+                "residual": point.orbit.residual,
+                "max_modulus": point.spectrum.largest(),
+                "leading": leading,
+                "symplectic_defect": point.spectrum.quality.symplectic_defect,
+            })
+        })
+        .collect();
+    json!({
+        "parameter": parameter.name(),
+        "end": branch.end,
+        "points": points,
+        "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<_>>(),
+    })
+}
+
+fn bifurcation(one: &Bifurcation) -> Value {
+    let Setting { omega_b, .. } = one.orbit.setting;
+    json!({
+        "kind": one.kind,
+        "parameter": one.parameter,
+        "period": one.orbit.setting.period(),
+        "omega_b": omega_b,
+        "tau": one.tau,
+        "mode": one.mode,
+    })
+}
+
+/// A branch as a table.
+pub fn branch_table(branch: &Branch) -> String {
+    let parameter = branch.continuation.parameter;
+    let rows: Vec<Vec<String>> = branch
+        .points
+        .iter()
+        .map(|point| {
+            let off = |kind: Kind| {
+                let strongest = point.spectrum.multipliers.iter().find(|one| one.kind == kind && one.modulus > 1.0);
+                strongest.map_or(String::new(), |one| format!("{:.8}", one.modulus))
+            };
+            vec![
+                format!("{:.8}", point.orbit.setting.get(parameter)),
+                format!("{:.8e}", point.extent.k_x),
+                format!("{:.8e}", point.extent.k_y),
+                off(Kind::Real),
+                off(Kind::Negative),
+                off(Kind::Quartet),
+            ]
+        })
+        .collect();
+    let head = [parameter.name(), "K_x", "K_y", "|lambda| real", "negative", "quartet"];
+    let events: Vec<Vec<String>> = branch
+        .bifurcations
+        .iter()
+        .map(|one| {
+            let period = one.orbit.setting.period();
+            vec![word(&one.kind), format!("{:.10}", one.parameter), format!("{period:.10}"), format!("{:.8}", one.tau)]
+        })
+        .collect();
+    let bifurcations = if events.is_empty() {
+        "no bifurcation\n".to_owned()
+    } else {
+        table(&["bifurcation", parameter.name(), "period", "tau"], &events)
+    };
+    table(&head, &rows)
+        + "\n"
+        + &bifurcations
+        + &format!("\n{} points; the branch ended: {}\n", rows.len(), word(&branch.end))
+}
+
+/// The branch of doubled period as JSON: that of [`branch_json`] and where it is born.
+pub fn doubled_json(doubled: &DoubledBranch, last: Option<&OrbitStudy>) -> String {
+    let mut value = branch_value(&doubled.branch);
+    value["birth"] = bifurcation(&doubled.birth);
+    value["orbit"] = last.map_or(Value::Null, orbit);
+    to_json(&value)
+}
+
+/// The branch of doubled period as a table.
+pub fn doubled_table(doubled: &DoubledBranch, last: Option<&OrbitStudy>) -> String {
+    format!(
+        "the period doubles at omega_b = {:.10}: orbits of doubled period from {:.10} on\n\n",
+        doubled.birth.parameter,
+        0.5 * doubled.birth.parameter
+    ) + &branch_table(&doubled.branch)
+        + &last.map_or(String::new(), |study| format!("\nthe last orbit\n{}", orbit_table(study)))
+}
+
+/// `branch.csv`: every point with its leading moduli.
+pub fn branch_csv(branch: &Branch) -> Vec<u8> {
+    let parameter = branch.continuation.parameter;
+    let rows = branch.points.iter().map(|point| {
+        let Extent { k_x, k_y, c_x, c_y } = point.extent;
+        vec![point.orbit.setting.get(parameter), k_x, k_y, c_x, c_y, point.spectrum.largest()]
+    });
+    csv(&[parameter.name(), "k_x", "k_y", "c_x", "c_y", "max_modulus"], rows)
+}
+
+/// `branch.npz`: the parameter, strains and all multipliers of every point.
+///
+/// # Errors
+/// What the archive writer says.
+pub fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
+    let points = &branch.points;
+    let of = |value: &dyn Fn(&Orbit) -> f64| points.iter().map(|point| value(&point.orbit)).collect::<Vec<f64>>();
+    let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
+        points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
+    };
+    let (re, im, error) = (parts(&|one| one.re), parts(&|one| one.im), parts(&|one| one.error));
+    npz(&[
+        Array::vector("parameter", of(&|orbit| orbit.setting.get(branch.continuation.parameter))),
+        Array::vector("omega_b", of(&|orbit| orbit.setting.omega_b)),
+        Array::vector("rho", of(&|orbit| orbit.setting.params.rho)),
+        Array::matrix("x", points.iter().map(|point| point.orbit.x())),
+        Array::matrix("y", points.iter().map(|point| point.orbit.y())),
+        Array::matrix("multipliers_re", re.iter().map(Vec::as_slice)),
+        Array::matrix("multipliers_im", im.iter().map(Vec::as_slice)),
+        Array::matrix("modulus_error", error.iter().map(Vec::as_slice)),
+    ])
+}
