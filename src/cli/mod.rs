@@ -12,6 +12,7 @@ mod order;
 mod run;
 mod scaling;
 mod scenes;
+mod theorem;
 mod verify;
 mod wave;
 
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         Command::Continue(args) => orbits::branch(&args),
         Command::Doubled(args) => orbits::doubled(&args),
         Command::Wave(args) => wave::main(&args),
+        Command::Theorem(args) => theorem::main(&args),
         Command::Verify(args) => verify::main(&args),
         Command::Figures(args) => figures::main(&args),
         Command::Scenes(args) => scenes::main(&args),

@@ -9,6 +9,7 @@ mod paper;
 mod run;
 mod scaling;
 mod stability;
+mod theorem;
 mod verify;
 mod wave;
 
@@ -23,6 +24,10 @@ pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, Wa
 pub use run::{Outcome, Profile, Records, Sample, run, run_in_closed_form, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
+pub use theorem::{
+    Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
+    TheoremStudy, theorem,
+};
 pub use verify::{Item, Rule, Verdict, Verification, verify};
 pub use wave::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave};
 

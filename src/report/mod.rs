@@ -12,6 +12,7 @@ mod run;
 mod scaling;
 mod stability;
 mod table;
+mod theorem;
 mod verify;
 mod wave;
 
@@ -32,6 +33,7 @@ pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
 pub use stability::{stability_csv, stability_json, stability_table, stability_tables};
 pub use table::table;
+pub use theorem::{theorem_csv, theorem_files, theorem_json, theorem_slopes_csv, theorem_table};
 pub use verify::{verify_csv, verify_json, verify_table};
 pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table, wave_tables};
 

@@ -1,0 +1,226 @@
+//! Errors at a time, the times at which they are looked at, and the largest.
+
+use crate::{
+    chain::Layout,
+    error::{Error, Result},
+};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Norms of sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// `l_1`.
+    One,
+    /// `l_2`.
+    Two,
+    /// `l_inf`.
+    Infinity,
+}
+
+impl Norm {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Infinity];
+
+    /// Its place in [`ALL`](Self::ALL).
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// `1`, `2` or `inf`.
+    pub fn name(self) -> &'static str {
+        ["1", "2", "inf"][self.index()]
+    }
+
+    fn of(self, values: impl Iterator<Item = f64>) -> f64 {
+        match self {
+            // The sum of nothing would be -0.
+            Self::One => values.map(f64::abs).fold(0.0, |sum, value| sum + value),
+            // Squares of small values would be subnormal.
+            Self::Two => values.fold(0.0, f64::hypot),
+            Self::Infinity => values.map(f64::abs).fold(0.0, f64::max),
+        }
+    }
+}
+
+/// The three errors in one norm: that of `u` and `u'` together (estimu), `norm(v)`, `norm(v')` (estimv).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors(pub [f64; 3]);
+
+/// The errors of the state `y` at time `t` in all norms, against `A(epsilon^{alpha-1} t)`.
+pub(super) fn errors(layout: Layout, y: &[f64], a: &[Complex64], epsilon: f64, t: f64) -> [Errors; 3] {
+    let ansatz: Vec<Complex64> = a.iter().map(|a| a * Complex64::from_polar(2.0 * epsilon, t)).collect();
+    let off = |values: &[f64], ansatz: fn(&Complex64) -> f64, norm: Norm, all: &[Complex64]| {
+        norm.of(values.iter().zip(all).map(|(value, a)| value - ansatz(a)))
+    };
+    Norm::ALL.map(|norm| {
+        let u = off(layout.u(y), |a| a.re, norm, &ansatz) + off(layout.u_dot(y), |a| -a.im, norm, &ansatz);
+        let size = |values: Option<&[f64]>| norm.of(values.unwrap_or_default().iter().copied());
+        Errors([u, size(layout.v(y)), size(layout.v_dot(y))])
+    })
+}
+
+/// The largest of a series, and what its samples miss: the parabola through a largest sample and those beside it rises above it by no more than an eighth of
+/// their second difference.
+#[derive(Clone, Copy, Default)]
+struct Peak {
+    /// The last two: values, and what they miss themselves.
+    before: [Option<(f64, f64)>; 2],
+    largest: f64,
+    missed: f64,
+}
+
+impl Peak {
+    fn see(&mut self, value: f64, missed: f64) {
+        let [first, middle] = self.before;
+        if let Some(middle) = middle {
+            self.compare(middle, first.map_or(value, |first| first.0), value);
+        }
+        self.before = [middle, Some((value, missed))];
+    }
+
+    /// `(largest, missed)`. What a series is cut off from is taken to be like what is beside it; where time ends, nothing is missed.
+    fn end(mut self, time_ends: bool) -> (f64, f64) {
+        if let [before, Some(last)] = self.before {
+            let beside = before.filter(|_| !time_ends).map_or(last.0, |before| before.0);
+            self.compare(last, beside, beside);
+        }
+        (self.largest, self.missed)
+    }
+
+    fn compare(&mut self, (value, missed): (f64, f64), one: f64, other: f64) {
+        if value >= self.largest {
+            self.largest = value;
+            self.missed = missed + 0.125 * (one - 2.0 * value + other).abs();
+        }
+    }
+}
+
+/// The largest errors of a period, and of those periods that were looked at.
+#[derive(Default)]
+pub(super) struct Suprema {
+    period: [[Peak; 3]; 3],
+    run: [[Peak; 3]; 3],
+}
+
+impl Suprema {
+    pub(super) fn see(&mut self, now: &[Errors; 3]) {
+        for (peaks, Errors(now)) in self.period.iter_mut().zip(now) {
+            peaks.iter_mut().zip(now).for_each(|(peak, now)| peak.see(*now, 0.0));
+        }
+    }
+
+    /// A period is over, maybe the last.
+    pub(super) fn close(&mut self, last: bool) {
+        for (all, period) in self.run.iter_mut().flatten().zip(std::mem::take(&mut self.period).iter().flatten()) {
+            let (largest, missed) = period.end(last);
+            all.see(largest, missed);
+        }
+    }
+
+    /// The suprema, and the share of each that samples miss.
+    pub(super) fn finish(self) -> [[Errors; 3]; 2] {
+        let ends = self.run.map(|peaks| peaks.map(|peak| peak.end(true)));
+        let share = |(largest, missed): (f64, f64)| if largest > 0.0 { missed / largest } else { 0.0 };
+        [ends.map(|ends| Errors(ends.map(|end| end.0))), ends.map(|ends| Errors(ends.map(share)))]
+    }
+}
+
+/// Where suprema over time are looked for.
+///
+/// To leading order an error is a function of two variables, the phase `t` and the slow time `tau`, that is smooth where it is largest (norms have kinks
+/// where a value is zero, which is never a maximum). So a run that is long enough is looked at in periods `2 pi` spread equally over it, the first and the last
+/// among them; a shorter one throughout. What is missed falls with the squares of both spacings, and is told from the curvature at the largest sample, in both
+/// variables. (Half the samples would not tell: where two samples are as far from the maximum, they agree.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Samples a period `2 pi`, at least 4.
+    pub points: u32,
+    /// Periods: at least this many, at least 3,
+    pub periods: u32,
+    /// and this many a unit of slow time.
+    pub periods_per_slow_time: u32,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self { points: 128, periods: 64, periods_per_slow_time: 16 }
+    }
+}
+
+impl Sampling {
+    pub(super) fn checked(self) -> Result<()> {
+        if self.points < 4 {
+            return Err(Error::parameter("points", self.points, "at least 4"));
+        }
+        if self.periods < 3 {
+            return Err(Error::parameter("periods", self.periods, "at least 3"));
+        }
+        Ok(())
+    }
+
+    /// The periods that are looked at, or the whole run: increasing times, the first 0 and the last the end.
+    pub(super) fn periods(self, end: f64, horizon: f64) -> Vec<Vec<f64>> {
+        let points = f64::from(self.points);
+        let count = f64::from(self.periods).max(f64::from(self.periods_per_slow_time) * horizon).ceil();
+        let equal = |first: f64, length: f64, points: f64| -> Vec<f64> {
+            (0..=points as u64).map(|k| (first + length * (k as f64 / points)).min(end)).collect()
+        };
+        if end <= 2.0 * PI * count {
+            return vec![equal(0.0, end, (points * (end / (2.0 * PI)).max(0.5)).ceil())];
+        }
+        let first = |k: u64| (end - 2.0 * PI) * (k as f64 / (count - 1.0));
+        (0..count as u64).map(|k| equal(first(k), 2.0 * PI, points)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn norms_are_those_of_a_right_triangle() {
+        let of = |norm: Norm| norm.of([3.0, 0.0, -4.0].into_iter());
+        assert_eq!(Norm::ALL.map(of), [7.0, 5.0, 4.0]);
+        assert!(Norm::ALL.iter().all(|norm| norm.of(std::iter::empty()).is_sign_positive()));
+        assert_eq!(Norm::Two.of([3e-200, 4e-200].into_iter()), 5e-200);
+    }
+
+    #[test]
+    fn times_increase_from_zero_to_the_end() {
+        let sampling = Sampling { points: 8, periods: 4, periods_per_slow_time: 2 };
+        for (end, horizon, count) in
+            [(0.3, 1.0, 5), (25.0, 1.0, 33), (26.0, 1.0, 36), (1e6, 1.0, 36), (1e6, 9.0, 18 * 9)]
+        {
+            let times = sampling.periods(end, horizon).concat();
+            assert_eq!((times[0], times[times.len() - 1], times.len()), (0.0, end, count));
+            assert!(times.is_sorted_by(|a, b| a < b), "{end} {horizon}: {times:?}");
+        }
+    }
+
+    // Truth: the maximum of a smooth function of phase and slow time, wherever its top is between samples.
+    #[test]
+    fn what_is_missed_is_no_more_than_what_is_said() {
+        let sampling = Sampling { points: 16, periods: 10, periods_per_slow_time: 1 };
+        let (end, mut worst) = (1e3, 0f64);
+        for shift in (0..40).map(|k| 0.05 * f64::from(k)) {
+            let mut suprema = Suprema::default();
+            let periods = sampling.periods(end, 1.0);
+            for (k, times) in periods.iter().enumerate() {
+                for t in times {
+                    let value = 2.0 + (t - shift).cos() + (1.0 + 0.05 * shift) * (3.0 * t / end - 0.5 * shift).sin();
+                    suprema.see(&[Errors([value; 3]); 3]);
+                }
+                suprema.close(k + 1 == periods.len());
+            }
+            let [found, missed] = suprema.finish();
+            // The top of the sine is in the run, or at its end.
+            let top = (0..=3000).map(|k| (1e-3 * f64::from(k) - 0.5 * shift).sin()).fold(-1.0, f64::max);
+            let truth = 3.0 + (1.0 + 0.05 * shift) * top;
+            let (really, said) = (1.0 - found[0].0[0] / truth, missed[0].0[0]);
+            assert!(really < 1.05 * said + 1e-6 && said < 0.03, "{shift}: {really:e} {said:e}");
+            worst = worst.max(really);
+        }
+        assert!(worst > 3e-3, "{worst:e}");
+    }
+}
