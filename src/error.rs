@@ -54,6 +54,16 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A store of a sweep that is not to be gone on with.
+    #[error("store {}, line {line}: {rule}", path.display())]
+    Store {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        rule: String,
+    },
     /// A figure that could not be drawn.
     #[cfg(feature = "plot")]
     #[error("figure: {0}")]

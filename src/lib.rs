@@ -10,6 +10,7 @@
 //! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
 //! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
 //! | [`method`] | the integrators by name |
+//! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`experiments`] | data in, data out: one run; error against run time |
 //! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
 //! | [`output`] | files and text, written whole or not at all |
@@ -32,6 +33,7 @@ pub mod output;
 mod random;
 pub mod report;
 pub mod scene;
+pub mod sweep;
 pub mod waves;
 
 pub use error::{Error, Result};

@@ -282,6 +282,7 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     }
 }
 
+#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Ring, 700).unwrap();

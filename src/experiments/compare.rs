@@ -1,7 +1,7 @@
 //! Error against run time: every integrator over a ladder of steps or tolerances on one scene.
 
 use super::{
-    fit_line, map,
+    fit_line,
     run::{Outcome, Records, run},
 };
 use crate::{
@@ -9,6 +9,7 @@ use crate::{
     error::{Error, Result},
     method::{Method, Setting},
     scene::{Scene, Theory},
+    sweep::map,
 };
 use hertzchain_integrators::{Silent, Stats, drive};
 use std::time::{Duration, Instant};

@@ -42,17 +42,6 @@ fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     Some((slope, residual))
 }
 
-#[cfg(feature = "parallel")]
-fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
-    use rayon::prelude::*;
-    items.par_iter().map(f).collect()
-}
-
-#[cfg(not(feature = "parallel"))]
-fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
-    items.iter().map(f).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

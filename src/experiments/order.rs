@@ -10,11 +10,12 @@
 //! its derivative by the initial state, the tangent, whatever `p` is. Landing on the event leaves the force
 //! `(t - t_e)^alpha` just beside it: a smaller constant and the same order, unless `alpha` is an integer.
 
-use super::{fit_line, map};
+use super::fit_line;
 use crate::{
     chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
     method::{Contacts, Method, Split, loaded},
+    sweep::Tally,
 };
 use hertzchain_integrators::{
     Dop853, Error as Failure, Event, Regularised, Scheme, Silent, Splitting, Stepper,
@@ -156,13 +157,8 @@ pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Resul
     let problem = Problem::new(alpha, beads)?;
     let truth = problem.truth()?;
     let cases = cases();
-    let finished = std::sync::atomic::AtomicUsize::new(0);
-    let ladders = map(&cases, |&(method, mode)| {
-        let rows = problem.ladder(method, mode, &truth);
-        let finished = 1 + finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        progress(finished as f64 / cases.len() as f64);
-        rows
-    });
+    let tell = |done, total| progress(done as f64 / total as f64);
+    let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
     Ok(OrderStudy {
         alpha,
         beads,

@@ -10,6 +10,7 @@ use crate::{
     method::{Contacts, Method, Setting},
     random::uniform,
     scene::{Initial, Scene, SceneFile},
+    sweep::on_one_thread,
 };
 use hertzchain_integrators::Stats;
 use std::time::Instant;
@@ -93,6 +94,7 @@ impl ScalingStudy {
 /// A number of sites, a tolerance or a budget outside its rule.
 pub fn scaling(options: &ScalingOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<ScalingStudy> {
     let sizes = checked(options)?;
+    // Collocation would otherwise use all cores on long chains, and the others one.
     let rows = on_one_thread(|| rows(options, &sizes, progress))??;
     let ScalingOptions { tol, seed, .. } = *options;
     Ok(ScalingStudy { tol, periods: PERIODS, perturbation: PERTURBATION, seed, rows })
@@ -118,18 +120,6 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
         return Err(Error::parameter("max-time", options.max_time, "a finite number of seconds, above zero"));
     }
     Ok(sizes)
-}
-
-/// Collocation would otherwise use all cores on long chains, and the others one.
-#[cfg(feature = "parallel")]
-fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
-    let refused = |_| Error::parameter("threads", 1, "the system has room for one thread more");
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?.install(work))
-}
-
-#[cfg(not(feature = "parallel"))]
-fn on_one_thread<T>(work: impl FnOnce() -> T) -> Result<T> {
-    Ok(work())
 }
 
 /// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the budget.

@@ -1,9 +1,10 @@
 //! How fast modulations of a travelling wave grow: in theory, and on the full chain.
 
-use super::{fit_line, map};
+use super::fit_line;
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, State},
     error::{Error, Result},
+    sweep::Tally,
     waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::Pace, drive};
@@ -11,7 +12,6 @@ use num_complex::Complex64;
 use std::{
     f64::consts::PI,
     ops::{ControlFlow, RangeInclusive},
-    sync::atomic::{AtomicUsize, Ordering},
 };
 
 /// Rings that can be asked for, and those that are integrated.
@@ -326,21 +326,11 @@ impl<F: FnMut(usize, f64, &[f64])> Observer<f64> for Sampler<'_, F> {
 fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<MeasuredGrowth>> {
     let modes: Vec<(StabilityRow, Mode)> =
         chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
-    let (done, runs) = (AtomicUsize::new(0), study.rates.len() * (modes.len() + 1));
-    let tell = || progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / runs as f64, "growth on the full chain");
-    let bench = |&rates: &Rates| {
-        let bench = Bench::new(study, rates);
-        tell();
-        bench
-    };
-    let benches = map(&study.rates, bench).into_iter().collect::<Result<Vec<_>>>()?;
+    let tell = |done, runs| progress(done as f64 / runs as f64, "growth on the full chain");
+    let tally = Tally::new(study.rates.len() * (modes.len() + 1), &tell);
+    let benches = tally.map(&study.rates, |&rates| Bench::new(study, rates)).into_iter().collect::<Result<Vec<_>>>()?;
     let jobs: Vec<_> = benches.iter().flat_map(|bench| modes.iter().map(move |mode| (bench, mode))).collect();
-    let growth = |&(bench, (row, mode)): &(&Bench, &(StabilityRow, Mode))| {
-        let growth = bench.growth(mode, *row);
-        tell();
-        growth
-    };
-    map(&jobs, growth).into_iter().collect()
+    tally.map(&jobs, |(bench, (row, mode))| bench.growth(mode, *row)).into_iter().collect()
 }
 
 /// So many rows spread over the ring's wave numbers but zero, with the last of them; and the fastest.

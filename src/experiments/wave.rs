@@ -7,13 +7,14 @@
 //! | growth | largest `tilde E_x` of the last period over that of the first |
 //! | rate | slope of the logarithm of the largest `tilde E_x` of each period against time, over the second half of the run |
 
-use super::{fit_line, map};
+use super::fit_line;
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
     method::{Method, Setting},
     scene::{Scene, Theory},
+    sweep::Tally,
     waves::{PerturbedWave, TravellingWave},
 };
 use hertzchain_integrators::{Dop853, Error as Failure, Stats, Stepper, dop853::Options};
@@ -180,13 +181,11 @@ pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) +
     let wave = *scene.wave()?;
     let times = times(scene, options)?;
     let seeds = seeds(scene, options, times.len())?;
-    let total = 1 + seeds.len() as u64;
-    let done = std::sync::atomic::AtomicU64::new(0);
-    let tell = || progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);
+    let tally = Tally::new(1 + seeds.len(), progress);
 
     let quiet = scene.perturbed(0.0, None)?;
     let unperturbed = track(&quiet, options, &times)?;
-    tell();
+    tally.tick();
     let errors = errors_of(times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)));
 
     let mut perturbed = None;
@@ -198,11 +197,10 @@ pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) +
             let chain = track(&scene, options, &times)?;
             let difference = differences(&wave, &chain, &unperturbed);
             let own = (seed == first.seed()).then(|| perturbed_run(&scene, options, &times, &chain, &difference));
-            tell();
             Ok((difference, own.transpose()?))
         };
         let mut all = Vec::with_capacity(seeds.len());
-        for outcome in map(&seeds, run) {
+        for outcome in tally.map(&seeds, run) {
             let (difference, own) = outcome?;
             all.push(difference);
             perturbed = perturbed.or(own);

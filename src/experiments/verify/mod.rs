@@ -16,16 +16,14 @@ mod section6;
 
 pub use item::{Item, Rule, Verdict};
 
-use super::{WaveOptions, WaveStudy, map, wave};
+use super::{WaveOptions, WaveStudy, wave};
 use crate::{
     error::{Error, Result},
     method::Method,
     scene::{Initial, Scene},
+    sweep::Tally,
 };
-use std::{
-    sync::atomic::{AtomicU64, Ordering},
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 /// Perturbed waves of a run: what grows is judged by the median.
 const SEEDS: u32 = 8;
@@ -116,19 +114,12 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
             wanted.push(*run);
         }
     }
-    let (total, done) = ((wanted.len() + chosen.len()) as u64, AtomicU64::new(0));
-    let tell = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-
-    let studies = map(&wanted, |run| {
-        let study = run.study();
-        tell();
-        Ok((*run, study?))
-    });
+    let tally = Tally::new(wanted.len() + chosen.len(), progress);
+    let studies = tally.map(&wanted, |run| Ok((*run, run.study()?)));
     let runs = Runs(studies.into_iter().collect::<Result<_>>()?);
-    let made = map(&chosen, |group| {
-        let items = (group.items)(&runs);
-        tell();
-        Ok(items?.into_iter().map(|item| Item { section: group.section, ..item }).collect::<Vec<_>>())
+    let made = tally.map(&chosen, |group| {
+        let items = (group.items)(&runs)?;
+        Ok(items.into_iter().map(|item| Item { section: group.section, ..item }).collect::<Vec<_>>())
     });
     let items = made.into_iter().collect::<Result<Vec<_>>>()?.concat();
     Ok(Verification { items, wall: clock.elapsed() })

@@ -1,0 +1,57 @@
+//! The threads of this process; one after the other without the feature `parallel`.
+
+use super::Backend;
+use crate::error::Result;
+
+/// All cores, or as many threads as `RAYON_NUM_THREADS` says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Threads;
+
+impl Backend for Threads {
+    #[cfg(feature = "parallel")]
+    fn run(
+        &self,
+        todo: &[usize],
+        work: &(dyn Fn(usize) -> String + Sync),
+        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
+    ) -> Result<()> {
+        use rayon::prelude::*;
+        todo.par_iter().with_max_len(1).try_for_each(|&k| done(k, work(k)))
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    fn run(
+        &self,
+        todo: &[usize],
+        work: &(dyn Fn(usize) -> String + Sync),
+        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
+    ) -> Result<()> {
+        todo.iter().try_for_each(|&k| done(k, work(k)))
+    }
+}
+
+/// What `f` makes of every item, in the order of the items, computed on all cores.
+#[cfg(feature = "parallel")]
+pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
+    use rayon::prelude::*;
+    items.par_iter().map(f).collect()
+}
+
+/// What `f` makes of every item.
+#[cfg(not(feature = "parallel"))]
+pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
+    items.iter().map(f).collect()
+}
+
+/// Runs `work` where whatever it does runs on one thread.
+#[cfg(feature = "parallel")]
+pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
+    use crate::error::Error;
+    let refused = |_| Error::parameter("threads", 1, "the system has room for one thread more");
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?.install(work))
+}
+
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn on_one_thread<T>(work: impl FnOnce() -> T) -> Result<T> {
+    Ok(work())
+}

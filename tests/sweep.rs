@@ -1,0 +1,240 @@
+//! Grids of independent points: order, failures, and a store that is killed, resumed, corrupted.
+
+use hertzchain::{
+    Error, Result,
+    output::Folder,
+    sweep::{Backend, Store, Swept, Threads, map, sweep},
+};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::{
+    fs,
+    path::Path,
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+#[derive(Clone, Copy, Debug, Serialize, PartialEq)]
+struct Point {
+    k: u32,
+    x: f64,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+struct Root {
+    root: f64,
+    above: Option<f64>,
+}
+
+/// Points with numbers that need all their digits.
+fn grid(points: u32) -> Vec<Point> {
+    (0..points).map(|k| Point { k, x: 1.0 / f64::from(3 + 7 * k) }).collect()
+}
+
+fn root(point: &Point) -> Result<Root> {
+    let root = point.x.sqrt();
+    Ok(Root { root, above: (root > 0.3).then_some(root * 1e-300) })
+}
+
+/// Works backwards, on one thread, and leaves after so many points; what it has is text.
+struct Backwards(usize);
+
+impl Backend for Backwards {
+    fn run(
+        &self,
+        todo: &[usize],
+        work: &(dyn Fn(usize) -> String + Sync),
+        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
+    ) -> Result<()> {
+        todo.iter().rev().take(self.0).try_for_each(|&k| done(k, work(k)))
+    }
+}
+
+const ALL: usize = usize::MAX;
+
+fn settings() -> Value {
+    json!({"alpha": 1.5, "rule": "energy", "tolerance": 1e-9})
+}
+
+fn open(folder: &Path) -> Result<Store> {
+    Store::open(&Folder::create(folder).unwrap(), "roots.store", "roots", &settings())
+}
+
+/// The grid through a store in the folder, and how many points were computed.
+fn stored(folder: &Path, points: &[Point], backend: &dyn Backend) -> Result<(Swept<Root>, usize)> {
+    let computed = AtomicUsize::new(0);
+    let mut store = open(folder)?;
+    let swept = sweep(points, Some(&mut store), backend, &|_, _| (), |point| {
+        computed.fetch_add(1, Ordering::Relaxed);
+        root(point)
+    })?;
+    Ok((swept, computed.into_inner()))
+}
+
+fn bytes(folder: &Path) -> Vec<u8> {
+    fs::read(folder.join("roots.store")).unwrap()
+}
+
+fn refusal(folder: &Path) -> String {
+    open(folder).unwrap_err().to_string()
+}
+
+#[test]
+fn rows_are_in_the_order_of_the_grid_whoever_works_in_whatever_order() {
+    let points = grid(40);
+    let expected: Vec<_> = points.iter().map(|point| Ok(root(point).unwrap())).collect();
+    for backend in [&Threads as &dyn Backend, &Backwards(ALL)] {
+        let swept = sweep(&points, None, backend, &|_, _| (), root).unwrap();
+        assert_eq!(swept.rows, expected);
+        assert_eq!((swept.resumed, swept.computed()), (0, 40));
+    }
+    assert_eq!(map(&points, |point| Ok(root(point).unwrap())), expected);
+    let incomplete = sweep(&points, None, &Backwards(7), &|_, _| (), root).unwrap_err().to_string();
+    assert!(incomplete.contains("a backend computes every point"), "{incomplete}");
+}
+
+#[test]
+fn a_point_that_fails_or_panics_is_a_failed_row_and_the_others_go_on() {
+    let points = grid(5);
+    let work = |point: &Point| match point.k {
+        1 => Err(Error::parameter("x", point.x, "not this one")),
+        2 => panic!("point {} is a bug", point.k),
+        // No JSON has this number.
+        3 => Ok(Root { root: f64::NAN, above: None }),
+        _ => root(point),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for resumed in [0, 5] {
+        let mut store = open(folder.path()).unwrap();
+        let swept = sweep(&points, Some(&mut store), &Threads, &|_, _| (), work).unwrap();
+        assert_eq!(swept.resumed, resumed);
+        let why = |k: usize| swept.rows[k].as_ref().unwrap_err().as_str();
+        assert!(why(1).starts_with("x = 0.1 is not valid"), "{}", why(1));
+        assert_eq!(why(2), "panicked: point 2 is a bug");
+        assert!(why(3).starts_with("the result cannot be kept"), "{}", why(3));
+        assert_eq!([&swept.rows[0], &swept.rows[4]], [0, 4].map(|k: usize| Ok(root(&points[k]).unwrap())).each_ref());
+    }
+}
+
+#[test]
+fn progress_begins_with_what_is_there_and_ends_with_all() {
+    let folder = tempfile::tempdir().unwrap();
+    stored(folder.path(), &grid(4), &Threads).unwrap();
+    let told = std::sync::Mutex::new(Vec::new());
+    let mut store = open(folder.path()).unwrap();
+    let tell = |done, total| told.lock().unwrap().push((done, total));
+    sweep(&grid(6), Some(&mut store), &Backwards(ALL), &tell, root).unwrap();
+    assert_eq!(told.into_inner().unwrap(), [(4, 6), (5, 6), (6, 6)]);
+}
+
+#[test]
+fn a_store_cut_off_anywhere_loses_the_torn_line_only_and_ends_with_the_same_bytes() {
+    let (folder, points) = (tempfile::tempdir().unwrap(), grid(2));
+    let (whole, computed) = stored(folder.path(), &points, &Threads).unwrap();
+    let written = bytes(folder.path());
+    assert_eq!(computed, 2);
+    // Any moment of a kill, that in which the header is written included.
+    for length in 0..=written.len() {
+        fs::write(folder.path().join("roots.store"), &written[..length]).unwrap();
+        let lines = written[..length].iter().filter(|&&byte| byte == b'\n').count();
+        let (swept, computed) = stored(folder.path(), &points, &Backwards(ALL)).unwrap();
+        assert_eq!(swept.rows, whole.rows, "cut at {length}");
+        assert_eq!((computed, swept.computed()), (2 - lines.saturating_sub(1), computed), "cut at {length}");
+        assert!(bytes(folder.path()) == written, "cut at {length}");
+    }
+}
+
+#[test]
+fn a_run_that_is_left_repeats_nothing_and_a_larger_grid_adds_its_own_points() {
+    let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    for taken in [2, 3] {
+        assert!(stored(folder.path(), &grid(9), &Backwards(taken)).is_err(), "the backend left");
+    }
+    let (swept, computed) = stored(folder.path(), &grid(9), &Threads).unwrap();
+    assert_eq!((swept.resumed, computed), (5, 4));
+    assert_eq!(stored(other.path(), &grid(9), &Threads).unwrap().0.rows, swept.rows);
+    assert_eq!(bytes(folder.path()), bytes(other.path()));
+    let (larger, computed) = stored(folder.path(), &grid(12), &Threads).unwrap();
+    assert_eq!((larger.resumed, computed), (9, 3));
+    let (smaller, computed) = stored(folder.path(), &grid(2), &Threads).unwrap();
+    assert_eq!((smaller.resumed, computed, open(folder.path()).unwrap().len()), (2, 0, 12));
+}
+
+#[test]
+fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_and_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("roots.store");
+    stored(folder.path(), &grid(3), &Threads).unwrap();
+    let written = bytes(folder.path());
+    // The last byte ends the last line: without it the line is torn.
+    for (k, flip) in (0..written.len() - 1).flat_map(|k| [1, 0x20, 0x80].map(|flip| (k, flip))) {
+        let mut altered = written.clone();
+        altered[k] ^= flip;
+        fs::write(&path, &altered).unwrap();
+        let text = refusal(folder.path());
+        let line = 1 + written[..k].iter().filter(|&&byte| byte == b'\n').count();
+        assert!(text.starts_with(&format!("store {}, line {line}: ", path.display())), "byte {k}: {text}");
+        assert!(bytes(folder.path()) == altered, "byte {k}");
+    }
+}
+
+#[test]
+fn stores_of_others_are_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("roots.store");
+    stored(folder.path(), &grid(3), &Threads).unwrap();
+    let written = bytes(folder.path());
+    let home = Folder::create(folder.path()).unwrap();
+    let with =
+        |study: &str, settings: Value| Store::open(&home, "roots.store", study, &settings).unwrap_err().to_string();
+    let text = with("roots", json!({"alpha": 2.0, "rule": "energy", "tolerance": 1e-9}));
+    assert!(text.contains("line 1: of another study: alpha is 1.5 there and 2.0 here"), "{text}");
+    let text = with("powers", settings());
+    assert!(text.contains("study is \"roots\" there and \"powers\" here"), "{text}");
+    assert_eq!(bytes(folder.path()), written);
+
+    // A line of another study, put among ours, and one of ours twice.
+    let (other, lines) = (tempfile::tempdir().unwrap(), |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap());
+    let mut foreign =
+        Store::open(&Folder::create(other.path()).unwrap(), "roots.store", "powers", &settings()).unwrap();
+    sweep(&grid(4), Some(&mut foreign), &Threads, &|_, _| (), root).unwrap();
+    let stranger = lines(&bytes(other.path())).lines().last().unwrap().to_owned() + "\n";
+    fs::write(&path, lines(&written) + &stranger).unwrap();
+    assert!(refusal(folder.path()).contains("line 5: not as it was written"));
+    let twice = lines(&written).lines().nth(2).unwrap().to_owned() + "\n";
+    fs::write(&path, lines(&written) + &twice).unwrap();
+    assert!(refusal(folder.path()).contains("line 5: the point of line 3 again"));
+
+    for text in
+        ["", "\n", "epsilon,rho\n", "half a line", "\u{0}\u{0}\n"].map(str::as_bytes).into_iter().chain([&[0xff][..]])
+    {
+        fs::write(&path, text).unwrap();
+        match open(folder.path()) {
+            Ok(store) => assert!(text.is_empty() && store.is_empty()),
+            Err(error) => {
+                assert!(error.to_string().contains("roots.store, line 1: not "), "{error}");
+                assert_eq!(bytes(folder.path()), text);
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_another_shape_are_refused_with_their_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path()).unwrap();
+    sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), |point| Ok(point.k)).unwrap();
+    let error = sweep(&grid(3), Some(&mut store), &Threads, &|_, _| (), root).unwrap_err().to_string();
+    assert!(error.contains("roots.store, line 2: no value of this study"), "{error}");
+}
+
+#[test]
+fn a_store_belongs_to_one_run_at_a_time_and_a_grid_has_every_point_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = open(folder.path()).unwrap();
+    assert!(refusal(folder.path()).contains("in use by another run"));
+    drop(first);
+    assert!(open(folder.path()).is_ok());
+    let twice = [grid(2), grid(1)].concat();
+    let error = stored(folder.path(), &twice, &Threads).unwrap_err().to_string();
+    assert!(error.contains("has every point once") && error.contains("\"k\":0"), "{error}");
+}
