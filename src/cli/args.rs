@@ -45,6 +45,19 @@ pub(super) enum Command {
     /// epsilon. All quantities are dimensionless. Exit code 1 if the outcome contradicts the theorem: its law of rho, and the verdict "violated".
     #[command(after_long_help = theorem_help())]
     Theorem(TheoremArgs),
+    /// Measure how long the long-lived bright breather u(0) = 2 epsilon a lives, over a map of its size epsilon and the mass ratio rho.
+    ///
+    /// Three criteria, each with its own time; a run is followed until all are met or to the cap. `energy`: the core, the fewest sites that hold 0.999 of the sum of
+    /// a_n^2, has less than 0.9 of the energy. `distance`: (|u - u~|_1 + |u' - u~'|_1)/|2 epsilon a|_1 to the ansatz u~ = 2 epsilon a cos(Omega_b t) is above 0.5; the
+    /// phase counts, so that a drift of the frequency ends it long before anything is radiated. `frequency`: the central bead against its resonator, over four periods,
+    /// swings with a frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. A run that does not get there says: not before t.
+    ///
+    /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are at work. `decouples`: before that, bonds of the core come to be
+    /// closed less than 1/3 of the time: gaps open, sites swing for themselves, energy stays. `persists`: neither before the cap.
+    ///
+    /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed goes on where it was, and another criterion or a larger map
+    /// computes only what is new. Example: hertzchain lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4,1e5 --out out/lifetimes
+    Lifetimes(LifetimesArgs),
     /// Hold every number in the text of the paper's Sec. 3 and 4, and of the first part of Sec. 6, against ours: what it says, what we get, the verdict, and why if they differ.
     ///
     /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
@@ -437,6 +450,44 @@ pub(super) enum InitialArg {
     Bond,
     Site,
     Generic,
+}
+
+#[derive(Args)]
+pub(super) struct LifetimesArgs {
+    /// Sizes, separated by commas: positive, each once; displacements, dimensionless.
+    #[arg(long, value_name = "E,F,..", value_delimiter = ',', default_values_t = [1e-3, 3e-3, 1e-2, 3e-2, 1e-1], allow_negative_numbers = true)]
+    pub(super) epsilons: Vec<f64>,
+    /// Mass ratios resonator to bead, separated by commas: positive, each once.
+    #[arg(long, value_name = "R,S,..", value_delimiter = ',', default_values_t = [1e1, 1e2, 1e3, 1e4, 1e5], allow_negative_numbers = true)]
+    pub(super) rhos: Vec<f64>,
+    /// What ends a life.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CriterionArg::Energy)]
+    pub(super) criterion: CriterionArg,
+    /// Exponent of the contact force, from 1.01 to 10; 1.5 for spheres.
+    #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
+    pub(super) alpha: f64,
+    /// What the breather is symmetric about.
+    #[arg(long, value_name = "C", value_enum, default_value_t = CenterArg::Bond)]
+    pub(super) center: CenterArg,
+    /// Sites of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the ends].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(super) sites: Option<usize>,
+    /// Cap: no breather is followed longer, in units of time [default: 40 times the theorem's scale T epsilon^(1-alpha) of each].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(super) until: Option<f64>,
+    /// Folder for lifetimes.csv, lifetimes.json and lifetimes.store [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the tables.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum CriterionArg {
+    Energy,
+    Distance,
+    Frequency,
 }
 
 /// The ring and the breather on it.

@@ -7,6 +7,7 @@ mod dps;
 mod drift;
 mod figures;
 mod integrators;
+mod lifetimes;
 mod orbits;
 mod order;
 mod run;
@@ -35,6 +36,7 @@ pub fn main() -> ExitCode {
         Command::Dark(args) => orbits::dark(&args),
         Command::Continue(args) => orbits::branch(&args),
         Command::Doubled(args) => orbits::doubled(&args),
+        Command::Lifetimes(args) => lifetimes::main(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Theorem(args) => theorem::main(&args),
         Command::Verify(args) => verify::main(&args),

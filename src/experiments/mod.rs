@@ -3,6 +3,7 @@
 mod breather;
 mod compare;
 mod drift;
+mod lifetimes;
 mod orbits;
 mod order;
 mod paper;
@@ -18,6 +19,7 @@ pub use breather::{
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
+pub use lifetimes::{Criterion, Fate, Life, LifetimeOptions, LifetimePoint, LifetimeStudy, PowerLaw, lifetimes};
 pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, WaveRun};

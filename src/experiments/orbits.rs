@@ -1,6 +1,6 @@
 //! Dark breathers as exact orbits: one with its multipliers, a branch with its bifurcations, the branch of doubled period (Sec. 7).
 
-use super::map;
+use crate::sweep::map;
 use crate::{
     breathers::DarkBreather,
     chain::MeanForces,

@@ -18,8 +18,8 @@ mod suprema;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
-use super::map;
 use crate::error::{Error, Result};
+use crate::sweep::map;
 use start::Start;
 use std::time::{Duration, Instant};
 
