@@ -472,7 +472,7 @@ pub(super) struct LifetimesArgs {
     /// Sites of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the ends].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) sites: Option<usize>,
-    /// Cap: no breather is followed longer, in units of time [default: 40 times the theorem's scale T epsilon^(1-alpha) of each].
+    /// Cap: no breather is followed longer, in units of time [default: 25 times the theorem's scale T epsilon^(1-alpha) of each].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(super) until: Option<f64>,
     /// Folder for lifetimes.csv, lifetimes.json and lifetimes.store [default: none is written].

@@ -8,7 +8,7 @@
 //! | core | the central sites, [`BrightBreather::core`] |
 //! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
 //!
-//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
+//! A run starts from (ini_num) and is looked at eight times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
 //!
 //! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
 //! - *distance*: `(|u - u~|_1 + |u' - u~'|_1) / |2 epsilon a|_1` is above 1/2. Is (time-periodic_osc) still a description of it, phase included? A drift of the phase by
@@ -50,7 +50,7 @@ const DISTANCE: f64 = 0.5;
 /// Contact, below which bonds are open twice as long as they are closed.
 const CONTACT: f64 = 1.0 / 3.0;
 /// Samples a period at least.
-const SAMPLES: f64 = 16.0;
+const SAMPLES: f64 = 8.0;
 /// Periods over which contact is measured.
 const CONTACT_PERIODS: f64 = 10.0;
 /// Periods over which the frequency is measured.
@@ -58,7 +58,7 @@ const FREQUENCY_PERIODS: usize = 4;
 /// Accuracy of a crossing, in periods.
 const RESOLUTION: f64 = 1e-8;
 /// The cap in horizons, unless it is given.
-const CAP: f64 = 40.0;
+const CAP: f64 = 25.0;
 /// Share of the energy at which an end of the chain counts as reached.
 const REACHED: f64 = 1e-9;
 /// Sites that a chain has at first and at most, unless they are given.
@@ -113,7 +113,7 @@ pub struct LifetimeOptions {
     pub rhos: Vec<f64>,
     /// Sites of the chain, from 20 to 10^5; `None`: so many that nothing comes back from its ends.
     pub sites: Option<usize>,
-    /// The cap, in units of time; `None`: 40 horizons of each point.
+    /// The cap, in units of time; `None`: 25 horizons of each point.
     pub until: Option<f64>,
     /// An adaptive method.
     pub method: Method,
@@ -388,8 +388,8 @@ struct Sight {
     ends: f64,
     /// Share of the bonds of the core that are closed.
     closed: f64,
-    /// Relative distance to the ansatz.
-    distance: f64,
+    /// Relative distance to the ansatz; not measured where that has been answered.
+    distance: Option<f64>,
     /// Stretch `u - v` of the first central bead, and its rate.
     stretch: (f64, f64),
 }
@@ -425,7 +425,7 @@ impl<'a> Watch<'a> {
             core: breather.core(),
             size: (0..chain.sites()).map(site).sum(),
             y: vec![0.0; chain.layout().dim()],
-            last: Sight { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: 0.0, stretch: (0.0, 0.0) },
+            last: Sight { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: None, stretch: (0.0, 0.0) },
             closed: VecDeque::from([(0.0, 0.0)]),
             upward: VecDeque::new(),
             swing: None,
@@ -461,7 +461,7 @@ impl<'a> Watch<'a> {
             core: energies[self.core.clone()].iter().sum::<f64>() / total,
             ends: (energies[0] + energies[n - 1]) / total,
             closed: closed as f64 / bonds.len() as f64,
-            distance: (0..n).map(away).sum::<f64>() / self.size,
+            distance: self.distance.is_none().then(|| (0..n).map(away).sum::<f64>() / self.size),
             stretch: (against(u, layout.v(y)), against(u_dot, layout.v_dot(y))),
         }
     }
@@ -480,8 +480,9 @@ impl<'a> Watch<'a> {
         if self.energy.is_none() && now.core < CORE_SHARE {
             self.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
         }
-        if self.distance.is_none() && now.distance > DISTANCE {
-            self.distance = Some(self.crossing(before.t, t, run, |sight| sight.distance > DISTANCE)?);
+        let away = |sight: Sight| sight.distance.is_some_and(|distance| distance > DISTANCE);
+        if away(now) {
+            self.distance = Some(self.crossing(before.t, t, run, away)?);
         }
         if before.stretch.0 < 0.0 && now.stretch.0 >= 0.0 {
             let zero = self.zero(before, now, run)?;
@@ -510,7 +511,7 @@ impl<'a> Watch<'a> {
         Ok(after)
     }
 
-    /// Where between two times the stretch is zero: two of Newton's steps from the chord, whose error is below a hundredth of the period.
+    /// Where between two times the stretch is zero: two of Newton's steps from the chord, which is good to a hundredth of the period.
     fn zero(&mut self, before: Sight, after: Sight, run: &mut dyn Stepper<f64>) -> Result<f64> {
         let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
         let mut t = before.t + share * (after.t - before.t);
