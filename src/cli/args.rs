@@ -48,8 +48,8 @@ pub(super) enum Command {
     /// Measure how long the long-lived bright breather u(0) = 2 epsilon a lives, over a map of its size epsilon and the mass ratio rho.
     ///
     /// Three criteria, each with its own time; a run is followed until all are met or to the cap. `energy`: the core, the fewest sites that hold 0.999 of the sum of
-    /// a_n^2, has less than 0.9 of the energy. `distance`: (|u - u~|_1 + |u' - u~'|_1)/|2 epsilon a|_1 to the ansatz u~ = 2 epsilon a cos(Omega_b t) is above 0.5; the
-    /// phase counts, so that a drift of the frequency ends it long before anything is radiated. `frequency`: the central bead against its resonator, over four periods,
+    /// a_n^2, has less than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, A = u + i u' of the chain
+    /// and of the ansatz u~ = 2 epsilon a cos(Omega_b t); the phase counts, and a drift of it by half a radian suffices, long before anything is radiated. `frequency`: the central bead against its resonator, over four periods,
     /// swings with a frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. A run that does not get there says: not before t.
     ///
     /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are at work. `decouples`: before that, bonds of the core come to be

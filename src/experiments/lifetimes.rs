@@ -8,15 +8,15 @@
 //! | core | the central sites, [`BrightBreather::core`] |
 //! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
 //!
-//! A run starts from (ini_num) and is looked at eight times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
+//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
 //!
 //! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
-//! - *distance*: `(|u - u~|_1 + |u' - u~'|_1) / |2 epsilon a|_1` is above 1/2. Is (time-periodic_osc) still a description of it, phase included? A drift of the phase by
-//!   a quarter of a radian to half a radian suffices, and does so long before anything has been radiated.
+//! - *distance*: `|A - A~|_1 / |A~|_1` is above 1/2, `A_n = u_n + i u_n'` of the chain and of the ansatz. Is (time-periodic_osc) still a description of it, phase
+//!   included? A drift of the phase by `2 arcsin(1/4)`, half a radian, suffices, and comes long before anything has been radiated.
 //! - *frequency*: the oscillation of the first central bead against its resonator, over four of its periods, has a frequency nearer to `omega` than to `Omega_b`. Do its
 //!   neighbours still act on it?
 //!
-//! Times of energy and distance are located on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and is interpolated
+//! Lifetimes are first times: of what is seen so often, for both shares swing a little within a period. Those of energy and distance are located on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and is interpolated
 //! linearly between one and the next.
 //!
 //! What becomes of a breather is its [`Fate`]: whichever comes first, less than 0.9 of the energy in the core or less contact than 1/3.
@@ -50,7 +50,7 @@ const DISTANCE: f64 = 0.5;
 /// Contact, below which bonds are open twice as long as they are closed.
 const CONTACT: f64 = 1.0 / 3.0;
 /// Samples a period at least.
-const SAMPLES: f64 = 8.0;
+const SAMPLES: f64 = 16.0;
 /// Periods over which contact is measured.
 const CONTACT_PERIODS: f64 = 10.0;
 /// Periods over which the frequency is measured.
@@ -248,6 +248,7 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
         "integrator": method.name(),
         "tolerance": tolerance,
         "levels": [CORE_SHARE, DISTANCE, CONTACT],
+        "looks": [SAMPLES, CAP, REACHED],
     })
 }
 
@@ -450,7 +451,7 @@ impl<'a> Watch<'a> {
         let total: f64 = energies.iter().sum();
         let away = |i: usize| {
             let ansatz = self.breather.site(i, t);
-            (u[i] - ansatz.u).abs() + (u_dot[i] - ansatz.u_dot).abs()
+            (u[i] - ansatz.u).hypot(u_dot[i] - ansatz.u_dot)
         };
         let bonds = self.core.start + 1..self.core.end;
         let closed = bonds.clone().filter(|&i| u[i - 1] > u[i]).count();

@@ -80,9 +80,7 @@ pub fn lifetimes_table(study: &LifetimeStudy) -> String {
     let options = &study.options;
     let (criterion, meaning) = match options.criterion {
         Criterion::Energy => ("energy", "the core has less than 0.9 of the energy"),
-        Criterion::Distance => {
-            ("distance", "(|u - u~| + |u' - u~'|)/|2 epsilon a|, l_1-norms, is above 0.5, phase included")
-        }
+        Criterion::Distance => ("distance", "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included"),
         Criterion::Frequency => {
             ("frequency", "the central oscillation is nearer to omega than to Omega_b, over four periods")
         }
