@@ -83,10 +83,11 @@ pub fn branch(
     if !(weak.is_finite() && weak >= 0.0) {
         return Err(Error::parameter("weak", weak, "finite and at least zero"));
     }
-    branch_from(breather.orbit(&continuation.shooting)?, continuation, weak, progress)
+    branch_from(breather.orbit(&continuation.shooting)?, continuation, Some(weak), progress)
 }
 
-fn branch_from(start: Orbit, continuation: &Continuation, weak: f64, progress: Progress<'_>) -> Result<Branch> {
+/// Bifurcations are located if `weak` is given.
+fn branch_from(start: Orbit, continuation: &Continuation, weak: Option<f64>, progress: Progress<'_>) -> Result<Branch> {
     let Continuation { parameter, to, ref shooting, .. } = *continuation;
     let from = start.setting.get(parameter);
     let (orbits, end) = continuation.follow(start, |orbit| {
@@ -97,7 +98,7 @@ fn branch_from(start: Orbit, continuation: &Continuation, weak: f64, progress: P
     let spectra = map(&orbits, |orbit| orbit.spectrum(shooting)).into_iter().collect::<Result<Vec<_>>>()?;
     let extents = map(&orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
     progress(0.5 * (1.0 + ORBITS), "bifurcations");
-    let bifurcations = continuation.bifurcations(&orbits, &spectra, weak);
+    let bifurcations = weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
     let points = orbits.into_iter().zip(spectra).zip(extents);
     let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
     Ok(Branch { continuation: *continuation, points, bifurcations, end })
@@ -116,7 +117,8 @@ pub struct DoubledBranch {
 const FIRST_SIZE: f64 = 0.02;
 
 /// Follows the main branch of bond-centred breathers up from the frequency of `breather`, by at most `step` a point, to its first period doubling below `most`;
-/// there the branch of doubled period, to `omega_b` (that of the whole period).
+/// there the branch of doubled period, to `omega_b` (that of the whole period). Bifurcations of the latter are not located: its background is unstable, and
+/// the bands of that are full of collisions.
 ///
 /// # Errors
 /// No period doubling on the way, or numbers outside their rules.
@@ -150,6 +152,6 @@ pub fn doubled(
     };
     let continuation = Continuation { to: omega_b, step: 0.5 * step, ..main.continuation };
     let first = birth.doubled(shooting, FIRST_SIZE)?;
-    let branch = branch_from(first, &continuation, 0.01, &|share, what| progress(0.5 + 0.5 * share, what))?;
+    let branch = branch_from(first, &continuation, None, &|share, what| progress(0.5 + 0.5 * share, what))?;
     Ok(DoubledBranch { birth, branch })
 }

@@ -52,7 +52,7 @@ pub struct Bifurcation {
 }
 
 /// Parts that a stretch between two points is cut into at most, until each has one bifurcation.
-const MOST_CUTS: u32 = 12;
+const MOST_CUTS: u32 = 5;
 /// Evaluations of a test function at most.
 const MOST_TRIALS: u32 = 60;
 /// A bifurcation is located to this share of the stretch.
@@ -227,7 +227,7 @@ fn tests(a: &Spectrum, b: &Spectrum, weak: f64) -> (Vec<Test>, bool) {
 impl Continuation {
     /// The bifurcations between the points of a branch, in their order along it; quartets up to a modulus of `1 + weak` are passed over.
     ///
-    /// Every stretch has at most one of each, or is cut until it has; what cannot be told apart after 12 cuts is left out.
+    /// Every stretch has at most one of each, or is cut until it has; what cannot be told apart after 5 cuts is left out.
     pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
         let known: Vec<Known> = orbits
             .iter()
