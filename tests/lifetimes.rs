@@ -65,8 +65,8 @@ fn two_integrators_agree_on_lifetimes_and_so_do_two_tolerances() {
             let (by_method, by_tolerance) =
                 (relative_of(&ours, &other, criterion), relative_of(&ours, &fine, criterion));
             println!("{criterion:?} {:?}: {by_method:e} {by_tolerance:e}", ours.lifetime(criterion));
-            // Measured: MEASURE.
-            assert!(by_method < 2.8e-9 && by_tolerance < 2.8e-9, "{criterion:?}: {by_method:e} {by_tolerance:e}");
+            // Measured: 8.1e-10 and 6.2e-10, of which bisection has up to 8e-10.
+            assert!(by_method < 1.7e-9 && by_tolerance < 1.7e-9, "{criterion:?}: {by_method:e} {by_tolerance:e}");
         }
         assert_eq!((ours.fate, other.fate, ours.sites), (Fate::Radiates, Fate::Radiates, sites));
     }
