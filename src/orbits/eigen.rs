@@ -1,10 +1,20 @@
 //! Eigenvalues of a real matrix by the real Schur form `A = Q S Q^T`, and eigenvectors by inverse iteration on `S`.
 
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, Schur};
+
+/// Relative sizes of what counts as zero below the diagonal, one tried after the other.
+const ZERO: [f64; 3] = [f64::EPSILON, 4.0 * f64::EPSILON, 32.0 * f64::EPSILON];
+/// Iterations an eigenvalue takes at most; two or three are usual.
+const MOST: usize = 60;
+
+/// The Schur form. The library's iteration has no exceptional shifts and, rarely, goes round in a cycle: it is then begun anew with a looser end.
+pub(super) fn schur(a: &DMatrix<f64>) -> Option<Schur<f64, Dyn>> {
+    ZERO.into_iter().find_map(|zero| Schur::try_new(a.clone(), zero, MOST * a.nrows()))
+}
 
 /// Eigenvalues and unit eigenvectors; pairs of conjugates stand side by side. `None` if the iteration did not converge.
 pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
-    let schur = Schur::try_new(a.clone(), f64::EPSILON, 100 * a.nrows())?;
+    let schur = schur(a)?;
     let values = schur.complex_eigenvalues();
     let (q, s) = schur.unpack();
     let (q, least) = (q.map(Complex::from), f64::EPSILON * s.norm());

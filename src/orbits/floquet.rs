@@ -17,7 +17,7 @@
 //! `|z| |G C z| / |z^T G C z|`, and the Krein signature of `e^{i theta}`, `0 < theta < pi`: the sign of `-z^T G C z / sin theta`. Definite pairs cannot leave the circle when they
 //! meet; pairs of opposite signature can.
 
-use super::eigen::eigen;
+use super::eigen::{eigen, schur};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
@@ -69,7 +69,7 @@ pub struct Quality {
     /// `|tau - cos(omega T)|` of the one that is that, on a strain ring.
     pub linear: f64,
     /// Largest relative distance of the multipliers of the whole `M(T)`, by the same solver, from those given here; that of a fourfold 1 which it
-    /// splits is left out.
+    /// splits is left out. Not a number if these did not converge.
     pub pairing: f64,
 }
 
@@ -313,7 +313,7 @@ fn symplectic_defect(chain: &Chain<f64>, monodromy: &DMatrix<f64>) -> f64 {
 
 /// See [`Quality::pairing`].
 fn pairing(monodromy: &DMatrix<f64>, multipliers: &[Multiplier]) -> f64 {
-    let whole = monodromy.complex_eigenvalues();
+    let Some(whole) = schur(monodromy).map(|schur| schur.complex_eigenvalues()) else { return f64::NAN };
     let nearest = |m: &Multiplier| {
         let lambda = Complex::new(m.re, m.im);
         whole.iter().map(|other| (other - lambda).norm() / lambda.norm()).fold(f64::INFINITY, f64::min)
