@@ -233,11 +233,15 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
 #[test]
 fn two_real_pairs_collide_where_the_paper_has_them_return() {
     use BifurcationKind::{PeriodDoubling, RealCollision};
-    let found = bifurcations(Center::Bond, 41, (2.0948, 2.0958));
-    let found: Vec<_> = found.iter().filter(|one| one.tau < 0.0).map(|one| (one.kind, one.parameter)).collect();
-    println!("{found:?}");
-    let [(PeriodDoubling, second), (RealCollision, collision)] = found[..] else { panic!() };
-    assert!((second - 2.095_169_779_2).abs() < 1e-7 && (collision - 2.095_541_921_4).abs() < 1e-7);
+    // Both in one step of the branch, and the same from one that begins elsewhere.
+    for from in [2.0948, 2.0935] {
+        let found = bifurcations(Center::Bond, 41, (from, 2.0958));
+        let found: Vec<_> = found.iter().map(|one| (one.kind, one.parameter, one.tau)).collect();
+        println!("{found:?}");
+        let [(PeriodDoubling, second, _), (RealCollision, collision, tau)] = found[..] else { panic!() };
+        assert!((second - 2.095_169_779_2).abs() < 1e-9 && (collision - 2.095_541_921_4).abs() < 1e-9);
+        assert!((tau + 1.005_907).abs() < 1e-5);
+    }
 }
 
 #[test]

@@ -171,18 +171,40 @@ fn reals(spectrum: &Spectrum) -> Vec<f64> {
     reals
 }
 
-/// Complex `tau` in the upper half plane, of multipliers with a modulus above `1 + weak`.
-fn quartets(spectrum: &Spectrum, weak: f64) -> Vec<Complex<f64>> {
-    let strong = |tau: &Complex<f64>| tau.im > 0.0 && (tau + (tau * tau - 1.0).sqrt()).norm().ln().abs() > weak.ln_1p();
-    spectrum.free().map(|(tau, _)| tau).filter(strong).collect()
+/// Which quartets count.
+#[derive(Clone, Debug)]
+struct Quartets {
+    /// Of a modulus above `1 + weak`.
+    weak: f64,
+    /// With `Re tau` near one of these, if given.
+    near: Option<Vec<f64>>,
 }
 
-/// Mean and `(tau_1 - tau_2)^2/4` of the two `tau` that are nearest to meeting near a value: conjugates, or real ones that may leave their axis.
+impl Quartets {
+    /// Their `tau` in the upper half plane.
+    fn of(&self, spectrum: &Spectrum) -> Vec<Complex<f64>> {
+        let strong = |tau: &Complex<f64>| (tau + (tau * tau - 1.0).sqrt()).norm().ln().abs() > self.weak.ln_1p();
+        let near = |tau: &Complex<f64>| {
+            self.near.as_ref().is_none_or(|near| near.iter().any(|value| (tau.re - value).abs() <= NEAR))
+        };
+        let upper = spectrum.free().map(|(tau, _)| tau).filter(|tau| tau.im > 0.0);
+        upper.filter(|tau| strong(tau) && near(tau)).collect()
+    }
+
+    /// Those that tell the collisions just found apart.
+    fn among(&self, found: &[Test]) -> Self {
+        let near = found.iter().filter_map(|test| if let Test::Collision(near) = test { Some(*near) } else { None });
+        Self { weak: self.weak.min(WEAK_INSIDE), near: Some(near.collect()) }
+    }
+}
+
+/// Mean and `(tau_1 - tau_2)^2/4` of the two `tau` that are nearest to meeting near a value: conjugates, or real ones that may leave their axis. Two that
+/// have just met have no signature.
 fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
     let mut axis: Vec<(f64, i8)> =
         spectrum.free().filter(|(tau, _)| tau.im == 0.0).map(|(tau, krein)| (tau.re, krein)).collect();
     axis.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let real = axis.windows(2).filter(|w| w[0].1 != w[1].1).map(|w| {
+    let real = axis.windows(2).filter(|w| w[0].1 != w[1].1 || w[0].1 == 0).map(|w| {
         let half = 0.5 * (w[1].0 - w[0].0);
         (0.5 * (w[0].0 + w[1].0), half * half)
     });
@@ -193,12 +215,13 @@ fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
 }
 
 /// What happens between two points: the tests whose functions change sign, and whether they account for all that changed.
-fn tests(a: &Spectrum, b: &Spectrum, weak: f64) -> (Vec<Test>, bool) {
+fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
+    let any = Quartets { weak: 0.0, near: None };
     let (mut found, mut real_pairs) = (Vec::new(), [0i64; 2]);
     for (ours, theirs, sign) in [(b, a, 1), (a, b, -1)] {
-        for tau in quartets(ours, weak) {
+        for tau in wanted.of(ours) {
             let same = |other: &Complex<f64>| (other.re - tau.re).abs() <= NEAR && other.im >= ALIKE * tau.im;
-            if !quartets(theirs, 0.0).iter().any(same) {
+            if !any.of(theirs).iter().any(same) {
                 found.push(Test::Collision(tau.re));
                 // Each takes two from the real axis.
                 real_pairs[0] -= 2 * sign * i64::from(tau.re < -1.0);
@@ -236,7 +259,7 @@ impl Continuation {
             .collect();
         let mut out = Vec::new();
         for pair in known.windows(2) {
-            self.between(&pair[0], &pair[1], weak, MOST_CUTS, &mut out);
+            self.between(&pair[0], &pair[1], &Quartets { weak, near: None }, MOST_CUTS, &mut out);
         }
         let p = |known: &Known| known.orbit.setting.get(self.parameter);
         for three in known.windows(3) {
@@ -248,8 +271,8 @@ impl Continuation {
         out
     }
 
-    fn between(&self, a: &Known, b: &Known, weak: f64, cuts: u32, out: &mut Vec<Bifurcation>) {
-        let (found, whole) = tests(&a.spectrum, &b.spectrum, weak);
+    fn between(&self, a: &Known, b: &Known, wanted: &Quartets, cuts: u32, out: &mut Vec<Bifurcation>) {
+        let (found, whole) = tests(&a.spectrum, &b.spectrum, wanted);
         if found.is_empty() && whole {
             return;
         }
@@ -260,8 +283,9 @@ impl Continuation {
             return out.push(bifurcation);
         }
         if let (1.., Ok(middle)) = (cuts, stretch.known(0.5)) {
-            self.between(a, &middle, weak.min(WEAK_INSIDE), cuts - 1, out);
-            self.between(&middle, b, weak.min(WEAK_INSIDE), cuts - 1, out);
+            let wanted = wanted.among(&found);
+            self.between(a, &middle, &wanted, cuts - 1, out);
+            self.between(&middle, b, &wanted, cuts - 1, out);
         }
     }
 }
