@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, energy, and the two splittings |
 //! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
+//! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
 //! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
 //! | [`method`] | the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |

@@ -12,8 +12,11 @@ pub(super) fn schur(a: &DMatrix<f64>) -> Option<Schur<f64, Dyn>> {
     ZERO.into_iter().find_map(|zero| Schur::try_new(a.clone(), zero, MOST * a.nrows()))
 }
 
+/// An eigenvalue and its eigenvector.
+pub(super) type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
+
 /// Eigenvalues and unit eigenvectors; pairs of conjugates stand side by side. `None` if the iteration did not converge.
-pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
     let schur = schur(a)?;
     let values = schur.complex_eigenvalues();
     let (q, s) = schur.unpack();

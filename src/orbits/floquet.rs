@@ -17,7 +17,7 @@
 //! `|z| |G C z| / |z^T G C z|`, and the Krein signature of `e^{i theta}`, `0 < theta < pi`: the sign of `-z^T G C z / sin theta`. Definite pairs cannot leave the circle when they
 //! meet; pairs of opposite signature can.
 
-use super::eigen::{eigen, schur};
+use super::eigen::{Eigenpair, eigen, schur};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
@@ -107,7 +107,7 @@ impl Spectrum {
         let symplectic_defect = symplectic_defect(chain, &monodromy);
         let pairs = eigen(&a)?;
         let (wide, size) = (a.map(Complex::from), a.norm());
-        let residual = |(tau, z): &(Complex<f64>, DVector<Complex<f64>>)| (&wide * z - z * *tau).norm() / size;
+        let residual = |(tau, z): &Eigenpair| (&wide * z - z * *tau).norm() / size;
         let eigen_residual = pairs.iter().map(residual).fold(0.0, f64::max);
         let omega = chain.params().omega();
         let mut quality =
