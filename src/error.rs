@@ -78,7 +78,7 @@ fn nearest_hint(nearest: &Option<String>) -> String {
 }
 
 fn best_residual(best: Option<&Orbit>) -> String {
-    best.map_or("no iterate could be integrated".to_owned(), |orbit| {
+    best.map_or("it broke down".to_owned(), |orbit| {
         let Setting { omega_b, params, .. } = orbit.setting;
         format!(
             "the smallest residual is {:.1e} at omega_b = {omega_b}, rho = {}; it must be 1e-12",
