@@ -27,6 +27,8 @@ const MOST_SAMPLES: f64 = 1e7;
 const SHOWN_PERIOD: f64 = 30.0;
 /// Share of the energy whose departure ends the life of a breather.
 const GONE: f64 = 0.1;
+/// Times a period at which a history is taken.
+const PARTS: u32 = 32;
 /// Samples of a trivial breather in a scene that asks for none.
 const DEFAULT_SAMPLES: usize = 100;
 
@@ -145,10 +147,7 @@ pub fn bright_breather(
     progress: &mut dyn FnMut(f64),
 ) -> Result<BrightStudy> {
     let clock = Instant::now();
-    let Some(Theory::Bright(breather)) = scene.theory() else {
-        let rule = "a scene whose initial state is of kind bright-breather";
-        return Err(Error::parameter("scene", scene.name(), rule));
-    };
+    let breather = bright_of(scene)?;
     check(options)?;
     let times = bright_times(breather, scene.end(), samples_per_period)?;
     let shown_times = [0.0, SHOWN_PERIOD * breather.period(), scene.end()];
@@ -182,6 +181,68 @@ pub fn bright_breather(
         stats,
         wall: clock.elapsed(),
     })
+}
+
+/// A bright breather over space and time: a row of sites for each period `T_b`.
+#[derive(Clone, Debug)]
+pub struct BrightHistory {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: BrightBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// Middle of each period.
+    pub t: Vec<f64>,
+    /// Half of `max u_n - min u_n` in the period, at 32 times: up to half a percent too small for a sine.
+    pub swing: Vec<f64>,
+    /// Mean of `v_n` over the period.
+    pub v: Vec<f64>,
+}
+
+/// Looks at every site of the bright breather of a scene, period by period. `progress` is told the share of the run that is done.
+///
+/// # Errors
+/// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that fails.
+pub fn bright_history(
+    scene: &Scene,
+    options: &BreatherOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<BrightHistory> {
+    let breather = bright_of(scene)?;
+    check(options)?;
+    let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
+    let periods = (scene.end() / period).floor();
+    if !(1.0..=MOST_SAMPLES).contains(&periods) {
+        return Err(Error::parameter("until", scene.end(), "from one to 10^7 periods of the breather"));
+    }
+    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let (mut t, mut swing, mut mean) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..periods as u64 {
+        let (mut low, mut high) = (vec![f64::INFINITY; sites], vec![f64::NEG_INFINITY; sites]);
+        let mut sum = vec![0.0; sites];
+        for part in 0..PARTS {
+            let y = state_at(&mut run, period * (k as f64 + f64::from(part) / f64::from(PARTS)))?;
+            let v = layout.v(&y);
+            for (n, &u) in layout.u(&y).iter().enumerate() {
+                (low[n], high[n]) = (low[n].min(u), high[n].max(u));
+                sum[n] += v.map_or(0.0, |v| v[n]);
+            }
+        }
+        t.push(period * (k as f64 + 0.5));
+        swing.extend(low.iter().zip(&high).map(|(low, high)| 0.5 * (high - low)));
+        mean.extend(sum.iter().map(|sum| sum / f64::from(PARTS)));
+        progress((k + 1) as f64 / periods);
+    }
+    Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: words(options), t, swing, v: mean })
+}
+
+fn bright_of(scene: &Scene) -> Result<&BrightBreather> {
+    let rule = "a scene whose initial state is of kind bright-breather";
+    match scene.theory() {
+        Some(Theory::Bright(breather)) => Ok(breather),
+        _ => Err(Error::parameter("scene", scene.name(), rule)),
+    }
 }
 
 fn check(options: &BreatherOptions) -> Result<()> {

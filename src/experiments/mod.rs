@@ -15,7 +15,8 @@ mod verify;
 mod wave;
 
 pub use breather::{
-    BreatherOptions, BrightSample, BrightStudy, Kink, Shown, TrivialStudy, bright_breather, trivial_breather,
+    BreatherOptions, BrightHistory, BrightSample, BrightStudy, Kink, Shown, TrivialStudy, bright_breather,
+    bright_history, trivial_breather,
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};

@@ -2,10 +2,14 @@
 //!
 //! A figure is an entry of [`PAPER`]; its numbers come from [`PaperFigure::data`], its picture and its tables from `report`.
 
-use super::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, stability, wave};
+use super::{
+    BreatherOptions, BrightHistory, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, RhoLaw, StabilityOptions,
+    StabilityStudy, TheoremOptions, TheoremStudy, WaveOptions, WaveStudy, bright_breather, bright_history, lifetimes,
+    stability, theorem, wave,
+};
 use crate::{
     chain::Params,
-    dps::{Center, DarkProfile},
+    dps::{Center, DarkProfile, Homoclinic},
     error::{Error, Result},
     method::Method,
     scene::Scene,
@@ -19,6 +23,14 @@ const TOLERANCE: f64 = 1e-10;
 const SAMPLES_PER_PERIOD: u32 = 50;
 /// Draws of a perturbed wave: the one shown has seed 1.
 const SEEDS: u32 = 12;
+/// The scene of Sec. 5, its tolerance, and samples a period.
+const BRIGHT: &str = "bright-breather";
+const BRIGHT_TOLERANCE: f64 = 1e-12;
+const BRIGHT_SAMPLES: u32 = 20;
+/// The laws of the mass ratio, side by side.
+pub(crate) const LAWS: [RhoLaw; 2] = [RhoLaw::Heavy, RhoLaw::Light];
+/// Tolerance of the runs of a map of lifetimes.
+const LIFETIME_TOLERANCE: f64 = 1e-9;
 
 /// A figure of the paper.
 #[derive(Debug)]
@@ -58,6 +70,27 @@ pub enum Recipe {
         sites: usize,
         /// Mean strain of the background.
         c: f64,
+    },
+    /// Suprema of Theorem 1 for the breather about a bond, `T = 1`, with either law of the mass ratio.
+    Bounds {
+        /// Exponents, and the sizes of each.
+        cases: &'static [(f64, &'static [f64])],
+    },
+    /// Homoclinic solutions about a site and about a bond.
+    Homoclinics {
+        /// Exponent.
+        alpha: f64,
+    },
+    /// The long-lived bright breather of Sec. 5 against its ansatz.
+    Bright,
+    /// The same breather over space and time.
+    BrightHistory,
+    /// How long bright breathers about a bond live at `alpha = 3/2`, by energy.
+    Lifetimes {
+        /// Sizes.
+        epsilons: &'static [f64],
+        /// Mass ratios.
+        rhos: &'static [f64],
     },
 }
 
@@ -115,6 +148,16 @@ pub enum PaperData {
     Growth(Box<StabilityStudy>),
     /// Dark profiles.
     Dark(Vec<DarkProfile>),
+    /// Suprema of Theorem 1: for each exponent a study a law.
+    Bounds(Vec<[TheoremStudy; 2]>),
+    /// Homoclinic solutions, about a site and about a bond.
+    Homoclinics([Homoclinic; 2]),
+    /// The bright breather.
+    Bright(Box<BrightStudy>),
+    /// The bright breather over space and time.
+    BrightHistory(Box<BrightHistory>),
+    /// Lifetimes.
+    Lifetimes(Box<LifetimeStudy>),
 }
 
 use WavePanel::{Differences, Errors, ErrorsEnlarged, PerturbedX as Px, PerturbedY as Py, SpreadX, SpreadY, X, Y};
@@ -130,6 +173,13 @@ const fn column(heading: &'static str, run: usize, panels: &'static [WavePanel])
 
 /// All figures, in the order of the paper.
 pub const PAPER: &[PaperFigure] = &[
+    PaperFigure {
+        name: "theorem-bounds",
+        source: "Sec. 3.2, th:dps, which has no such figure",
+        title: "Theorem 1 as an experiment: suprema over 0 ≤ t ≤ T ε^(1−α), divided by their powers of ε",
+        claim: "With the resonators as heavy as the theorem asks all three stay bounded as ε falls; with lighter ones all three outgrow their powers, by a factor of ε^(1−α).",
+        recipe: Recipe::Bounds { cases: &[(1.5, &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5]), (2.0, &[1e-1, 1e-2, 1e-3])] },
+    },
     PaperFigure {
         name: "tw-q15",
         source: "Sec. 4.1, fig:tw_r03_q15pi",
@@ -214,6 +264,34 @@ pub const PAPER: &[PaperFigure] = &[
         recipe: Recipe::Growth { rho: 3.0, epsilons: &[0.01, 0.0025, 0.000625] },
     },
     PaperFigure {
+        name: "homoclinics",
+        source: "Sec. 5, Theorem homoclinic, which has no such figure",
+        title: "Profiles of bright breathers: homoclinic solutions of (dpsstat), α = 3/2",
+        claim: "Neighbours are in antiphase, and the tails fall doubly exponentially: ln|ln|aₙ|| is a line of slope ln α.",
+        recipe: Recipe::Homoclinics { alpha: 1.5 },
+    },
+    PaperFigure {
+        name: "long-lived-breather",
+        source: "Sec. 5, fig:long_lived_bb",
+        title: "The long-lived bright breather: i = 2, N = 40, ρ = 1000, ε = 0.01",
+        claim: "For as long as the theorem says the norms stay of order one; long after, energy has been radiated and what is left is a kink in the resonators.",
+        recipe: Recipe::Bright,
+    },
+    PaperFigure {
+        name: "bright-breather-spacetime",
+        source: "Sec. 5, which has no such figure",
+        title: "The long-lived bright breather over space and time, to 80 T",
+        claim: "The oscillation stays on four beads for as long as the theorem says, then most of it leaves for either side; the resonators behind it keep a shift, away from the centre.",
+        recipe: Recipe::BrightHistory,
+    },
+    PaperFigure {
+        name: "lifetime-map",
+        source: "Sec. 5, which has no such figure",
+        title: "How long bright breathers live, over their size and the mass ratio",
+        claim: "Lifetimes grow with the mass ratio; where resonators are light, the breather is gone before the theorem's time.",
+        recipe: Recipe::Lifetimes { epsilons: &[1e-3, 3e-3, 1e-2, 3e-2, 1e-1], rhos: &[1e1, 1e2, 1e3, 1e4, 1e5] },
+    },
+    PaperFigure {
         name: "dps-dark",
         source: "Sec. 6, fig:sw_anbn",
         title: "Standing waves with a kink: profiles of dark breathers, μ = 1, c = 0",
@@ -251,6 +329,48 @@ impl PaperFigure {
                 let profile = |center| DarkProfile::new(params, center, sites, c);
                 Ok(PaperData::Dark([Center::Site, Center::Bond].map(profile).into_iter().collect::<Result<_>>()?))
             }
+            Recipe::Bounds { cases } => {
+                let study = |k: usize, alpha: f64, epsilons: &[f64], rho_law: RhoLaw| {
+                    let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
+                    theorem(
+                        &TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() },
+                        &tell,
+                    )
+                };
+                let pair = |(k, (alpha, epsilons)): (usize, &(f64, &[f64]))| {
+                    let [heavy, light] = LAWS;
+                    Ok([study(2 * k, *alpha, epsilons, heavy)?, study(2 * k + 1, *alpha, epsilons, light)?])
+                };
+                Ok(PaperData::Bounds(cases.iter().enumerate().map(pair).collect::<Result<_>>()?))
+            }
+            Recipe::Homoclinics { alpha } => Ok(PaperData::Homoclinics([
+                Homoclinic::new(alpha, Center::Site)?,
+                Homoclinic::new(alpha, Center::Bond)?,
+            ])),
+            Recipe::Bright => {
+                let (scene, options) = bright()?;
+                let study = bright_breather(&scene, &options, BRIGHT_SAMPLES, &mut |share| progress(share))?;
+                Ok(PaperData::Bright(Box::new(study)))
+            }
+            Recipe::BrightHistory => {
+                let (scene, options) = bright()?;
+                Ok(PaperData::BrightHistory(Box::new(bright_history(&scene, &options, &mut |share| progress(share))?)))
+            }
+            Recipe::Lifetimes { epsilons, rhos } => {
+                let options = LifetimeOptions {
+                    alpha: 1.5,
+                    center: Center::Bond,
+                    criterion: Criterion::Energy,
+                    epsilons: epsilons.to_vec(),
+                    rhos: rhos.to_vec(),
+                    sites: None,
+                    until: None,
+                    method: Method::named(INTEGRATOR)?,
+                    tolerance: LIFETIME_TOLERANCE,
+                };
+                let study = lifetimes(&options, None, &|done, total| progress(done as f64 / total as f64))?;
+                Ok(PaperData::Lifetimes(Box::new(study)))
+            }
             Recipe::Growth { rho, epsilons } => {
                 let options = StabilityOptions {
                     params: Params { alpha: 1.5, kappa: 1.0, rho },
@@ -264,6 +384,11 @@ impl PaperFigure {
             }
         }
     }
+}
+
+/// The breather of Sec. 5, and how it is run.
+fn bright() -> Result<(Scene, BreatherOptions)> {
+    Ok((Scene::load(BRIGHT)?, BreatherOptions { method: Method::named(INTEGRATOR)?, tolerance: BRIGHT_TOLERANCE }))
 }
 
 impl WaveRun {

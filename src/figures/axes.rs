@@ -87,6 +87,11 @@ impl Axis {
         Self::new(false, whole, lo, hi)
     }
 
+    /// A logarithmic axis that ends exactly where it is told.
+    pub(super) fn exact_log(lo: f64, hi: f64) -> Self {
+        Self::new(true, false, lo.log10(), hi.log10())
+    }
+
     /// A logarithmic axis over all usable positive values, out to the next 1, 2 or 5 of a decade.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Self {
         let (lo, hi) = bounds(values.filter(|&v| v > 0.0)).unwrap_or((1.0, 10.0));
@@ -105,6 +110,12 @@ impl Axis {
             return None;
         }
         Some(self.fraction(if self.log { value.log10() } else { value }))
+    }
+
+    /// The value at a place from 0 to 1 along the axis.
+    pub(super) fn value(&self, place: f64) -> f64 {
+        let position = self.lo + place * (self.hi - self.lo);
+        if self.log { 10_f64.powf(position) } else { position }
     }
 
     fn fraction(&self, position: f64) -> f64 {

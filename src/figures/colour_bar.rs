@@ -10,9 +10,6 @@ const WIDTH: usize = 22;
 
 /// A colour bar in a space of its own at the right of the axes.
 pub(super) struct ColourBar {
-    /// The values at the ends.
-    lo: f64,
-    hi: f64,
     axis: Axis,
     label: Vec<String>,
 }
@@ -20,9 +17,13 @@ pub(super) struct ColourBar {
 impl ColourBar {
     /// A bar over a range, in a figure of this height.
     pub(super) fn new((lo, hi): (f64, f64), label: &str, height: f64) -> Self {
-        let mut axis = Axis::exact(lo, hi, false);
+        Self::along(Axis::exact(lo, hi, false), label, height)
+    }
+
+    /// A bar along an axis.
+    pub(super) fn along(mut axis: Axis, label: &str, height: f64) -> Self {
         axis.tick(height - 80.0, true);
-        Self { lo, hi, axis, label: wrap(label, LABEL, height - 120.0) }
+        Self { axis, label: wrap(label, LABEL, height - 120.0) }
     }
 
     /// What the bar leaves of an area; above it there is room for the factor of its ticks.
@@ -42,7 +43,7 @@ impl ColourBar {
         let x0 = frame.x1 + 16.0;
         let strip = Rect { x0, x1: x0 + WIDTH as f64, ..frame };
         let high = frame.height() as usize;
-        let column = (0..high).map(|k| self.hi - (self.hi - self.lo) * (k as f64 + 0.5) / high as f64);
+        let column = (0..high).map(|k| self.axis.value(1.0 - (k as f64 + 0.5) / high as f64));
         let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); WIDTH]).collect();
         canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, &pixels)?;
         canvas.border(&strip, INK)?;

@@ -10,6 +10,7 @@
 //! | quantities against site or time, in columns of panels | [`panels()`] |
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
+//! | positive numbers over two positive parameters, in cells | [`maps()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
 //! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
@@ -21,6 +22,7 @@ mod colour_bar;
 pub mod growth;
 mod guide;
 mod legend;
+pub mod maps;
 pub mod palette;
 pub mod panels;
 pub mod raster;
@@ -31,9 +33,10 @@ use canvas::{Canvas, Rect};
 
 pub use canvas::missing_glyphs;
 pub use growth::{Growth, GrowthMap, growth};
+pub use maps::{CellMap, Maps, maps};
 pub use panels::{Band, Column, Inset, Kind, Panel, Panels, panels};
 pub use raster::{Bar, Raster, raster};
-pub use space_time::{SpaceTime, space_time};
+pub use space_time::{SpaceTime, space_time, space_times};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
 
 /// Width and height of a figure in pixels; one of more than two rows of panels is higher.

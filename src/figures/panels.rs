@@ -28,7 +28,7 @@ pub struct Panels {
     pub caption: String,
 }
 
-/// Panels one above the other, of equal height but for those with an inset, which are higher. Those of one kind share the range of their abscissas.
+/// Panels one above the other, of equal height but for those with an inset, which are higher. Those of one kind and one label share the range of their abscissas.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
     /// What the column shows, or nothing.
@@ -64,6 +64,14 @@ pub enum Kind {
     Time,
     /// Values over time on a logarithmic ordinate; zeros and negative values leave a gap.
     LogTime,
+    /// Both axes logarithmic, each point with a marker; what is not positive leaves a gap.
+    LogLog,
+}
+
+impl Kind {
+    fn log_ordinate(self) -> bool {
+        matches!(self, Self::LogTime | Self::LogLog)
+    }
 }
 
 /// A range at each abscissa.
@@ -103,13 +111,17 @@ impl Panel {
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();
         let bands = self.bands.iter().flat_map(|band| &band.points).flat_map(|&(x, low, high)| [(x, low), (x, high)]);
-        let shown = |&(x, y): &(f64, f64)| usable(x) && usable(y) && (y > 0.0 || self.kind != Kind::LogTime);
+        let shown = |&(x, y): &(f64, f64)| {
+            let places = (x > 0.0 || self.kind != Kind::LogLog) && (y > 0.0 || !self.kind.log_ordinate());
+            usable(x) && usable(y) && places
+        };
         lines.chain(bands).filter(shown)
     }
 
     fn style(&self, nth: usize) -> Style {
         match self.lines.get(nth).map_or(0, |line| line.points.len()) {
             ..=MARKED if self.kind == Kind::Sites => Style::of_profile(nth),
+            ..=MARKED if self.kind == Kind::LogLog => Style::of_family(nth, nth),
             ..=DENSE => Style::plain(nth),
             _ => Style::dense(nth),
         }
@@ -122,13 +134,17 @@ impl Panel {
 
     fn abscissa(&self, points: impl Iterator<Item = (f64, f64)>) -> Axis {
         let values = points.map(|point| point.0);
-        if self.kind == Kind::Sites { Axis::whole(values) } else { Axis::linear(values, 0.0) }
+        match self.kind {
+            Kind::Sites => Axis::whole(values),
+            Kind::Time | Kind::LogTime => Axis::linear(values, 0.0),
+            Kind::LogLog => Axis::log(values),
+        }
     }
 
     /// The ordinate; above an inset's corner it is high enough for the data to pass below it.
     fn ordinate(&self) -> Axis {
         let values = || self.points().map(|point| point.1);
-        if self.kind == Kind::LogTime {
+        if self.kind.log_ordinate() {
             return Axis::log(values());
         }
         let Some(_) = self.inset else { return Axis::linear(values(), 0.06) };
@@ -176,7 +192,8 @@ pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
         let mut top = area.y0;
         for panel in &column.panels {
             let height = area.height() * panel.height() / column.height();
-            let same = column.panels.iter().filter(|other| other.kind == panel.kind);
+            let same =
+                column.panels.iter().filter(|other| (other.kind, &other.x_label) == (panel.kind, &panel.x_label));
             let x = panel.abscissa(same.flat_map(Panel::points));
             draw(&mut canvas, Rect { y0: top, y1: top + height - 6.0, ..area }, panel, x)?;
             top += height;
@@ -206,7 +223,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
 }
 
 fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -> Result<(), Error> {
-    let Some(line) = panel.lines.get(inset.line).filter(|_| panel.kind != Kind::LogTime) else {
+    let Some(line) = panel.lines.get(inset.line).filter(|_| !panel.kind.log_ordinate()) else {
         return Err(Error(format!("no line {} on linear axes for an inset", inset.line)));
     };
     let area = Rect {

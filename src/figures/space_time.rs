@@ -1,8 +1,9 @@
 //! Space-time maps: the whole history of a chain in colour.
 
 use super::axes::{Axes, Axis};
+use super::canvas::{Canvas, LABEL, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
-use super::palette::{self, Rgb};
+use super::palette::{self, INK, Rgb};
 use super::{Error, page, usable};
 
 /// A matrix of values over time and sites.
@@ -40,6 +41,32 @@ pub struct SpaceTime {
 /// A matrix without entries or with a broken row, times that are not finite or run backwards, a letter the font lacks,
 /// or more text than fits.
 pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
+    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    draw(&mut canvas, body, figure)?;
+    canvas.png(&figure.caption)
+}
+
+/// Draws space-time maps side by side, the title of each above it; their captions are not shown.
+///
+/// # Errors
+///
+/// No map, and those of [`space_time()`].
+pub fn space_times(title: &str, maps: &[SpaceTime], caption: &str) -> Result<Vec<u8>, Error> {
+    if maps.is_empty() {
+        return Err(Error("a figure of maps needs one".into()));
+    }
+    let (mut canvas, body) = page(title, caption)?;
+    let width = body.width() / maps.len() as f64;
+    for (k, map) in maps.iter().enumerate() {
+        let left = body.x0 + k as f64 * width;
+        let area = Rect { x0: left, x1: left + width - 12.0, ..body };
+        canvas.text(&map.title, (0.5 * (area.x0 + area.x1), area.y0 + 4.0), LABEL, INK, (0.5, 0.0))?;
+        draw(&mut canvas, Rect { y0: area.y0 + 1.8 * LABEL, ..area }, map)?;
+    }
+    canvas.png(caption)
+}
+
+fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
     let (sites, (start, end)) = (figure.sites, figure.times);
     if sites == 0 || figure.values.is_empty() || !figure.values.len().is_multiple_of(sites) {
         return Err(Error(format!("{} values are no matrix with rows of {sites} sites", figure.values.len())));
@@ -55,21 +82,19 @@ pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
         () => palette::magnitude((value - lo) / (hi - lo)),
     };
 
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
-    let bar = ColourBar::new((lo, hi), &figure.value_label, body.height());
+    let bar = ColourBar::new((lo, hi), &figure.value_label, area.height());
 
     // A row stands for the time from half a step before it to half a step after it.
     let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };
     let t = Axis::exact(start - half, end + half, false);
     let n = Axis::exact(figure.first_site - 0.5, figure.first_site + sites as f64 - 0.5, true);
-    let axes = Axes::draw(&mut canvas, bar.beside(body), (n, &figure.site_label), (t, &figure.time_label), false)?;
+    let axes = Axes::draw(canvas, bar.beside(area), (n, &figure.site_label), (t, &figure.time_label), false)?;
     let frame = axes.frame;
     let (wide, high) = (frame.width() as usize, frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&figure.values, sites, (wide, high)).into_iter().map(colour).collect();
     canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
-    axes.close(&mut canvas)?;
-    bar.draw(&mut canvas, frame, body.x1, colour)?;
-    canvas.png(&figure.caption)
+    axes.close(canvas)?;
+    bar.draw(canvas, frame, area.x1, colour)
 }
 
 /// The values at the ends of the colour bar.

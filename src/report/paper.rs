@@ -1,13 +1,17 @@
 //! Reports of the figures of the paper: captions, tables, pictures.
 
+mod heavy;
+
 use super::{
+    bright_tables,
     dps::{center_word, of_sites},
+    lifetimes_csv,
     stability::{caption as growth_caption, shown, stability_tables},
     table,
     wave::wave_tables,
 };
 use crate::{
-    dps::DarkProfile,
+    dps::{DarkProfile, Homoclinic},
     error::Error,
     experiments::{PaperData, PaperFigure, WaveColumn, WavePanel, WaveRun, WaveStudy},
     output::{csv, to_json},
@@ -62,11 +66,16 @@ pub fn paper_caption(figure: &PaperFigure, data: &PaperData) -> String {
         PaperData::Waves(columns, runs) => waves_caption(columns, runs),
         PaperData::Growth(study) => growth_caption(study),
         PaperData::Dark(profiles) => dark_caption(profiles),
+        PaperData::Bounds(pairs) => heavy::bounds_caption(pairs),
+        PaperData::Homoclinics(both) => heavy::homoclinics_caption(both),
+        PaperData::Bright(study) => heavy::bright_caption(study),
+        PaperData::BrightHistory(history) => heavy::history_caption(history),
+        PaperData::Lifetimes(study) => heavy::lifetimes_caption(study),
     };
     format!("{} {what} Paper: {}.", figure.claim, figure.source)
 }
 
-/// The tables behind a figure, `(file name, CSV)`: those that `wave` or `dps stability` writes, or the profiles.
+/// The tables behind a figure, `(file name, CSV)`: those that the command of its data writes, or its profiles.
 pub fn paper_tables(figure: &PaperFigure, data: &PaperData) -> Vec<(String, Vec<u8>)> {
     let named = |tag: &str, tables: Vec<(&str, Vec<u8>)>| {
         let dash = if tag.is_empty() { "" } else { "-" };
@@ -79,6 +88,17 @@ pub fn paper_tables(figure: &PaperFigure, data: &PaperData) -> Vec<(String, Vec<
         PaperData::Dark(profiles) => {
             profiles.iter().flat_map(|one| named(center_word(one.center()), vec![dark_csv(one)])).collect()
         }
+        PaperData::Bounds(pairs) => {
+            let tables = |study| named(&heavy::bounds_tag(study), heavy::bounds_csv(study));
+            pairs.iter().flatten().flat_map(tables).collect()
+        }
+        PaperData::Homoclinics(both) => {
+            let table = |one| named(center_word(Homoclinic::center(one)), vec![heavy::homoclinic_csv(one)]);
+            both.iter().flat_map(table).collect()
+        }
+        PaperData::Bright(study) => named("", bright_tables(study)),
+        PaperData::BrightHistory(history) => named("", heavy::history_csv(history)),
+        PaperData::Lifetimes(study) => vec![(format!("{}.csv", figure.name), lifetimes_csv(study))],
     }
 }
 
@@ -202,13 +222,18 @@ fn common_words(study: &WaveStudy) -> String {
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
 pub fn paper_png(figure: &PaperFigure, data: &PaperData) -> crate::error::Result<Vec<u8>> {
-    use crate::figures::{Column, Panels, growth, panels};
+    use crate::figures::{Column, Panels, growth, maps, panels, space_times};
     let caption = paper_caption(figure, data);
     match data {
         PaperData::Dark(profiles) => {
             let columns = profiles.iter().map(dark_column).collect();
             Ok(panels(&Panels { title: figure.title.to_owned(), columns, caption })?)
         }
+        PaperData::Bounds(pairs) => Ok(panels(&heavy::bounds_panels(figure.title, pairs, caption))?),
+        PaperData::Homoclinics(both) => Ok(panels(&heavy::homoclinic_panels(figure.title, both, caption))?),
+        PaperData::Bright(study) => Ok(panels(&heavy::bright_panels(figure.title, study, caption))?),
+        PaperData::BrightHistory(history) => Ok(space_times(figure.title, &heavy::history_maps(history), &caption)?),
+        PaperData::Lifetimes(study) => Ok(maps(&heavy::lifetime_maps(figure.title, study, caption))?),
         PaperData::Growth(study) => Ok(growth(&super::stability::figure(study, caption))?),
         PaperData::Waves(columns, runs) => {
             let column = |column: &WaveColumn| Column {

@@ -1,0 +1,138 @@
+//! Maps of cells: a positive number for each pair of two positive parameters, all on logarithmic scales.
+
+use super::axes::{Axes, Axis};
+use super::canvas::{Canvas, Rect, SMALL};
+use super::colour_bar::ColourBar;
+use super::legend::{self, Entry};
+use super::palette::{self, INK, PAPER, Rgb, Style};
+use super::{Error, Line, page, usable};
+
+/// Where the note of a cell stands, as a share of its height from its top: below what runs through its middle.
+const NOTE: f64 = 0.84;
+/// Brightness above which letters are dark.
+const BRIGHT: f64 = 130.0;
+
+/// Maps side by side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Maps {
+    /// Title above all.
+    pub title: String,
+    /// From the left.
+    pub maps: Vec<CellMap>,
+    /// What a reader needs to make the figure again.
+    pub caption: String,
+}
+
+/// A cell for each pair of parameters; neighbours meet at the geometric mean of theirs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellMap {
+    /// Labels of abscissa, ordinate and colour bar.
+    pub labels: [String; 3],
+    /// Abscissas of the columns, ascending.
+    pub x: Vec<f64>,
+    /// Ordinates of the rows, ascending.
+    pub y: Vec<f64>,
+    /// The values row by row, the lowest first; what is not positive is grey.
+    pub values: Vec<f64>,
+    /// A word in each cell, in the same order.
+    pub notes: Vec<String>,
+    /// Lines over the map, each with dashes of its own.
+    pub lines: Vec<Line>,
+}
+
+/// Draws maps side by side, each with its colour bar.
+///
+/// # Errors
+///
+/// No map, one whose values or notes are not one a cell, parameters that are not positive and ascending, a letter the font lacks, or more text than fits.
+pub fn maps(figure: &Maps) -> Result<Vec<u8>, Error> {
+    if figure.maps.is_empty() {
+        return Err(Error("a figure of maps needs one".into()));
+    }
+    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let width = body.width() / figure.maps.len() as f64;
+    for (k, map) in figure.maps.iter().enumerate() {
+        let left = body.x0 + k as f64 * width;
+        draw(&mut canvas, Rect { x0: left, x1: left + width - 12.0, ..body }, map)?;
+    }
+    canvas.png(&figure.caption)
+}
+
+fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
+    let cells = map.x.len() * map.y.len();
+    if map.values.len() != cells || map.notes.len() != cells {
+        return Err(Error(format!("{} values and {} notes for {cells} cells", map.values.len(), map.notes.len())));
+    }
+    let (x_edges, y_edges) = (edges(&map.x)?, edges(&map.y)?);
+    let positive = map.values.iter().copied().filter(|&value| usable(value) && value > 0.0);
+    let (lo, hi) = positive.fold((f64::INFINITY, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
+    let scale = || if lo <= hi { Axis::exact_log(lo, hi) } else { Axis::exact_log(1.0, 10.0) };
+    let shades = scale();
+    let colour = |value: f64| shades.place(value).map_or(palette::ABSENT, palette::magnitude);
+
+    let style = |nth: usize| Style { colour: INK, ..Style::plain(nth) };
+    let entries: Vec<_> = map.lines.iter().enumerate().map(|(nth, line)| Entry::line(&line.name, style(nth))).collect();
+    let area = legend::above(canvas, area, &entries)?;
+    let [x_label, y_label, value_label] = &map.labels;
+    let bar = ColourBar::along(scale(), value_label, area.height());
+    let axis = |edges: &[f64]| Axis::exact_log(edges[0], edges[edges.len() - 1]);
+    let axes = Axes::draw(canvas, bar.beside(area), (axis(&x_edges), x_label), (axis(&y_edges), y_label), false)?;
+    for (k, (&value, note)) in map.values.iter().zip(&map.notes).enumerate() {
+        let (column, row) = (k % map.x.len(), k / map.x.len());
+        let corners =
+            axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
+        let Some(((x0, y1), (x1, y0))) = corners else { continue };
+        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(value))?;
+        let at = (0.5 * (x0 + x1), y0 + NOTE * (y1 - y0));
+        canvas.text(note, at, SMALL, legible(colour(value)), (0.5, 0.5))?;
+    }
+    for (nth, line) in map.lines.iter().enumerate() {
+        let Rect { x0, x1, y0, y1 } = axes.frame;
+        let inside = |at: &(f64, f64)| (x0..=x1).contains(&at.0) && (y0..=y1).contains(&at.1);
+        let places: Vec<_> = line.points.iter().map(|&point| axes.place(point).filter(inside)).collect();
+        for run in places.split(Option::is_none) {
+            let run: Vec<_> = run.iter().flatten().copied().collect();
+            canvas.line(&run, PAPER, 5.0, &[])?;
+            canvas.line(&run, INK, 1.6, style(nth).dash)?;
+        }
+    }
+    axes.close(canvas)?;
+    bar.draw(canvas, axes.frame, area.x1, colour)
+}
+
+/// The ends of cells about values.
+fn edges(values: &[f64]) -> Result<Vec<f64>, Error> {
+    let ascending = values.windows(2).all(|two| two[0] < two[1]);
+    let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
+        return Err(Error("a map needs a cell".into()));
+    };
+    if !(ascending && first > 0.0 && usable(last)) {
+        return Err(Error("the parameters of a map are positive and ascending".into()));
+    }
+    let ratio = |k: usize| if values.len() > 1 { (values[k + 1] / values[k]).sqrt() } else { 10_f64.sqrt() };
+    let between = values.windows(2).map(|two| two[0].sqrt() * two[1].sqrt());
+    let end = last * ratio(values.len().saturating_sub(2));
+    Ok(std::iter::once(first / ratio(0)).chain(between).chain([end]).collect())
+}
+
+/// Letters that can be read on a colour.
+fn legible((r, g, b): Rgb) -> Rgb {
+    let brightness = 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
+    if brightness > BRIGHT { INK } else { PAPER }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_meet_at_geometric_means() {
+        let edges_of = |values: &[f64]| edges(values).unwrap();
+        for (edge, truth) in edges_of(&[1.0, 4.0, 64.0]).into_iter().zip([0.5, 2.0, 16.0, 256.0]) {
+            assert!((edge / truth - 1.0).abs() < 1e-14, "{edge}");
+        }
+        assert_eq!(edges_of(&[1.0]).len(), 2);
+        assert!(edges(&[]).is_err() && edges(&[2.0, 1.0]).is_err() && edges(&[0.0, 1.0]).is_err());
+        assert!(edges(&[f64::NAN]).is_err() && edges(&[1.0, f64::INFINITY]).is_err());
+    }
+}
