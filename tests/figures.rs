@@ -488,3 +488,99 @@ fn a_text_is_as_dark_wherever_its_line_falls() {
     let (least, most) = (*lines.iter().min().unwrap(), *lines.iter().max().unwrap());
     assert!(most < least + least / 20, "{lines:?}");
 }
+
+fn cells(values: &[f64], columns: usize) -> Maps {
+    let ascending = |count: usize| (0..count).map(|k| 10_f64.powi(k as i32)).collect::<Vec<_>>();
+    let map = CellMap {
+        labels: ["size ε", "mass ratio ρ", "lifetime"].map(String::from),
+        x: ascending(columns),
+        y: ascending(values.len() / columns.max(1)),
+        values: values.to_vec(),
+        notes: vec![String::new(); values.len()],
+        lines: vec![],
+    };
+    Maps { title: "Lifetimes".into(), maps: vec![map], caption: CAPTION.into() }
+}
+
+#[test]
+fn a_map_of_cells_has_its_first_row_at_the_bottom_and_a_word_in_every_cell() {
+    let bytes = maps(&cells(&[1.0, 100.0, 100.0, 100.0], 2)).unwrap();
+    assert_eq!(decode(&bytes).1, CAPTION);
+    let picture = inside(&bytes);
+    let yellow = |p: &[u8; 3]| p[0] > 240 && p[1] > 220 && p[2] < 60;
+    assert!(!has(&picture, (0.25, 0.25), 3, yellow));
+    for at in [(0.75, 0.75), (0.25, 0.75), (0.75, 0.25)] {
+        assert!(has(&picture, at, 3, yellow), "{at:?}");
+    }
+    // What has no logarithm is grey.
+    let grey = |p: &[u8; 3]| *p == [160; 3];
+    let picture = inside(&maps(&cells(&[0.0, 1.0, 10.0], 1)).unwrap());
+    assert!(has(&picture, (0.5, 0.17), 3, grey) && !has(&picture, (0.5, 0.5), 3, grey));
+    for odd in [vec![f64::NAN], vec![-1.0], vec![5e-324, 1e300], vec![3.0; 4]] {
+        maps(&cells(&odd, 1)).unwrap();
+    }
+
+    let changed = |change: &dyn Fn(&mut CellMap)| {
+        let mut figure = cells(&[1.0; 4], 2);
+        change(&mut figure.maps[0]);
+        maps(&figure)
+    };
+    assert!(
+        changed(&|map| map.lines.push(Line { name: "edge".into(), points: vec![(1.0, 1.0), (10.0, 10.0)] })).is_ok()
+    );
+    assert!(changed(&|map| map.notes.truncate(3)).is_err());
+    assert!(changed(&|map| map.values.push(1.0)).is_err());
+    assert!(changed(&|map| map.x.reverse()).is_err());
+    assert!(changed(&|map| map.y[0] = 0.0).is_err());
+    assert!(maps(&cells(&[], 0)).is_err() && maps(&Maps::default()).is_err());
+}
+
+#[test]
+fn logarithmic_panels_place_points_by_their_logarithms() {
+    let panel = |points: &[(f64, f64)]| Panel {
+        kind: Kind::LogLog,
+        lines: vec![Line { name: "suprema".into(), points: points.to_vec() }],
+        ..Panel::default()
+    };
+    let draw = |panel: Panel| panels(&Panels::column("Suprema", vec![panel], CAPTION));
+    // Axes end at the next 1, 2 or 5: 0.5e-4 to 2 and 0.5e-2 to 2e4, on which these lie in the middle.
+    let picture = inside(&draw(panel(&[(1e-4, 1e-2), (1e-2, 10.0), (1.0, 1e4)])).unwrap());
+    let from = |x: f64, low: f64, high: f64| (x / low).log10() / (high / low).log10();
+    assert!(has(&picture, (from(1e-2, 0.5e-4, 2.0), from(10.0, 0.5e-2, 2e4)), 5, blue));
+    assert!(!has(&picture, (0.8, 0.2), 20, blue));
+    assert!(draw(panel(&[(0.0, 1.0), (1.0, -1.0)])).is_err());
+    draw(panel(&[(0.0, 1.0), (1.0, 1.0)])).unwrap();
+    let inset = Some(Inset { label: "enlarged".into(), line: 0 });
+    assert!(draw(Panel { inset, ..panel(&[(1.0, 1.0)]) }).is_err());
+}
+
+#[test]
+fn panels_of_another_label_have_a_range_of_their_own() {
+    let panel = |label: &str, end: f64| Panel {
+        kind: Kind::Time,
+        x_label: label.into(),
+        lines: vec![Line { name: "norm".into(), points: vec![(0.0, 0.0), (end, end)] }],
+        ..Panel::default()
+    };
+    let draw = |labels: [&str; 2]| {
+        panels(&Panels::column("Norms", vec![panel(labels[0], 10.0), panel(labels[1], 100.0)], CAPTION)).unwrap()
+    };
+    // The first of them ends a tenth of the way if it shares the range of the second.
+    let right = |bytes: &[u8]| {
+        let (pixels, _) = decode(bytes);
+        let rows: Vec<_> = pixels.chunks(SIZE.0 as usize).take(SIZE.1 as usize / 3).collect();
+        (700..1150).any(|x| rows.iter().skip(80).any(|row| blue(&row[x])))
+    };
+    assert!(right(&draw(["time t", "time s"])) && !right(&draw(["time t", "time t"])));
+}
+
+#[test]
+fn space_time_maps_stand_side_by_side() {
+    let [red, dark] = [map(vec![1.0; 4], 2), SpaceTime { signed: false, ..map(vec![0.0, 0.0, 0.0, 1.0], 2) }];
+    let (pixels, caption) = decode(&space_times("Two", &[red, dark], "both").unwrap());
+    assert_eq!(caption, "both");
+    let row = &pixels[500 * SIZE.0 as usize..][..SIZE.0 as usize];
+    assert!(row[300][0] > row[300][2] + 60, "{:?}", row[300]);
+    assert!(row[800][2] > row[800][1] + 60, "{:?}", row[800]);
+    assert!(space_times("None", &[], "nothing").is_err());
+}

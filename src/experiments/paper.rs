@@ -91,6 +91,8 @@ pub enum Recipe {
         epsilons: &'static [f64],
         /// Mass ratios.
         rhos: &'static [f64],
+        /// No breather is followed longer.
+        until: f64,
     },
 }
 
@@ -288,8 +290,12 @@ pub const PAPER: &[PaperFigure] = &[
         name: "lifetime-map",
         source: "Sec. 5, which has no such figure",
         title: "How long bright breathers live, over their size and the mass ratio",
-        claim: "Lifetimes grow with the mass ratio; where resonators are light, the breather is gone before the theorem's time.",
-        recipe: Recipe::Lifetimes { epsilons: &[1e-3, 3e-3, 1e-2, 3e-2, 1e-1], rhos: &[1e1, 1e2, 1e3, 1e4, 1e5] },
+        claim: "Above the line, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they are gone before, or come apart into beads that swing alone.",
+        recipe: Recipe::Lifetimes {
+            epsilons: &[1e-3, 3e-3, 1e-2, 3e-2, 1e-1],
+            rhos: &[1e1, 1e2, 1e3, 1e4],
+            until: 2000.0,
+        },
     },
     PaperFigure {
         name: "dps-dark",
@@ -356,7 +362,7 @@ impl PaperFigure {
                 let (scene, options) = bright()?;
                 Ok(PaperData::BrightHistory(Box::new(bright_history(&scene, &options, &mut |share| progress(share))?)))
             }
-            Recipe::Lifetimes { epsilons, rhos } => {
+            Recipe::Lifetimes { epsilons, rhos, until } => {
                 let options = LifetimeOptions {
                     alpha: 1.5,
                     center: Center::Bond,
@@ -364,7 +370,7 @@ impl PaperFigure {
                     epsilons: epsilons.to_vec(),
                     rhos: rhos.to_vec(),
                     sites: None,
-                    until: None,
+                    until: Some(until),
                     method: Method::named(INTEGRATOR)?,
                     tolerance: LIFETIME_TOLERANCE,
                 };

@@ -1,13 +1,13 @@
 //! Maps of cells: a positive number for each pair of two positive parameters, all on logarithmic scales.
 
 use super::axes::{Axes, Axis};
-use super::canvas::{Canvas, Rect, SMALL};
+use super::canvas::{Canvas, Rect, SMALL, text_width};
 use super::colour_bar::ColourBar;
 use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
 use super::{Error, Line, page, usable};
 
-/// Where the note of a cell stands, as a share of its height from its top: below what runs through its middle.
+/// Where the note of a cell stands, as a share of its height from its top: off the middle, through which lines like to run.
 const NOTE: f64 = 0.84;
 /// Brightness above which letters are dark.
 const BRIGHT: f64 = 130.0;
@@ -77,24 +77,33 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     let bar = ColourBar::along(scale(), value_label, area.height());
     let axis = |edges: &[f64]| Axis::exact_log(edges[0], edges[edges.len() - 1]);
     let axes = Axes::draw(canvas, bar.beside(area), (axis(&x_edges), x_label), (axis(&y_edges), y_label), false)?;
+    let mut places = Vec::with_capacity(cells);
     for (k, (&value, note)) in map.values.iter().zip(&map.notes).enumerate() {
         let (column, row) = (k % map.x.len(), k / map.x.len());
         let corners =
             axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
         let Some(((x0, y1), (x1, y0))) = corners else { continue };
         canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(value))?;
-        let at = (0.5 * (x0 + x1), y0 + NOTE * (y1 - y0));
-        canvas.text(note, at, SMALL, legible(colour(value)), (0.5, 0.5))?;
+        places.push(((0.5 * (x0 + x1), y0 + NOTE * (y1 - y0)), colour(value), note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
         let Rect { x0, x1, y0, y1 } = axes.frame;
         let inside = |at: &(f64, f64)| (x0..=x1).contains(&at.0) && (y0..=y1).contains(&at.1);
-        let places: Vec<_> = line.points.iter().map(|&point| axes.place(point).filter(inside)).collect();
-        for run in places.split(Option::is_none) {
+        let points: Vec<_> = line.points.iter().map(|&point| axes.place(point).filter(inside)).collect();
+        for run in points.split(Option::is_none) {
             let run: Vec<_> = run.iter().flatten().copied().collect();
             canvas.line(&run, PAPER, 5.0, &[])?;
             canvas.line(&run, INK, 1.6, style(nth).dash)?;
         }
+    }
+    // Words interrupt the lines.
+    for ((x, y), colour, note) in places {
+        let (wide, high) = (0.5 * text_width(note, SMALL) + 1.0, 0.6 * SMALL);
+        canvas.polygon(
+            &[(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)],
+            colour,
+        )?;
+        canvas.text(note, (x, y), SMALL, legible(colour), (0.5, 0.5))?;
     }
     axes.close(canvas)?;
     bar.draw(canvas, axes.frame, area.x1, colour)
