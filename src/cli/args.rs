@@ -351,7 +351,7 @@ pub(super) struct TrivialArgs {
 
 #[derive(Args)]
 pub(super) struct VerifyArgs {
-    /// One section of the paper: 3, 4 or 6 [default: all].
+    /// One section of the paper: 3, 4, 5, 6 or 7 [default: all].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(super) section: Option<u32>,
     /// Folder for verify.txt, verify.csv and verify.json [default: none is written].

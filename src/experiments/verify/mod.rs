@@ -12,7 +12,9 @@ mod item;
 mod measure;
 mod section3;
 mod section4;
+mod section5;
 mod section6;
+mod section7;
 
 pub use item::{Item, Rule, Verdict};
 
@@ -77,7 +79,7 @@ struct Group {
 }
 
 /// All groups, in the order of the paper.
-const GROUPS: &[&[Group]] = &[section3::GROUPS, section4::GROUPS, section6::GROUPS];
+const GROUPS: &[&[Group]] = &[section3::GROUPS, section4::GROUPS, section5::GROUPS, section6::GROUPS, section7::GROUPS];
 
 /// The table.
 #[derive(Clone, Debug)]
@@ -106,7 +108,7 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
     let groups = || GROUPS.iter().copied().flatten();
     let chosen: Vec<&Group> = groups().filter(|group| section.is_none_or(|section| section == group.section)).collect();
     if let (Some(section), true) = (section, chosen.is_empty()) {
-        return Err(Error::parameter("section", section, "a section of the paper that has items: 3, 4 or 6"));
+        return Err(Error::parameter("section", section, "a section of the paper that has items: 3, 4, 5, 6 or 7"));
     }
     let mut wanted: Vec<Run> = Vec::new();
     for run in chosen.iter().flat_map(|group| group.runs) {

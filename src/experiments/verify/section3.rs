@@ -11,12 +11,14 @@ use super::{
     measure::{measured_slow_frequency, slope, small_wave},
 };
 use crate::{
-    chain::Params,
-    dps::{Averages, Constraint, Dps, Ends, Form, Layout, per_gamma},
+    breathers::BrightBreather,
+    chain::{Boundary, Chain, Params, Site, State, max_norm},
+    dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
     error::Result,
-    experiments::{self, Initial, Norm, RhoLaw, TheoremOptions},
+    experiments::{self, Initial, Norm, RhoLaw, TheoremOptions, wave::state_at},
     waves::{Modulation, Shape},
 };
+use hertzchain_integrators::collocation::Pace;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -154,6 +156,24 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Item>> {
         )
         .note("At rho = epsilon^{1-alpha} the term turns A by sqrt(kappa)/2 per tau: the first change of omega with 1/rho."),
         formula(
+            "s3.2-V1",
+            "below eq:U0V0_large_rho",
+            "amplitude of the resonator over -1/rho times that of the bead, no contact, rho = 1e6",
+            "V^1 = -kappa A e^{i sqrt(kappa) t} + c.c.",
+            Rule::Equal { to: 1.0, within: 1e-9 },
+            resonator_share(rigid(1e6)?)?,
+        )
+        .note("U^0 = kappa A e^{i sqrt(kappa) t} + c.c., and epsilon^{alpha-1} = 1/rho."),
+        claim(
+            "s3.2-cradle",
+            "above eq:DpSlr",
+            "largest rho |v| over the largest |u| of the bright breather with rho = 1e9, epsilon = 0.01, up to its horizon",
+            "v = 0 for rho -> infinity and v(0) = v'(0) = 0",
+            Rule::AtMost(500.0),
+            resonators_at_rest()?,
+        )
+        .note("Bounded, of the order of the square of the slow time: v itself is zero to 1e-7."),
+        formula(
             "s3.2-limit",
             "above eq:DpSlr",
             "F / (2 i kappa^{3/2}), generalised equations at rho = 1e12, b = 0, kappa = 2.5",
@@ -188,6 +208,34 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Item>> {
                 / Modulation::new(Params::new(1.5, 1.0, f64::INFINITY)?, Shape { q: PI, ..shape })?.slow_frequency(),
         ),
     ])
+}
+
+/// `-rho V / U` of the amplitudes of the linear oscillation of one site, as the chain runs it for half a period.
+fn resonator_share(params: Params) -> Result<f64> {
+    let chain = Chain::new(params, Boundary::Free, 1)?;
+    let u = 1.0;
+    let start = State::from_fn(&chain, |_| Site { u, v: -u / params.rho, u_dot: 0.0, v_dot: 0.0 })?;
+    let half = PI / params.omega();
+    let mut run = chain.collocation(start.as_slice(), (0.0, half), Pace::Tolerance(1e-13))?;
+    let y = state_at(&mut run, half)?;
+    // Differences to the start, half a period later: neither mean nor drift is left.
+    Ok(-params.rho * (y[1] - start.as_slice()[1]) / (y[0] - u))
+}
+
+/// Largest `rho |v|` over the largest `|u|` of a breather with very heavy resonators at rest, at 200 times up to its horizon.
+fn resonators_at_rest() -> Result<f64> {
+    let params = Params::new(1.5, 1.0, 1e9)?;
+    let breather = BrightBreather::new(params, Center::Bond, 0.01, 40)?;
+    let chain = Chain::new(params, Boundary::Free, 40)?;
+    let start = State::from_fn(&chain, |n| breather.site(n, 0.0))?;
+    let mut run = chain.collocation(start.as_slice(), (0.0, breather.horizon()), Pace::Tolerance(1e-10))?;
+    let largest = |values: &[f64]| max_norm(values.iter().copied());
+    let (mut u, mut v) = (0.0f64, 0.0f64);
+    for k in 0..=200 {
+        let y = state_at(&mut run, breather.horizon() * f64::from(k) / 200.0)?;
+        (u, v) = (u.max(largest(&y[..40])), v.max(largest(&y[40..80])));
+    }
+    Ok(params.rho * v / u)
 }
 
 /// `F / (2 i kappa^{3/2})`: the slope of the DpS equation over that of the generalised ones, at a wave with `b = 0`.
