@@ -206,11 +206,11 @@ fn the_long_lived_breather_has_the_numbers_of_the_paper() {
     let (head, profiles) = read(folder.path(), "long-lived-breather-profiles.csv");
     assert_eq!((head.as_str(), profiles.len()), ("t,n,u,v,u_ansatz", 120));
     assert_eq!([0, 40, 80].map(|k| format!("{:.2}", profiles[k][0])), ["0.00", "182.59", "1553.27"]);
-    // a^2_1 is at site 20.
+    // a^2_1 is at site 20. The state at 0 is one of the dense output: v = 0 up to rounding.
     for (n, b) in reference("bond").into_iter().take(8) {
         let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
         let (u, v) = (profiles[19 + n as usize][2], profiles[19 + n as usize][3]);
-        assert!((u - 0.02 * sign * b).abs() <= 4e-16 * u.abs() && v == 0.0, "{n}: {u}");
+        assert!((u - 0.02 * sign * b).abs() <= 4e-16 * u.abs() && v.abs() <= 4e-16 * u.abs(), "{n}: {u}");
     }
 }
 
@@ -291,8 +291,8 @@ fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
     let apart = |n: usize| (v[254][n + 1] - end[n].as_f64().unwrap()).abs();
     let worst = (0..40).map(apart).fold(0.0, f64::max);
     println!("{worst:e}");
-    // Half a period, and the 0.2 periods that are left after the last.
-    assert!(worst < 0.7 * 6.09 * 1.3e-5, "{worst:e}");
+    // Half a period, and the 0.2 periods that are left after the last: at most 5.5e-5. Measured: 5.1e-6.
+    assert!(worst < 1e-5, "{worst:e}");
 }
 
 // Truth: the command `lifetimes` at one point; for the breather of the paper also `breather bright`, on 40 sites, that takes a tenth of what the core had at first.

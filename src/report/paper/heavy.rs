@@ -3,9 +3,7 @@
 use super::{center_word, shown};
 use crate::{
     dps::Homoclinic,
-    experiments::{
-        BrightHistory, BrightSample, BrightStudy, Fate, LifetimePoint, LifetimeStudy, Norm, RhoLaw, TheoremStudy,
-    },
+    experiments::{BrightHistory, BrightSample, BrightStudy, LifetimeStudy, Norm, RhoLaw, TheoremStudy},
     output::csv,
     report::theorem_csv,
     scene::Scene,
@@ -174,29 +172,34 @@ pub(super) fn lifetimes_caption(study: &LifetimeStudy) -> String {
     )
 }
 
-/// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that failed.
-fn lifetime(study: &LifetimeStudy, point: &LifetimePoint) -> Option<(f64, bool)> {
-    let life = point.life.as_ref().ok()?;
-    Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
-}
-
-/// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the breather has decoupled.
-fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
-    let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
-    let value = time / scale;
-    let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
-    let fate = point.life.as_ref().map(|life| life.fate);
-    let ring = if fate == Ok(Fate::Decouples) { "◦" } else { "" };
-    format!("{}{value:.digits$}{ring}", if open { "> " } else { "" })
-}
-
 #[cfg(feature = "plot")]
 mod pictures {
     use super::*;
+    use crate::experiments::{Fate, LifetimePoint};
     use crate::figures::{CellMap, Column, Kind, Line, Maps, Panel, Panels, SpaceTime};
 
     fn line(name: impl Into<String>, points: impl Iterator<Item = (f64, f64)>) -> Line {
         Line { name: name.into(), points: points.collect() }
+    }
+
+    fn law_words(study: &TheoremStudy) -> &'static str {
+        if study.options.rho_law == RhoLaw::Heavy { HEAVY } else { LIGHT }
+    }
+
+    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that failed.
+    fn lifetime(study: &LifetimeStudy, point: &LifetimePoint) -> Option<(f64, bool)> {
+        let life = point.life.as_ref().ok()?;
+        Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
+    }
+
+    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the breather has decoupled.
+    fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
+        let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
+        let value = time / scale;
+        let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
+        let fate = point.life.as_ref().map(|life| life.fate);
+        let ring = if fate == Ok(Fate::Decouples) { "◦" } else { "" };
+        format!("{}{value:.digits$}{ring}", if open { "> " } else { "" })
     }
 
     pub(in super::super) fn bright_panels(title: &str, study: &BrightStudy, caption: String) -> Panels {
@@ -254,14 +257,17 @@ mod pictures {
         let column = |pair: &[TheoremStudy; 2]| {
             let powers = pair[0].powers();
             let panel = |(k, name): (usize, &str)| {
-                let scaled = |(study, name): (&TheoremStudy, &str)| {
-                    line(name, study.runs.iter().map(|run| (run.epsilon, study.scaled(run, Norm::One).0[k])))
+                let scaled = |study: &TheoremStudy| {
+                    line(
+                        law_words(study),
+                        study.runs.iter().map(|run| (run.epsilon, study.scaled(run, Norm::One).0[k])),
+                    )
                 };
                 Panel {
                     kind: Kind::LogLog,
                     x_label: "size ε".into(),
                     y_label: format!("{name} / {}", power(powers[k])),
-                    lines: pair.iter().zip([HEAVY, LIGHT]).map(scaled).collect(),
+                    lines: pair.iter().map(scaled).collect(),
                     ..Panel::default()
                 }
             };
