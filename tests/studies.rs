@@ -419,3 +419,35 @@ fn dark_breathers_outside_their_rules_are_refused() {
     assert!(refusal(&["continue", "--step", "0"]).contains("step = 0"));
     assert!(refusal(&["doubled", "--most", "2.02", "--step", "0.01"]).contains("no period doubling"));
 }
+
+#[test]
+fn an_orbit_is_written_read_back_and_let_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    assert!(
+        hertzchain(&["dark", "--center", "bond", "--omega-b", "2.05", "--sites", "21", "--out", out]).status.success()
+    );
+    let file = folder.path().join("dark-breather.json");
+    let name = file.to_str().unwrap();
+    let study = json(&["evolve", name, "--until", "62", "--kick", "1e-3", "--mode", "0", "--json"]);
+    for key in ["t", "e_b", "position"] {
+        assert_eq!(study[key].as_array().unwrap().len(), 21, "{key}");
+    }
+    assert_eq!(study["motion"].as_array().unwrap().len(), 3);
+    assert!(study["e_b"][20].as_f64().unwrap() > 1e-3 && study["failure"].is_null());
+    // What is no orbit is refused.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let altered = |from: &str, to: &str| {
+        std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        refusal(&["evolve", name])
+    };
+    assert!(altered("\"rho\": 3.3", "\"rho\": 3.4").contains("residual"));
+    assert!(altered("\"rho\"", "\"roh\"").contains("missing field `rho`"));
+    assert!(altered("\"x\": [", "\"x\": [1.0, ").contains("x = 22 numbers"));
+    assert!(altered("{", "").contains("dark-breather.json"));
+    std::fs::write(&file, &text).unwrap();
+    assert!(refusal(&["evolve", name, "--until", "1"]).contains("until = 1"));
+    assert!(refusal(&["evolve", name, "--kick", "0"]).contains("kick = 0"));
+    assert!(refusal(&["evolve", name, "--kick", "1e-3", "--mode", "84"]).contains("mode = 84"));
+    assert!(refusal(&["evolve", "no-such-file.json"]).contains("no-such-file.json"));
+}

@@ -36,6 +36,10 @@ pub(super) enum Command {
     Continue(ContinueArgs),
     /// Follow the branch of doubled period that leaves the bond-centred dark breathers.
     Doubled(DoubledArgs),
+    /// Let a dark breather go, kicked along one of its modes or not: does it come back, and where does its kink go?
+    ///
+    /// Example: hertzchain dark --center bond --omega-b 2.05 --out out/dark; hertzchain evolve out/dark/dark-breather.json --until 1200 --kick 1e-3 --mode 0
+    Evolve(EvolveArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
     /// Theorem 1 as an experiment that could fail: does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says?
@@ -574,6 +578,30 @@ pub(super) struct ContinueArgs {
     #[command(flatten)]
     pub(super) ring: RingArgs,
     /// Folder for branch.json, branch.csv and branch.npz [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct EvolveArgs {
+    /// File that `dark` has written, or its JSON.
+    pub(super) orbit: PathBuf,
+    /// End time, rounded down to whole periods, in units of time.
+    #[arg(long, value_name = "T", default_value_t = 1200.0, allow_negative_numbers = true)]
+    pub(super) until: f64,
+    /// Largest change of the start, in units of the orbit's amplitude, of either sign [default: none].
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(super) kick: Option<f64>,
+    /// Multiplier along whose eigenvector the kick is, counted from 0 as `dark --json` lists them: the largest modulus first.
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "kick")]
+    pub(super) mode: usize,
+    /// Tolerance of the run, relative to the size of the state, from 1e-15 to 0.1.
+    #[arg(long, value_name = "TOL", default_value_t = 1e-13, allow_negative_numbers = true)]
+    pub(super) tol: f64,
+    /// Folder for evolution.json and evolution.csv [default: none is written].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.

@@ -37,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::Continue(args) => orbits::branch(&args),
         Command::Doubled(args) => orbits::doubled(&args),
         Command::Lifetimes(args) => lifetimes::main(&args),
+        Command::Evolve(args) => orbits::evolve(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Theorem(args) => theorem::main(&args),
         Command::Verify(args) => verify::main(&args),

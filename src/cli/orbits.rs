@@ -1,16 +1,16 @@
-//! `hertzchain dark`, `continue` and `doubled`.
+//! `hertzchain dark`, `continue`, `doubled` and `evolve`.
 
 use super::{
     Exit,
-    args::{CenterArg, ContinueArgs, DarkBreatherArgs, DoubledArgs, FormulationArg, RingArgs},
+    args::{CenterArg, ContinueArgs, DarkBreatherArgs, DoubledArgs, EvolveArgs, FormulationArg, RingArgs},
     print, progress_bar,
 };
 use crate::{
     breathers::DarkBreather,
     chain::Params,
     error::{Error, Result},
-    experiments::{self, Branch, orbit_study},
-    orbits::{Continuation, End, Formulation, Parameter, Shooting},
+    experiments::{self, Branch, Kick, orbit_study},
+    orbits::{Continuation, End, Formulation, Orbit, Parameter, Shooting},
     output::Folder,
     report,
 };
@@ -95,6 +95,22 @@ pub(super) fn doubled(args: &DoubledArgs) -> Exit {
     print(&if args.json { json.clone() } else { report::doubled_table(&doubled, last.as_ref()) });
     write(folder, &doubled.branch, &json)?;
     Ok(code(&doubled.branch))
+}
+
+pub(super) fn evolve(args: &EvolveArgs) -> Exit {
+    let shooting = Shooting { tol: args.tol, ..Shooting::default() };
+    let orbit = Orbit::load(&args.orbit, &shooting)?;
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    let kick = args.kick.map(|size| Kick { size, mode: args.mode });
+    let study = with_bar(|progress| experiments::evolve(&orbit, args.until, kick, &shooting, progress))?;
+    let json = report::evolution_json(&study) + "\n";
+    print(&if args.json { json.clone() } else { report::evolution_table(&study) });
+    if let Some(folder) = folder {
+        folder.write("evolution.json", json.as_bytes())?;
+        folder.write("evolution.csv", &report::evolution_csv(&study))?;
+        eprintln!("written to {}", folder.path().display());
+    }
+    Ok(if study.failure.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// What there is of a branch is written, but one that did not get there is a failure.

@@ -3,6 +3,7 @@
 mod breather;
 mod compare;
 mod drift;
+mod evolve;
 mod lifetimes;
 mod orbits;
 mod order;
@@ -20,6 +21,7 @@ pub use breather::{
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
+pub use evolve::{Evolution, Kick, Motion, evolve};
 pub use lifetimes::{Criterion, Fate, Life, LifetimeOptions, LifetimePoint, LifetimeStudy, PowerLaw, lifetimes};
 pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};

@@ -11,6 +11,7 @@
 mod bifurcation;
 mod continuation;
 mod eigen;
+mod file;
 mod floquet;
 mod flow;
 mod orbit;

@@ -1,0 +1,168 @@
+//! What becomes of an orbit: its return error, and where its kink goes (Sec. 7).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E_b(m T)` | `max |Z(m T) - Z(0)| / max |Z(0)|` (eq:relerr) |
+//! | `w_n` | `max(0, 1 - |x_n| / K_x)` at `t = m T`: what is missing from the background |
+//! | position | of the kink: the angle of `sum w_n e^{2 pi i n/L}` on the ring of `L` sites, in sites, followed continuously |
+
+use super::{Progress, fit_line};
+use crate::{
+    chain::max_norm,
+    error::{Error, Result},
+    orbits::{Orbit, Shooting, Spectrum},
+};
+use hertzchain_integrators::{Stepper, collocation::Pace};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// A push along an eigenvector of the monodromy matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kick {
+    /// Largest change of an entry of `(Z, Z')`, in units of `max |Z(0)|`; of either sign.
+    pub size: f64,
+    /// Which multiplier, counted from 0 in the order of the spectrum: the largest modulus first.
+    pub mode: usize,
+}
+
+/// A straight line through positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// The times it was fitted over.
+    pub window: (f64, f64),
+    /// Sites per unit of time.
+    pub velocity: f64,
+    /// Largest distance of a position from the line, in sites.
+    pub misfit: f64,
+}
+
+/// An orbit that was let go.
+#[derive(Clone, Debug)]
+pub struct Evolution {
+    /// Where it started, without the kick.
+    pub orbit: Orbit,
+    /// The kick, and the multiplier it is along.
+    pub kick: Option<(Kick, Complex<f64>)>,
+    /// `m T`, from 0.
+    pub times: Vec<f64>,
+    /// `E_b` there.
+    pub e_b: Vec<f64>,
+    /// Position of the kink there, in sites `n`.
+    pub position: Vec<f64>,
+    /// The last three quarters of the run in three equal windows: equal velocities mean no acceleration.
+    pub motion: Vec<Motion>,
+    /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as long as they are small.
+    pub amplification: f64,
+    /// Why it ended before its time.
+    pub failure: Option<String>,
+}
+
+const MOST_PERIODS: f64 = 1e6;
+
+/// Lets an orbit go, for a time `until` rounded down to whole periods.
+///
+/// # Errors
+/// `until` not in `[T, 10^6 T]`; a kick of size zero, not finite or above 1, or along a multiplier that is not there; multipliers that cannot be computed. A run that fails keeps
+/// what it had.
+pub fn evolve(
+    orbit: &Orbit,
+    until: f64,
+    kick: Option<Kick>,
+    shooting: &Shooting,
+    progress: Progress<'_>,
+) -> Result<Evolution> {
+    let period = orbit.setting.period();
+    let periods = (until / period * (1.0 + 1e-12)).floor();
+    if !(1.0..=MOST_PERIODS).contains(&periods) {
+        return Err(Error::parameter("until", until, "from one period of the orbit to 10^6"));
+    }
+    let spectrum = orbit.spectrum(shooting)?;
+    let mut start = orbit.start();
+    let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
+    let chain = orbit.setting.chain()?;
+    let mut run = chain.collocation(&start, (0.0, periods * period), Pace::Tolerance(shooting.tol))?;
+    let background = orbit.x()[0].abs();
+    let mut out = Evolution {
+        amplification: spectrum.largest().powf(periods),
+        kick,
+        times: vec![],
+        e_b: vec![],
+        position: vec![],
+        motion: vec![],
+        failure: None,
+        orbit: orbit.clone(),
+    };
+    let mut state = start.clone();
+    for m in 0..=periods as u64 {
+        let t = m as f64 * period;
+        while run.time() < t && !run.done() && out.failure.is_none() {
+            out.failure = run.step().err().map(|error| error.to_string());
+        }
+        if out.failure.is_some() {
+            break;
+        }
+        run.sample(t, &mut state);
+        let x = &state[..orbit.setting.sites];
+        out.times.push(t);
+        out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
+        out.position.push(kink(x, background, out.position.last().copied()));
+        progress(m as f64 / periods, "evolution");
+    }
+    out.motion = motion(&out.times, &out.position);
+    Ok(out)
+}
+
+/// Adds the kick; the multiplier it is along.
+fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> Result<Complex<f64>> {
+    let Kick { size, mode } = kick;
+    if !(size.is_finite() && size != 0.0 && size.abs() <= 1.0) {
+        return Err(Error::parameter("kick", size, "a share of the amplitude, not zero and at most 1"));
+    }
+    let Some(one) = spectrum.multipliers.get(mode) else {
+        return Err(Error::parameter(
+            "mode",
+            mode,
+            "the number of a multiplier, counted from 0, the largest modulus first",
+        ));
+    };
+    let by = size * orbit.amplitude();
+    start.iter_mut().zip(spectrum.direction(mode)).for_each(|(start, direction)| *start += by * direction);
+    Ok(Complex::new(one.re, one.im))
+}
+
+/// Where the background is missing, in sites `n = -N .. N`: of all images round the ring the one nearest to the position `before`.
+fn kink(x: &[f64], background: f64, before: Option<f64>) -> f64 {
+    let length = x.len() as f64;
+    let moment: Complex<f64> = (0..)
+        .zip(x)
+        .map(|(i, x)| Complex::from_polar((1.0 - x.abs() / background).max(0.0), 2.0 * PI * f64::from(i) / length))
+        .sum();
+    let position = moment.arg() / (2.0 * PI) * length - (length - 1.0) / 2.0;
+    let before = before.unwrap_or(0.0);
+    position - length * ((position - before) / length).round()
+}
+
+/// Lines through the second, third and fourth quarter.
+fn motion(times: &[f64], position: &[f64]) -> Vec<Motion> {
+    let quarter = times.len() / 4;
+    let window = |k: usize| {
+        let points: Vec<(f64, f64)> = (k * quarter..(k + 1) * quarter).map(|i| (times[i], position[i])).collect();
+        let (velocity, misfit) = fit_line(&points)?;
+        Some(Motion { window: (points[0].0, points[points.len() - 1].0), velocity, misfit })
+    };
+    (1..4).filter_map(window).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kink;
+
+    #[test]
+    fn a_gap_is_found_and_followed_round_the_ring() {
+        let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
+        assert!(kink(&gap(20), 1.0, None).abs() < 1e-12);
+        assert!((kink(&gap(40), 1.0, Some(19.0)) - 20.0).abs() < 1e-12);
+        // One further is the first site again.
+        assert!((kink(&gap(0), 1.0, Some(20.0)) - 21.0).abs() < 1e-12);
+    }
+}

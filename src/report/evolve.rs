@@ -1,0 +1,71 @@
+//! Reports of orbits that were let go.
+
+use super::table;
+use crate::{
+    experiments::Evolution,
+    output::{csv, to_json},
+};
+use serde_json::json;
+
+/// Rows of the table, besides the last.
+const ROWS: usize = 20;
+
+/// The run as JSON, a number a period.
+pub fn evolution_json(study: &Evolution) -> String {
+    let setting = study.orbit.setting;
+    let motion = study
+        .motion
+        .iter()
+        .map(|one| json!({ "from": one.window.0, "to": one.window.1, "velocity": one.velocity, "misfit": one.misfit }));
+    to_json(&json!({
+        "omega_b": setting.omega_b,
+        "rho": setting.params.rho,
+        "sites": setting.sites,
+        "period": setting.period(),
+        "kick": study.kick.map(|(kick, lambda)| json!({ "size": kick.size, "mode": kick.mode, "re": lambda.re, "im": lambda.im })),
+        "t": study.times,
+        "e_b": study.e_b,
+        "position": study.position,
+        "motion": motion.collect::<Vec<_>>(),
+        "amplification": study.amplification,
+        "failure": study.failure,
+    }))
+}
+
+/// The run as a table.
+pub fn evolution_table(study: &Evolution) -> String {
+    let count = study.times.len();
+    let shown = (0..count).filter(|m| m % count.div_ceil(ROWS).max(1) == 0 || m + 1 == count);
+    let rows: Vec<Vec<String>> = shown
+        .map(|m| {
+            let (t, e_b, position) = (study.times[m], study.e_b[m], study.position[m]);
+            vec![m.to_string(), format!("{t:.4}"), format!("{e_b:.6e}"), format!("{position:.6}")]
+        })
+        .collect();
+    let kick = study.kick.map_or("not kicked".to_owned(), |(kick, lambda)| {
+        format!("kicked by {:e} of its amplitude along multiplier {} = {lambda:.9}", kick.size, kick.mode)
+    });
+    let motion: String = study
+        .motion
+        .iter()
+        .map(|one| {
+            let (from, to) = one.window;
+            format!(
+                "velocity from t = {from:.1} to {to:.1}: {:.6e} sites per unit of time, positions within {:.1e}\n",
+                one.velocity, one.misfit
+            )
+        })
+        .collect();
+    let failure = study.failure.as_ref().map_or(String::new(), |why| format!("the run ended early: {why}\n"));
+    table(&["period", "t", "E_b", "kink at n"], &rows)
+        + &format!(
+            "\n{kick}\n{motion}what is small grows by a factor of at least {:.1e} in this run, roundings too\n{failure}",
+            study.amplification
+        )
+}
+
+/// `evolution.csv`: time, `E_b` and position, a line a period.
+pub fn evolution_csv(study: &Evolution) -> Vec<u8> {
+    let rows = study.times.iter().zip(&study.e_b).zip(&study.position);
+    csv(&["t", "e_b", "position"], rows.map(|((&t, &e_b), &position)| vec![t, e_b, position]))
+}
