@@ -315,17 +315,17 @@ fn a_kick_along_a_mode_grows_by_its_multiplier_and_sets_the_kink_in_motion() {
     let run = |size: f64, periods: f64| {
         evolve(&orbit, periods * orbit.setting.period(), Some(Kick { size, mode: 0 }), &shooting, &|_, _| ()).unwrap()
     };
-    // Truth: the multiplier. The kick has parts of the decaying mode in it where the vector is not an eigenvector. Measured: 3e-6.
+    // Truth: the multiplier. The kick has parts of the decaying mode in it where the vector is not an eigenvector. Measured: 4e-9.
     let small = run(1e-8, 60.0);
     let lambda = small.kick.unwrap().1.re;
     let growth = (small.e_b[60] / small.e_b[20]).powf(1.0 / 40.0);
     println!("{growth} {lambda}");
-    assert!((growth / lambda - 1.0).abs() < 1e-5);
+    assert!((growth / lambda - 1.0).abs() < 1e-8);
     // Either way from the bond between the sites 0 and 1, and with images under the symmetry n -> 1 - n.
     let (right, left) = (run(0.01, 100.0), run(-0.01, 100.0));
     let apart = right.position.iter().zip(&left.position).map(|(a, b)| (a + b - 1.0).abs()).fold(0.0, f64::max);
     println!("{:?} {:?} {apart:e}", right.position[100], left.position[100]);
-    assert!((right.position[0] - 0.5).abs() < 0.1 && (right.position[100] - 0.5).abs() > 3.0 && apart < 1e-6);
+    assert!((right.position[0] - 0.5).abs() < 0.1 && (right.position[100] - 0.5).abs() > 1.0 && apart < 1e-6);
     // No kick, no motion.
     let still = evolve(&orbit, 100.0 * orbit.setting.period(), None, &shooting, &|_, _| ()).unwrap();
     assert!(still.e_b[100] < 1e-9 && (still.position[100] - 0.5).abs() < 1e-9, "{:?}", still.e_b[100]);

@@ -3,7 +3,8 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `E_b(m T)` | `max |Z(m T) - Z(0)| / max |Z(0)|` (eq:relerr) |
-//! | `w_n` | `max(0, 1 - |x_n| / K_x)` at `t = m T`: what is missing from the background |
+//! | `r_n` | `(x_n^2 + (x_n'/omega_b)^2)^{1/2}` at `t = m T`: about the amplitude of bond `n`, in any phase |
+//! | `w_n` | `max(0, 1 - r_n / K_x)^4`: what is missing from the background; ripples of it count for little |
 //! | position | of the kink: the angle of `sum w_n e^{2 pi i n/L}` on the ring of `L` sites, in sites, followed continuously |
 
 use super::{Progress, fit_line};
@@ -102,10 +103,12 @@ pub fn evolve(
             break;
         }
         run.sample(t, &mut state);
-        let x = &state[..orbit.setting.sites];
+        let (x, x_dot) = (&state[..], &state[orbit.z.len()..]);
+        let amplitudes: Vec<f64> =
+            (0..orbit.setting.sites).map(|n| x[n].hypot(x_dot[n] / orbit.setting.omega_b) / background).collect();
         out.times.push(t);
         out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
-        out.position.push(kink(x, background, out.position.last().copied()));
+        out.position.push(kink(&amplitudes, out.position.last().copied()));
         progress(m as f64 / periods, "evolution");
     }
     out.motion = motion(&out.times, &out.position);
@@ -130,12 +133,12 @@ fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> 
     Ok(Complex::new(one.re, one.im))
 }
 
-/// Where the background is missing, in sites `n = -N .. N`: of all images round the ring the one nearest to the position `before`.
-fn kink(x: &[f64], background: f64, before: Option<f64>) -> f64 {
-    let length = x.len() as f64;
+/// Where the background is missing, from amplitudes over its own, in sites `n = -N .. N`: of all images round the ring the one nearest to the position `before`.
+fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
+    let length = amplitudes.len() as f64;
     let moment: Complex<f64> = (0..)
-        .zip(x)
-        .map(|(i, x)| Complex::from_polar((1.0 - x.abs() / background).max(0.0), 2.0 * PI * f64::from(i) / length))
+        .zip(amplitudes)
+        .map(|(i, r)| Complex::from_polar((1.0 - r).max(0.0).powi(4), 2.0 * PI * f64::from(i) / length))
         .sum();
     let position = moment.arg() / (2.0 * PI) * length - (length - 1.0) / 2.0;
     let before = before.unwrap_or(0.0);
@@ -160,9 +163,9 @@ mod tests {
     #[test]
     fn a_gap_is_found_and_followed_round_the_ring() {
         let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
-        assert!(kink(&gap(20), 1.0, None).abs() < 1e-12);
-        assert!((kink(&gap(40), 1.0, Some(19.0)) - 20.0).abs() < 1e-12);
+        assert!(kink(&gap(20), None).abs() < 1e-12);
+        assert!((kink(&gap(40), Some(19.0)) - 20.0).abs() < 1e-12);
         // One further is the first site again.
-        assert!((kink(&gap(0), 1.0, Some(20.0)) - 21.0).abs() < 1e-12);
+        assert!((kink(&gap(0), Some(20.0)) - 21.0).abs() < 1e-12);
     }
 }
