@@ -103,20 +103,9 @@ impl Continuation {
         let from = start.setting.get(self.parameter);
         self.validate(from)?;
         let direction = (self.to - from).signum();
-        let scales = self.scales(&start, from);
-        let mut first = DVector::zeros(start.z.len() + 1);
-        first[start.z.len()] = direction;
-        self.along(Place { tangent: self.tangent(&start, scales, &first)?, orbit: start }, from, &mut seen)
-    }
-
-    /// From a point with a tangent, on towards where the parameter is to go.
-    pub(super) fn along(
-        &self,
-        mut place: Place,
-        from: f64,
-        seen: &mut impl FnMut(&Orbit),
-    ) -> Result<(Vec<Orbit>, End)> {
-        let direction = (self.to - from).signum();
+        let mut tangent = DVector::zeros(start.z.len() + 1);
+        tangent[start.z.len()] = direction;
+        let mut place = Place { orbit: start, tangent };
         let mut orbits = vec![place.orbit.clone()];
         let first = self.step / (self.to - from).abs();
         let mut ds = first;
@@ -126,10 +115,8 @@ impl Continuation {
                 break End::MostPoints;
             }
             let scales = self.scales(&place.orbit, from);
-            place.tangent = match self.tangent(&place.orbit, scales, &place.tangent) {
-                Ok(tangent) => tangent,
-                Err(_) => break End::Lost,
-            };
+            let Ok(tangent) = self.tangent(&place.orbit, scales, &place.tangent) else { break End::Lost };
+            place.tangent = tangent;
             let rate = place.tangent[place.tangent.len() - 1] * scales.parameter;
             ds = ds.min(LONGEST).min(self.step / rate.abs());
             // The last step lands on the end.

@@ -142,7 +142,7 @@ impl Shooting {
     /// The orbit near the strains `seed = [x(0), y(0)]`.
     ///
     /// # Errors
-    /// A setting outside its rules; a seed of another length, not finite or zero; a flow that fails; and [`Error::Stalled`] with the best
+    /// A setting outside its rules; a seed of another length, not finite or zero; a seed whose flow fails; and [`Error::Stalled`] with the best
     /// iterate where Newton's method does not get to a residual of 1e-12.
     pub fn solve(&self, setting: &Setting, seed: &[f64]) -> Result<Orbit> {
         if seed.len() != 2 * setting.sites {
@@ -172,7 +172,11 @@ impl Shooting {
                 break;
             }
         }
-        let last = self.equations(setting, z.as_slice(), false)?.residual.amax() / z.amax();
+        let last = match self.equations(setting, z.as_slice(), false) {
+            Ok(equations) => equations.residual.amax() / z.amax(),
+            Err(error) if newton.is_empty() => return Err(error),
+            Err(_) => f64::INFINITY,
+        };
         match keep(&z, last, &newton) {
             Some(orbit) if orbit.residual <= SOLVED => Ok(Orbit { newton, ..orbit }),
             best => Err(Error::Stalled { steps: newton.len(), best: best.map(Box::new) }),
