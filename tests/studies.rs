@@ -417,6 +417,7 @@ fn dark_breathers_outside_their_rules_are_refused() {
     assert!(refusal(&["continue", "--omega-b", "2.05"]).contains("--from"));
     assert!(refusal(&["continue", "--from", "2.05", "--to", "2.05"]).contains("to = 2.05"));
     assert!(refusal(&["continue", "--step", "0"]).contains("step = 0"));
+    assert!(refusal(&["continue", "--to", "1.9"]).contains("to = 1.9"));
     assert!(refusal(&["doubled", "--most", "2.02", "--step", "0.01"]).contains("no period doubling"));
 }
 

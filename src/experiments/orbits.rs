@@ -83,6 +83,12 @@ pub fn branch(
     if !(weak.is_finite() && weak >= 0.0) {
         return Err(Error::parameter("weak", weak, "finite and at least zero"));
     }
+    let mut last = *breather;
+    last.set(continuation.parameter, continuation.to);
+    if last.omega_b <= last.params.omega() {
+        let rule = "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
+        return Err(Error::parameter("to", continuation.to, rule));
+    }
     branch_from(breather.orbit(&continuation.shooting)?, continuation, Some(weak), progress)
 }
 
@@ -90,12 +96,23 @@ pub fn branch(
 fn branch_from(start: Orbit, continuation: &Continuation, weak: Option<f64>, progress: Progress<'_>) -> Result<Branch> {
     let Continuation { parameter, to, ref shooting, .. } = *continuation;
     let from = start.setting.get(parameter);
-    let (orbits, end) = continuation.follow(start, |orbit| {
+    let (mut orbits, mut end) = continuation.follow(start, |orbit| {
         let p = orbit.setting.get(parameter);
         progress(ORBITS * ((p - from) / (to - from)).clamp(0.0, 1.0), &format!("{} = {p:.5}", parameter.name()));
     })?;
     progress(ORBITS, "multipliers");
-    let spectra = map(&orbits, |orbit| orbit.spectrum(shooting)).into_iter().collect::<Result<Vec<_>>>()?;
+    // A point without multipliers costs what comes after it, not the branch.
+    let mut spectra = Vec::with_capacity(orbits.len());
+    for spectrum in map(&orbits, |orbit| orbit.spectrum(shooting)) {
+        match spectrum {
+            Ok(spectrum) => spectra.push(spectrum),
+            Err(error) if spectra.is_empty() => return Err(error),
+            Err(_) => {
+                (orbits, end) = (orbits[..spectra.len()].to_vec(), End::NoMultipliers);
+                break;
+            }
+        }
+    }
     let extents = map(&orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
     progress(0.5 * (1.0 + ORBITS), "bifurcations");
     let bifurcations = weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
@@ -150,6 +167,11 @@ pub fn doubled(
     let Some(birth) = birth else {
         return Err(Error::parameter("most", most, "the main branch has no period doubling up to there"));
     };
+    if omega_b <= birth.orbit.setting.omega_b / 2.0 {
+        let rule =
+            "the branch of doubled period goes up from half the frequency of the period doubling, 1.0316 at rho = 1/3";
+        return Err(Error::parameter("omega-b", omega_b, rule));
+    }
     let continuation = Continuation { to: omega_b, step: 0.5 * step, ..main.continuation };
     let first = birth.doubled(shooting, FIRST_SIZE)?;
     let branch = branch_from(first, &continuation, None, &|share, what| progress(0.5 + 0.5 * share, what))?;

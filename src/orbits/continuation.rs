@@ -50,6 +50,8 @@ pub enum End {
     TurnedBack,
     /// No orbit at the shortest step.
     Lost,
+    /// The eigenvalues of the next orbit did not converge.
+    NoMultipliers,
 }
 
 /// `ds` at most: strains may change by half their size from point to point.
