@@ -451,7 +451,7 @@ fn an_inset_covers_no_data() {
 
 #[test]
 fn columns_stand_side_by_side_and_none_is_empty() {
-    let column = |heading: &str, panels: Vec<Panel>| Column { heading: heading.into(), panels };
+    let column = |heading: &str, panels: Vec<Panel>| Column::new(heading, panels);
     let figure = |columns: Vec<Column>| Panels { columns, ..Panels::column("Columns", vec![], CAPTION) };
     let (left, right) = (two_lines(5.0), two_lines(0.0));
     let bytes = panels(&figure(vec![column("one", vec![left.clone(), left]), column("ζ = 0.1", vec![right])])).unwrap();
@@ -577,10 +577,33 @@ fn panels_of_another_label_have_a_range_of_their_own() {
 #[test]
 fn space_time_maps_stand_side_by_side() {
     let [red, dark] = [map(vec![1.0; 4], 2), SpaceTime { signed: false, ..map(vec![0.0, 0.0, 0.0, 1.0], 2) }];
-    let (pixels, caption) = decode(&space_times("Two", &[red, dark], "both").unwrap());
+    let columns = [red, dark].map(|map| Column::new("", [map])).to_vec();
+    let (pixels, caption) = decode(&panels(&Panels { title: "Two".into(), columns, caption: "both".into() }).unwrap());
     assert_eq!(caption, "both");
     let row = &pixels[500 * SIZE.0 as usize..][..SIZE.0 as usize];
     assert!(row[300][0] > row[300][2] + 60, "{:?}", row[300]);
     assert!(row[800][2] > row[800][1] + 60, "{:?}", row[800]);
-    assert!(space_times("None", &[], "nothing").is_err());
+}
+
+/// A cloud of the four points `(+-1, 0), (0, +-1)`.
+fn cross(kind: Kind) -> Vec<Vec<[u8; 3]>> {
+    let line = Line { name: String::new(), points: vec![(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] };
+    let panel = Panel { kind, x_label: "Re λ".into(), y_label: "Im λ".into(), lines: vec![line], ..Panel::default() };
+    inside(&panels(&Panels::column("Cross", vec![panel], "four points")).unwrap())
+}
+
+#[test]
+fn a_plane_has_one_scale_and_a_cloud_is_not_joined() {
+    // First and last index at which there is blue, of columns and of rows.
+    let extent = |picture: &[Vec<[u8; 3]>]| {
+        let columns: Vec<usize> = (0..picture[0].len()).filter(|&x| picture.iter().any(|row| blue(&row[x]))).collect();
+        let rows: Vec<usize> = (0..picture.len()).filter(|&y| picture[y].iter().any(blue)).collect();
+        [columns, rows].map(|at| at[at.len() - 1] as f64 - at[0] as f64)
+    };
+    let [wide, high] = extent(&cross(Kind::Plane));
+    assert!((wide / high - 1.0).abs() < 0.02, "{wide} {high}");
+    let [wide, high] = extent(&cross(Kind::Cloud));
+    assert!(wide / high > 1.3, "{wide} {high}");
+    let few = |kind| cross(kind).iter().flatten().filter(|p| blue(p)).count();
+    assert!(few(Kind::Cloud) < 200 && few(Kind::Parameter) > 1000, "{} {}", few(Kind::Cloud), few(Kind::Parameter));
 }

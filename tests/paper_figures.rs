@@ -1,6 +1,13 @@
 //! `hertzchain figures`: every file is there, the numbers are those of `wave`, and one failure does not cost the others.
 #![cfg(feature = "cli")]
 
+use hertzchain::{
+    breathers::DarkBreather,
+    chain::Params,
+    dps::Center,
+    experiments::{OrbitData, OrbitRecipe, PaperData, PaperFigure, Recipe, evolve},
+    orbits::Shooting,
+};
 use serde_json::Value;
 use std::{
     collections::BTreeSet,
@@ -356,5 +363,85 @@ fn a_figure_that_fails_does_not_lose_the_others() {
     assert!(other["failure"].is_null());
     for name in other["files"].as_array().unwrap() {
         assert!(folder.path().join(name.as_str().unwrap()).is_file());
+    }
+}
+
+/// A figure of Sec. 7 with numbers of its own.
+fn orbit_data(recipe: OrbitRecipe) -> OrbitData {
+    let figure =
+        PaperFigure { name: "test", source: "test", title: "test", claim: "test", recipe: Recipe::Orbits(recipe) };
+    let Ok(PaperData::Orbits(data)) = figure.data(&|_| {}) else { panic!("no data") };
+    *data
+}
+
+#[test]
+fn the_exact_profiles_are_those_of_dark_and_come_back() {
+    let (folder, captions) = drawn("dark-profiles");
+    assert!(captions[0].contains("Bond-centred: K_x = 0.149645, K_y = 0.372598"), "{}", captions[0]);
+    let (header, bond) = read(folder.path(), "dark-profiles-bond-profile.csv");
+    assert_eq!(header, "n,x,y,x_after,y_after,x_dps,y_dps");
+    let output =
+        hertzchain(&["dark", "--center", "bond", "--rho", "0.3333333333333333", "--omega-b", "2.05", "--json"]);
+    let dark: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for (i, row) in bond.iter().enumerate() {
+        assert_eq!((row[1], row[2]), (dark["x"][i].as_f64().unwrap(), dark["y"][i].as_f64().unwrap()));
+        assert!((row[3] - row[1]).abs() < 1e-14 && (row[4] - row[2]).abs() < 1e-14, "{row:?}");
+        // (eq:xy_sw): x - b = -rho (y - b), b the mean strain, which is the same multiple of either.
+        assert!(row[5].abs() > 1.1 * row[1].abs(), "{row:?}");
+    }
+}
+
+#[test]
+fn the_mode_at_minus_one_is_odd_about_the_kink_and_leads_to_another_orbit() {
+    let OrbitData::Doubling(one) = orbit_data(OrbitRecipe::Doubling { omega_b: 1.032 }) else { panic!() };
+    let sites = one.orbit.setting.sites;
+    let reflected = |z: &[f64], k: usize| z[k / sites * sites + (2 * sites - k % sites) % sites];
+    let largest = |z: &dyn Fn(usize) -> f64| (0..2 * sites).map(|k| z(k).abs()).fold(0.0, f64::max);
+    let mode = &one.birth.mode;
+    assert!(largest(&|k| mode[k] + reflected(mode, k)) < 1e-8);
+    assert!(largest(&|k| if (k % sites).abs_diff(20) > 8 { mode[k] } else { 0.0 }) < 1e-3);
+    // An orbit of the main branch is even: this one is not.
+    assert!(largest(&|k| one.orbit.z[k] - reflected(&one.orbit.z, k)) > 0.1 * one.orbit.amplitude());
+    assert!(one.orbit.residual < 1e-14 && one.orbit.newton.len() <= 9);
+}
+
+#[test]
+fn figures_of_orbits_have_the_numbers_of_their_commands() {
+    let OrbitData::ReturnErrors(branch, errors, _) =
+        orbit_data(OrbitRecipe::ReturnErrors { omega_b: [2.085, 2.086], points: 1, until: 100.0 })
+    else {
+        panic!()
+    };
+    let shooting = Shooting::default();
+    let last = &branch.points.last().unwrap().orbit;
+    assert_eq!(last.setting.omega_b, 2.086);
+    let run = evolve(last, 100.0, None, &shooting, &|_, _| {}).unwrap();
+    assert_eq!(errors.last(), run.e_b.last());
+    // The largest strain of the background in every period is K_x, but for the time between samples.
+    let sites = last.setting.sites;
+    let k_x = branch.points.last().unwrap().extent.k_x;
+    assert_eq!(run.swing.x.len(), sites * (run.times.len() - 1));
+    for row in run.swing.x.chunks(sites) {
+        assert!((0.98..1.0 + 1e-9).contains(&(row[0] / k_x)), "{} {k_x}", row[0]);
+    }
+    let OrbitData::MassRatios(all) = orbit_data(OrbitRecipe::MassRatios { omega_b: &[2.05], to: 0.34, points: [3, 1] })
+    else {
+        panic!()
+    };
+    let centers: Vec<Center> = all.iter().map(|one| one.center).collect();
+    assert_eq!(centers, [Center::Bond, Center::Site]);
+    for one in &all {
+        let rhos: Vec<f64> = one.branch.points.iter().map(|point| point.orbit.setting.params.rho).collect();
+        assert!(rhos.is_sorted() && rhos.last() == Some(&0.34), "{rhos:?}");
+        let breather = DarkBreather {
+            params: Params::new(1.5, 1.0, 0.34).unwrap(),
+            center: one.center,
+            sites: 41,
+            omega_b: 2.05,
+            c_x: 0.0,
+        };
+        let (direct, last) = (breather.orbit(&shooting).unwrap(), &one.branch.points.last().unwrap().orbit);
+        let apart = direct.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-12, "{apart:e}");
     }
 }

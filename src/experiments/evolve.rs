@@ -54,11 +54,30 @@ pub struct Evolution {
     pub motion: Vec<Motion>,
     /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as long as they are small.
     pub amplification: f64,
+    /// Largest strains in time.
+    pub swing: Swing,
+    /// The state `(Z, Z')` at the last of the times.
+    pub end: Vec<f64>,
     /// Why it ended before its time.
     pub failure: Option<String>,
 }
 
+/// Largest strains, a row for each of equal numbers of periods: what a picture over space and time shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swing {
+    /// Time that a row covers; the first one begins at 0.
+    pub span: f64,
+    /// Largest `|x_n|` of 16 samples a period, a row after the other.
+    pub x: Vec<f64>,
+    /// Largest `|y_n|`.
+    pub y: Vec<f64>,
+}
+
 const MOST_PERIODS: f64 = 1e6;
+/// Samples a period for the largest strains; a power of two, so that whole periods are among the samples to the bit.
+const SAMPLES: u64 = 16;
+/// Rows of largest strains at most.
+const MOST_ROWS: u64 = 600;
 
 /// Lets an orbit go, for a time `until` rounded down to whole periods.
 ///
@@ -90,12 +109,16 @@ pub fn evolve(
         e_b: vec![],
         position: vec![],
         motion: vec![],
+        swing: Swing::default(),
+        end: vec![],
         failure: None,
         orbit: orbit.clone(),
     };
     let mut state = start.clone();
-    for m in 0..=periods as u64 {
-        let t = m as f64 * period;
+    let a_row = (periods as u64).div_ceil(MOST_ROWS);
+    out.swing.span = a_row as f64 * period;
+    for k in 0..=periods as u64 * SAMPLES {
+        let (t, m) = (k as f64 * period / SAMPLES as f64, k / SAMPLES);
         while run.time() < t && !run.done() && out.failure.is_none() {
             out.failure = run.step().err().map(|error| error.to_string());
         }
@@ -103,6 +126,11 @@ pub fn evolve(
             break;
         }
         run.sample(t, &mut state);
+        // The sample at the end of a row belongs to it, not to the next one.
+        out.swing.add(&state[..orbit.z.len()], (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
+        if k % SAMPLES > 0 {
+            continue;
+        }
         let (x, x_dot) = (&state[..], &state[orbit.z.len()..]);
         let amplitudes: Vec<f64> =
             (0..orbit.setting.sites).map(|n| x[n].hypot(x_dot[n] / orbit.setting.omega_b) / background).collect();
@@ -112,7 +140,19 @@ pub fn evolve(
         progress(m as f64 / periods, "evolution");
     }
     out.motion = motion(&out.times, &out.position);
+    out.end = state;
     Ok(out)
+}
+
+impl Swing {
+    fn add(&mut self, z: &[f64], row: usize) {
+        let (x, y) = z.split_at(z.len() / 2);
+        for (rows, strains) in [(&mut self.x, x), (&mut self.y, y)] {
+            rows.resize((row + 1) * strains.len(), 0.0);
+            let largest = rows[row * strains.len()..].iter_mut();
+            largest.zip(strains).for_each(|(most, strain)| *most = most.max(strain.abs()));
+        }
+    }
 }
 
 /// Adds the kick; the multiplier it is along.

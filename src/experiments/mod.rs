@@ -21,11 +21,14 @@ pub use breather::{
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
-pub use evolve::{Evolution, Kick, Motion, evolve};
+pub use evolve::{Evolution, Kick, Motion, Swing, evolve};
 pub use lifetimes::{Criterion, Fate, Life, LifetimeOptions, LifetimePoint, LifetimeStudy, PowerLaw, lifetimes};
 pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
-pub use paper::{PAPER, PaperData, PaperFigure, Recipe, WaveColumn, WavePanel, WaveRun};
+pub use paper::{
+    DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, PAPER, PaperData, PaperFigure,
+    ProfileData, Recipe, WaveColumn, WavePanel, WaveRun,
+};
 pub use run::{Outcome, Profile, Records, Sample, run, run_in_closed_form, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};

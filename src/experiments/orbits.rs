@@ -93,7 +93,12 @@ pub fn branch(
 }
 
 /// Bifurcations are located if `weak` is given.
-fn branch_from(start: Orbit, continuation: &Continuation, weak: Option<f64>, progress: Progress<'_>) -> Result<Branch> {
+pub(super) fn branch_from(
+    start: Orbit,
+    continuation: &Continuation,
+    weak: Option<f64>,
+    progress: Progress<'_>,
+) -> Result<Branch> {
     let Continuation { parameter, to, ref shooting, .. } = *continuation;
     let from = start.setting.get(parameter);
     let (mut orbits, mut end) = continuation.follow(start, |orbit| {

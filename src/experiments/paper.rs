@@ -2,6 +2,10 @@
 //!
 //! A figure is an entry of [`PAPER`]; its numbers come from [`PaperFigure::data`], its picture and its tables from `report`.
 
+mod orbits;
+
+pub use orbits::{DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, ProfileData};
+
 use super::{
     BreatherOptions, BrightHistory, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, RhoLaw, StabilityOptions,
     StabilityStudy, TheoremOptions, TheoremStudy, WaveOptions, WaveStudy, bright_breather, bright_history, lifetimes,
@@ -94,6 +98,8 @@ pub enum Recipe {
         /// No breather is followed longer.
         until: f64,
     },
+    /// Dark breathers as exact orbits.
+    Orbits(OrbitRecipe),
 }
 
 /// A run of a figure.
@@ -160,6 +166,8 @@ pub enum PaperData {
     BrightHistory(Box<BrightHistory>),
     /// Lifetimes.
     Lifetimes(Box<LifetimeStudy>),
+    /// Exact orbits.
+    Orbits(Box<OrbitData>),
 }
 
 use WavePanel::{Differences, Errors, ErrorsEnlarged, PerturbedX as Px, PerturbedY as Py, SpreadX, SpreadY, X, Y};
@@ -306,7 +314,138 @@ pub const PAPER: &[PaperFigure] = &[
         claim: "Neighbours are in antiphase, and at the kink the phase slips by π; there the oscillation is weak and the mean strain is negative, so that every bond bears the same mean force.",
         recipe: Recipe::Dark { sites: 41, c: 0.0 },
     },
+    PaperFigure {
+        name: "dark-profiles",
+        source: "Sec. 7, fig:sw_xnyn_w205",
+        title: "Exact dark breathers and the DpS profiles they come from: ω_b = 2.05, ρ = 1/3",
+        claim: "The exact orbit comes back after a period to rounding; the first-order profile has its shape, but is too high by a quarter in the beads and by a half in the resonators.",
+        recipe: Recipe::Orbits(OrbitRecipe::Profiles { rho: THIRD, omega_b: 2.05 }),
+    },
+    PaperFigure {
+        name: "floquet-rho03",
+        source: "Sec. 7, fig:r03floq",
+        title: "Floquet multipliers of dark breathers, ρ = 1/3",
+        claim: "About a bond one pair is real from the start and another makes an arc through −1; about a site there are quartets only, weak ones until a strong one comes near −1.",
+        recipe: Recipe::Orbits(OrbitRecipe::Floquet {
+            rho: THIRD,
+            above: [0.003, 0.108],
+            points: 100,
+            at: 2.09,
+            zoom: None,
+            bifurcations: true,
+        }),
+    },
+    PaperFigure {
+        name: "site-error",
+        source: "Sec. 7, fig:r03sc_relerr",
+        title: "When site-centred dark breathers begin to leave themselves: ρ = 1/3",
+        claim: "What is left of an orbit after 1200 units of time jumps where the strong quartet is born; below, it is rounding, not yet grown to be seen.",
+        recipe: Recipe::Orbits(OrbitRecipe::ReturnErrors { omega_b: [2.003, 2.083], points: 80, until: 1200.0 }),
+    },
+    PaperFigure {
+        name: "site-spacetime",
+        source: "Sec. 7, fig:r03sc_evol",
+        title: "Site-centred dark breathers over space and time: ρ = 1/3",
+        claim: "Below the onset of the strong quartet nothing happens; above it the breather breaks up, and the whole chain with it.",
+        recipe: Recipe::Orbits(OrbitRecipe::Evolutions {
+            rho: THIRD,
+            runs: &[let_go(Center::Site, 2.05, 1200.0), let_go(Center::Site, 2.09, 1200.0)],
+            profiles: false,
+        }),
+    },
+    PaperFigure {
+        name: "bond-spacetime",
+        source: "Sec. 7, fig:r03bc_evol",
+        title: "The bond-centred dark breather over space and time: ω_b = 2.05, ρ = 1/3",
+        claim: "Its real instability sets it in motion: after a long while if only roundings push it, at once if it is kicked along the unstable mode.",
+        recipe: Recipe::Orbits(OrbitRecipe::Evolutions {
+            rho: THIRD,
+            runs: &[
+                let_go(Center::Bond, 2.05, 2500.0),
+                EvolutionRun { kick: Some(0.01), ..let_go(Center::Bond, 2.05, 2500.0) },
+            ],
+            profiles: false,
+        }),
+    },
+    PaperFigure {
+        name: "bond-breakup",
+        source: "Sec. 7, fig:r03bc_evol1",
+        title: "Bond-centred dark breathers of higher frequency break up: ρ = 1/3",
+        claim: "The kink moves for a moment, then the chain is in disorder.",
+        recipe: Recipe::Orbits(OrbitRecipe::Evolutions {
+            rho: THIRD,
+            runs: &[let_go(Center::Bond, 2.08, 1200.0), let_go(Center::Bond, 2.10, 1200.0)],
+            profiles: false,
+        }),
+    },
+    PaperFigure {
+        name: "period-doubling-mode",
+        source: "Sec. 7, fig:PdoubleSln",
+        title: "The mode at the multiplier −1, and the orbit of doubled period: ρ = 1/3",
+        claim: "The mode is odd about the kink and dies out within a few sites; pushed along it, the breather becomes one of half the frequency.",
+        recipe: Recipe::Orbits(OrbitRecipe::Doubling { omega_b: 1.032 }),
+    },
+    PaperFigure {
+        name: "period-doubled",
+        source: "Sec. 7, fig:PdoubleFloq",
+        title: "Dark breathers of doubled period: ρ = 1/3",
+        claim: "After half its period the orbit is its own reflection, after all of it itself; every orbit of the branch is unstable, and it goes on beyond 1.051.",
+        recipe: Recipe::Orbits(OrbitRecipe::Doubled { omega_b: 1.032, to: 1.056 }),
+    },
+    PaperFigure {
+        name: "rho3-evolution",
+        source: "Sec. 7, fig:r3evol",
+        title: "Dark breathers with heavier resonators: ρ = 3, ω_b = 1.2547",
+        claim: "The site-centred breather is still there at the end, the bond-centred one has set out.",
+        recipe: Recipe::Orbits(OrbitRecipe::Evolutions {
+            rho: 3.0,
+            runs: &[let_go(Center::Site, 1.2547, 1500.0), let_go(Center::Bond, 1.2547, 1500.0)],
+            profiles: true,
+        }),
+    },
+    PaperFigure {
+        name: "rho3-floquet",
+        source: "Sec. 7, fig:r3floq",
+        title: "Floquet multipliers of dark breathers, ρ = 3",
+        claim: "About a bond the real pair is far stronger than anything else; about a site there are weak quartets only.",
+        recipe: Recipe::Orbits(OrbitRecipe::Floquet {
+            rho: 3.0,
+            above: [0.001, 0.2],
+            points: 100,
+            at: 1.2547,
+            zoom: None,
+            bifurcations: false,
+        }),
+    },
+    PaperFigure {
+        name: "rho10-floquet",
+        source: "Sec. 7, fig:r10floq",
+        title: "Floquet multipliers of dark breathers, ρ = 10",
+        claim: "Near ω as at ρ = 3; further on the background itself becomes unstable, and whole arcs of quartets leave the circle for both families.",
+        recipe: Recipe::Orbits(OrbitRecipe::Floquet {
+            rho: 10.0,
+            above: [0.001, 0.2],
+            points: 100,
+            at: 1.2,
+            zoom: Some(0.07),
+            bifurcations: false,
+        }),
+    },
+    PaperFigure {
+        name: "rho-continuation",
+        source: "Sec. 7, fig:rhocts",
+        title: "Floquet multipliers of dark breathers against the mass ratio, at fixed frequency",
+        claim: "Only bond-centred breathers have positive real multipliers; strong quartets come to both families alike, above some mass ratio, and at ω_b = 2.05 near ρ = 0.45 as well.",
+        recipe: Recipe::Orbits(OrbitRecipe::MassRatios { omega_b: &[1.50, 1.75, 2.05], to: 10.0, points: [80, 40] }),
+    },
 ];
+
+const THIRD: f64 = 1.0 / 3.0;
+
+/// A run without a kick.
+const fn let_go(center: Center, omega_b: f64, until: f64) -> EvolutionRun {
+    EvolutionRun { center, omega_b, until, kick: None }
+}
 
 impl PaperFigure {
     /// A figure by its name.
@@ -324,6 +463,7 @@ impl PaperFigure {
     /// A run that fails.
     pub fn data(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<PaperData> {
         match self.recipe {
+            Recipe::Orbits(ref recipe) => Ok(PaperData::Orbits(Box::new(recipe.data(progress)?))),
             Recipe::Waves { runs, columns } => {
                 let study = |(k, run): (usize, &'static WaveRun)| {
                     let tell = |done, total| progress((k as f64 + done as f64 / total as f64) / runs.len() as f64);

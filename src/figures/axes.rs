@@ -118,6 +118,12 @@ impl Axis {
         if self.log { 10_f64.powf(position) } else { position }
     }
 
+    /// Gives the range another width about the same middle.
+    fn widen(&mut self, width: f64) {
+        let middle = 0.5 * (self.lo + self.hi);
+        (self.lo, self.hi) = (middle - 0.5 * width, middle + 0.5 * width);
+    }
+
     fn fraction(&self, position: f64) -> f64 {
         (position - self.lo) / (self.hi - self.lo)
     }
@@ -257,12 +263,17 @@ impl Axes {
         y: (Axis, &str),
         grid: bool,
     ) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, grid, LEFT)
+        Self::draw_from(canvas, area, x, y, grid, LEFT, false)
+    }
+
+    /// The same with a grid and with ranges widened until a unit is as long on either axis.
+    pub(super) fn draw_equal(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
+        Self::draw_from(canvas, area, x, y, true, LEFT, true)
     }
 
     /// The same without a grid, and with no more space at the left than its labels need.
     pub(super) fn draw_bare(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, false, BARE)
+        Self::draw_from(canvas, area, x, y, false, BARE, false)
     }
 
     fn draw_from(
@@ -272,6 +283,7 @@ impl Axes {
         (mut y, y_label): (Axis, &str),
         grid: bool,
         least: f64,
+        equal: bool,
     ) -> Result<Self, Error> {
         let x_lines = wrap(x_label, LABEL, 0.6 * area.width());
         let bottom = TICK + 1.5 * SMALL + LINE * x_lines.len() as f64 + 4.0;
@@ -287,6 +299,13 @@ impl Axes {
         x.tick(frame.width(), false);
         if frame.width() < 60.0 || frame.height() < 60.0 {
             return Err(Error("labels and captions leave no room for the axes".into()));
+        }
+        if equal {
+            let unit = ((x.hi - x.lo) / frame.width()).max((y.hi - y.lo) / frame.height());
+            x.widen(unit * frame.width());
+            y.widen(unit * frame.height());
+            x.tick(frame.width(), false);
+            y.tick(frame.height(), true);
         }
 
         let axes = Self { frame, x, y };
@@ -369,9 +388,20 @@ impl Axes {
 }
 
 /// Draws the marker of a style.
-pub(super) fn mark(canvas: &mut Canvas, style: &Style, (x, y): (f64, f64), hollow: bool) -> Result<(), Error> {
+pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: bool) -> Result<(), Error> {
+    mark_of(canvas, style, at, hollow, MARKER)
+}
+
+/// The same of another radius.
+pub(super) fn mark_of(
+    canvas: &mut Canvas,
+    style: &Style,
+    (x, y): (f64, f64),
+    hollow: bool,
+    radius: f64,
+) -> Result<(), Error> {
     let Some(marker) = style.marker else { return Ok(()) };
-    let mut outline: Vec<_> = marker.outline(MARKER).into_iter().map(|(u, v)| (x + u, y + v)).collect();
+    let mut outline: Vec<_> = marker.outline(radius).into_iter().map(|(u, v)| (x + u, y + v)).collect();
     if !outline.is_empty() {
         canvas.polygon(&outline, if hollow { PAPER } else { style.colour })?;
         if hollow {
@@ -380,7 +410,7 @@ pub(super) fn mark(canvas: &mut Canvas, style: &Style, (x, y): (f64, f64), hollo
         }
     }
     marker
-        .strokes(MARKER)
+        .strokes(radius)
         .into_iter()
         .try_for_each(|stroke| canvas.line(&stroke.map(|(u, v)| (x + u, y + v)), style.colour, 1.4, &[]))
 }

@@ -31,6 +31,11 @@ impl Entry {
         Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 1.6 }
     }
 
+    /// A marker alone, full.
+    pub(super) fn mark(text: &str, style: Style) -> Self {
+        Self { width: 0.0, ..Self::line(text, style) }
+    }
+
     /// A marker alone, hollow.
     pub(super) fn point(text: &str, style: Style) -> Self {
         Self { text: text.into(), colour: INK, sample: Some((style, true)), width: 0.0 }

@@ -7,7 +7,7 @@
 //! | figure | function |
 //! | --- | --- |
 //! | error against work, log-log | [`work_precision()`] |
-//! | quantities against site or time, in columns of panels | [`panels()`] |
+//! | quantities against site, time or a parameter, in columns of panels and maps | [`panels()`] |
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
 //! | positive numbers over two positive parameters, in cells | [`maps()`] |
@@ -34,9 +34,9 @@ use canvas::{Canvas, Rect};
 pub use canvas::missing_glyphs;
 pub use growth::{Growth, GrowthMap, growth};
 pub use maps::{CellMap, Maps, maps};
-pub use panels::{Band, Column, Inset, Kind, Panel, Panels, panels};
+pub use panels::{Band, Column, Inset, Kind, Panel, Panels, Plot, panels};
 pub use raster::{Bar, Raster, raster};
-pub use space_time::{SpaceTime, space_time, space_times};
+pub use space_time::{SpaceTime, space_time};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
 
 /// Width and height of a figure in pixels; one of more than two rows of panels is higher.

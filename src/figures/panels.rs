@@ -1,17 +1,23 @@
-//! Panels: pairs of axes in columns, for whatever stands against sites or against time.
+//! Panels: pairs of axes in columns, for whatever stands against sites, time or a parameter; maps may stand among them.
 
-use super::axes::{Axes, Axis, LEFT, mark};
+use super::axes::{Axes, Axis, LEFT, mark, mark_of};
 use super::canvas::{Canvas, LABEL, Rect};
 use super::legend::{self, Entry};
-use super::palette::{self, INK, PAPER, Style};
+use super::palette::{self, GREY, INK, PAPER, Style};
+use super::space_time::{self, SpaceTime};
 use super::{Error, Line, SIZE, page_of, usable};
+use std::f64::consts::TAU;
 
 /// Points above which markers would only blacken the line.
 const MARKED: usize = 200;
 /// Points above which dashes would not show.
 const DENSE: usize = 1000;
-/// Height of a panel with an inset, relative to others.
-const WITH_INSET: f64 = 1.7;
+/// Height of a panel with an inset or of a cloud of points, relative to others.
+const HIGH: f64 = 1.7;
+/// Radius of the markers of a cloud.
+const SMALL_MARKER: f64 = 2.4;
+/// Half the width of the plane that is shown at least, about the unit circle.
+const PLANE: f64 = 1.15;
 /// Pixels by which the page grows for each row of panels above two.
 const ROW: f64 = 230.0;
 /// The part of its axes that an inset takes, from the left and from above, with its labels.
@@ -28,13 +34,35 @@ pub struct Panels {
     pub caption: String,
 }
 
-/// Panels one above the other, of equal height but for those with an inset, which are higher. Those of one kind and one label share the range of their abscissas.
+/// Panels and maps one above the other, of equal height but for clouds of points and those with an inset, which are higher. Panels of one kind and one label
+/// share the range of their abscissas.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
     /// What the column shows, or nothing.
     pub heading: String,
     /// From above.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<Plot>,
+}
+
+/// What stands in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plot {
+    /// A pair of axes.
+    Panel(Panel),
+    /// A map over space and time; its title and caption are not shown.
+    Map(SpaceTime),
+}
+
+impl From<Panel> for Plot {
+    fn from(panel: Panel) -> Self {
+        Self::Panel(panel)
+    }
+}
+
+impl From<SpaceTime> for Plot {
+    fn from(map: SpaceTime) -> Self {
+        Self::Map(map)
+    }
 }
 
 /// One pair of axes, with its legend above.
@@ -66,11 +94,29 @@ pub enum Kind {
     LogTime,
     /// Both axes logarithmic, each point with a marker; what is not positive leaves a gap.
     LogLog,
+    /// Values over a parameter, each point with a marker.
+    Parameter,
+    /// The same on a logarithmic ordinate.
+    LogParameter,
+    /// Points that are not joined, over a parameter.
+    Cloud,
+    /// The same on a logarithmic abscissa.
+    LogCloud,
+    /// Points of the complex plane, not joined, with the unit circle; the axes have the same scale.
+    Plane,
 }
 
 impl Kind {
+    fn log_abscissa(self) -> bool {
+        matches!(self, Self::LogLog | Self::LogCloud)
+    }
+
     fn log_ordinate(self) -> bool {
-        matches!(self, Self::LogTime | Self::LogLog)
+        matches!(self, Self::LogTime | Self::LogLog | Self::LogParameter)
+    }
+
+    fn cloud(self) -> bool {
+        matches!(self, Self::Cloud | Self::LogCloud | Self::Plane)
     }
 }
 
@@ -95,14 +141,32 @@ pub struct Inset {
 impl Panels {
     /// A figure of one column without heading.
     pub fn column(title: impl Into<String>, panels: Vec<Panel>, caption: impl Into<String>) -> Self {
-        let column = Column { heading: String::new(), panels };
-        Self { title: title.into(), columns: vec![column], caption: caption.into() }
+        Self { title: title.into(), columns: vec![Column::new("", panels)], caption: caption.into() }
     }
 }
 
 impl Column {
+    /// A column of plots of one sort.
+    pub fn new<P: Into<Plot>>(heading: impl Into<String>, plots: impl IntoIterator<Item = P>) -> Self {
+        Self { heading: heading.into(), panels: plots.into_iter().map(Into::into).collect() }
+    }
+
     fn height(&self) -> f64 {
-        self.panels.iter().map(Panel::height).sum()
+        self.panels.iter().map(Plot::height).sum()
+    }
+}
+
+impl Plot {
+    /// In rows of panels.
+    fn height(&self) -> f64 {
+        match self {
+            Self::Panel(panel) if panel.inset.is_some() || panel.kind.cloud() => HIGH,
+            _ => 1.0,
+        }
+    }
+
+    fn panel(&self) -> Option<&Panel> {
+        if let Self::Panel(panel) = self { Some(panel) } else { None }
     }
 }
 
@@ -112,7 +176,7 @@ impl Panel {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();
         let bands = self.bands.iter().flat_map(|band| &band.points).flat_map(|&(x, low, high)| [(x, low), (x, high)]);
         let shown = |&(x, y): &(f64, f64)| {
-            let places = (x > 0.0 || self.kind != Kind::LogLog) && (y > 0.0 || !self.kind.log_ordinate());
+            let places = (x > 0.0 || !self.kind.log_abscissa()) && (y > 0.0 || !self.kind.log_ordinate());
             usable(x) && usable(y) && places
         };
         lines.chain(bands).filter(shown)
@@ -120,16 +184,14 @@ impl Panel {
 
     fn style(&self, nth: usize) -> Style {
         match self.lines.get(nth).map_or(0, |line| line.points.len()) {
+            _ if self.kind.cloud() => Style::of_family(nth, nth),
             ..=MARKED if self.kind == Kind::Sites => Style::of_profile(nth),
-            ..=MARKED if self.kind == Kind::LogLog => Style::of_family(nth, nth),
+            ..=MARKED if matches!(self.kind, Kind::LogLog | Kind::Parameter | Kind::LogParameter) => {
+                Style::of_family(nth, nth)
+            }
             ..=DENSE => Style::plain(nth),
             _ => Style::dense(nth),
         }
-    }
-
-    /// In rows of panels.
-    fn height(&self) -> f64 {
-        if self.inset.is_some() { WITH_INSET } else { 1.0 }
     }
 
     fn abscissa(&self, points: impl Iterator<Item = (f64, f64)>) -> Axis {
@@ -137,7 +199,13 @@ impl Panel {
         match self.kind {
             Kind::Sites => Axis::whole(values),
             Kind::Time | Kind::LogTime => Axis::linear(values, 0.0),
+            Kind::Parameter | Kind::LogParameter | Kind::Cloud => Axis::linear(values, 0.02),
             Kind::LogLog => Axis::log(values),
+            Kind::LogCloud => {
+                let (low, high) = range(values);
+                Axis::exact_log(low / 1.05, high * 1.05)
+            }
+            Kind::Plane => Axis::linear(values.chain([-PLANE, PLANE]), 0.03),
         }
     }
 
@@ -146,6 +214,9 @@ impl Panel {
         let values = || self.points().map(|point| point.1);
         if self.kind.log_ordinate() {
             return Axis::log(values());
+        }
+        if self.kind == Kind::Plane {
+            return Axis::linear(values().chain([-PLANE, PLANE]), 0.03);
         }
         let Some(_) = self.inset else { return Axis::linear(values(), 0.06) };
         let (low, high) = range(values());
@@ -173,7 +244,7 @@ pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
         return Err(Error("a figure of panels has a column, and each column a panel".into()));
     }
-    let all = || figure.columns.iter().flat_map(|column| &column.panels);
+    let all = || figure.columns.iter().flat_map(|column| &column.panels).filter_map(Plot::panel);
     if all().any(|panel| panel.points().next().is_none()) {
         return Err(Error("each panel needs a point that its axes can show".into()));
     }
@@ -190,12 +261,17 @@ pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
         let middle = 0.5 * (area.x0 + LEFT + area.x1);
         canvas.text(&column.heading, (middle, headings), LABEL, INK, (0.5, 0.0))?;
         let mut top = area.y0;
-        for panel in &column.panels {
-            let height = area.height() * panel.height() / column.height();
-            let same =
-                column.panels.iter().filter(|other| (other.kind, &other.x_label) == (panel.kind, &panel.x_label));
-            let x = panel.abscissa(same.flat_map(Panel::points));
-            draw(&mut canvas, Rect { y0: top, y1: top + height - 6.0, ..area }, panel, x)?;
+        for plot in &column.panels {
+            let height = area.height() * plot.height() / column.height();
+            let area = Rect { y0: top, y1: top + height - 6.0, ..area };
+            match plot {
+                Plot::Map(map) => space_time::draw(&mut canvas, Rect { x1: area.x1 - 12.0, ..area }, map)?,
+                Plot::Panel(panel) => {
+                    let like = |other: &&Panel| (other.kind, &other.x_label) == (panel.kind, &panel.x_label);
+                    let same = column.panels.iter().filter_map(Plot::panel).filter(like);
+                    draw(&mut canvas, area, panel, panel.abscissa(same.flat_map(Panel::points)))?;
+                }
+            }
             top += height;
         }
     }
@@ -205,17 +281,33 @@ pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
 fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), Error> {
     let lines = panel.lines.iter().enumerate().map(|(nth, line)| (line, panel.style(nth)));
     let bands = panel.bands.iter().enumerate().map(|(nth, band)| (band, palette::pale(panel.style(nth).colour)));
-    let mut entries: Vec<_> = lines.clone().map(|(line, style)| Entry::line(&line.name, style)).collect();
+    let cloud = panel.kind.cloud();
+    let entry = |(line, style): (&Line, Style)| {
+        if cloud { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
+    };
+    // A kind of points that a cloud has none of is not named.
+    let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
+    let mut entries: Vec<_> = named.map(entry).collect();
     entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));
     let area = legend::above(canvas, area, &entries)?;
-    let axes = Axes::draw(canvas, area, (x, &panel.x_label), (panel.ordinate(), &panel.y_label), true)?;
+    let (x, y) = ((x, panel.x_label.as_str()), (panel.ordinate(), panel.y_label.as_str()));
+    let axes = if panel.kind == Kind::Plane {
+        let axes = Axes::draw_equal(canvas, area, x, y)?;
+        let circle: Vec<_> = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).collect();
+        axes.join(canvas, &circle, &Style { colour: GREY, dash: &[], marker: None })?;
+        axes
+    } else {
+        Axes::draw(canvas, area, x, y, true)?
+    };
     for (band, colour) in bands {
         axes.fill(canvas, &band.points, colour);
     }
     for (line, style) in lines {
-        axes.join(canvas, &line.points, &style)?;
+        if !cloud {
+            axes.join(canvas, &line.points, &style)?;
+        }
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            mark(canvas, &style, at, false)?;
+            if cloud { mark_of(canvas, &style, at, false, SMALL_MARKER)? } else { mark(canvas, &style, at, false)? }
         }
     }
     axes.close(canvas)?;

@@ -1,9 +1,9 @@
 //! Space-time maps: the whole history of a chain in colour.
 
 use super::axes::{Axes, Axis};
-use super::canvas::{Canvas, LABEL, Rect};
+use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
-use super::palette::{self, INK, Rgb};
+use super::palette::{self, Rgb};
 use super::{Error, page, usable};
 
 /// A matrix of values over time and sites.
@@ -46,27 +46,7 @@ pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
     canvas.png(&figure.caption)
 }
 
-/// Draws space-time maps side by side, the title of each above it; their captions are not shown.
-///
-/// # Errors
-///
-/// No map, and those of [`space_time()`].
-pub fn space_times(title: &str, maps: &[SpaceTime], caption: &str) -> Result<Vec<u8>, Error> {
-    if maps.is_empty() {
-        return Err(Error("a figure of maps needs one".into()));
-    }
-    let (mut canvas, body) = page(title, caption)?;
-    let width = body.width() / maps.len() as f64;
-    for (k, map) in maps.iter().enumerate() {
-        let left = body.x0 + k as f64 * width;
-        let area = Rect { x0: left, x1: left + width - 12.0, ..body };
-        canvas.text(&map.title, (0.5 * (area.x0 + area.x1), area.y0 + 4.0), LABEL, INK, (0.5, 0.0))?;
-        draw(&mut canvas, Rect { y0: area.y0 + 1.8 * LABEL, ..area }, map)?;
-    }
-    canvas.png(caption)
-}
-
-fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
+pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
     let (sites, (start, end)) = (figure.sites, figure.times);
     if sites == 0 || figure.values.is_empty() || !figure.values.len().is_multiple_of(sites) {
         return Err(Error(format!("{} values are no matrix with rows of {sites} sites", figure.values.len())));

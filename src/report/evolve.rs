@@ -2,6 +2,7 @@
 
 use super::table;
 use crate::{
+    chain::max_norm,
     experiments::Evolution,
     output::{csv, to_json},
 };
@@ -68,4 +69,41 @@ pub fn evolution_table(study: &Evolution) -> String {
 pub fn evolution_csv(study: &Evolution) -> Vec<u8> {
     let rows = study.times.iter().zip(&study.e_b).zip(&study.position);
     csv(&["t", "e_b", "position"], rows.map(|((&t, &e_b), &position)| vec![t, e_b, position]))
+}
+
+/// Largest strains in time, `evolution-x.csv` and `evolution-y.csv` without their first word: the middle of the time that a row covers, then a column a site.
+pub fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
+    let sites = study.orbit.setting.sites;
+    let half = (sites / 2) as i64;
+    let matrix = |symbol: &str, values: &[f64]| {
+        let names = (-half..=half).map(|n| format!("{symbol}_{n}"));
+        let names: Vec<String> = std::iter::once("t".to_owned()).chain(names).collect();
+        let rows = (0..).zip(values.chunks(sites)).map(|(k, row)| {
+            let middle = (f64::from(k) + 0.5) * study.swing.span;
+            std::iter::once(middle).chain(row.iter().copied()).collect()
+        });
+        csv(&names.iter().map(String::as_str).collect::<Vec<_>>(), rows)
+    };
+    vec![("x.csv", matrix("x", &study.swing.x)), ("y.csv", matrix("y", &study.swing.y))]
+}
+
+/// Largest strains over space and time, beads and resonators; values end at twice the largest of the first row, so that what was before a break-up is seen.
+#[cfg(feature = "plot")]
+pub(super) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
+    let sites = study.orbit.setting.sites;
+    let span = study.swing.span;
+    let map = |symbol: &str, values: &[f64]| {
+        let most = 2.0 * max_norm(values[..sites].iter().copied());
+        crate::figures::SpaceTime {
+            site_label: "site n".into(),
+            time_label: "time t".into(),
+            value_label: format!("largest |{symbol}|"),
+            values: values.iter().map(|value| value.min(most)).collect(),
+            sites,
+            first_site: -((sites / 2) as f64),
+            times: (0.5 * span, ((values.len() / sites) as f64 - 0.5) * span),
+            ..Default::default()
+        }
+    };
+    [map("xₙ", &study.swing.x), map("yₙ", &study.swing.y)]
 }

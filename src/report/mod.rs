@@ -27,7 +27,9 @@ pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, c
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
 pub use dps::{dark_csv, dark_json, dark_table};
 pub use drift::{drift_csv, drift_json, drift_table};
-pub use evolve::{evolution_csv, evolution_json, evolution_table};
+#[cfg(feature = "plot")]
+use evolve::swing_maps;
+pub use evolve::{evolution_csv, evolution_json, evolution_table, swing_csv};
 pub use lifetimes::{lifetimes_csv, lifetimes_files, lifetimes_json, lifetimes_json_with_work, lifetimes_table};
 pub use orbits::{branch_csv, branch_json, branch_npz, branch_table, dark_breather_json, dark_breather_table};
 pub use orbits::{doubled_json, doubled_table};

@@ -1,6 +1,7 @@
 //! Reports of the figures of the paper: captions, tables, pictures.
 
 mod heavy;
+mod orbits;
 
 use super::{
     bright_tables,
@@ -71,6 +72,7 @@ pub fn paper_caption(figure: &PaperFigure, data: &PaperData) -> String {
         PaperData::Bright(study) => heavy::bright_caption(study),
         PaperData::BrightHistory(history) => heavy::history_caption(history),
         PaperData::Lifetimes(study) => heavy::lifetimes_caption(study),
+        PaperData::Orbits(data) => orbits::orbit_caption(data),
     };
     format!("{} {what} Paper: {}.", figure.claim, figure.source)
 }
@@ -99,6 +101,9 @@ pub fn paper_tables(figure: &PaperFigure, data: &PaperData) -> Vec<(String, Vec<
         PaperData::Bright(study) => named("", bright_tables(study)),
         PaperData::BrightHistory(history) => named("", heavy::history_csv(history)),
         PaperData::Lifetimes(study) => vec![(format!("{}.csv", figure.name), lifetimes_csv(study))],
+        PaperData::Orbits(data) => {
+            orbits::orbit_tables(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
+        }
     }
 }
 
@@ -222,7 +227,7 @@ fn common_words(study: &WaveStudy) -> String {
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
 pub fn paper_png(figure: &PaperFigure, data: &PaperData) -> crate::error::Result<Vec<u8>> {
-    use crate::figures::{Column, Panels, growth, maps, panels, space_times};
+    use crate::figures::{Column, Panels, growth, maps, panels};
     let caption = paper_caption(figure, data);
     match data {
         PaperData::Dark(profiles) => {
@@ -232,13 +237,13 @@ pub fn paper_png(figure: &PaperFigure, data: &PaperData) -> crate::error::Result
         PaperData::Bounds(pairs) => Ok(panels(&heavy::bounds_panels(figure.title, pairs, caption))?),
         PaperData::Homoclinics(both) => Ok(panels(&heavy::homoclinic_panels(figure.title, both, caption))?),
         PaperData::Bright(study) => Ok(panels(&heavy::bright_panels(figure.title, study, caption))?),
-        PaperData::BrightHistory(history) => Ok(space_times(figure.title, &heavy::history_maps(history), &caption)?),
+        PaperData::BrightHistory(history) => Ok(panels(&heavy::history_panels(figure.title, history, caption))?),
         PaperData::Lifetimes(study) => Ok(maps(&heavy::lifetime_maps(figure.title, study, caption))?),
+        PaperData::Orbits(data) => Ok(panels(&orbits::orbit_panels(figure.title, data, caption))?),
         PaperData::Growth(study) => Ok(growth(&super::stability::figure(study, caption))?),
         PaperData::Waves(columns, runs) => {
-            let column = |column: &WaveColumn| Column {
-                heading: column.heading.to_owned(),
-                panels: column.panels.iter().map(|panel| wave_panel(*panel, &runs[column.run].1)).collect(),
+            let column = |column: &WaveColumn| {
+                Column::new(column.heading, column.panels.iter().map(|panel| wave_panel(*panel, &runs[column.run].1)))
             };
             let columns = columns.iter().map(column).collect();
             Ok(panels(&Panels { title: figure.title.to_owned(), columns, caption })?)
@@ -260,7 +265,7 @@ fn dark_column(profile: &DarkProfile) -> crate::figures::Column {
     ];
     let panel =
         Panel { x_label: "site n".to_owned(), y_label: "strain at μ = 1".to_owned(), lines, ..Panel::default() };
-    Column { heading: format!("{}-centred", center_word(profile.center())), panels: vec![panel] }
+    Column::new(format!("{}-centred", center_word(profile.center())), [panel])
 }
 
 /// A panel; of a run without perturbation, what needs one is empty.

@@ -13,7 +13,7 @@ use crate::{
 const HEAVY: &str = "ρ = ε^(−2(α−1))";
 const LIGHT: &str = "ρ = ε^(−(α−1))";
 
-fn version() -> &'static str {
+pub(super) fn version() -> &'static str {
     concat!("hertzchain ", env!("CARGO_PKG_VERSION"))
 }
 
@@ -226,31 +226,32 @@ mod pictures {
             }
         };
         let early = norms("time t ≤ T ε^(1−α)", study.breather.horizon());
-        let columns = vec![
-            Column { heading: String::new(), panels: vec![u, v] },
-            Column { heading: String::new(), panels: vec![norms("time t ≤ 80 T", study.scene.end()), early] },
-        ];
+        let columns =
+            vec![Column::new("", [u, v]), Column::new("", [norms("time t ≤ 80 T", study.scene.end()), early])];
         Panels { title: title.into(), columns, caption }
     }
 
-    pub(in super::super) fn history_maps(history: &BrightHistory) -> Vec<SpaceTime> {
+    pub(in super::super) fn history_panels(title: &str, history: &BrightHistory, caption: String) -> Panels {
         let t = &history.t;
-        let map = |title: &str, label: &str, values: &[f64], signed: bool| SpaceTime {
-            title: title.into(),
-            site_label: "site n".into(),
-            time_label: "time t".into(),
-            value_label: label.into(),
-            values: values.to_vec(),
-            sites: history.breather.sites(),
-            first_site: 0.0,
-            times: (t[0], t[t.len() - 1]),
-            signed,
-            caption: String::new(),
+        let map = |heading: &str, label: &str, values: &[f64], signed: bool| {
+            let map = SpaceTime {
+                site_label: "site n".into(),
+                time_label: "time t".into(),
+                value_label: label.into(),
+                values: values.to_vec(),
+                sites: history.breather.sites(),
+                first_site: 0.0,
+                times: (t[0], t[t.len() - 1]),
+                signed,
+                ..SpaceTime::default()
+            };
+            Column::new(heading, [map])
         };
-        vec![
+        let columns = vec![
             map("beads: amplitude of uₙ", "amplitude of uₙ in a period", &history.swing, false),
             map("resonators: mean of vₙ", "mean of vₙ in a period", &history.v, true),
-        ]
+        ];
+        Panels { title: title.into(), columns, caption }
     }
 
     pub(in super::super) fn bounds_panels(title: &str, pairs: &[[TheoremStudy; 2]], caption: String) -> Panels {
@@ -272,10 +273,7 @@ mod pictures {
                 }
             };
             let names = ["error of u, u′", "sup ‖v‖₁", "sup ‖v′‖₁"];
-            Column {
-                heading: format!("α = {}", pair[0].options.alpha),
-                panels: names.into_iter().enumerate().map(panel).collect(),
-            }
+            Column::new(format!("α = {}", pair[0].options.alpha), names.into_iter().enumerate().map(panel))
         };
         Panels { title: title.into(), columns: pairs.iter().map(column).collect(), caption }
     }
@@ -303,9 +301,8 @@ mod pictures {
         let guide = (last / 2..=last).map(|n| (n as f64, end + (n - last) as f64 * alpha.ln()));
         let mut decay = lines(1, &|one, n| double_log(one.a(n)));
         decay.push(line("slope ln α", guide));
-        let panel = |y_label: &str, lines: Vec<Line>| Column {
-            heading: String::new(),
-            panels: vec![Panel { x_label: "site n".into(), y_label: y_label.into(), lines, ..Panel::default() }],
+        let panel = |y_label: &str, lines: Vec<Line>| {
+            Column::new("", [Panel { x_label: "site n".into(), y_label: y_label.into(), lines, ..Panel::default() }])
         };
         let profiles = panel("aₙ", lines(i64::MIN, &Homoclinic::a));
         Panels { title: title.into(), columns: vec![profiles, panel("ln |ln |aₙ||", decay)], caption }
@@ -336,4 +333,4 @@ mod pictures {
 }
 
 #[cfg(feature = "plot")]
-pub(super) use pictures::{bounds_panels, bright_panels, history_maps, homoclinic_panels, lifetime_maps};
+pub(super) use pictures::{bounds_panels, bright_panels, history_panels, homoclinic_panels, lifetime_maps};

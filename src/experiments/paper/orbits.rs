@@ -1,0 +1,292 @@
+//! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, `alpha = 3/2, kappa = 1`.
+
+use super::super::{
+    Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled, evolve, orbit_study, orbits::branch_from,
+};
+use crate::{
+    breathers::DarkBreather,
+    chain::{Params, max_norm},
+    dps::Center,
+    error::{Error, Result},
+    orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting},
+    sweep::Tally,
+};
+
+const SITES: usize = 41;
+/// Collisions of multipliers weaker than this are passed over.
+const WEAK: f64 = 0.01;
+/// Where branches in the mass ratio begin: at the one whose `omega` is `omega_b` over this.
+const ABOVE: f64 = 1.004;
+/// Up to so many times the mass ratio where it begins a branch has short steps.
+const NEAR: f64 = 5.0;
+/// Size of the push along the mode at -1, over the amplitude of the orbit, that makes a seed of doubled period.
+const SEED: f64 = 0.1;
+
+/// How a figure of Sec. 7 is computed.
+#[derive(Debug)]
+pub enum OrbitRecipe {
+    /// Exact profiles against those of the DpS equations and against themselves after a period.
+    Profiles {
+        /// Mass ratio.
+        rho: f64,
+        /// Frequency.
+        omega_b: f64,
+    },
+    /// Multipliers against the frequency, and all of them at one.
+    Floquet {
+        /// Mass ratio.
+        rho: f64,
+        /// Ends of the branch, above `omega`.
+        above: [f64; 2],
+        /// Points of a branch, about.
+        points: u32,
+        /// The one frequency.
+        at: f64,
+        /// End of an enlargement for the site-centred family, above `omega`.
+        zoom: Option<f64>,
+        /// Whether bifurcations are told.
+        bifurcations: bool,
+    },
+    /// `E_b` of site-centred breathers at one time against the frequency, `rho = 1/3`.
+    ReturnErrors {
+        /// Ends of the branch.
+        omega_b: [f64; 2],
+        /// Points of it, about.
+        points: u32,
+        /// The time.
+        until: f64,
+    },
+    /// Orbits let go.
+    Evolutions {
+        /// Mass ratio.
+        rho: f64,
+        /// The runs.
+        runs: &'static [EvolutionRun],
+        /// Whether profiles at the end are shown as well.
+        profiles: bool,
+    },
+    /// The mode at the period doubling for `rho = 1/3`, and an orbit of doubled period from it.
+    Doubling {
+        /// Frequency of that orbit.
+        omega_b: f64,
+    },
+    /// The branch of doubled period for `rho = 1/3`.
+    Doubled {
+        /// An orbit of it.
+        omega_b: f64,
+        /// Where it is left.
+        to: f64,
+    },
+    /// Multipliers against the mass ratio.
+    MassRatios {
+        /// Frequencies.
+        omega_b: &'static [f64],
+        /// Largest mass ratio.
+        to: f64,
+        /// Points up to 5 times the mass ratio where a branch begins, and beyond, about.
+        points: [u32; 2],
+    },
+}
+
+/// An orbit that is let go.
+#[derive(Debug)]
+pub struct EvolutionRun {
+    /// Which of the two.
+    pub center: Center,
+    /// Frequency.
+    pub omega_b: f64,
+    /// End time.
+    pub until: f64,
+    /// Size of a kick along the mode of the largest multiplier.
+    pub kick: Option<f64>,
+}
+
+/// The numbers behind a figure of Sec. 7.
+#[derive(Debug)]
+pub enum OrbitData {
+    /// A profile for each centre.
+    Profiles(Vec<ProfileData>),
+    /// A branch for each centre, and the one orbit of it; the end of the enlargement.
+    Floquet(Vec<FloquetData>, Option<f64>),
+    /// The branch, `E_b` of each of its points, the time.
+    ReturnErrors(Branch, Vec<f64>, f64),
+    /// The runs; whether profiles are shown.
+    Evolutions(Vec<(Center, Evolution)>, bool),
+    /// The mode and the orbit.
+    Doubling(DoublingData),
+    /// The orbit of doubled period, itself after half a period and a whole one, the branch.
+    Doubled(Box<OrbitStudy>, [Vec<f64>; 2], Box<DoubledBranch>),
+    /// Branches in the mass ratio, for each frequency the two centres.
+    MassRatios(Vec<MassRatioData>),
+}
+
+/// An exact profile.
+#[derive(Debug)]
+pub struct ProfileData {
+    /// Which.
+    pub center: Center,
+    /// The orbit and its multipliers.
+    pub study: OrbitStudy,
+    /// `Z` of the DpS equations.
+    pub seed: Vec<f64>,
+    /// `Z(T)`.
+    pub after: Vec<f64>,
+}
+
+/// A family over the frequency.
+#[derive(Debug)]
+pub struct FloquetData {
+    /// Which.
+    pub center: Center,
+    /// Its points.
+    pub branch: Branch,
+    /// One orbit.
+    pub one: OrbitStudy,
+}
+
+/// A period doubling.
+#[derive(Debug)]
+pub struct DoublingData {
+    /// Where it is, with the mode.
+    pub birth: Bifurcation,
+    /// The seed `Z`.
+    pub seed: Vec<f64>,
+    /// What Newton's method makes of it.
+    pub orbit: Orbit,
+}
+
+/// A family over the mass ratio.
+#[derive(Debug)]
+pub struct MassRatioData {
+    /// Which.
+    pub center: Center,
+    /// Its frequency.
+    pub omega_b: f64,
+    /// Its points.
+    pub branch: Branch,
+}
+
+const THIRD: f64 = 1.0 / 3.0;
+/// As in the paper: bond-centred above or left.
+const BOTH: [Center; 2] = [Center::Bond, Center::Site];
+
+fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {
+    DarkBreather { params: Params { alpha: 1.5, kappa: 1.0, rho }, center, sites: SITES, omega_b, c_x: 0.0 }
+}
+
+fn omega(rho: f64) -> f64 {
+    Params { alpha: 1.5, kappa: 1.0, rho }.omega()
+}
+
+/// A continuation in steps of at most `step`.
+fn along(parameter: Parameter, to: f64, step: f64) -> Continuation {
+    Continuation { parameter, to, step, most_points: 2000, natural: false, shooting: Shooting::default() }
+}
+
+/// `work` for each of `items` on all cores.
+fn each<T: Sync, U: Send>(
+    items: &[T],
+    progress: &(dyn Fn(f64) + Sync),
+    work: impl Fn(&T) -> Result<U> + Sync + Send,
+) -> Result<Vec<U>> {
+    let tell = |done: u64, total: u64| progress(done as f64 / total as f64);
+    Tally::new(items.len(), &tell).map(items, work).into_iter().collect()
+}
+
+/// The branch between two frequencies of one family, with its bifurcations or without.
+fn family(rho: f64, center: Center, [from, to]: [f64; 2], points: u32, bifurcations: bool) -> Result<Branch> {
+    let continuation = along(Parameter::OmegaB, to, (to - from) / f64::from(points));
+    let start = breather(rho, center, from).orbit(&continuation.shooting)?;
+    branch_from(start, &continuation, bifurcations.then_some(WEAK), &|_, _| {})
+}
+
+/// The branch of one frequency up to a mass ratio, from as near to `omega(rho) = omega_b` as can be.
+fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting: &Shooting) -> Result<Branch> {
+    let from = ((omega_b / ABOVE).powi(2) - 1.0).recip();
+    let start = breather(from, center, omega_b).orbit(shooting)?;
+    let near = (NEAR * from).min(0.5 * (from + to));
+    let leg = |start: Orbit, from: f64, to: f64, points: u32| {
+        branch_from(start, &along(Parameter::Rho, to, (to - from) / f64::from(points)), None, &|_, _| {})
+    };
+    let mut branch = leg(start, from, near, points[0])?;
+    if let (End::Reached, Some(last)) = (branch.end, branch.points.pop()) {
+        let rest = leg(last.orbit, near, to, points[1])?;
+        branch.points.extend(rest.points);
+        (branch.continuation, branch.end) = (rest.continuation, rest.end);
+    }
+    Ok(branch)
+}
+
+impl OrbitRecipe {
+    /// Computes what the figure shows; `progress` is told the share that is done.
+    pub(super) fn data(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<OrbitData> {
+        let shooting = Shooting::default();
+        match *self {
+            Self::Profiles { rho, omega_b } => {
+                let profile = |center: &Center| {
+                    let breather = breather(rho, *center, omega_b);
+                    let study = orbit_study(breather.orbit(&shooting)?, &shooting)?;
+                    let after = strains_at(&study.orbit, 1.0)?;
+                    Ok(ProfileData { center: *center, seed: breather.seed()?, after, study })
+                };
+                Ok(OrbitData::Profiles(each(&BOTH, progress, profile)?))
+            }
+            Self::Floquet { rho, above, points, at, zoom, bifurcations } => {
+                let ends = above.map(|above| omega(rho) + above);
+                let one = |center: &Center| {
+                    let branch = family(rho, *center, ends, points, bifurcations)?;
+                    let one = orbit_study(breather(rho, *center, at).orbit(&shooting)?, &shooting)?;
+                    Ok(FloquetData { center: *center, branch, one })
+                };
+                Ok(OrbitData::Floquet(each(&BOTH, progress, one)?, zoom.map(|zoom| omega(rho) + zoom)))
+            }
+            Self::ReturnErrors { omega_b, points, until } => {
+                let branch = family(THIRD, Center::Site, omega_b, points, true)?;
+                let error = |orbit: &Orbit| orbit.e_b(shooting.tol, (until / orbit.setting.period()) as u32);
+                let orbits: Vec<Orbit> = branch.points.iter().map(|point| point.orbit.clone()).collect();
+                Ok(OrbitData::ReturnErrors(branch, each(&orbits, progress, error)?, until))
+            }
+            Self::Evolutions { rho, runs, profiles } => {
+                let run = |run: &EvolutionRun| {
+                    let orbit = breather(rho, run.center, run.omega_b).orbit(&shooting)?;
+                    let kick = run.kick.map(|size| Kick { size, mode: 0 });
+                    Ok((run.center, evolve(&orbit, run.until, kick, &shooting, &|_, _| {})?))
+                };
+                Ok(OrbitData::Evolutions(each(runs, progress, run)?, profiles))
+            }
+            Self::Doubling { omega_b } => Ok(OrbitData::Doubling(doubling(omega_b, &shooting)?)),
+            Self::Doubled { omega_b, to } => {
+                let study = orbit_study(doubling(omega_b, &shooting)?.orbit, &shooting)?;
+                let later = [0.5, 1.0].map(|periods| strains_at(&study.orbit, periods));
+                let [half, whole] = later;
+                let tell = |share: f64, _: &str| progress(share);
+                let branch = doubled(&breather(THIRD, Center::Bond, 2.06), 2.065, to, 1e-3, &shooting, &tell)?;
+                Ok(OrbitData::Doubled(Box::new(study), [half?, whole?], Box::new(branch)))
+            }
+            Self::MassRatios { omega_b, to, points } => {
+                let pairs: Vec<(f64, Center)> = omega_b.iter().flat_map(|&w| BOTH.map(|center| (w, center))).collect();
+                let one = |&(omega_b, center): &(f64, Center)| {
+                    Ok(MassRatioData { center, omega_b, branch: mass_ratios(center, omega_b, to, points, &shooting)? })
+                };
+                Ok(OrbitData::MassRatios(each(&pairs, progress, one)?))
+            }
+        }
+    }
+}
+
+/// `Z` after so many periods.
+fn strains_at(orbit: &Orbit, periods: f64) -> Result<Vec<f64>> {
+    let mut states = orbit.states(Shooting::default().tol, &[periods * orbit.setting.period()])?;
+    Ok(states.remove(0)[..orbit.z.len()].to_vec())
+}
+
+/// The first period doubling at `rho = 1/3`, and the orbit of doubled period at `omega_b` from a push along its mode.
+fn doubling(omega_b: f64, shooting: &Shooting) -> Result<DoublingData> {
+    let main = family(THIRD, Center::Bond, [2.062, 2.064], 1, true)?;
+    let birth = main.bifurcations.into_iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
+    let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;
+    let amplitude = max_norm(birth.orbit.z.iter().copied());
+    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.mode).map(|(z, mode)| z + SEED * amplitude * mode).collect();
+    let orbit = shooting.solve(&Setting { omega_b, turns: 2, ..birth.orbit.setting }, &seed)?;
+    Ok(DoublingData { birth, seed, orbit })
+}
