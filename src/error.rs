@@ -54,13 +54,13 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A store of a sweep that is not to be gone on with.
-    #[error("store {}, line {line}: {rule}", path.display())]
-    Store {
+    /// A file that is there but does not hold what it must: broken, altered, of another study or version.
+    #[error("{}, {place}: {rule}", path.display())]
+    Content {
         /// The file.
         path: PathBuf,
-        /// The line, from 1.
-        line: usize,
+        /// The key, array or line.
+        place: String,
         /// What is wrong with it.
         rule: String,
     },

@@ -172,7 +172,7 @@ fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_an
         fs::write(&path, &altered).unwrap();
         let text = refusal(folder.path());
         let line = 1 + written[..k].iter().filter(|&&byte| byte == b'\n').count();
-        assert!(text.starts_with(&format!("store {}, line {line}: ", path.display())), "byte {k}: {text}");
+        assert!(text.starts_with(&format!("{}, line {line}: ", path.display())), "byte {k}: {text}");
         assert!(bytes(folder.path()) == altered, "byte {k}");
     }
 }

@@ -33,6 +33,8 @@ pub(super) enum Command {
     /// Compute a dark breather as an exact periodic orbit, with its Floquet multipliers.
     Dark(DarkBreatherArgs),
     /// Follow a branch of dark breathers in one parameter, with its multipliers and bifurcations.
+    ///
+    /// Example, stopped after 20 points and gone on with: hertzchain continue --points 20 --out out/branch; hertzchain continue --resume out/branch/branch.npz
     Continue(ContinueArgs),
     /// Follow the branch of doubled period that leaves the bond-centred dark breathers.
     Doubled(DoubledArgs),
@@ -563,7 +565,7 @@ pub(super) struct ContinueArgs {
     /// Its largest change from point to point [default: a hundredth of the range].
     #[arg(long, value_name = "DP", allow_negative_numbers = true)]
     pub(super) step: Option<f64>,
-    /// Points at most.
+    /// Points at most, old ones too.
     #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true)]
     pub(super) points: usize,
     /// Count the way by the parameter and not by the arclength: such a branch ends at a fold.
@@ -575,9 +577,12 @@ pub(super) struct ContinueArgs {
     /// Frequency, where another number varies [default: 1.025 omega].
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     pub(super) omega_b: Option<f64>,
+    /// Go on with the branch of a file branch.npz from its last point: to another --to, by another --step; multipliers and bifurcations are computed anew.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["center", "parameter", "from", "natural", "weak", "omega_b", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"])]
+    pub(super) resume: Option<PathBuf>,
     #[command(flatten)]
     pub(super) ring: RingArgs,
-    /// Folder for branch.json, branch.csv and branch.npz [default: none is written].
+    /// Folder for branch.json, branch.csv and branch.npz; the last is written every 20 points or 10 s as well [default: none is written; with --resume, that of the file].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.
@@ -587,8 +592,14 @@ pub(super) struct ContinueArgs {
 
 #[derive(Args)]
 pub(super) struct EvolveArgs {
-    /// File that `dark` has written, or its JSON.
+    /// File dark-breather.json of `dark`, or branch.npz of `continue` or `doubled` with --point or --at.
     pub(super) orbit: PathBuf,
+    /// Point of the branch, counted from 0; from the last, -1, if negative.
+    #[arg(long, value_name = "K", conflicts_with = "at", allow_negative_numbers = true)]
+    pub(super) point: Option<i64>,
+    /// Value of the parameter: the nearest point of the branch.
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    pub(super) at: Option<f64>,
     /// End time, rounded down to whole periods, in units of time.
     #[arg(long, value_name = "T", default_value_t = 1200.0, allow_negative_numbers = true)]
     pub(super) until: f64,
@@ -620,6 +631,9 @@ pub(super) struct DoubledArgs {
     /// Largest change of the frequency from point to point of the main branch; half of it on the doubled one.
     #[arg(long, value_name = "DW", default_value_t = 0.002, allow_negative_numbers = true)]
     pub(super) step: f64,
+    /// File branch.npz of the main branch, which `continue --center bond` has written [default: it is followed here].
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"])]
+    pub(super) branch: Option<PathBuf>,
     #[command(flatten)]
     pub(super) ring: RingArgs,
     /// Folder for branch.json, branch.csv and branch.npz [default: none is written].

@@ -10,12 +10,16 @@ use crate::{
     chain::Params,
     error::{Error, Result},
     experiments::{self, Branch, Kick, orbit_study},
-    orbits::{Continuation, End, Formulation, Orbit, Parameter, Shooting},
+    orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
     output::Folder,
     report,
 };
 use indicatif::ProgressBar;
-use std::process::ExitCode;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::{Duration, Instant},
+};
 
 /// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a branch.
 const ONE: f64 = 1.025;
@@ -52,6 +56,21 @@ pub(super) fn dark(args: &DarkBreatherArgs) -> Exit {
 }
 
 pub(super) fn branch(args: &ContinueArgs) -> Exit {
+    let beside = args.resume.as_deref().map(folder_of);
+    let trail = match &args.resume {
+        Some(file) => Trail::load(file)?.onward(args.to, args.step, args.points)?,
+        None => begin(args)?,
+    };
+    let folder = args.out.clone().or(beside).map(Folder::create).transpose()?;
+    let branch = with_bar(|progress| experiments::go_on(trail, &mut keeper(folder.as_ref()), progress))?;
+    let json = report::branch_json(&branch) + "\n";
+    print(&if args.json { json.clone() } else { report::branch_table(&branch) });
+    write(folder, &branch, &json)?;
+    Ok(code(&branch))
+}
+
+/// The branch that is asked for, at its first point.
+fn begin(args: &ContinueArgs) -> Result<Trail> {
     let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == args.parameter) else {
         return Err(Error::unknown("parameter", &args.parameter, Parameter::ALL.map(|(name, _)| name)));
     };
@@ -76,20 +95,22 @@ pub(super) fn branch(args: &ContinueArgs) -> Exit {
         natural: args.natural,
         shooting: args.ring.shooting(),
     };
-    let folder = args.out.as_ref().map(Folder::create).transpose()?;
-    let branch = with_bar(|progress| experiments::branch(&breather, &continuation, args.weak, progress))?;
-    let json = report::branch_json(&branch) + "\n";
-    print(&if args.json { json.clone() } else { report::branch_table(&branch) });
-    write(folder, &branch, &json)?;
-    Ok(code(&branch))
+    experiments::begin(&breather, &continuation, args.weak)
 }
 
 pub(super) fn doubled(args: &DoubledArgs) -> Exit {
     let (breather, shooting) = (args.ring.breather(CenterArg::Bond, None, RANGE[0])?, args.ring.shooting());
     let most = args.most.unwrap_or(RANGE[1] * breather.params.omega());
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
-    let doubled =
-        with_bar(|progress| experiments::doubled(&breather, most, args.omega_b, args.step, &shooting, progress))?;
+    let doubled = with_bar(|progress| {
+        let half = |share: f64, what: &str| progress(0.5 * share, what);
+        let main = match &args.branch {
+            Some(file) => experiments::study(Trail::load(file)?, &half)?,
+            None => experiments::main_branch(&breather, most, args.step, &shooting, &half)?,
+        };
+        let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+        experiments::doubled_from(&main, args.omega_b, args.step, &mut keeper(folder.as_ref()), &half)
+    })?;
     let last = doubled.branch.points.last().map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
     let json = report::doubled_json(&doubled, last.as_ref()) + "\n";
     print(&if args.json { json.clone() } else { report::doubled_table(&doubled, last.as_ref()) });
@@ -99,7 +120,8 @@ pub(super) fn doubled(args: &DoubledArgs) -> Exit {
 
 pub(super) fn evolve(args: &EvolveArgs) -> Exit {
     let shooting = Shooting { tol: args.tol, ..Shooting::default() };
-    let orbit = Orbit::load(&args.orbit, &shooting)?;
+    let pick = args.point.map(Pick::Point).or(args.at.map(Pick::At));
+    let orbit = Orbit::load(&args.orbit, pick, &shooting)?;
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let kick = args.kick.map(|size| Kick { size, mode: args.mode });
     let study = with_bar(|progress| experiments::evolve(&orbit, args.until, kick, &shooting, progress))?;
@@ -116,6 +138,25 @@ pub(super) fn evolve(args: &EvolveArgs) -> Exit {
 /// What there is of a branch is written, but one that did not get there is a failure.
 fn code(branch: &Branch) -> ExitCode {
     if branch.end == End::Reached { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn folder_of(file: &Path) -> PathBuf {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
+}
+
+/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have gone by, and at its end.
+fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
+    let mut last = Instant::now();
+    move |trail| {
+        let Some(folder) = folder else { return };
+        let late = last.elapsed() >= Duration::from_secs(10);
+        if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() {
+            last = Instant::now();
+            let kept = trail.npz(Vec::new()).and_then(|bytes| folder.write("branch.npz", &bytes));
+            // What cannot be kept now is still computed: it is written at the end, or that is the error.
+            kept.err().into_iter().for_each(|why| eprintln!("not kept so far: {why}"));
+        }
+    }
 }
 
 fn write(folder: Option<Folder>, branch: &Branch, json: &str) -> Result<()> {

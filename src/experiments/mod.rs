@@ -24,6 +24,7 @@ pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use evolve::{Evolution, Kick, Motion, Swing, evolve};
 pub use lifetimes::{Criterion, Fate, Life, LifetimeOptions, LifetimePoint, LifetimeStudy, PowerLaw, lifetimes};
 pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
+pub use orbits::{Keep, begin, doubled_from, go_on, main_branch, study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
 pub use paper::{
     DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, PAPER, PaperData, PaperFigure,

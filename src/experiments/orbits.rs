@@ -6,7 +6,9 @@ use crate::{
     chain::MeanForces,
     dps::Center,
     error::{Error, Result},
-    orbits::{Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Shooting, Spectrum},
+    orbits::{
+        Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Setting, Shooting, Spectrum, Trail,
+    },
 };
 use hertzchain_integrators::collocation::Pace;
 
@@ -62,7 +64,25 @@ pub struct Branch {
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
     pub end: End,
+    /// Length of the next predictor.
+    pub ds: f64,
+    /// What its breathers are symmetric about, if known.
+    pub center: Option<Center>,
+    /// Bifurcations are those of which a modulus above `1 + weak` comes; none are located, if `None`.
+    pub weak: Option<f64>,
 }
+
+impl Branch {
+    /// Its orbits, with what it takes to go on.
+    pub fn trail(&self) -> Trail {
+        let Self { continuation, ds, center, weak, end, .. } = *self;
+        let orbits = self.points.iter().map(|point| point.orbit.clone()).collect();
+        Trail { continuation, orbits, ds, end: Some(end), center, weak }
+    }
+}
+
+/// Given what there is of a branch after every point, to keep it.
+pub type Keep<'a> = &'a mut dyn FnMut(&Trail);
 
 /// Told of the share that is done, and of what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
@@ -80,31 +100,60 @@ pub fn branch(
     weak: f64,
     progress: Progress<'_>,
 ) -> Result<Branch> {
+    go_on(begin(breather, continuation, weak)?, &mut |_| {}, progress)
+}
+
+/// The first point of [`branch`].
+///
+/// # Errors
+/// As there.
+pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Trail> {
     if !(weak.is_finite() && weak >= 0.0) {
         return Err(Error::parameter("weak", weak, "finite and at least zero"));
     }
-    let mut last = *breather;
-    last.set(continuation.parameter, continuation.to);
-    if last.omega_b <= last.params.omega() {
+    stays_dark(&breather.setting(), continuation)?;
+    let trail = Trail::new(*continuation, breather.orbit(&continuation.shooting)?)?;
+    Ok(Trail { center: Some(breather.center), weak: Some(weak), ..trail })
+}
+
+/// Where it is to go there are breathers.
+fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
+    let last = setting.with(continuation.parameter, continuation.to);
+    if f64::from(last.turns) * last.omega_b <= last.params.omega() {
         let rule = "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
         return Err(Error::parameter("to", continuation.to, rule));
     }
-    branch_from(breather.orbit(&continuation.shooting)?, continuation, Some(weak), progress)
+    Ok(())
 }
 
-/// Bifurcations are located if `weak` is given.
-pub(super) fn branch_from(
-    start: Orbit,
-    continuation: &Continuation,
-    weak: Option<f64>,
-    progress: Progress<'_>,
-) -> Result<Branch> {
-    let Continuation { parameter, to, ref shooting, .. } = *continuation;
-    let from = start.setting.get(parameter);
-    let (mut orbits, mut end) = continuation.follow(start, |orbit| {
-        let p = orbit.setting.get(parameter);
-        progress(ORBITS * ((p - from) / (to - from)).clamp(0.0, 1.0), &format!("{} = {p:.5}", parameter.name()));
-    })?;
+/// Follows a branch on, unless it has ended, and studies it.
+///
+/// # Errors
+/// Numbers outside their rules, and no multipliers at its first point; `keep` was then given its orbits.
+pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
+    if let (Some(first), None) = (trail.orbits.first(), trail.end) {
+        let Continuation { parameter, to, .. } = trail.continuation;
+        let from = first.setting.get(parameter);
+        stays_dark(&first.setting, &trail.continuation)?;
+        trail.extend(|trail| {
+            keep(trail);
+            let p = trail.orbits.last().map_or(from, |orbit| orbit.setting.get(parameter));
+            let share = ((p - from) / (to - from)).clamp(0.0, 1.0);
+            progress(ORBITS * share, &format!("{} = {p:.5}", parameter.name()));
+        })?;
+        keep(&trail);
+    }
+    study(trail, progress)
+}
+
+/// Multipliers, extents and bifurcations of a branch that was followed.
+///
+/// # Errors
+/// No multipliers at its first point.
+pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
+    let Trail { continuation, mut orbits, ds, end, center, weak } = trail;
+    let shooting = &continuation.shooting;
+    let mut end = end.unwrap_or(End::MostPoints);
     progress(ORBITS, "multipliers");
     // A point without multipliers costs what comes after it, not the branch.
     let mut spectra = Vec::with_capacity(orbits.len());
@@ -123,7 +172,7 @@ pub(super) fn branch_from(
     let bifurcations = weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
     let points = orbits.into_iter().zip(spectra).zip(extents);
     let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
-    Ok(Branch { continuation: *continuation, points, bifurcations, end })
+    Ok(Branch { continuation, points, bifurcations, end, ds, center, weak })
 }
 
 /// The branch of doubled period: where it is born, and its points.
@@ -138,9 +187,8 @@ pub struct DoubledBranch {
 /// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's method falls back on the main branch.
 const FIRST_SIZE: f64 = 0.02;
 
-/// Follows the main branch of bond-centred breathers up from the frequency of `breather`, by at most `step` a point, to its first period doubling below `most`;
-/// there the branch of doubled period, to `omega_b` (that of the whole period). Bifurcations of the latter are not located: its background is unstable, and
-/// the bands of that are full of collisions.
+/// Follows the main branch of bond-centred breathers up from the frequency of `breather`, by at most `step` a point, to `most` at the furthest;
+/// at its first period doubling the branch of doubled period, as [`doubled_from`] does.
 ///
 /// # Errors
 /// No period doubling on the way, or numbers outside their rules.
@@ -152,7 +200,22 @@ pub fn doubled(
     shooting: &Shooting,
     progress: Progress<'_>,
 ) -> Result<DoubledBranch> {
-    let main = Continuation {
+    let main = main_branch(breather, most, step, shooting, &|share, what| progress(0.5 * share, what))?;
+    doubled_from(&main, omega_b, step, &mut |_| {}, &|share, what| progress(0.5 + 0.5 * share, what))
+}
+
+/// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
+///
+/// # Errors
+/// As [`branch`]; a site-centred breather.
+pub fn main_branch(
+    breather: &DarkBreather,
+    most: f64,
+    step: f64,
+    shooting: &Shooting,
+    progress: Progress<'_>,
+) -> Result<Branch> {
+    let continuation = Continuation {
         parameter: Parameter::OmegaB,
         to: most,
         step,
@@ -160,25 +223,43 @@ pub fn doubled(
         natural: false,
         shooting: *shooting,
     };
-    if breather.center != Center::Bond {
-        return Err(Error::parameter(
-            "center",
-            "site",
-            "only bond-centred breathers double their period: a site-centred one is the square of half its period",
-        ));
+    bond_centred(Some(breather.center))?;
+    branch(breather, &continuation, 0.01, progress)
+}
+
+fn bond_centred(center: Option<Center>) -> Result<()> {
+    let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
+    if center == Some(Center::Site) { Err(Error::parameter("center", "site", rule)) } else { Ok(()) }
+}
+
+/// Leaves a main branch at its first period doubling, and follows the branch of doubled period to `omega_b` (that of the whole period). Bifurcations of the
+/// latter are not located: its background is unstable, and the bands of that are full of collisions.
+///
+/// # Errors
+/// No period doubling on the main branch, or numbers outside their rules.
+pub fn doubled_from(
+    main: &Branch,
+    omega_b: f64,
+    step: f64,
+    keep: Keep<'_>,
+    progress: Progress<'_>,
+) -> Result<DoubledBranch> {
+    bond_centred(main.center)?;
+    if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
+        return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
-    let main = branch(breather, &main, 0.01, &|share, what| progress(0.5 * share, what))?;
-    let birth = main.bifurcations.into_iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
+    let Continuation { to, ref shooting, .. } = main.continuation;
+    let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let Some(birth) = birth else {
-        return Err(Error::parameter("most", most, "the main branch has no period doubling up to there"));
+        return Err(Error::parameter("most", to, "the main branch has no period doubling up to there"));
     };
     if omega_b <= birth.orbit.setting.omega_b / 2.0 {
         let rule =
             "the branch of doubled period goes up from half the frequency of the period doubling, 1.0316 at rho = 1/3";
         return Err(Error::parameter("omega-b", omega_b, rule));
     }
-    let continuation = Continuation { to: omega_b, step: 0.5 * step, ..main.continuation };
-    let first = birth.doubled(shooting, FIRST_SIZE)?;
-    let branch = branch_from(first, &continuation, None, &|share, what| progress(0.5 + 0.5 * share, what))?;
-    Ok(DoubledBranch { birth, branch })
+    let continuation =
+        Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
+    let trail = Trail { center: main.center, ..Trail::new(continuation, birth.doubled(shooting, FIRST_SIZE)?)? };
+    Ok(DoubledBranch { birth, branch: go_on(trail, keep, progress)? })
 }

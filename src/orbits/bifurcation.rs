@@ -95,8 +95,7 @@ impl<'a> Stretch<'a> {
         let p = |orbit: &Orbit| orbit.setting.get(continuation.parameter);
         let mut scales = continuation.scales(a, p(a));
         scales.parameter = (p(b) - p(a)).abs().max(1e-3 * scales.parameter);
-        let chord = a.z.iter().zip(&b.z).map(|(a, b)| (b - a) / scales.strain);
-        let chord = DVector::from_iterator(a.z.len() + 1, chord.chain([(p(b) - p(a)) / scales.parameter]));
+        let chord = continuation.chord(a, b, scales);
         let length = chord.norm();
         Self { continuation, place: Place { orbit: a.clone(), tangent: chord / length }, scales, length }
     }

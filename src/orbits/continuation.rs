@@ -16,6 +16,7 @@ use super::{
 };
 use crate::{
     chain::max_norm,
+    dps::Center,
     error::{Error, Result},
 };
 use nalgebra::DVector;
@@ -58,9 +59,10 @@ pub enum End {
 const LONGEST: f64 = 0.5;
 /// `ds` at least, in units of the first one.
 const SHORTEST: f64 = 1e-6;
-/// Steps of the corrector at most, and the number that a good `ds` takes.
+/// Steps of the corrector at most, and the numbers that a good `ds` takes.
 const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
+const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
 /// A correction below this is the last.
 const LAST_CORRECTION: f64 = 1e-9;
 /// Residuals above this, over the size of the strains, are no orbit.
@@ -82,9 +84,116 @@ pub(super) struct Scales {
     pub(super) parameter: f64,
 }
 
+/// A branch as far as it was followed, and all that it takes to go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trail {
+    /// How it is followed.
+    pub continuation: Continuation,
+    /// Its orbits, one at least, in their order along it.
+    pub orbits: Vec<Orbit>,
+    /// Length of the next predictor.
+    pub ds: f64,
+    /// Why it ended; `None` while it goes on.
+    pub end: Option<End>,
+    /// What its breathers are symmetric about, if they are breathers.
+    pub center: Option<Center>,
+    /// Collisions of multipliers of which no modulus above `1 + weak` comes are not located; no bifurcation is, if `None`.
+    pub weak: Option<f64>,
+}
+
+impl Trail {
+    /// The branch through `start`, not yet followed.
+    ///
+    /// # Errors
+    /// Numbers of the continuation outside their rules.
+    pub fn new(continuation: Continuation, start: Orbit) -> Result<Self> {
+        let from = start.setting.get(continuation.parameter);
+        continuation.validate(from)?;
+        let ds = continuation.step / (continuation.to - from).abs();
+        Ok(Self { continuation, orbits: vec![start], ds, end: None, center: None, weak: None })
+    }
+
+    /// Where it began, and where it is.
+    fn ends(&self) -> Option<[&Orbit; 2]> {
+        Some([self.orbits.first()?, self.orbits.last()?])
+    }
+
+    /// Asks it to go on: to another end, by other steps, up to another number of points. One that reached its end, or turned back,
+    /// and is given no other end stays as it is.
+    ///
+    /// # Errors
+    /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
+    pub fn onward(mut self, to: Option<f64>, step: Option<f64>, most_points: usize) -> Result<Self> {
+        let whole = to.is_none() && matches!(self.end, Some(End::Reached | End::TurnedBack));
+        let Continuation { parameter, to: old, step: by, .. } = self.continuation;
+        let (to, step) = (to.unwrap_or(old), step.unwrap_or(by));
+        self.continuation = Continuation { to, step, most_points, ..self.continuation };
+        let Some([from, last]) = self.ends().map(|ends| ends.map(|orbit| orbit.setting.get(parameter))) else {
+            return Err(Error::parameter("orbits", 0, "at least one"));
+        };
+        self.continuation.validate(from)?;
+        if !whole {
+            if (to - last) * (to - from) <= 0.0 || (last - from) * (to - from) < 0.0 {
+                return Err(Error::parameter("to", to, "a branch goes on beyond its last point, seen from its first"));
+            }
+            self.end = None;
+        }
+        Ok(self)
+    }
+
+    /// Follows it from its last orbit to where its parameter is to go; `seen` is told after every new orbit. A branch that was stopped on the way goes on
+    /// with the same bits.
+    ///
+    /// # Errors
+    /// Numbers outside their rules. A branch that ends early is no error: it says why.
+    pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
+        let Continuation { parameter, to, most_points, .. } = self.continuation;
+        let Some([first, _]) = self.ends() else { return Err(Error::parameter("orbits", 0, "at least one")) };
+        let from = first.setting.get(parameter);
+        self.continuation.validate(from)?;
+        let direction = (to - from).signum();
+        self.end = None;
+        let end = loop {
+            if let Some(end) = self.end {
+                break end;
+            }
+            if self.orbits.len() >= most_points {
+                break End::MostPoints;
+            }
+            let Some((orbit, ds)) = self.next(from, direction) else { break End::Lost };
+            let p = orbit.setting.get(parameter);
+            self.orbits.push(orbit);
+            self.ds = ds;
+            let back = (p - from) * direction < 0.0;
+            self.end = if (p - to) * direction >= 0.0 { Some(End::Reached) } else { back.then_some(End::TurnedBack) };
+            // Told with the end: what is kept of a branch that is whole is whole.
+            seen(self);
+        };
+        self.end = Some(end);
+        Ok(end)
+    }
+
+    /// The next orbit, and the length of the predictor after it.
+    fn next(&self, from: f64, direction: f64) -> Option<(Orbit, f64)> {
+        let orbit = self.orbits.last()?;
+        let scales = self.continuation.scales(orbit, from);
+        // The tangent is on the side of the last step, or of the parameter's end.
+        let before = match &self.orbits[..] {
+            [.., a, b] => self.continuation.chord(a, b, scales).normalize(),
+            _ => {
+                let mut along = DVector::zeros(orbit.z.len() + 1);
+                along[orbit.z.len()] = direction;
+                along
+            }
+        };
+        let tangent = self.continuation.tangent(orbit, scales, &before).ok()?;
+        self.continuation.next(&Place { orbit: orbit.clone(), tangent }, scales, direction, self.ds)
+    }
+}
+
 impl Continuation {
     /// Checks its numbers.
-    fn validate(&self, from: f64) -> Result<()> {
+    pub(super) fn validate(&self, from: f64) -> Result<()> {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
         }
@@ -102,57 +211,46 @@ impl Continuation {
     /// # Errors
     /// Numbers outside their rules. A branch that ends early is no error: it says why.
     pub fn follow(&self, start: Orbit, mut seen: impl FnMut(&Orbit)) -> Result<(Vec<Orbit>, End)> {
-        let from = start.setting.get(self.parameter);
-        self.validate(from)?;
-        let direction = (self.to - from).signum();
-        let mut tangent = DVector::zeros(start.z.len() + 1);
-        tangent[start.z.len()] = direction;
-        let mut place = Place { orbit: start, tangent };
-        let mut orbits = vec![place.orbit.clone()];
-        let first = self.step / (self.to - from).abs();
-        let mut ds = first;
-        let end = loop {
-            let now = place.orbit.setting.get(self.parameter);
-            if orbits.len() >= self.most_points {
-                break End::MostPoints;
-            }
-            let scales = self.scales(&place.orbit, from);
-            let Ok(tangent) = self.tangent(&place.orbit, scales, &place.tangent) else { break End::Lost };
-            place.tangent = tangent;
-            let rate = place.tangent[place.tangent.len() - 1] * scales.parameter;
-            ds = ds.min(LONGEST).min(self.step / rate.abs());
+        let mut trail = Trail::new(*self, start)?;
+        let end = trail.extend(|trail| trail.orbits.last().into_iter().for_each(&mut seen))?;
+        Ok((trail.orbits, end))
+    }
+
+    /// The next point beyond `place` by a predictor of length `ds`, or half of it, and so on; and the length for the one after it.
+    fn next(&self, place: &Place, scales: Scales, direction: f64, ds: f64) -> Option<(Orbit, f64)> {
+        let now = place.orbit.setting.get(self.parameter);
+        let rate = place.tangent[place.tangent.len() - 1] * scales.parameter;
+        let shortest = SHORTEST * self.step / scales.parameter;
+        let mut ds = ds.min(LONGEST).min(self.step / rate.abs());
+        loop {
             // The last step lands on the end.
-            let left = self.to - now;
-            let lands = rate * direction > 0.0 && left.abs() <= 1.001 * (rate * ds).abs();
+            let lands = rate * direction > 0.0 && (self.to - now).abs() <= 1.001 * (rate * ds).abs();
             let next = if lands || self.natural {
                 let to = if lands { self.to } else { now + rate.abs() * ds * direction };
-                self.naturally(&place, scales, to)
+                self.naturally(place, scales, to)
             } else {
-                self.step(&place, scales, ds)
+                self.step(place, scales, ds)
             };
             match next {
                 Ok((orbit, corrections)) => {
-                    seen(&orbit);
-                    let reached = lands || (orbit.setting.get(self.parameter) - self.to) * direction >= 0.0;
-                    let back = (orbit.setting.get(self.parameter) - from) * direction < 0.0;
-                    orbits.push(orbit.clone());
-                    place.orbit = orbit;
-                    if reached || back {
-                        break if reached { End::Reached } else { End::TurnedBack };
-                    }
-                    ds *= if corrections < GOOD_CORRECTIONS {
-                        1.5
-                    } else if corrections > GOOD_CORRECTIONS + 1 {
-                        0.6
-                    } else {
-                        1.0
+                    let factor = match corrections {
+                        ..GOOD_CORRECTIONS => 1.5,
+                        GOOD_CORRECTIONS | MANY_CORRECTIONS => 1.0,
+                        _ => 0.6,
                     };
+                    return Some((orbit, ds * factor));
                 }
-                Err(_) if ds > SHORTEST * first => ds *= 0.5,
-                Err(_) => break End::Lost,
+                Err(_) if ds > shortest => ds *= 0.5,
+                Err(_) => return None,
             }
-        };
-        Ok((orbits, end))
+        }
+    }
+
+    /// From one orbit to another.
+    pub(super) fn chord(&self, a: &Orbit, b: &Orbit, scales: Scales) -> DVector<f64> {
+        let along = (b.setting.get(self.parameter) - a.setting.get(self.parameter)) / scales.parameter;
+        let chord = a.z.iter().zip(&b.z).map(|(a, b)| (b - a) / scales.strain);
+        DVector::from_iterator(a.z.len() + 1, chord.chain([along]))
     }
 
     pub(super) fn scales(&self, orbit: &Orbit, from: f64) -> Scales {

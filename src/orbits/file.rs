@@ -1,17 +1,55 @@
-//! Orbits as files: what the commands write as JSON, read back.
+//! Orbits and branches as files, read back to the bit.
+//!
+//! A branch is an NPZ file: `settings.json`, with what holds for all of it, and arrays with a row for each of its orbits; `parameter`, `x`, `y` and `residual`
+//! are read back, others are for those who look. An orbit of its own is the JSON that `dark` writes.
 
 use super::{
+    continuation::{Continuation, End, Trail},
     setting::Setting,
-    shooting::{Orbit, Shooting},
+    shooting::{Formulation, Orbit, Shooting},
 };
 use crate::{
-    chain::Params,
+    chain::{Params, max_norm},
+    dps::Center,
     error::{Error, Result},
+    output::{Archive, Array, npz_with, to_json},
 };
-use serde::Deserialize;
-use std::path::Path;
+use serde::{Deserialize, Serialize};
+use std::{fs::File, io::Read, path::Path};
 
-/// The keys of such a file that determine the orbit.
+/// What the first settings of a branch file must be.
+const FORMAT: &str = "hertzchain branch";
+const VERSION: u64 = 1;
+const SETTINGS: &str = "settings.json";
+
+/// What a branch file begins with.
+#[derive(Deserialize)]
+struct Stamp {
+    format: String,
+    version: u64,
+}
+
+/// What holds for all of a branch.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    format: String,
+    version: u64,
+    program: String,
+    #[serde(deserialize_with = "Option::deserialize")]
+    center: Option<Center>,
+    /// That of the first orbit.
+    setting: Setting,
+    continuation: Continuation,
+    #[serde(deserialize_with = "Option::deserialize")]
+    weak: Option<f64>,
+    points: u64,
+    ds: f64,
+    #[serde(deserialize_with = "Option::deserialize")]
+    end: Option<End>,
+}
+
+/// The keys of the JSON of an orbit that determine it.
 #[derive(Deserialize)]
 struct OrbitFile {
     alpha: f64,
@@ -21,38 +59,221 @@ struct OrbitFile {
     omega_b: f64,
     turns: u32,
     c_x: f64,
+    /// The centre it was solved for; that measured is near it.
+    c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
+}
+
+/// An orbit of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pick {
+    /// By its number, from 0; from the last, -1, if negative.
+    Point(i64),
+    /// With the parameter nearest to a value on the branch.
+    At(f64),
 }
 
 /// A residual above this is no orbit; rounded files have less.
 const ORBIT: f64 = 1e-8;
 
-impl Orbit {
-    /// The orbit in a file that `dark` has written, after checks: numbers within their rules, and a residual that is an orbit's.
+impl Trail {
+    /// The settings as JSON.
+    pub(crate) fn settings(&self) -> Result<impl Serialize> {
+        let first = self.orbits.first().ok_or_else(|| Error::parameter("orbits", 0, "at least one"))?;
+        Ok(Settings {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            program: concat!("hertzchain ", env!("CARGO_PKG_VERSION")).to_owned(),
+            center: self.center,
+            setting: first.setting,
+            continuation: self.continuation,
+            weak: self.weak,
+            points: self.orbits.len() as u64,
+            ds: self.ds,
+            end: self.end,
+        })
+    }
+
+    /// The bytes of its file, with `more` arrays in it.
     ///
     /// # Errors
-    /// A file that cannot be read, lacks a key or has a wrong one; numbers outside their rules; strains that are no orbit.
-    pub fn load(path: &Path, shooting: &Shooting) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        let file: OrbitFile = serde_json::from_str(&text)
-            .map_err(|error| Error::File { path: path.to_owned(), source: std::io::Error::other(error) })?;
-        let OrbitFile { alpha, kappa, rho, sites, omega_b, turns, c_x, x, y } = file;
-        let setting = Setting { params: Params { alpha, kappa, rho }, sites, omega_b, c_x, turns };
-        setting.chain()?;
+    /// No orbit, and what the archive writer says.
+    pub fn npz(&self, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
+        let of = |value: &dyn Fn(&Orbit) -> f64| self.orbits.iter().map(value).collect::<Vec<f64>>();
+        let mut arrays = vec![
+            Array::vector("parameter", of(&|orbit| orbit.setting.get(self.continuation.parameter))),
+            Array::vector("omega_b", of(&|orbit| orbit.setting.omega_b)),
+            Array::vector("rho", of(&|orbit| orbit.setting.params.rho)),
+            Array::vector("residual", of(&|orbit| orbit.residual)),
+            Array::matrix("x", self.orbits.iter().map(Orbit::x)),
+            Array::matrix("y", self.orbits.iter().map(Orbit::y)),
+        ];
+        arrays.extend(more);
+        npz_with(SETTINGS, &to_json(&self.settings()?), &arrays)
+    }
+
+    /// The branch in a file: the orbits have the bits they had, but not how each was found.
+    ///
+    /// # Errors
+    /// A file that cannot be read; [`Error::Content`], with the key and the rule, for one that is not as it was written, or of another version, or whose
+    /// numbers are outside their rules.
+    pub fn load(path: &Path) -> Result<Self> {
+        let file = Archive::read(path)?;
+        let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
+        let text = file.text(SETTINGS)?;
+        let stamp: Stamp = serde_json::from_str(text).map_err(|why| refused(&why))?;
+        if (stamp.format.as_str(), stamp.version) != (FORMAT, VERSION) {
+            let Stamp { format, version } = stamp;
+            return Err(refused(&format!("{format}, version {version}; read is {FORMAT}, version {VERSION}")));
+        }
+        let settings: Settings = serde_json::from_str(text).map_err(|why| refused(&why))?;
+        let Settings { center, setting, continuation, weak, points, ds, end, .. } = settings;
+        if points == 0 {
+            return Err(refused(&Error::parameter("points", points, "at least one")));
+        }
+        let length = |value: f64| value.is_finite() && value > 0.0;
+        for (name, value, good, rule) in [
+            ("ds", ds, length(ds), "finite and positive"),
+            (
+                "weak",
+                weak.unwrap_or(0.0),
+                weak.is_none_or(|weak| weak.is_finite() && weak >= 0.0),
+                "finite and at least zero",
+            ),
+        ] {
+            if !good {
+                return Err(refused(&Error::parameter(name, value, rule)));
+            }
+        }
+        checked(&setting).map_err(|why| refused(&why))?;
+        continuation.validate(setting.get(continuation.parameter)).map_err(|why| refused(&why))?;
+        let (shape, sites) = ([points, setting.sites as u64], setting.sites);
+        let [parameter, residual] = [file.array("parameter", &shape[..1])?, file.array("residual", &shape[..1])?];
+        let [x, y] = [file.array("x", &shape)?, file.array("y", &shape)?];
+        for (name, strains) in [("x", &x), ("y", &y)] {
+            if let Some(k) = strains.iter().position(|z| !z.is_finite()) {
+                let rule = format!("{} at point {}, entry {}: strains are finite", strains[k], k / sites, k % sites);
+                return Err(file.refused(name, rule));
+            }
+        }
+        let mut orbits = Vec::new();
+        for (k, (x, y)) in x.chunks_exact(sites).zip(y.chunks_exact(sites)).enumerate() {
+            let setting = setting.with(continuation.parameter, parameter[k]);
+            checked(&setting).map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
+            let z = [x, y].concat();
+            if !(max_norm(z.iter().copied()) > 0.0) {
+                return Err(file.refused("x", format!("point {k}: the strains are all zero")));
+            }
+            orbits.push(Orbit { setting, z, residual: residual[k], newton: Vec::new() });
+        }
+        Ok(Self { continuation, orbits, ds, end, center, weak })
+    }
+
+    /// One of its orbits.
+    ///
+    /// # Errors
+    /// A number or a value that is not on the branch.
+    pub fn pick(&self, pick: Pick) -> Result<&Orbit> {
+        let p = |orbit: &Orbit| orbit.setting.get(self.continuation.parameter);
+        match pick {
+            Pick::Point(k) => {
+                let count = self.orbits.len() as i64;
+                let index = usize::try_from(if k < 0 { k.saturating_add(count) } else { k }).ok();
+                index.and_then(|index| self.orbits.get(index)).ok_or_else(|| {
+                    let value = format!("{k} of {count} points");
+                    Error::parameter("point", value, "counted from 0, or from the last, -1")
+                })
+            }
+            Pick::At(value) => {
+                let (least, most) = self
+                    .orbits
+                    .iter()
+                    .map(p)
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+                let nearest = self.orbits.iter().min_by(|a, b| (p(a) - value).abs().total_cmp(&(p(b) - value).abs()));
+                nearest.filter(|_| (least..=most).contains(&value)).ok_or_else(|| {
+                    Error::parameter(
+                        "at",
+                        format!("{value}, of {least} .. {most}"),
+                        "a value of the parameter on the branch",
+                    )
+                })
+            }
+        }
+    }
+}
+
+impl Orbit {
+    /// The orbit in a file that `dark` has written, or that picked of a branch file; after checks: numbers within their rules, and a residual that is an orbit's.
+    ///
+    /// # Errors
+    /// A file that cannot be read; [`Error::Content`] for one that lacks a key or has a wrong one, numbers outside their rules, and strains that are no orbit;
+    /// a branch without a pick, or a pick that is not there.
+    pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
+        let refused = |why: &dyn std::fmt::Display| Error::Content {
+            path: path.to_owned(),
+            place: "orbit".to_owned(),
+            rule: why.to_string(),
+        };
+        let fail = |source| Error::File { path: path.to_owned(), source };
+        let (mut file, mut text) = (File::open(path).map_err(fail)?, Vec::new());
+        let magic = b"PK\x03\x04";
+        (&mut file).take(magic.len() as u64).read_to_end(&mut text).map_err(fail)?;
+        let orbit = match (text == magic, pick) {
+            (true, Some(pick)) => Trail::load(path)?.pick(pick)?.clone(),
+            (true, None) => {
+                return Err(Error::parameter(
+                    "point",
+                    "nothing",
+                    "a branch file needs --point or --at: which of its orbits",
+                ));
+            }
+            (false, Some(_)) => {
+                return Err(Error::parameter("point", path.display(), "only a branch file, branch.npz, has points"));
+            }
+            (false, None) => {
+                file.read_to_end(&mut text).map_err(fail)?;
+                let read: OrbitFile = serde_json::from_slice(&text).map_err(|why| {
+                    let hint = "; the orbits of a branch are in branch.npz";
+                    let branch = String::from_utf8_lossy(&text).contains("\"bifurcations\"");
+                    refused(&format!("{why}{}", if branch { hint } else { "" }))
+                })?;
+                read.orbit().map_err(|why| refused(&why))?
+            }
+        };
+        // Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
+        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
+        let velocities = shooting.equations(&orbit.setting, &orbit.z, false)?.residual;
+        let residual = velocities.rows(0, orbit.z.len()).amax() / orbit.amplitude();
+        if residual <= ORBIT {
+            return Ok(Self { residual, ..orbit });
+        }
+        let rule = "velocities of an orbit vanish after half a period, to 1e-8: this is none";
+        Err(refused(&Error::parameter("residual", residual, rule)))
+    }
+}
+
+impl OrbitFile {
+    fn orbit(self) -> Result<Orbit> {
+        let Self { alpha, kappa, rho, sites, omega_b, turns, c_x, c_x_asked, x, y } = self;
+        let params = Params { alpha, kappa, rho };
+        let setting = Setting { params, sites, omega_b, c_x: c_x_asked.unwrap_or(c_x), turns };
+        checked(&setting)?;
         for (name, strains) in [("x", &x), ("y", &y)] {
             if strains.len() != sites {
                 return Err(Error::parameter(name, format!("{} numbers", strains.len()), "a number for every site"));
             }
         }
-        let z = [x, y].concat();
-        let size = crate::chain::max_norm(z.iter().copied());
-        let residual = shooting.equations(&setting, &z, false)?.residual.amax() / size;
-        if residual <= ORBIT {
-            return Ok(Self { setting, z, residual, newton: Vec::new() });
-        }
-        let rule =
-            "strains that come back after a period have a residual of at most 1e-8: the file is not that of an orbit";
-        Err(Error::parameter("residual", residual, rule))
+        Ok(Orbit { setting, z: [x, y].concat(), residual: f64::INFINITY, newton: Vec::new() })
     }
+}
+
+/// A setting of a ring that our orbits can be on.
+fn checked(setting: &Setting) -> Result<()> {
+    setting.chain()?;
+    if setting.sites % 2 == 0 {
+        return Err(Error::parameter("sites", setting.sites, "an odd number: n = -N .. N"));
+    }
+    Ok(())
 }

@@ -19,7 +19,8 @@ mod setting;
 mod shooting;
 
 pub use bifurcation::{Bifurcation, BifurcationKind};
-pub use continuation::{Continuation, End};
+pub use continuation::{Continuation, End, Trail};
+pub use file::Pick;
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};

@@ -1,9 +1,14 @@
-//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a fixed date.
+//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a fixed date. A text may stand among them; `numpy.load` gives its bytes.
 
 use crate::error::{Error, Result};
-use npyz::{WriterBuilder, npz::file_name_from_array_name};
-use std::io::Cursor;
-use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
+use npyz::{NpyFile, WriterBuilder, npz::file_name_from_array_name};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{BufReader, Cursor, Read, Write},
+    path::{Path, PathBuf},
+};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 /// A named array of an archive, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,24 +44,118 @@ impl<'a> Array<'a> {
 /// # Errors
 /// What the archive writer says.
 pub fn npz(arrays: &[Array<'_>]) -> Result<Vec<u8>> {
+    archive(None, arrays)
+}
+
+/// The bytes of an archive that begins with a text.
+///
+/// # Errors
+/// What the archive writer says.
+pub fn npz_with(name: &str, text: &str, arrays: &[Array<'_>]) -> Result<Vec<u8>> {
+    archive(Some((name, text)), arrays)
+}
+
+fn archive(text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    write(&mut bytes, arrays).map_err(|source| Error::File { path: "npz archive".into(), source })?;
+    write(&mut bytes, text, arrays).map_err(|source| Error::File { path: "npz archive".into(), source })?;
     Ok(bytes.into_inner())
 }
 
-fn write(bytes: &mut Cursor<Vec<u8>>, arrays: &[Array<'_>]) -> std::io::Result<()> {
+fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> std::io::Result<()> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::default())
         .large_file(true);
     let mut archive = ZipWriter::new(bytes);
+    if let Some((name, text)) = text {
+        archive.start_file(name, options)?;
+        archive.write_all(text.as_bytes())?;
+    }
     for array in arrays {
         archive.start_file(file_name_from_array_name(array.name), options)?;
-        let mut writer =
-            npyz::WriteOptions::new().default_dtype().shape(&array.shape).writer(&mut archive).begin_nd()?;
-        writer.extend(&array.values)?;
-        writer.finish()?;
+        npy(&mut archive, &array.shape, &array.values)?;
     }
     archive.finish()?;
     Ok(())
+}
+
+fn npy(to: &mut impl Write, shape: &[u64], values: &[f64]) -> std::io::Result<()> {
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
+}
+
+/// What an array begins with.
+fn npy_head(shape: &[u64]) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    npyz::WriteOptions::<f64>::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
+    Ok(bytes)
+}
+
+/// An archive that was read: every member held against its CRC-32.
+#[derive(Debug)]
+pub struct Archive {
+    path: PathBuf,
+    members: BTreeMap<String, Vec<u8>>,
+}
+
+impl Archive {
+    /// Reads the file `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be opened; [`Error::Content`] for one that is no such archive, or not as it was written.
+    pub fn read(path: &Path) -> Result<Self> {
+        let fail = |source| Error::File { path: path.to_owned(), source };
+        let file = File::open(path).map_err(fail)?;
+        // Nothing is compressed: no member, and not all together, is longer than the file.
+        let mut left = file.metadata().map_err(fail)?.len();
+        let mut out = Self { path: path.to_owned(), members: BTreeMap::new() };
+        let mut archive = ZipArchive::new(BufReader::new(file))
+            .map_err(|why| out.refused("archive", format!("not an NPZ file, or not all of it: {why}")))?;
+        for k in 0..archive.len() {
+            let mut bytes = Vec::new();
+            let unnamed = |why: zip::result::ZipError| out.refused(&format!("member {k}"), why.to_string());
+            let mut member = archive.by_index(k).map_err(unnamed)?;
+            let name = member.name().map_err(unnamed)?.into_owned();
+            let damaged = |why: &dyn std::fmt::Display| out.refused(&name, format!("not as it was written: {why}"));
+            (&mut member).take(left + 1).read_to_end(&mut bytes).map_err(|why| damaged(&why))?;
+            left = left.checked_sub(bytes.len() as u64).ok_or_else(|| damaged(&"longer than the file"))?;
+            out.members.insert(name, bytes);
+        }
+        Ok(out)
+    }
+
+    /// That what stands at `place` breaks a rule.
+    pub fn refused(&self, place: &str, rule: impl Into<String>) -> Error {
+        Error::Content { path: self.path.clone(), place: place.to_owned(), rule: rule.into() }
+    }
+
+    /// A text in it.
+    ///
+    /// # Errors
+    /// None of that name, or not UTF-8.
+    pub fn text(&self, name: &str) -> Result<&str> {
+        std::str::from_utf8(self.member(name)?).map_err(|why| self.refused(name, why.to_string()))
+    }
+
+    /// An array of this shape. Nothing is asked of memory before it is known that it is there.
+    ///
+    /// # Errors
+    /// None of that name, or of another type or shape.
+    pub fn array(&self, name: &str, shape: &[u64]) -> Result<Vec<f64>> {
+        let bytes = self.member(&file_name_from_array_name(name))?;
+        let other = || self.refused(name, format!("{} bytes that are not an array of {shape:?} doubles", bytes.len()));
+        let size = shape.iter().try_fold(8, |size: u64, length| size.checked_mul(*length));
+        let size = size.filter(|size| *size < bytes.len() as u64).ok_or_else(other)?;
+        // The head says type and shape, in one way only: it is what would be written.
+        let head = npy_head(shape).map_err(|_| other())?;
+        if head.len() as u64 + size != bytes.len() as u64 || !bytes.starts_with(&head) {
+            return Err(other());
+        }
+        NpyFile::new(&bytes[..]).and_then(NpyFile::into_vec).map_err(|why| self.refused(name, why.to_string()))
+    }
+
+    fn member(&self, name: &str) -> Result<&[u8]> {
+        self.members.get(name).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
+    }
 }

@@ -5,8 +5,8 @@ use crate::{
     breathers::DarkBreather,
     error::Result,
     experiments::{Branch, DoubledBranch, OrbitStudy},
-    orbits::{Bifurcation, Extent, Kind, Multiplier, Orbit, Setting},
-    output::{Array, csv, npz, to_json},
+    orbits::{Bifurcation, Extent, Kind, Multiplier, Setting},
+    output::{Array, csv, to_json},
 };
 use serde_json::{Value, json};
 
@@ -41,6 +41,7 @@ fn orbit(study: &OrbitStudy) -> Value {
         "k_y": extent.k_y,
         "c_x": extent.c_x,
         "c_y": extent.c_y,
+        "c_x_asked": orbit.setting.c_x,
         "e_b": e_b,
         "mean_force": forces.mean(),
         "mean_force_spread": forces.spread(),
@@ -150,6 +151,7 @@ fn branch_value(branch: &Branch) -> Value {
         "end": branch.end,
         "points": points,
         "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<_>>(),
+        "settings": branch.trail().settings().ok(),
     })
 }
 
@@ -234,23 +236,16 @@ pub fn branch_csv(branch: &Branch) -> Vec<u8> {
     csv(&[parameter.name(), "k_x", "k_y", "c_x", "c_y", "max_modulus"], rows)
 }
 
-/// `branch.npz`: the parameter, strains and all multipliers of every point.
+/// `branch.npz`: what [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers of every point.
 ///
 /// # Errors
 /// What the archive writer says.
 pub fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
-    let points = &branch.points;
-    let of = |value: &dyn Fn(&Orbit) -> f64| points.iter().map(|point| value(&point.orbit)).collect::<Vec<f64>>();
     let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
-        points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
+        branch.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
     };
     let (re, im, error) = (parts(&|one| one.re), parts(&|one| one.im), parts(&|one| one.error));
-    npz(&[
-        Array::vector("parameter", of(&|orbit| orbit.setting.get(branch.continuation.parameter))),
-        Array::vector("omega_b", of(&|orbit| orbit.setting.omega_b)),
-        Array::vector("rho", of(&|orbit| orbit.setting.params.rho)),
-        Array::matrix("x", points.iter().map(|point| point.orbit.x())),
-        Array::matrix("y", points.iter().map(|point| point.orbit.y())),
+    branch.trail().npz(vec![
         Array::matrix("multipliers_re", re.iter().map(Vec::as_slice)),
         Array::matrix("multipliers_im", im.iter().map(Vec::as_slice)),
         Array::matrix("modulus_error", error.iter().map(Vec::as_slice)),

@@ -174,7 +174,7 @@ impl Store {
 }
 
 fn refused(path: &Path, line: usize, rule: impl Into<String>) -> Error {
-    Error::Store { path: path.to_owned(), line, rule: rule.into() }
+    Error::Content { path: path.to_owned(), place: format!("line {line}"), rule: rule.into() }
 }
 
 /// FNV-1a, from where another left off: any one byte changed changes it.

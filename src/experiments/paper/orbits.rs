@@ -1,14 +1,12 @@
 //! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, `alpha = 3/2, kappa = 1`.
 
-use super::super::{
-    Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled, evolve, orbit_study, orbits::branch_from,
-};
+use super::super::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled, evolve, go_on, orbit_study};
 use crate::{
     breathers::DarkBreather,
     chain::{Params, max_norm},
     dps::Center,
     error::{Error, Result},
-    orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting},
+    orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
     sweep::Tally,
 };
 
@@ -193,11 +191,16 @@ fn each<T: Sync, U: Send>(
     Tally::new(items.len(), &tell).map(items, work).into_iter().collect()
 }
 
+/// The branch through an orbit; bifurcations are located if `weak` is given.
+fn follow(start: Orbit, continuation: &Continuation, weak: Option<f64>) -> Result<Branch> {
+    go_on(Trail { weak, ..Trail::new(*continuation, start)? }, &mut |_| {}, &|_, _| {})
+}
+
 /// The branch between two frequencies of one family, with its bifurcations or without.
 fn family(rho: f64, center: Center, [from, to]: [f64; 2], points: u32, bifurcations: bool) -> Result<Branch> {
     let continuation = along(Parameter::OmegaB, to, (to - from) / f64::from(points));
     let start = breather(rho, center, from).orbit(&continuation.shooting)?;
-    branch_from(start, &continuation, bifurcations.then_some(WEAK), &|_, _| {})
+    follow(start, &continuation, bifurcations.then_some(WEAK))
 }
 
 /// The branch of one frequency up to a mass ratio, from as near to `omega(rho) = omega_b` as can be.
@@ -206,7 +209,7 @@ fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting
     let start = breather(from, center, omega_b).orbit(shooting)?;
     let near = (NEAR * from).min(0.5 * (from + to));
     let leg = |start: Orbit, from: f64, to: f64, points: u32| {
-        branch_from(start, &along(Parameter::Rho, to, (to - from) / f64::from(points)), None, &|_, _| {})
+        follow(start, &along(Parameter::Rho, to, (to - from) / f64::from(points)), None)
     };
     let mut branch = leg(start, from, near, points[0])?;
     if let (End::Reached, Some(last)) = (branch.end, branch.points.pop()) {
