@@ -9,7 +9,7 @@ use super::{
     shooting::{Formulation, Orbit, Shooting},
 };
 use crate::{
-    chain::{Params, max_norm},
+    chain::Params,
     dps::Center,
     error::{Error, Result},
     output::{Archive, Array, npz_with, to_json},
@@ -21,6 +21,8 @@ use std::{fs::File, io::Read, path::Path};
 const FORMAT: &str = "hertzchain branch";
 const VERSION: u64 = 1;
 const SETTINGS: &str = "settings.json";
+/// What a zip archive with a member begins with.
+const ZIP: &[u8] = b"PK\x03\x04";
 
 /// What a branch file begins with.
 #[derive(Deserialize)]
@@ -76,6 +78,8 @@ pub enum Pick {
 
 /// A residual above this is no orbit; rounded files have less.
 const ORBIT: f64 = 1e-8;
+/// Frequencies in an orbit, over its own, at most.
+const FASTEST: f64 = 1e3;
 
 impl Trail {
     /// The settings as JSON.
@@ -161,11 +165,10 @@ impl Trail {
         for (k, (x, y)) in x.chunks_exact(sites).zip(y.chunks_exact(sites)).enumerate() {
             let setting = setting.with(continuation.parameter, parameter[k]);
             checked(&setting).map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
-            let z = [x, y].concat();
-            if !(max_norm(z.iter().copied()) > 0.0) {
-                return Err(file.refused("x", format!("point {k}: the strains are all zero")));
-            }
-            orbits.push(Orbit { setting, z, residual: residual[k], newton: Vec::new() });
+            let orbit = Orbit { setting, z: [x, y].concat(), residual: residual[k], newton: Vec::new() };
+            let measured = orbit.clone().measured(&continuation.shooting);
+            measured.map_err(|why| file.refused("x", format!("point {k}: {why}")))?;
+            orbits.push(orbit);
         }
         Ok(Self { continuation, orbits, ds, end, center, weak })
     }
@@ -211,46 +214,49 @@ impl Orbit {
     /// A file that cannot be read; [`Error::Content`] for one that lacks a key or has a wrong one, numbers outside their rules, and strains that are no orbit;
     /// a branch without a pick, or a pick that is not there.
     pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
-        let refused = |why: &dyn std::fmt::Display| Error::Content {
-            path: path.to_owned(),
-            place: "orbit".to_owned(),
-            rule: why.to_string(),
-        };
         let fail = |source| Error::File { path: path.to_owned(), source };
         let (mut file, mut text) = (File::open(path).map_err(fail)?, Vec::new());
-        let magic = b"PK\x03\x04";
-        (&mut file).take(magic.len() as u64).read_to_end(&mut text).map_err(fail)?;
-        let orbit = match (text == magic, pick) {
-            (true, Some(pick)) => Trail::load(path)?.pick(pick)?.clone(),
-            (true, None) => {
-                return Err(Error::parameter(
-                    "point",
-                    "nothing",
-                    "a branch file needs --point or --at: which of its orbits",
-                ));
-            }
-            (false, Some(_)) => {
-                return Err(Error::parameter("point", path.display(), "only a branch file, branch.npz, has points"));
-            }
+        (&mut file).take(ZIP.len() as u64).read_to_end(&mut text).map_err(fail)?;
+        let rule = match (text == ZIP, pick) {
+            (true, Some(pick)) => return Trail::load(path)?.pick(pick).cloned(),
+            (true, None) => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
+            (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
             (false, None) => {
                 file.read_to_end(&mut text).map_err(fail)?;
-                let read: OrbitFile = serde_json::from_slice(&text).map_err(|why| {
-                    let hint = "; the orbits of a branch are in branch.npz";
-                    let branch = String::from_utf8_lossy(&text).contains("\"bifurcations\"");
-                    refused(&format!("{why}{}", if branch { hint } else { "" }))
-                })?;
-                read.orbit().map_err(|why| refused(&why))?
+                match Self::from_json(&text, shooting) {
+                    Ok(orbit) => return Ok(orbit),
+                    Err(rule) => rule,
+                }
             }
         };
-        // Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
-        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
-        let velocities = shooting.equations(&orbit.setting, &orbit.z, false)?.residual;
-        let residual = velocities.rows(0, orbit.z.len()).amax() / orbit.amplitude();
-        if residual <= ORBIT {
-            return Ok(Self { residual, ..orbit });
+        Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
+    }
+
+    fn from_json(text: &[u8], shooting: &Shooting) -> std::result::Result<Self, String> {
+        let read: OrbitFile = serde_json::from_slice(text).map_err(|why| {
+            let branch = String::from_utf8_lossy(text).contains("\"bifurcations\"");
+            format!("{why}{}", if branch { "; the orbits of a branch are in branch.npz" } else { "" })
+        })?;
+        read.orbit().and_then(|orbit| orbit.measured(shooting)).map_err(|why| why.to_string())
+    }
+
+    /// The same with the residual measured anew. Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
+    fn measured(self, shooting: &Shooting) -> Result<Self> {
+        // Strains that are none of an orbit may take for ever.
+        let Setting { params, omega_b, .. } = self.setting;
+        let contacts = (params.alpha * self.amplitude().powf(params.alpha - 1.0)).sqrt();
+        if !(contacts.max(params.omega()) <= FASTEST * omega_b) {
+            let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
+            return Err(Error::parameter("strains", self.amplitude(), rule));
         }
-        let rule = "velocities of an orbit vanish after half a period, to 1e-8: this is none";
-        Err(refused(&Error::parameter("residual", residual, rule)))
+        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
+        let velocities = shooting.equations(&self.setting, &self.z, false)?.residual;
+        let residual = velocities.rows(0, self.z.len()).amax() / self.amplitude();
+        if residual <= ORBIT {
+            return Ok(Self { residual, ..self });
+        }
+        let rule = "the velocities of an orbit vanish after half a period, to 1e-8: this is none";
+        Err(Error::parameter("residual", residual, rule))
     }
 }
 

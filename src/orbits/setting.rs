@@ -20,6 +20,7 @@ pub enum Parameter {
     /// Exponent `alpha`.
     Alpha,
     /// Vertical centre `C_x`.
+    #[serde(rename = "c_x")]
     Cx,
 }
 

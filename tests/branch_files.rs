@@ -1,0 +1,389 @@
+//! Branches as files: read back to the bit, gone on with after any stop, refused when they are not as they were written.
+
+use hertzchain::{
+    Error,
+    breathers::DarkBreather,
+    chain::Params,
+    dps::Center,
+    experiments::orbit_study,
+    orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
+    output::{Archive, Array, npz, npz_with},
+    report::dark_breather_json,
+};
+use serde_json::{Value, json};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+fn breather() -> DarkBreather {
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
+    DarkBreather { params, center: Center::Bond, sites: 11, omega_b: 2.03, c_x: 0.0 }
+}
+
+fn continuation(parameter: Parameter, to: f64, step: f64) -> Continuation {
+    Continuation { parameter, to, step, most_points: 1000, natural: false, shooting: Shooting::default() }
+}
+
+fn trail(continuation: Continuation) -> Trail {
+    let mut trail = Trail::new(continuation, breather().orbit(&continuation.shooting).unwrap()).unwrap();
+    trail.extend(|_| {}).unwrap();
+    Trail { center: Some(Center::Bond), weak: Some(0.01), ..trail }
+}
+
+fn saved(folder: &Path, trail: &Trail) -> PathBuf {
+    let path = folder.join("branch.npz");
+    fs::write(&path, trail.npz(Vec::new()).unwrap()).unwrap();
+    path
+}
+
+/// Without what files leave out: how the orbits were found.
+fn bare(mut trail: Trail) -> Trail {
+    trail.orbits.iter_mut().for_each(|orbit| orbit.newton.clear());
+    trail
+}
+
+fn bits(orbit: &Orbit) -> Vec<u64> {
+    let setting = orbit.setting;
+    let numbers = Parameter::ALL.map(|(_, parameter)| setting.get(parameter));
+    numbers.iter().chain(&orbit.z).map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn branches_and_orbits_are_read_back_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = Shooting { formulation: Formulation::FullPeriod, ..Shooting::default() };
+    for (parameter, to, step, shooting) in [
+        (Parameter::OmegaB, 2.05, 6e-3, Shooting::default()),
+        (Parameter::Rho, 0.335, 1e-3, Shooting::default()),
+        (Parameter::Cx, 0.01, 4e-3, full),
+    ] {
+        let trail = trail(Continuation { shooting, ..continuation(parameter, to, step) });
+        assert!(trail.end == Some(End::Reached) && trail.orbits.len() >= 3, "{parameter:?}");
+        let path = saved(folder.path(), &trail);
+        let read = Trail::load(&path).unwrap();
+        assert_eq!(read, bare(trail.clone()));
+        for (k, orbit) in trail.orbits.iter().enumerate() {
+            let at = Pick::At(orbit.setting.get(parameter) * (1.0 + 1e-12 * if k == 0 { 1.0 } else { -1.0 }));
+            let back = Pick::Point(k as i64 - trail.orbits.len() as i64);
+            for pick in [Pick::Point(k as i64), back, at] {
+                assert_eq!(bits(&Orbit::load(&path, Some(pick), &shooting).unwrap()), bits(orbit), "{pick:?}");
+            }
+            // The JSON of an orbit of its own, with a centre that is not the one measured.
+            let study = orbit_study(orbit.clone(), &shooting).unwrap();
+            let json = folder.path().join("dark-breather.json");
+            fs::write(&json, dark_breather_json(&breather(), &study)).unwrap();
+            assert_eq!(bits(&Orbit::load(&json, None, &shooting).unwrap()), bits(orbit));
+        }
+    }
+}
+
+#[test]
+fn a_branch_stopped_anywhere_and_gone_on_with_has_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    for (natural, parameter, to, step) in [
+        (false, Parameter::OmegaB, 2.08, 4e-3),
+        (true, Parameter::OmegaB, 2.06, 6e-3),
+        (false, Parameter::Kappa, 0.99, 2e-3),
+    ] {
+        let continuation = Continuation { natural, ..continuation(parameter, to, step) };
+        let whole = bare(trail(continuation));
+        let count = whole.orbits.len();
+        assert!(count >= 5, "{count}");
+        let mut stopped = trail(Continuation { most_points: 2, ..continuation });
+        for points in 3..=count {
+            assert_eq!(stopped.end, Some(End::MostPoints));
+            let path = saved(folder.path(), &stopped);
+            stopped = Trail::load(&path).unwrap().onward(None, None, points).unwrap();
+            stopped.extend(|_| {}).unwrap();
+        }
+        stopped.continuation.most_points = 1000;
+        assert_eq!(bare(stopped), whole, "{parameter:?}");
+    }
+}
+
+#[test]
+fn a_branch_goes_on_beyond_its_end_and_not_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = Trail::load(&saved(folder.path(), &trail(continuation(Parameter::OmegaB, 2.04, 4e-3)))).unwrap();
+    let mut further = read.clone().onward(Some(2.05), Some(2e-3), 100).unwrap();
+    assert_eq!(further.extend(|_| {}).unwrap(), End::Reached);
+    assert_eq!(further.orbits[..read.orbits.len()], read.orbits);
+    let steps = further.orbits[read.orbits.len() - 1..].windows(2).map(|w| w[1].setting.omega_b - w[0].setting.omega_b);
+    assert!(steps.clone().count() >= 4 && steps.fold(0.0, f64::max) < 2.01e-3);
+    // Truth: the orbit found there from nothing. Measured: 3e-16.
+    let truth = DarkBreather { omega_b: 2.05, ..breather() }.orbit(&Shooting::default()).unwrap();
+    let last = further.orbits.last().unwrap();
+    let apart = truth.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("{apart:e}");
+    assert!(last.setting == truth.setting && apart < 6e-16);
+    for to in [2.04, 2.035, 2.03, 2.02, f64::NAN, f64::INFINITY] {
+        let refused = read.clone().onward(Some(to), None, 100).unwrap_err().to_string();
+        assert!(refused.starts_with("to = "), "{to}: {refused}");
+    }
+    assert_eq!(read.clone().onward(None, None, 100).unwrap().end, Some(End::Reached), "there is nothing to follow");
+    assert!(read.clone().onward(Some(2.05), Some(-1.0), 100).unwrap_err().to_string().contains("step = -1"));
+    assert!(read.onward(Some(2.05), None, 1).unwrap_err().to_string().contains("points = 1"));
+}
+
+#[test]
+fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
+    let folder = tempfile::tempdir().unwrap();
+    let branch = trail(continuation(Parameter::OmegaB, 2.04, 8e-3));
+    let path = saved(folder.path(), &branch);
+    let (written, branch) = (fs::read(&path).unwrap(), bare(branch));
+    let name = path.display().to_string();
+    let read = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        Trail::load(&path).map_err(|error| {
+            assert!(matches!(&error, Error::Content { .. }) && error.to_string().contains(&name), "{error}");
+        })
+    };
+    for length in (0..written.len()).step_by(7).chain(written.len() - 60..written.len()) {
+        assert!(read(&written[..length]).is_err(), "{length} of {} bytes", written.len());
+    }
+    // What zip writes beside its members is partly there twice, or read by nobody: dates, versions, attributes.
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(&written)).unwrap();
+    let members = (0..archive.len()).map(|k| {
+        let member = archive.by_index(k).unwrap();
+        let start = member.data_start().unwrap() as usize;
+        start..start + member.size() as usize
+    });
+    let members: Vec<_> = members.collect();
+    assert!(members.len() == 7 && members.iter().map(|range| range.len()).sum::<usize>() > 2000);
+    for k in 0..written.len() {
+        let mut altered = written.clone();
+        altered[k] ^= 1 << (k % 8);
+        if let Ok(read) = read(&altered) {
+            assert_eq!(read, branch, "byte {k}");
+            assert!(!members.iter().any(|range| range.contains(&k)), "byte {k} of a member");
+        }
+    }
+}
+
+/// A branch file whose settings and arrays are another's: all its checks fit.
+struct Forgery {
+    settings: Value,
+    arrays: Vec<(&'static str, Vec<u64>, Vec<f64>)>,
+}
+
+impl Forgery {
+    fn new(path: &Path) -> Self {
+        let file = Archive::read(path).unwrap();
+        let settings: Value = serde_json::from_str(file.text("settings.json").unwrap()).unwrap();
+        let points = settings["points"].as_u64().unwrap();
+        let array = |name, shape: &[u64]| (name, shape.to_vec(), file.array(name, shape).unwrap());
+        let one = ["parameter", "residual"].map(|name| array(name, &[points]));
+        let two = ["x", "y"].map(|name| array(name, &[points, 11]));
+        Self { settings, arrays: one.into_iter().chain(two).collect() }
+    }
+
+    fn array(&mut self, name: &str) -> &mut (&'static str, Vec<u64>, Vec<f64>) {
+        self.arrays.iter_mut().find(|array| array.0 == name).unwrap()
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let arrays = self.arrays.iter().map(|(name, shape, values)| Array {
+            name,
+            shape: shape.clone(),
+            values: values.clone(),
+        });
+        npz_with("settings.json", &self.settings.to_string(), &arrays.collect::<Vec<_>>()).unwrap()
+    }
+}
+
+/// What is altered, where that is found, and the rule.
+type Case = (fn(&mut Forgery), &'static str, &'static str);
+
+#[test]
+fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = saved(folder.path(), &trail(continuation(Parameter::OmegaB, 2.04, 8e-3)));
+    let (written, name) = (fs::read(&path).unwrap(), path.display().to_string());
+    let refused = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let error = Trail::load(&path).unwrap_err();
+        assert!(matches!(error, Error::Content { .. }), "{error}");
+        error.to_string()
+    };
+    let of = |alter: &dyn Fn(&mut Forgery)| {
+        fs::write(&path, &written).unwrap();
+        let mut forgery = Forgery::new(&path);
+        alter(&mut forgery);
+        refused(&forgery.bytes())
+    };
+    let cases: &[Case] = &[
+        (|f| f.settings["version"] = json!(2), "settings.json", "version 2; read is hertzchain branch, version 1"),
+        (|f| f.settings["format"] = json!("other"), "settings.json", "other, version 1"),
+        (|f| f.settings["points"] = json!(0), "settings.json", "points = 0 is not valid: at least one"),
+        (|f| f.settings["points"] = json!(-1), "settings.json", "invalid value: integer `-1`"),
+        (|f| f.settings["points"] = json!(3.5), "settings.json", "invalid type: floating point"),
+        (|f| f.settings["points"] = json!(1_000_000_000_000_000_000u64), "parameter", "[1000000000000000000] doubles"),
+        (|f| f.settings["points"] = json!(u64::MAX), "parameter", "[18446744073709551615] doubles"),
+        (|f| f.settings["points"] = json!(2), "parameter", "[2] doubles"),
+        (|f| f.settings["setting"]["sites"] = json!(10), "settings.json", "sites = 10 is not valid: an odd number"),
+        (|f| f.settings["setting"]["sites"] = json!(13), "x", "13] doubles"),
+        (|f| f.settings["setting"]["sites"] = json!(u64::MAX), "settings.json", "from 3 to 256 sites"),
+        (|f| f.settings["setting"]["omega_b"] = json!(-2.0), "settings.json", "omega_b = -2"),
+        (|f| f.settings["setting"]["turns"] = json!(3), "settings.json", "turns = 3"),
+        (|f| f.settings["setting"]["params"]["rho"] = json!(0.0), "settings.json", "rho = 0"),
+        (|f| f.settings["setting"]["params"]["rho"] = json!(0.34), "x", "this is none"),
+        (|f| f.settings["setting"]["params"]["alpha"] = Value::Null, "settings.json", "invalid type: null"),
+        (|f| f.settings["ds"] = json!(0.0), "settings.json", "ds = 0 is not valid: finite and positive"),
+        (|f| f.settings["weak"] = json!(-1.0), "settings.json", "weak = -1"),
+        (|f| f.settings["end"] = json!("never"), "settings.json", "unknown variant `never`"),
+        (|f| f.settings["center"] = json!("bead"), "settings.json", "unknown variant `bead`"),
+        (|f| f.settings["more"] = json!(1), "settings.json", "unknown field `more`"),
+        (|f| f.settings["continuation"]["step"] = json!(0.0), "settings.json", "step = 0"),
+        (|f| f.settings["continuation"]["to"] = json!(2.03), "settings.json", "to = 2.03"),
+        (|f| f.settings["continuation"]["parameter"] = json!("omega"), "settings.json", "unknown variant `omega`"),
+        (|f| f.settings["continuation"]["shooting"]["tol"] = json!(7.0), "x", "tol = 7"),
+        (|f| f.settings = json!([1, 2]), "settings.json", "invalid"),
+        (|f| f.array("x").2[12] = f64::NAN, "x", "NaN at point 1, entry 1: strains are finite"),
+        (|f| f.array("y").2[10] = f64::INFINITY, "y", "inf at point 0, entry 10: strains are finite"),
+        (|f| f.array("x").2[0] = 1e300, "x", "point 0: strains = 1e300"),
+        (|f| f.array("parameter").2[1] = 1e-9, "x", "point 1: strains = "),
+        (|f| f.settings["setting"]["params"]["kappa"] = json!(1e100), "x", "at most 1000 times as fast"),
+        (|f| f.array("x").2[0] += 1e-6, "x", "point 0: residual"),
+        (|f| f.arrays[2..].iter_mut().for_each(|array| array.2.fill(0.0)), "x", "point 0: "),
+        (|f| f.array("parameter").2[1] = f64::NAN, "parameter", "point 1: omega_b = NaN"),
+        (|f| f.array("x").1.reverse(), "x", "11] doubles"),
+        (|f| f.array("residual").1.push(1), "residual", "doubles"),
+        (|f| drop(f.arrays.pop()), "y.npy", "it is missing"),
+        (|f| f.array("x").0 = "z", "x.npy", "it is missing"),
+    ];
+    for (alter, place, rule) in cases {
+        let text = of(alter);
+        println!("{text}");
+        assert!(text.starts_with(&format!("{name}, {place}: ")) && text.contains(rule), "{place}, {rule}: {text}");
+    }
+    // Without any one of the keys.
+    for inside in ["", "/setting", "/setting/params", "/continuation", "/continuation/shooting"] {
+        fs::write(&path, &written).unwrap();
+        let settings = Forgery::new(&path).settings;
+        for key in settings.pointer(inside).unwrap().as_object().unwrap().keys() {
+            let text = of(&|forgery| {
+                forgery.settings.pointer_mut(inside).unwrap().as_object_mut().unwrap().remove(key);
+            });
+            assert!(text.contains(&format!("settings.json: missing field `{key}`")), "{text}");
+        }
+    }
+    for (bytes, place, rule) in [
+        (Vec::new(), "archive", "not an NPZ file"),
+        (b"PK\x03\x04".to_vec(), "archive", "not an NPZ file"),
+        (vec![7; 1000], "archive", "not an NPZ file"),
+        ([&written[..], &written[..100]].concat(), "archive", "not an NPZ file"),
+        (npz(&[Array::vector("x", vec![1.0])]).unwrap(), "settings.json", "it is missing"),
+        (npz_with("settings.json", &"[".repeat(100_000), &[]).unwrap(), "settings.json", "recursion limit"),
+    ] {
+        let text = refused(&bytes);
+        assert!(text.starts_with(&format!("{name}, {place}: ")) && text.contains(rule), "{text}");
+    }
+    let fails = |path: &Path| Trail::load(path).unwrap_err().to_string();
+    assert!(fails(folder.path()).contains("not an NPZ file"));
+    assert!(fails(&path.join("below")).contains("branch.npz/below: "));
+    assert!(fails(&folder.path().join("none.npz")).contains("none.npz: No such file"));
+}
+
+#[cfg(feature = "cli")]
+fn hertzchain(args: &[&str]) -> std::process::Command {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_hertzchain"));
+    command.args(args).stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+    command
+}
+
+#[cfg(feature = "cli")]
+fn refusal(args: &[&str]) -> String {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && output.stdout.is_empty() && !text.contains("panicked"), "{args:?}: {text}");
+    text
+}
+
+#[cfg(feature = "cli")]
+#[test]
+fn a_branch_whose_run_is_killed_is_gone_on_with_and_ends_with_the_same_bytes() {
+    let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let [whole, killed] = [whole.path(), killed.path()];
+    let args = ["--center", "bond", "--sites", "11", "--from", "2.01", "--to", "2.07", "--step", "4e-4"];
+    let begin = |out: &Path| hertzchain(&[&["continue"], &args[..], &["--out", out.to_str().unwrap()]].concat());
+    assert!(begin(whole).status().unwrap().success());
+    let path = killed.join("branch.npz");
+    let kept = || Trail::load(&path).map_or(0, |trail| trail.orbits.len());
+    let count = Trail::load(&whole.join("branch.npz")).unwrap().orbits.len();
+    let resume = || hertzchain(&["continue", "--resume", path.to_str().unwrap()]);
+    for round in 0..3 {
+        let before = kept();
+        let mut run = if round == 0 { begin(killed) } else { resume() }.spawn().unwrap();
+        while kept() == before && run.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        run.kill().unwrap();
+        assert!(!run.wait().unwrap().success(), "killed, not done");
+        println!("{} of {count} points are kept", kept());
+        assert!(kept() > before && kept() < count && kept() % 20 == 0);
+    }
+    // And once more where the orbits are all there, and their multipliers are not.
+    let mut run = resume().spawn().unwrap();
+    while Trail::load(&path).unwrap().end.is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    run.kill().unwrap();
+    assert!(!run.wait().unwrap().success() && kept() == count);
+    assert!(Archive::read(&path).unwrap().array("modulus_error", &[count as u64, 44]).is_err());
+    assert!(resume().status().unwrap().success());
+    for name in ["branch.npz", "branch.json", "branch.csv"] {
+        assert!(fs::read(whole.join(name)).unwrap() == fs::read(killed.join(name)).unwrap(), "{name}");
+    }
+}
+
+#[cfg(feature = "cli")]
+#[test]
+fn commands_take_branches_and_refuse_what_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let [main, twice] = ["main", "twice"].map(|name| folder.path().join(name).display().to_string());
+    let [branch, doubled] = [&main, &twice].map(|folder| format!("{folder}/branch.npz"));
+    let [branch, doubled] = [branch.as_str(), doubled.as_str()];
+    let sites = ["--center", "bond", "--sites", "21", "--from", "2.06", "--to", "2.065", "--step", "1e-3"];
+    let run = |args: &[&str]| assert!(hertzchain(args).status().unwrap().success(), "{args:?}");
+    run(&[&["continue"], &sites[..], &["--out", &main]].concat());
+    run(&["doubled", "--branch", branch, "--omega-b", "1.033", "--out", &twice]);
+    for pick in [["--point", "0"], ["--point", "-1"], ["--at", "2.0605"]] {
+        run(&[&["evolve", branch, "--until", "10"][..], &pick].concat());
+    }
+    // Orbits of doubled period: their centre is not the one that is measured over the whole period.
+    let last = Trail::load(Path::new(doubled)).unwrap();
+    assert!(last.orbits.iter().all(|orbit| orbit.setting.turns == 2) && last.weak.is_none());
+    let file = folder.path().join("evolution.json");
+    run(&["evolve", doubled, "--at", "1.033", "--until", "25", "--out", folder.path().to_str().unwrap()]);
+    let study: Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
+    assert!(study["omega_b"] == 1.033 && study["e_b"][4].as_f64().unwrap() < 1e-11, "{}", study["e_b"]);
+    run(&["continue", "--resume", doubled, "--to", "1.0335"]);
+    assert_eq!(Trail::load(Path::new(doubled)).unwrap().pick(Pick::Point(-1)).unwrap().setting.omega_b, 1.0335);
+
+    let json = format!("{main}/branch.json");
+    for (args, rule) in [
+        (&["evolve", branch][..], "branch.npz, orbit: it is a branch: say which of its orbits"),
+        (&["evolve", branch, "--point", "999"], "point = 999 of "),
+        (&["evolve", branch, "--point", "-999"], "point = -999 of "),
+        (&["evolve", branch, "--point=-9223372036854775808"], "point = -9223372036854775808 of "),
+        (&["evolve", branch, "--at", "2.07"], "at = 2.07, of 2.06 .. 2.065"),
+        (&["evolve", branch, "--at", "nan"], "at = NaN"),
+        (&["evolve", branch, "--at", "2.06", "--point", "1"], "cannot be used with"),
+        (&["evolve", &json], "branch.json, orbit: missing field `alpha`"),
+        (&["evolve", &json, "--point", "1"], "only a branch has points"),
+        (&["evolve", &main], "main: "),
+        (&["evolve", "/dev/null"], "/dev/null, orbit: EOF"),
+        (&["doubled", "--branch", doubled], "turns = 2"),
+        (&["doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),
+        (&["doubled", "--branch", branch, "--rho", "1"], "cannot be used with"),
+        (&["continue", "--resume", &json], "branch.json, archive: not an NPZ file"),
+        (&["continue", "--resume", branch, "--to", "2.063"], "to = 2.063"),
+        (&["continue", "--resume", branch, "--to", "1.9"], "to = 1.9"),
+        (&["continue", "--resume", branch, "--from", "2.06"], "cannot be used with"),
+        (&["continue", "--resume", branch, "--tol", "1e-9"], "cannot be used with"),
+    ] {
+        let text = refusal(args);
+        assert!(text.contains(rule), "{args:?}: {text}");
+    }
+}
