@@ -64,7 +64,7 @@ pub(super) enum Command {
     /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed goes on where it was, and another criterion or a larger map
     /// computes only what is new. Example: hertzchain lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4,1e5 --out out/lifetimes
     Lifetimes(LifetimesArgs),
-    /// Hold every number in the text of the paper's Sec. 3 to 5, of the first part of Sec. 6, and those of Sec. 7 that are cheap, against ours: what it says, what we get, the verdict, and why if they differ.
+    /// Hold every number in the text of the paper's Sec. 3 to 7 against ours: what it says, what we get, the verdict, and why if they differ.
     ///
     /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
     /// one is not, or a run failed.

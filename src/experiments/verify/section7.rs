@@ -3,34 +3,44 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `lambda` | Floquet multiplier |
+//! | `\|lambda\|^m` | of the largest one, `m` periods in a run: by how much roundings grow |
 //! | bond, site | what the kink is on |
+
+mod doubled;
+mod evolutions;
+mod mass_ratio;
 
 use super::{
     Group, Item, Rule, Runs,
-    item::{claim, formula, number},
+    item::{claim, number},
 };
 use crate::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
     error::Result,
-    experiments::{OrbitStudy, branch, orbit_study},
-    orbits::{Bifurcation, BifurcationKind, Continuation, Extent, Kind, Multiplier, Orbit, Parameter, Shooting},
+    experiments::{Evolution, Kick, OrbitStudy, branch, evolve, orbit_study},
+    orbits::{
+        Bifurcation, BifurcationKind, Continuation, Extent, Kind, Multiplier, Orbit, Parameter, Shooting, Spectrum,
+    },
+    sweep::map,
 };
-use std::f64::consts::PI;
 
 pub(super) const GROUPS: &[Group] = &[
     Group { section: 7, runs: &[], items: profiles },
     Group { section: 7, runs: &[], items: family },
     Group { section: 7, runs: &[], items: multipliers },
-    Group { section: 7, runs: &[], items: period_doubling },
+    Group { section: 7, runs: &[], items: frequencies },
     Group { section: 7, runs: &[], items: oscillatory_onset },
-    Group { section: 7, runs: &[], items: mass_ratio },
+    Group { section: 7, runs: &[], items: evolutions::site },
+    Group { section: 7, runs: &[], items: evolutions::bond },
+    Group { section: 7, runs: &[], items: doubled::period_doubling },
+    Group { section: 7, runs: &[], items: mass_ratio::three },
+    Group { section: 7, runs: &[], items: mass_ratio::ten },
+    Group { section: 7, runs: &[], items: mass_ratio::continued },
 ];
 
 const THIRD: f64 = 1.0 / 3.0;
-/// "Marginal": the paper says so of `|lambda| - 1` of a seventh of that of the real instability, about a site at `rho = 1/3, omega_b = 2.05`.
-const MARGINAL: Rule = Rule::AtMost(0.2);
 /// Quartets up to a modulus of one more than this are weak.
 const WEAK: f64 = 0.02;
 
@@ -46,9 +56,34 @@ fn study(rho: f64, center: Center, omega_b: f64) -> Result<OrbitStudy> {
     orbit_study(orbit(rho, center, omega_b)?, &Shooting::default())
 }
 
+fn spectrum(rho: f64, center: Center, omega_b: f64) -> Result<Spectrum> {
+    orbit(rho, center, omega_b)?.spectrum(&Shooting::default())
+}
+
+/// The spectra at several frequencies.
+fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
+    map(omega_b, |&omega_b| spectrum(rho, center, omega_b)).into_iter().collect()
+}
+
+/// An orbit let go, kicked along its most unstable mode or not.
+fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64>) -> Result<Evolution> {
+    let kick = kick.map(|size| Kick { size, mode: 0 });
+    evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})
+}
+
+/// The largest value.
+fn most(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The smallest value.
+fn least(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(f64::INFINITY, f64::min)
+}
+
 /// The largest modulus of the multipliers of some kinds; 1 if there are none.
-fn largest(study: &OrbitStudy, chosen: impl Fn(&Multiplier) -> bool) -> f64 {
-    study.spectrum.multipliers.iter().filter(|m| chosen(m)).map(|m| m.modulus).fold(1.0, f64::max)
+fn largest(spectrum: &Spectrum, chosen: impl Fn(&Multiplier) -> bool) -> f64 {
+    spectrum.multipliers.iter().filter(|m| chosen(m)).map(|m| m.modulus).fold(1.0, f64::max)
 }
 
 fn real(m: &Multiplier) -> bool {
@@ -81,7 +116,7 @@ fn profiles(_: &Runs) -> Result<Vec<Item>> {
             "eq:center",
             "largest |C_x| / K_x, both kinds",
             "approximately zero",
-            Rule::AtMost(1e-10),
+            Rule::AtMost(1e-15),
             both(&|study| study.extent.c_x.abs() / study.extent.k_x),
         ),
         number("s7-omega", "below eq:relerr", "omega at rho = 1/3", "2", Params::new(1.5, 1.0, THIRD)?.omega()),
@@ -94,14 +129,21 @@ fn profiles(_: &Runs) -> Result<Vec<Item>> {
             both(&|study| study.e_b),
         ),
         claim(
-            "s7-real-over-oscillatory",
-            "fig:r03bc_evol",
-            "|lambda| - 1 of the real instability about a bond over that of the oscillatory ones about a site, omega_b = 2.05",
-            "larger",
-            Rule::AtLeast(1.0),
-            (largest(&bond, real) - 1.0) / (largest(&site, quartet) - 1.0),
-        ),
+            "s7-seed",
+            "above fig:sw_xnyn_w205",
+            "largest distance of (eq:xy_sw) from x(0), y(0) over the largest strain, omega_b = 2.005, both kinds",
+            "a good initial seed",
+            Rule::AtMost(0.1),
+            seed(Center::Bond)?.max(seed(Center::Site)?),
+        )
+        .note("It is of first order: at omega_b = 2.05, as in the figure, it overestimates the amplitudes by 30 to 50 %."),
     ])
+}
+
+/// The distance of (eq:xy_sw) from the orbit, over the largest strain.
+fn seed(center: Center) -> Result<f64> {
+    let (seed, orbit) = (breather(THIRD, center, 2.005)?.seed()?, orbit(THIRD, center, 2.005)?);
+    Ok(most(seed.iter().zip(&orbit.z).map(|(a, b)| (a - b).abs())) / orbit.amplitude())
 }
 
 /// Size against frequency.
@@ -121,7 +163,7 @@ fn family(_: &Runs) -> Result<Vec<Item>> {
             "eq:amp",
             "least growth of K_x between omega_b = 2.001, 2.01, 2.03 .. 2.09, both kinds",
             "increases with omega_b",
-            Rule::AtLeast(1.01),
+            Rule::AtLeast(1.25),
             steps(|extent| extent.k_x),
         ),
         claim(
@@ -129,7 +171,7 @@ fn family(_: &Runs) -> Result<Vec<Item>> {
             "eq:amp",
             "the same of K_y",
             "increases with omega_b",
-            Rule::AtLeast(1.01),
+            Rule::AtLeast(1.2),
             steps(|extent| extent.k_y),
         ),
         claim(
@@ -145,8 +187,8 @@ fn family(_: &Runs) -> Result<Vec<Item>> {
 
 /// The multipliers at `omega_b = 2.09`.
 fn multipliers(_: &Runs) -> Result<Vec<Item>> {
-    let (bond, site) = (study(THIRD, Center::Bond, 2.09)?, study(THIRD, Center::Site, 2.09)?);
-    let signed = |study: &OrbitStudy, sign: f64| largest(study, |m| real(m) && m.re * sign > 0.0);
+    let (bond, site) = (spectrum(THIRD, Center::Bond, 2.09)?, spectrum(THIRD, Center::Site, 2.09)?);
+    let signed = |spectrum: &Spectrum, sign: f64| largest(spectrum, |m| real(m) && m.re * sign > 0.0);
     Ok(vec![
         claim(
             "s7-bond-real",
@@ -173,13 +215,65 @@ fn multipliers(_: &Runs) -> Result<Vec<Item>> {
             largest(&site, |m| quartet(m) && m.re < -0.5),
         ),
         claim(
+            "s7-site-around",
+            "below fig:r03sc_relerr",
+            "largest |lambda + 1| of these",
+            "around -1",
+            Rule::AtMost(0.5),
+            most(site.multipliers.iter().filter(|m| quartet(m) && m.re < -0.5).map(|m| (m.re + 1.0).hypot(m.im))),
+        ),
+    ])
+}
+
+/// The instabilities from the beginning of the branches on.
+fn frequencies(_: &Runs) -> Result<Vec<Item>> {
+    const EARLY: [f64; 3] = [2.005, 2.05, 2.06];
+    let (bond, early) = (spectra(THIRD, Center::Bond, &EARLY)?, spectra(THIRD, Center::Site, &EARLY)?);
+    let (weak, late) = (spectra(THIRD, Center::Site, &[2.07, 2.077])?, spectra(THIRD, Center::Site, &[2.08, 2.1])?);
+    let up_to = |last: bool| early.iter().chain(&weak).chain(last.then_some(&late).into_iter().flatten());
+    let ratio = |(bond, site)| (largest(bond, real) - 1.0) / (largest(site, quartet) - 1.0);
+    Ok(vec![
+        claim(
             "s7-site-only-oscillatory",
             "below fig:r03floq",
-            "largest |lambda| - 1 of the real ones there",
+            "largest |lambda| - 1 of the real ones about a site, omega_b = 2.005, 2.05 .. 2.08, 2.1",
             "only oscillatory instabilities",
             Rule::AtMost(1e-6),
-            largest(&site, real) - 1.0,
+            most(up_to(true).map(|site| largest(site, real) - 1.0)),
         ),
+        claim(
+            "s7-site-emerge",
+            "below fig:r03floq",
+            "largest |lambda| - 1 of the quartets about a site, omega_b = 2.005",
+            "marginally unstable modes emerge at the beginning",
+            Rule::AtLeast(4e-4),
+            largest(&early[0], quartet) - 1.0,
+        ),
+        claim(
+            "s7-site-weak",
+            "below fig:r03floq",
+            "the same, largest at omega_b = 2.005 .. 2.077",
+            "remain weak until 2.078",
+            Rule::AtMost(0.035),
+            most(up_to(false).map(|site| largest(site, quartet) - 1.0)),
+        ),
+        claim(
+            "s7-bond-only-real",
+            "above fig:r03bc_evol",
+            "the same about a bond, omega_b = 2.005, 2.05, 2.06",
+            "only real instability at the early stage",
+            Rule::AtMost(1e-6),
+            most(bond.iter().map(|bond| largest(bond, quartet) - 1.0)),
+        ),
+        claim(
+            "s7-real-over-oscillatory",
+            "above fig:r03bc_evol",
+            "least |lambda| - 1 of the real instability about a bond over that of the oscillatory ones about a site, at these",
+            "larger",
+            Rule::AtLeast(1.0),
+            least(bond.iter().zip(&early).map(ratio)),
+        )
+        .note("So bond-centred ones live shorter: a rounding grows by |lambda| in a period."),
     ])
 }
 
@@ -201,107 +295,28 @@ fn first(found: &[Bifurcation]) -> f64 {
     found.first().map_or(f64::NAN, |one| one.parameter)
 }
 
-/// The arc of the bond-centred family.
-fn period_doubling(_: &Runs) -> Result<Vec<Item>> {
-    let birth = bifurcations(Center::Bond, [2.062, 2.064], BifurcationKind::PeriodDoubling)?;
-    let meeting = bifurcations(Center::Bond, [2.0953, 2.0957], BifurcationKind::RealCollision)?;
-    let beyond = study(THIRD, Center::Bond, 2.097)?;
-    Ok(vec![
-        number(
-            "s7-period-doubling",
-            "above fig:PdoubleSln",
-            "first omega_b at which a pair goes through -1, about a bond",
-            "2.063",
-            first(&birth),
-        ),
-        number(
-            "s7-collision",
-            "above fig:PdoubleSln",
-            "omega_b at which the real multipliers collide",
-            "2.096",
-            first(&meeting),
-        ),
-        claim(
-            "s7-return",
-            "above fig:PdoubleSln",
-            "largest |lambda| with Re lambda < -1/2 at omega_b = 2.097",
-            "the pair of the period doubling collides there",
-            Rule::AtMost(1.0 + 1e-6),
-            largest(&beyond, |m| m.re < -0.5),
-        )
-        .but(
-            Rule::AtLeast(1.05),
-            "It does not come back to -1: a second pair leaves -1 at 2.09517, and the two pairs meet off the circle at 2.09554 and become a quartet.",
-        ),
-    ])
-}
-
 /// The strong instability of the site-centred family.
 fn oscillatory_onset(_: &Runs) -> Result<Vec<Item>> {
     let found = bifurcations(Center::Site, [2.077, 2.079], BifurcationKind::KreinCollision)?;
-    Ok(vec![number(
-        "s7-onset",
-        "fig:r03sc_relerr",
-        "omega_b at which pairs meet on the circle and become a strong quartet, about a site",
-        "2.078",
-        first(&found),
-    )
-    .but(
-        Rule::Digits("2.07724"),
-        "Between 2.077, up to which the paper finds small errors, and 2.078, where it sees the new mode: the collision itself is nearer to the former.",
-    )])
-}
-
-/// Heavier resonators.
-fn mass_ratio(_: &Runs) -> Result<Vec<Item>> {
-    let omega = |rho: f64| Ok::<f64, crate::error::Error>(Params::new(1.5, 1.0, rho)?.omega());
-    let (three, ten) = (omega(3.0)?, omega(10.0)?);
-    let (bond, site) = (study(3.0, Center::Bond, three + 0.1)?, study(3.0, Center::Site, three + 0.1)?);
-    let growth = largest(&bond, real) - 1.0;
-    let small = orbit(10.0, Center::Bond, ten + 0.01)?;
     Ok(vec![
-        number("s7-rho3-omega", "above fig:r3evol", "omega at rho = 3", "1.1547", three),
-        number("s7-rho3-omega-b", "above fig:r3evol", "omega + 0.1", "1.2547", three + 0.1),
-        formula(
-            "s7-rho3-time",
-            "fig:r3evol",
-            "299 T_b at omega_b = 1.2547",
-            "about 1500",
-            Rule::Equal { to: 1500.0, within: 0.005 },
-            299.0 * 2.0 * PI / (three + 0.1),
-        ),
-        claim(
-            "s7-rho3-bond",
-            "fig:r3floq",
-            "largest real lambda, about a bond, omega_b = 1.2547",
-            "real instability",
-            Rule::AtLeast(1.01),
-            largest(&bond, |m| m.kind == Kind::Real),
-        ),
-        claim(
-            "s7-rho3-bond-only-real",
-            "fig:r3floq",
-            "|lambda| - 1 of the largest quartet there over that of the real one",
-            "only real instability",
-            MARGINAL,
-            (largest(&bond, quartet) - 1.0) / growth,
-        ),
-        claim(
-            "s7-rho3-site",
-            "fig:r3floq",
-            "largest |lambda| - 1 about a site, omega_b = 1.2547, over that of the real one about a bond",
-            "just marginal oscillatory instability",
-            MARGINAL,
-            (largest(&site, |_| true) - 1.0) / growth,
-        )
-        .note("|lambda| = 1.0282 and 1.2140. At rho = 1/3, omega_b = 2.05 the share is 0.138, and called marginal."),
-        number("s7-rho10-omega", "above fig:r10floq", "omega at rho = 10", "1.0488", ten),
         number(
-            "s7-rho10-amplitude",
-            "above fig:r10floq",
-            "largest strain at rho = 10, omega_b = omega + 0.01, about a bond",
-            "1.6e-4",
-            small.amplitude(),
+            "s7-onset",
+            "fig:r03sc_relerr",
+            "omega_b at which pairs meet on the circle and become a strong quartet, about a site",
+            "2.078",
+            first(&found),
+        )
+        .but(
+            Rule::Digits("2.07724"),
+            "Between 2.077, up to which the paper finds small errors, and 2.078, where it sees the new mode: the collision itself is nearer to the former.",
+        ),
+        claim(
+            "s7-onset-place",
+            "below fig:r03sc_relerr",
+            "|lambda + 1| of where they meet",
+            "around -1",
+            Rule::AtMost(0.3),
+            found.first().map_or(f64::NAN, |one| (2.0 * (1.0 + one.tau)).sqrt()),
         ),
     ])
 }
