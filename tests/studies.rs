@@ -384,6 +384,29 @@ fn a_branch_is_written_and_says_what_happens_on_it() {
 }
 
 #[test]
+fn branches_are_the_same_to_the_last_bit_on_any_number_of_threads() {
+    let doubling = ["--from", "2.062", "--to", "2.064"];
+    for args in [
+        &[&["continue", "--center", "bond", "--step", "1e-3", "--sites", "21", "--json"], &doubling[..]].concat()[..],
+        &["doubled", "--sites", "21", "--step", "0.02", "--most", "2.066", "--omega-b", "1.0325", "--json"],
+    ] {
+        let on = |threads: &str| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
+            let output = command.args(args).env("RAYON_NUM_THREADS", threads).output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            output.stdout
+        };
+        let one = on("1");
+        let branch: Value = serde_json::from_slice(&one).unwrap();
+        assert!(
+            branch["points"].as_array().unwrap().len() > 2 && branch["points"][0]["leading"][0]["modulus"].is_f64()
+        );
+        assert!(args[0] == "doubled" || !branch["bifurcations"].as_array().unwrap().is_empty());
+        assert!(one == on("3"), "{args:?}");
+    }
+}
+
+#[test]
 fn a_branch_goes_along_other_parameters_too() {
     // The mass ratio at fixed frequency: rho = 0.5 has omega = 1.732.
     let branch = json(&[
