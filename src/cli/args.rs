@@ -612,7 +612,7 @@ pub(super) struct EvolveArgs {
     /// Tolerance of the run, relative to the size of the state, from 1e-15 to 0.1.
     #[arg(long, value_name = "TOL", default_value_t = 1e-13, allow_negative_numbers = true)]
     pub(super) tol: f64,
-    /// Folder for evolution.json and evolution.csv [default: none is written].
+    /// Folder for evolution.json, evolution.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png [default: none is written].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.

@@ -130,6 +130,11 @@ pub(super) fn evolve(args: &EvolveArgs) -> Exit {
     if let Some(folder) = folder {
         folder.write("evolution.json", json.as_bytes())?;
         folder.write("evolution.csv", &report::evolution_csv(&study))?;
+        for (name, table) in report::swing_csv(&study) {
+            folder.write(&format!("evolution-{name}"), &table)?;
+        }
+        #[cfg(feature = "plot")]
+        folder.write("evolution.png", &report::evolution_png(&study)?)?;
         eprintln!("written to {}", folder.path().display());
     }
     Ok(if study.failure.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -107,3 +107,37 @@ pub(super) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     };
     [map("xₙ", &study.swing.x), map("yₙ", &study.swing.y)]
 }
+
+/// `evolution.png`: largest strains over space and time, return error and position of the kink in time.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+#[cfg(feature = "plot")]
+pub fn evolution_png(study: &Evolution) -> crate::error::Result<Vec<u8>> {
+    use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
+    let setting = study.orbit.setting;
+    let time = |kind: Kind, label: &str, values: &[f64]| {
+        let points = study.times.iter().copied().zip(values.iter().copied()).collect();
+        let lines = vec![Line { name: label.to_owned(), points }];
+        Panel { kind, x_label: "time t".into(), y_label: label.into(), lines, ..Panel::default() }
+    };
+    // Of no use on a logarithmic axis where it is zero: the start.
+    let e_b: Vec<f64> = study.e_b.iter().map(|e_b| e_b.max(f64::MIN_POSITIVE)).collect();
+    let lines = [time(Kind::LogTime, "return error E_b", &e_b), time(Kind::Time, "kink at n", &study.position)];
+    let kick = study.kick.map_or(String::new(), |(kick, lambda)| {
+        format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
+    });
+    let caption = format!(
+        "Orbit of ω_b = {}, α = {}, κ = {}, ρ = {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit. Roundings grow by {:.1e} in this run if \
+         they stay small. hertzchain {}.",
+        setting.omega_b,
+        setting.params.alpha,
+        setting.params.kappa,
+        setting.params.rho,
+        setting.sites,
+        study.amplification,
+        env!("CARGO_PKG_VERSION")
+    );
+    let columns = vec![Column::new("", swing_maps(study)), Column::new("", lines)];
+    Ok(panels(&Panels { title: "An orbit let go".into(), columns, caption })?)
+}

@@ -28,6 +28,8 @@ pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
 pub use dps::{dark_csv, dark_json, dark_table};
 pub use drift::{drift_csv, drift_json, drift_table};
 #[cfg(feature = "plot")]
+pub use evolve::evolution_png;
+#[cfg(feature = "plot")]
 use evolve::swing_maps;
 pub use evolve::{evolution_csv, evolution_json, evolution_table, swing_csv};
 pub use lifetimes::{lifetimes_csv, lifetimes_files, lifetimes_json, lifetimes_json_with_work, lifetimes_table};
