@@ -5,7 +5,7 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::orbit_study,
+    experiments::{orbit_study, study},
     orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
     output::{Archive, Array, npz, npz_with},
     report::dark_breather_json,
@@ -163,6 +163,18 @@ fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
     }
 }
 
+#[test]
+fn orbits_are_kept_where_multipliers_fail() {
+    let mut broken = trail(continuation(Parameter::OmegaB, 2.04, 8e-3));
+    let count = broken.orbits.len();
+    // An orbit that no chain has, in the middle: its flow fails.
+    broken.orbits[2].setting.turns = 7;
+    let branch = study(broken.clone(), &|_, _| {}).unwrap();
+    assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (2, End::NoMultipliers, count));
+    broken.orbits[0].setting.turns = 7;
+    assert!(study(broken, &|_, _| {}).is_err());
+}
+
 /// A branch file whose settings and arrays are another's: all its checks fit.
 struct Forgery {
     settings: Value,
@@ -293,7 +305,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
     {
         use std::os::unix::fs::PermissionsExt;
         fs::write(&path, &written).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0)).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
         // Root reads everything.
         assert!(fs::File::open(&path).is_ok() || fails(&path).contains("branch.npz: Permission denied"));
     }

@@ -64,21 +64,8 @@ pub struct Branch {
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
     pub end: End,
-    /// Length of the next predictor.
-    pub ds: f64,
-    /// What its breathers are symmetric about, if known.
-    pub center: Option<Center>,
-    /// Bifurcations are those of which a modulus above `1 + weak` comes; none are located, if `None`.
-    pub weak: Option<f64>,
-}
-
-impl Branch {
-    /// Its orbits, with what it takes to go on.
-    pub fn trail(&self) -> Trail {
-        let Self { continuation, ds, center, weak, end, .. } = *self;
-        let orbits = self.points.iter().map(|point| point.orbit.clone()).collect();
-        Trail { continuation, orbits, ds, end: Some(end), center, weak }
-    }
+    /// All of its orbits, with what it takes to go on; more than points, where one has no multipliers.
+    pub trail: Trail,
 }
 
 /// Given what there is of a branch after every point, to keep it.
@@ -151,28 +138,29 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
 /// # Errors
 /// No multipliers at its first point.
 pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
-    let Trail { continuation, mut orbits, ds, end, center, weak } = trail;
+    let (continuation, orbits) = (trail.continuation, &trail.orbits);
     let shooting = &continuation.shooting;
-    let mut end = end.unwrap_or(End::MostPoints);
+    let mut end = trail.end.unwrap_or(End::MostPoints);
     progress(ORBITS, "multipliers");
     // A point without multipliers costs what comes after it, not the branch.
     let mut spectra = Vec::with_capacity(orbits.len());
-    for spectrum in map(&orbits, |orbit| orbit.spectrum(shooting)) {
+    for spectrum in map(orbits, |orbit| orbit.spectrum(shooting)) {
         match spectrum {
             Ok(spectrum) => spectra.push(spectrum),
             Err(error) if spectra.is_empty() => return Err(error),
             Err(_) => {
-                (orbits, end) = (orbits[..spectra.len()].to_vec(), End::NoMultipliers);
+                end = End::NoMultipliers;
                 break;
             }
         }
     }
-    let extents = map(&orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
+    let orbits = &orbits[..spectra.len()];
+    let extents = map(orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
     progress(0.5 * (1.0 + ORBITS), "bifurcations");
-    let bifurcations = weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
-    let points = orbits.into_iter().zip(spectra).zip(extents);
+    let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(orbits, &spectra, weak));
+    let points = orbits.iter().cloned().zip(spectra).zip(extents);
     let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
-    Ok(Branch { continuation, points, bifurcations, end, ds, center, weak })
+    Ok(Branch { continuation, points, bifurcations, end, trail })
 }
 
 /// The branch of doubled period: where it is born, and its points.
@@ -244,7 +232,7 @@ pub fn doubled_from(
     keep: Keep<'_>,
     progress: Progress<'_>,
 ) -> Result<DoubledBranch> {
-    bond_centred(main.center)?;
+    bond_centred(main.trail.center)?;
     if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
         return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
     }
@@ -260,6 +248,6 @@ pub fn doubled_from(
     }
     let continuation =
         Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
-    let trail = Trail { center: main.center, ..Trail::new(continuation, birth.doubled(shooting, FIRST_SIZE)?)? };
+    let trail = Trail { center: main.trail.center, ..Trail::new(continuation, birth.doubled(shooting, FIRST_SIZE)?)? };
     Ok(DoubledBranch { birth, branch: go_on(trail, keep, progress)? })
 }

@@ -245,7 +245,7 @@ impl Orbit {
         // Strains that are none of an orbit may take for ever.
         let Setting { params, omega_b, .. } = self.setting;
         let contacts = (params.alpha * self.amplitude().powf(params.alpha - 1.0)).sqrt();
-        if !(contacts.max(params.omega()) <= FASTEST * omega_b) {
+        if contacts.max(params.omega()) > FASTEST * omega_b {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
             return Err(Error::parameter("strains", self.amplitude(), rule));
         }
@@ -278,7 +278,7 @@ impl OrbitFile {
 /// A setting of a ring that our orbits can be on.
 fn checked(setting: &Setting) -> Result<()> {
     setting.chain()?;
-    if setting.sites % 2 == 0 {
+    if setting.sites.is_multiple_of(2) {
         return Err(Error::parameter("sites", setting.sites, "an odd number: n = -N .. N"));
     }
     Ok(())

@@ -152,7 +152,7 @@ impl Archive {
         if head.len() as u64 + size != bytes.len() as u64 || !bytes.starts_with(&head) {
             return Err(other());
         }
-        NpyFile::new(&bytes[..]).and_then(NpyFile::into_vec).map_err(|why| self.refused(name, why.to_string()))
+        NpyFile::new(bytes).and_then(NpyFile::into_vec).map_err(|why| self.refused(name, why.to_string()))
     }
 
     fn member(&self, name: &str) -> Result<&[u8]> {

@@ -151,7 +151,7 @@ fn branch_value(branch: &Branch) -> Value {
         "end": branch.end,
         "points": points,
         "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<_>>(),
-        "settings": branch.trail().settings().ok(),
+        "settings": branch.trail.settings().ok(),
     })
 }
 
@@ -245,7 +245,7 @@ pub fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
         branch.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
     };
     let (re, im, error) = (parts(&|one| one.re), parts(&|one| one.im), parts(&|one| one.error));
-    branch.trail().npz(vec![
+    branch.trail.npz(vec![
         Array::matrix("multipliers_re", re.iter().map(Vec::as_slice)),
         Array::matrix("multipliers_im", im.iter().map(Vec::as_slice)),
         Array::matrix("modulus_error", error.iter().map(Vec::as_slice)),
