@@ -71,6 +71,10 @@ pub(super) enum Command {
     Verify(VerifyArgs),
     /// Compute the figures of the paper: pictures, and the numbers behind them as CSV.
     Figures(FiguresArgs),
+    /// Run everything in its short form and write one self-contained HTML page: tables, pictures, captions, the machine and the version.
+    ///
+    /// Example: hertzchain report --out out/report; hertzchain report --only compare,order
+    Report(ReportArgs),
     /// List the built-in scenes, or show one as TOML.
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
@@ -748,6 +752,19 @@ pub(super) struct FiguresArgs {
     #[arg(long, value_name = "DIR", default_value = "out/figures")]
     pub(super) out: PathBuf,
     /// Print JSON instead of the table: name, source, title, files, caption, wall time.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ReportArgs {
+    /// Parts to make: compare, order, theorem, verify, figures [default: all].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    pub(super) only: Vec<String>,
+    /// Folder for report.html and report.json.
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    pub(super) out: PathBuf,
+    /// Print JSON instead of the table: what was made, wall times, failures.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -10,6 +10,7 @@ mod integrators;
 mod lifetimes;
 mod orbits;
 mod order;
+mod report;
 mod run;
 mod scaling;
 mod scenes;
@@ -42,6 +43,7 @@ pub fn main() -> ExitCode {
         Command::Theorem(args) => theorem::main(&args),
         Command::Verify(args) => verify::main(&args),
         Command::Figures(args) => figures::main(&args),
+        Command::Report(args) => report::main(&args),
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };

@@ -9,6 +9,8 @@ mod evolve;
 mod lifetimes;
 mod orbits;
 mod order;
+#[cfg(feature = "cli")]
+mod page;
 mod paper;
 mod run;
 mod scaling;
@@ -36,6 +38,8 @@ pub use lifetimes::{lifetimes_csv, lifetimes_files, lifetimes_json, lifetimes_js
 pub use orbits::{branch_csv, branch_json, branch_npz, branch_table, dark_breather_json, dark_breather_table};
 pub use orbits::{doubled_json, doubled_table};
 pub use order::{order_csv, order_json, order_table};
+#[cfg(feature = "cli")]
+pub use page::{Block, Page, Section};
 pub use paper::{Drawn, paper_caption, paper_json, paper_table, paper_tables};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};

@@ -1,0 +1,190 @@
+//! `hertzchain report`.
+
+use super::{Exit, args::ReportArgs, print, progress_bar};
+use crate::{
+    error::{Error, Result},
+    experiments::{CompareOptions, PAPER, RhoLaw, TheoremOptions, compare, order, theorem, verify},
+    method::Method,
+    output::Folder,
+    report::{self, Block, Page, Section},
+    scene::Scene,
+};
+use std::{process::ExitCode, time::Instant};
+
+/// Told of the share of a part that is done.
+type Tell<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// A part of the report, in its short form.
+struct Part {
+    name: &'static str,
+    title: &'static str,
+    shows: &'static str,
+    /// Share of the time of all parts, about.
+    share: f64,
+    blocks: fn(Tell<'_>) -> Result<Vec<Block>>,
+}
+
+const PARTS: &[Part] = &[
+    Part {
+        name: "compare",
+        title: "Error against run time",
+        shows: "Which integrator buys which error for which run time, on the first run of the paper (scene tw-q15).",
+        share: 0.15,
+        blocks: comparison,
+    },
+    Part {
+        name: "order",
+        title: "Order through contacts",
+        shows: "What contacts do to the order of every method, and which methods keep theirs.",
+        share: 0.1,
+        blocks: orders,
+    },
+    Part {
+        name: "theorem",
+        title: "Theorem 1",
+        shows: "The errors of the DpS equation over their powers of ε stay bounded where resonators are as heavy as the theorem asks, and not where they are lighter.",
+        share: 0.05,
+        blocks: theorems,
+    },
+    Part {
+        name: "verify",
+        title: "The numbers of the paper",
+        shows: "Every number and statement of the paper's text against ours, each with its verdict.",
+        share: 0.1,
+        blocks: verdicts,
+    },
+    Part {
+        name: "figures",
+        title: "The figures of the paper",
+        shows: "All figures of the paper, and some that it has not, made anew.",
+        share: 0.6,
+        blocks: figures,
+    },
+];
+
+/// A comparison goes on for about so many seconds.
+const SHORT: f64 = 45.0;
+/// Sizes of Theorem 1.
+const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+
+pub(super) fn main(args: &ReportArgs) -> Exit {
+    let parts = chosen(&args.only)?;
+    let folder = Folder::create(&args.out)?;
+    let bar = progress_bar();
+    let whole: f64 = parts.iter().map(|part| part.share).sum();
+    let mut page = Page::default();
+    let mut before = 0.0;
+    for part in &parts {
+        bar.set_message(part.name);
+        let tell = |share: f64| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
+        page.sections.push(part.section(&tell));
+        before += part.share;
+        // What there is so far is kept if a later part is killed.
+        folder.write("report.html", page.html().as_bytes())?;
+    }
+    bar.finish_and_clear();
+    let json = page.json() + "\n";
+    folder.write("report.json", json.as_bytes())?;
+    print(&if args.json { json } else { page.table() });
+    eprintln!("written to {}", folder.path().join("report.html").display());
+    let mut code = ExitCode::SUCCESS;
+    for section in &page.sections {
+        for why in section.failures() {
+            eprintln!("error: {}: {why}", section.name);
+            code = ExitCode::FAILURE;
+        }
+    }
+    Ok(code)
+}
+
+/// The parts that are asked for, in their order; all, if none is.
+fn chosen(only: &[String]) -> Result<Vec<&'static Part>> {
+    let known = || PARTS.iter().map(|part| part.name);
+    if let Some(name) = only.iter().find(|name| !known().any(|known| known == name.trim())) {
+        return Err(Error::unknown("part of the report", name, known()));
+    }
+    Ok(PARTS.iter().filter(|part| only.is_empty() || only.iter().any(|name| name.trim() == part.name)).collect())
+}
+
+impl Part {
+    /// A part that fails says so and costs no other.
+    fn section(&self, tell: Tell<'_>) -> Section {
+        let clock = Instant::now();
+        let blocks = (self.blocks)(tell).unwrap_or_else(|error| vec![Block::Failure(error.to_string())]);
+        let (name, title, shows) = (self.name, self.title, self.shows.to_owned());
+        Section { name, title, shows, blocks, wall: clock.elapsed() }
+    }
+}
+
+fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let scene = Scene::load("tw-q15")?;
+    let options = CompareOptions { methods: Method::all(), max_time: SHORT };
+    let comparison = compare(&scene, &options, &|share, _| tell(share))?;
+    let mut blocks = Vec::new();
+    #[cfg(feature = "plot")]
+    blocks.push(Block::Picture {
+        title: "Error against run time".to_owned(),
+        caption: scene.file().summary.clone(),
+        png: report::comparison_png(&comparison)?,
+    });
+    blocks.push(Block::Table(report::comparison_table(&comparison)));
+    Ok(blocks)
+}
+
+fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let study = order(1.5, 6, tell)?;
+    let mut blocks = Vec::new();
+    #[cfg(feature = "plot")]
+    for (name, png) in report::order_pictures(&study)? {
+        let of = if name.contains("tangent") {
+            "Error of the derivative by the initial state"
+        } else {
+            "Error of the state"
+        };
+        blocks.push(Block::Picture {
+            title: of.to_owned(),
+            caption: "Against the number of steps, α = 1.5.".to_owned(),
+            png,
+        });
+    }
+    blocks.push(Block::Table(report::order_table(&study)));
+    Ok(blocks)
+}
+
+fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let laws = [RhoLaw::Heavy, RhoLaw::Light];
+    let study = |(k, rho_law): (usize, RhoLaw)| {
+        let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
+        let study = theorem(&options, &|share| tell((k as f64 + share) / laws.len() as f64))?;
+        Ok(Block::Table(report::theorem_table(&study)))
+    };
+    laws.into_iter().enumerate().map(study).collect()
+}
+
+fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let verification = verify(None, &|done, total| tell(done as f64 / total as f64))?;
+    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.id).collect();
+    let mut blocks = vec![Block::Table(report::verify_table(&verification))];
+    if !unexpected.is_empty() {
+        blocks.push(Block::Failure(format!("not as known: {}", unexpected.join(", "))));
+    }
+    Ok(blocks)
+}
+
+fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let block = |(k, figure): (usize, &'static crate::experiments::PaperFigure)| {
+        let made = figure.data(&|share| tell((k as f64 + share) / PAPER.len() as f64)).and_then(|data| {
+            let caption = report::paper_caption(figure, &data);
+            #[cfg(feature = "plot")]
+            return Ok(Block::Picture {
+                title: figure.title.to_owned(),
+                caption,
+                png: report::paper_png(figure, &data)?,
+            });
+            #[cfg(not(feature = "plot"))]
+            Ok(Block::Table(format!("{}. {caption}\n", figure.title)))
+        });
+        made.unwrap_or_else(|error| Block::Failure(format!("{}: {error}", figure.name)))
+    };
+    Ok(PAPER.iter().enumerate().map(block).collect())
+}
