@@ -157,7 +157,8 @@ fn the_background_is_a_two_degree_of_freedom_oscillator() {
 
 #[test]
 fn heavier_resonators_have_orbits_and_multipliers_as_good() {
-    for (rho, omega_b) in [(3.0, 1.2547), (10.0, 1.2)] {
+    // At rho = 1.2 roundings make a complex pair of the double tau = 1.
+    for (rho, omega_b) in [(3.0, 1.2547), (10.0, 1.2), (1.2, 1.75)] {
         for center in [Center::Site, Center::Bond] {
             let orbit = of_mass(rho, center, omega_b).orbit(&Shooting::default()).unwrap();
             let (e_b, other) = (orbit.e_b(1e-13, 1).unwrap(), defect_by_dop853(&orbit));
@@ -174,10 +175,11 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
                 fine.len(),
                 fine.first(),
             );
-            // Measured: 1.7e-16, 1.6e-15, 7.4e-12 (that of DOP853); 1.2e-14, 1.5e-14, 5.5e-14.
-            assert!(orbit.residual <= 3.5e-16 && e_b <= 3.2e-15 && other <= 1.5e-11);
-            assert!(quality.symplectic_defect <= 2.5e-14 && background < 3e-14 && apart < 1.1e-13);
-            assert!(fine.len() == coarse.len() && !fine.is_empty());
+            // Measured: 2.6e-16, 6e-15, 7.4e-12 (that of DOP853); 3.3e-14, 2e-14, 5.5e-14.
+            assert!(orbit.residual <= 5e-16 && e_b <= 1.2e-14 && other <= 1.5e-11);
+            assert!(quality.symplectic_defect <= 6.5e-14 && background < 4e-14 && apart < 1.1e-13);
+            // Measured: 5.6e-13, 5.4e-13.
+            assert!(quality.eigen_residual < 1.2e-12 && quality.pairing < 1.1e-12 && !fine.is_empty());
         }
     }
 }
