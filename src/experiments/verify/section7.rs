@@ -65,20 +65,25 @@ fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
     map(omega_b, |&omega_b| spectrum(rho, center, omega_b)).into_iter().collect()
 }
 
-/// An orbit let go, kicked along its most unstable mode or not.
+/// An orbit let go, kicked along its most unstable mode or not. A run that fails has no last number.
 fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64>) -> Result<Evolution> {
     let kick = kick.map(|size| Kick { size, mode: 0 });
-    evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})
+    let mut run = evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})?;
+    if run.failure.is_some() {
+        run.e_b.push(f64::NAN);
+        run.position.push(f64::NAN);
+    }
+    Ok(run)
 }
 
-/// The largest value.
+/// The largest value; not a number if one is none, or if there is none.
 fn most(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    values.into_iter().reduce(|a, b| if a.is_nan() || a >= b { a } else { b }).unwrap_or(f64::NAN)
 }
 
-/// The smallest value.
+/// The smallest value, likewise.
 fn least(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(f64::INFINITY, f64::min)
+    -most(values.into_iter().map(|value| -value))
 }
 
 /// The largest modulus of the multipliers of some kinds; 1 if there are none.

@@ -76,9 +76,7 @@ fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
 /// What is said of the doubled branch born at `birth`.
 fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Item>> {
     let shooting = Shooting::default();
-    let mut orbits = follow(birth.doubled(&shooting, FIRST)?, 1.032, 1e-3)?.split_off(1);
-    let sample = orbits.pop();
-    let Some(sample) = sample else { return Ok(vec![]) };
+    let Some(sample) = follow(birth.doubled(&shooting, FIRST)?, 1.032, 1e-3)?.pop() else { return Ok(vec![]) };
     let orbits = follow(sample.clone(), 1.0525, 4e-3)?;
     let spectra = map(&orbits, |orbit| orbit.spectrum(&shooting)).into_iter().collect::<Result<Vec<_>>>()?;
     let [other, reflected] = half_way(&sample)?;
