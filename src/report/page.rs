@@ -78,7 +78,8 @@ dt { color: #555; } dd { margin: 0; overflow-wrap: anywhere; }
   nav { display: none; }
   pre { font-size: 5.5pt; overflow: visible; white-space: pre-wrap; background: none; }
   figure { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  h2, .shows { break-after: avoid; }
+  img { max-height: 20cm; }
 }
 ";
 
