@@ -107,7 +107,7 @@ fn our_numbers_are_right() {
     close("s5-mass-ratio", 0.1, 1e-12);
 }
 
-// Truth: tests/breathers.rs and tests/orbits.rs hold these against other integrators and other formulations; here to the digits given.
+// Truth: tests/experiments/breathers.rs and tests/experiments/orbits.rs hold these against other integrators and other formulations; here to the digits given.
 #[test]
 fn breathers_are_those_of_their_own_tests() {
     for (id, value, within) in [

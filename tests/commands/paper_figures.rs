@@ -186,13 +186,13 @@ fn read(folder: &Path, name: &str) -> (String, Vec<Vec<f64>>) {
 
 /// `b_n` of `tests/reference/homoclinic.csv` at `alpha = 3/2`: shooting with 1000 digits.
 fn reference(center: &str) -> Vec<(i64, f64)> {
-    let table = include_str!("reference/homoclinic.csv").lines().skip(1);
+    let table = include_str!("../reference/homoclinic.csv").lines().skip(1);
     let cells = table.map(|line| line.split(',').collect::<Vec<_>>());
     let mine = cells.filter(|cells| cells[0].parse() == Ok(1.5) && cells[1] == center);
     mine.map(|cells| (cells[2].parse().unwrap(), cells[3].parse().unwrap())).collect()
 }
 
-// Truth: the numbers that Sec. 5 quotes, the homoclinic from shooting with 1000 digits; norms as two methods agree on them in tests/breathers.rs.
+// Truth: the numbers that Sec. 5 quotes, the homoclinic from shooting with 1000 digits; norms as two methods agree on them in tests/experiments/breathers.rs.
 #[test]
 fn the_long_lived_breather_has_the_numbers_of_the_paper() {
     let (folder, captions) = drawn("long-lived-breather");

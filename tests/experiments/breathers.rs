@@ -13,8 +13,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 #[allow(dead_code, reason = "other tests use the rest of it")]
-mod common;
-use common::{collocated, distance, largest, truth};
+use crate::common::{collocated, distance, largest, truth};
 
 const CLOSE: Pace = Pace::Tolerance(1e-12);
 

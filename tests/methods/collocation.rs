@@ -1,8 +1,6 @@
 //! Contact collocation against independent runs, closed forms and its own orders.
 
-mod common;
-
-use common::{collocated, distance, largest, truth, windows};
+use crate::common::{collocated, distance, largest, truth, windows};
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     experiments::{Records, generic_state, run, run_with_contacts},

@@ -9,7 +9,7 @@ const BOTH: [Center; 2] = [Center::Site, Center::Bond];
 #[test]
 fn values_are_those_of_shooting_with_1000_digits() {
     // tests/reference/homoclinic.py: bisection and the map, where this library iterates and uses Newton's method.
-    let table = include_str!("reference/homoclinic.csv");
+    let table = include_str!("../reference/homoclinic.csv");
     let mut worst = 0.0f64;
     let mut rows = 0;
     for (alpha, center) in [(1.5, "site"), (1.5, "bond"), (2.5, "site"), (2.5, "bond"), (5.0, "site"), (5.0, "bond")] {

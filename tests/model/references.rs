@@ -1,6 +1,6 @@
 //! End states with errors below 1e-20, by the same code in double-double; and what `f64` makes of them.
 //!
-//! `tests/reference/*.json` come from `cargo test --release --test references -- --ignored`. For alpha = 2 and 3 they were
+//! `tests/reference/*.json` come from `cargo test --release --test model references -- --ignored`. For alpha = 2 and 3 they were
 //! once held against Taylor series of order 45 in 45 digits, stopped at every event, by a program that shares nothing with
 //! this one: they agree to 7e-25.
 

@@ -1,9 +1,7 @@
 //! Contact collocation where contacts are hard: ties, grazing, very short contacts, starts on the surface, contacts that never open,
 //! nothing at all; and where there is a closed form.
 
-mod common;
-
-use common::{collocated, distance, largest, truth, windows};
+use crate::common::{collocated, distance, largest, truth, windows};
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     integrators::{Stepper, collocation::Pace},

@@ -1,0 +1,6 @@
+//! The command line, its files and its figures. One binary for all of them: what is generic is compiled once.
+
+mod cli;
+mod figures;
+mod paper_figures;
+mod studies;

@@ -1,0 +1,12 @@
+//! Integrators on the chain. One binary for all of them: what is generic is compiled once.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod collocation;
+mod collocation_cases;
+mod contacts;
+mod main_job;
+mod order;
+mod splitting;
+mod tangent;
