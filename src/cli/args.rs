@@ -42,6 +42,12 @@ pub(super) enum Command {
     ///
     /// Example: hertzchain dark --center bond --omega-b 2.05 --out out/dark; hertzchain evolve out/dark/dark-breather.json --until 1200 --kick 1e-3 --mode 0
     Evolve(EvolveArgs),
+    /// Chart the stability of the integrators: light resonators and resonances, contact stiffness, exponent, length, run length.
+    ///
+    /// Every point is a method on a variant of the chain: stable, drifting or lost, its energy error, the largest step that keeps it below 1e-3 and 1e-6, and
+    /// what that costs. All quantities are dimensionless. With --out points are kept as they are computed: a run that was killed goes on where it was.
+    /// Example: hertzchain stability --charts light,resonances --integrators verlet,strang-linear,collocation --out out/stability
+    Stability(StabilityChartsArgs),
     /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
     Wave(WaveArgs),
     /// Theorem 1 as an experiment that could fail: does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says?
@@ -104,7 +110,8 @@ pub(super) struct RunArgs {
     /// Name of a built-in scene, or a TOML file.
     pub(super) scene: String,
     /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, strang-linear with steps; without any
-    /// of these the exact solution, where one is known, else strang-linear].
+    /// of these the exact solution, where one is known, else what the regime asks for: collocation, or strang-linear where omega is above 1000 times the
+    /// frequency of contacts; which and why is said on stderr].
     #[arg(long, value_name = "NAME")]
     pub(super) integrator: Option<String>,
     /// Steps a period of the scene, for splitting schemes [default: 512].
@@ -198,6 +205,36 @@ pub(super) struct DriftArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the table.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct StabilityChartsArgs {
+    /// Name of a built-in scene, or a TOML file, whose chain and state are varied [default: four spheres between walls, kappa = 1, rho = 1/3, amplitude 1].
+    pub(super) scene: Option<String>,
+    /// Charts, separated by commas, of light, stiffness, alpha, length, time, resonances [default: all].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    pub(super) charts: Vec<String>,
+    /// Integrators, separated by commas [default: all].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    pub(super) integrators: Vec<String>,
+    /// Longest run of the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)), from 1 to 10^6.
+    #[arg(long, value_name = "P", default_value_t = 1e4, allow_negative_numbers = true)]
+    pub(super) periods: f64,
+    /// Force evaluations times sites that a run may take while steps are looked for, from 10^4 to 10^12.
+    #[arg(long, value_name = "W", default_value_t = 4e6, allow_negative_numbers = true)]
+    pub(super) work: f64,
+    /// Longest chain of the chart `length`, from 1 to 10^6 sites.
+    #[arg(long, value_name = "N", default_value_t = 100_000, allow_negative_numbers = true)]
+    pub(super) sites: usize,
+    /// A third of the points of light, stiffness and alpha, or fewer.
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Folder for stability.json, a CSV and PNGs a chart, and the stores of points [default: none is written].
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print JSON instead of the tables.
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -14,6 +14,7 @@ mod report;
 mod run;
 mod scaling;
 mod scenes;
+mod stability;
 mod theorem;
 mod verify;
 mod wave;
@@ -39,6 +40,7 @@ pub fn main() -> ExitCode {
         Command::Doubled(args) => orbits::doubled(&args),
         Command::Lifetimes(args) => lifetimes::main(&args),
         Command::Evolve(args) => orbits::evolve(&args),
+        Command::Stability(args) => stability::main(&args),
         Command::Wave(args) => wave::main(&args),
         Command::Theorem(args) => theorem::main(&args),
         Command::Verify(args) => verify::main(&args),

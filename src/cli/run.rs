@@ -3,7 +3,7 @@
 use super::{Exit, args::RunArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
-    experiments::{Outcome, Records, run, run_in_closed_form, run_with_contacts},
+    experiments::{Outcome, Records, Regime, regime, run, run_in_closed_form, run_with_contacts},
     method::{Method, Setting},
     output::{Folder, to_json},
     report,
@@ -24,11 +24,16 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     }
     let how = How::new(args, &scene)?;
     let (name, wording) = how.words();
+    let reason = how.reason();
+    if let Some(reason) = reason.filter(|_| !args.json) {
+        eprintln!("{name}, {wording}: {reason}");
+    }
     if args.plan {
         // What a run refuses is not planned.
         let plan = how.plan(&scene, args.events)?;
         let text = if args.json {
-            to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "plan": plan})) + "\n"
+            to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
+                + "\n"
         } else {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
@@ -42,7 +47,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let outcome = how.run(&scene, args.events, records, &mut progress);
     bar.finish_and_clear();
     let outcome = outcome?;
-    let json = report::run_json(&scene, &name, &wording, &outcome);
+    let json = report::run_json(&scene, &name, &wording, reason, &outcome);
     print(&if args.json { json.clone() + "\n" } else { report::run_summary(&scene, &name, &wording, &outcome) });
     if let Some(folder) = folder {
         report::run_files(&folder, &scene, &outcome, &json)?;
@@ -57,14 +62,14 @@ pub(super) fn main(args: &RunArgs) -> Exit {
 
 /// How a scene runs.
 enum How {
-    /// By an integrator, with the setting in words.
-    Integrated(Method, Setting, String),
+    /// By an integrator, with the setting in words, and why it is this one where nobody asked for it.
+    Integrated(Method, Setting, String, Option<String>),
     /// By its exact solution.
     ClosedForm,
 }
 
 impl How {
-    /// An integrator where one is named or a flag asks for its accuracy, or where no exact solution is known.
+    /// An integrator where one is named or a flag asks for its accuracy; else the exact solution, if one is known, else what the regime asks for.
     fn new(args: &RunArgs, scene: &Scene) -> Result<Self> {
         // A tolerance asks for the method that keeps it best.
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
@@ -72,23 +77,35 @@ impl How {
         if scene.exact().is_some() && !asked {
             return Ok(Self::ClosedForm);
         }
+        if !asked {
+            let Regime { method, setting, wording, reason } = regime(scene);
+            return Ok(Self::Integrated(method, setting, wording, Some(reason)));
+        }
         let default = if adaptive { "collocation" } else { "strang-linear" };
         let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
         let (setting, wording) = setting(args, method, scene)?;
-        Ok(Self::Integrated(method, setting, wording))
+        Ok(Self::Integrated(method, setting, wording, None))
     }
 
     /// Name and setting.
     fn words(&self) -> (String, String) {
         match self {
-            Self::Integrated(method, _, wording) => (method.name(), wording.clone()),
+            Self::Integrated(method, _, wording, _) => (method.name(), wording.clone()),
             Self::ClosedForm => ("closed-form".to_owned(), "exact solution (uncpl), no integrator".to_owned()),
+        }
+    }
+
+    /// Why an integrator that nobody named was chosen.
+    fn reason(&self) -> Option<&str> {
+        match self {
+            Self::Integrated(.., reason) => reason.as_deref(),
+            Self::ClosedForm => None,
         }
     }
 
     fn plan(&self, scene: &Scene, events: bool) -> Result<Vec<String>> {
         match self {
-            Self::Integrated(method, setting, _) => {
+            Self::Integrated(method, setting, ..) => {
                 method.start(scene, *setting)?;
                 Ok(scene.plan(events))
             }
@@ -98,7 +115,7 @@ impl How {
 
     fn run(&self, scene: &Scene, events: bool, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
         match self {
-            Self::Integrated(method, setting, _) => {
+            Self::Integrated(method, setting, ..) => {
                 let run = if events { run_with_contacts } else { run };
                 run(scene, *method, *setting, records, progress)
             }

@@ -150,7 +150,7 @@ fn slope(t: &[f64], errors: &[f64]) -> Option<f64> {
 }
 
 /// The energy of a state, its sites added up to twice the working precision: a long chain loses no digit that a short one has.
-fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
+pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
     chain.site_energies(y).into_iter().fold(Twofold::zero(), |sum, site| sum + Twofold::new(site))
 }
 

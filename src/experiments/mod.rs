@@ -1,6 +1,7 @@
 //! Experiments: data in, data out; nothing is drawn or printed here.
 
 mod breather;
+mod charts;
 mod compare;
 mod drift;
 mod evolve;
@@ -18,6 +19,10 @@ mod wave;
 pub use breather::{
     BreatherOptions, BrightHistory, BrightSample, BrightStudy, Kink, Shown, TrivialStudy, bright_breather,
     bright_history, trivial_breather,
+};
+pub use charts::{
+    BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Limit, Measured, Problem, Regime, Resonance, ResonancePoint,
+    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, regime,
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};

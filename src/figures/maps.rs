@@ -125,7 +125,7 @@ fn edges(values: &[f64]) -> Result<Vec<f64>, Error> {
 }
 
 /// Letters that can be read on a colour.
-fn legible((r, g, b): Rgb) -> Rgb {
+pub(super) fn legible((r, g, b): Rgb) -> Rgb {
     let brightness = 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
     if brightness > BRIGHT { INK } else { PAPER }
 }

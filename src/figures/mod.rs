@@ -11,6 +11,7 @@
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
 //! | positive numbers over two positive parameters, in cells | [`maps()`] |
+//! | positive numbers for named rows and columns, in cells | [`matrix()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
 //! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
@@ -23,6 +24,7 @@ pub mod growth;
 mod guide;
 mod legend;
 pub mod maps;
+pub mod matrix;
 pub mod palette;
 pub mod panels;
 pub mod raster;
@@ -34,6 +36,7 @@ use canvas::{Canvas, Rect};
 pub use canvas::missing_glyphs;
 pub use growth::{Growth, GrowthMap, growth};
 pub use maps::{CellMap, Maps, maps};
+pub use matrix::{Matrix, matrix};
 pub use panels::{Band, Column, Inset, Kind, Panel, Panels, Plot, panels};
 pub use raster::{Bar, Raster, raster};
 pub use space_time::{SpaceTime, space_time};

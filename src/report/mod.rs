@@ -1,6 +1,7 @@
 //! From outcomes to what people and machines read: tables, JSON, CSV, NPZ, and the input of figures.
 
 mod breather;
+mod charts;
 mod compare;
 mod contacts;
 mod dps;
@@ -24,6 +25,7 @@ pub use breather::{
     bright_files, bright_forces_csv, bright_json, bright_norms_csv, bright_periods_csv, bright_profiles_csv,
     bright_table, bright_tables, trivial_files, trivial_json, trivial_table,
 };
+pub use charts::{charts_csv, charts_json, charts_table};
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
@@ -49,6 +51,8 @@ pub use theorem::{theorem_csv, theorem_files, theorem_json, theorem_slopes_csv, 
 pub use verify::{verify_csv, verify_json, verify_table};
 pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table, wave_tables};
 
+#[cfg(feature = "plot")]
+pub use charts::charts_pictures;
 #[cfg(feature = "plot")]
 pub use compare::comparison_png;
 #[cfg(feature = "plot")]

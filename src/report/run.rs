@@ -46,13 +46,16 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
     ]
 }
 
-/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy.
-pub fn run_json(scene: &Scene, integrator: &str, setting: &str, outcome: &Outcome) -> String {
+/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy; `reason` is there where nobody named the integrator.
+pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Outcome) -> String {
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
     put("scene", json!(scene.name()));
     put("integrator", json!(integrator));
     put("setting", json!(setting));
+    if let Some(reason) = reason {
+        put("reason", json!(reason));
+    }
     put("t", json!(outcome.t));
     put("period", json!(scene.period()));
     for (name, values) in state_arrays(scene, &outcome.state) {

@@ -46,7 +46,8 @@ fn run_json_keeps_its_contract() {
         assert_eq!(ring[key].as_array().unwrap().len(), 50, "{key}");
     }
     assert_eq!(ring["scene"], "tw-q15");
-    assert_eq!(ring["integrator"], "strang-linear");
+    assert_eq!(ring["integrator"], "collocation");
+    assert!(ring["reason"].as_str().unwrap().contains("Omega_c"));
     for key in ["t", "energy", "energy_error", "wall_s"] {
         assert!(ring[key].is_f64(), "{key}: {}", ring[key]);
     }

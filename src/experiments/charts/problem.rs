@@ -1,0 +1,200 @@
+//! What is charted: a chain and a state, and their variants.
+
+use crate::{
+    chain::{Boundary, Chain, max_norm},
+    error::{Error, Result},
+    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
+};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Sites, exponent, spring constant and mass ratio of the chain that is charted unless a scene is given.
+const CHAIN: (usize, f64, f64, f64) = (4, 1.5, 1.0, 1.0 / 3.0);
+/// A golden angle: displacements without a pattern.
+const ANGLE: f64 = 2.399_963_229_728_653;
+/// The longest span of a point, in periods of its fastest motion.
+const MOST_PERIODS: f64 = 1e4;
+
+/// What a variant changes; `None`: as in the problem.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Variant {
+    /// Mass ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho: Option<f64>,
+    /// Spring constant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa: Option<f64>,
+    /// Exponent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<f64>,
+    /// Amplitude `A`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Number of beads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sites: Option<usize>,
+    /// Length of the run in contact periods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub periods: Option<f64>,
+}
+
+/// A chain with a state.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    name: String,
+    /// What it was made from, all of it.
+    source: String,
+    chain: ChainSection,
+    /// `u, v, u', v'` at amplitude 1; `None`: the state of [`built_in`](Self::built_in), which fits every variant.
+    state: Option<[Vec<f64>; 4]>,
+    amplitude: f64,
+}
+
+/// A variant ready to run.
+#[derive(Clone, Debug)]
+pub(super) struct Prepared {
+    pub(super) scene: Scene,
+    /// `Omega_c = sqrt(2 alpha A^{alpha-1})`.
+    pub(super) contact: f64,
+    /// `max(omega, Omega_c)`.
+    pub(super) fast: f64,
+}
+
+/// The amplitude `A` of a scene: the largest overlap that its strains or its speeds can make.
+pub(super) fn amplitude(scene: &Scene) -> f64 {
+    let (chain, y) = (scene.chain(), scene.initial().as_slice());
+    let (strain, power) = (max_norm(scene.strains(y).into_iter()), chain.params().alpha + 1.0);
+    let speed = max_norm(chain.layout().u_dot(y).iter().copied());
+    // Two beads that meet at this speed each overlap by as much as turns their kinetic energy into that of the contact.
+    strain.max((speed * speed * power).powf(power.recip()))
+}
+
+/// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
+pub(super) fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
+    (2.0 * alpha * overlap.powf(alpha - 1.0)).sqrt()
+}
+
+impl Problem {
+    /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1` without a pattern, resonators so far from their beads that
+    /// springs hold as much energy as contacts (or as far as the beads are, if springs are soft): no error hides behind the other energy.
+    pub fn built_in() -> Self {
+        let (sites, alpha, kappa, rho) = CHAIN;
+        let chain = ChainSection { sites, alpha, kappa, rho, boundary: Boundary::Fixed, precompression: 0.0 };
+        Self { name: "built-in".to_owned(), source: "built-in".to_owned(), chain, state: None, amplitude: 1.0 }
+    }
+
+    /// The chain and the initial state of a scene, with the largest overlap that its strains or its speeds can make as amplitude.
+    ///
+    /// # Errors
+    /// A state at rest, or without an energy.
+    pub fn of(scene: &Scene) -> Result<Self> {
+        let (chain, y) = (scene.chain(), scene.initial().as_slice());
+        if !chain.has_energy(y) {
+            let rule =
+                "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+            return Err(Error::parameter("scene", scene.name(), rule));
+        }
+        let amplitude = amplitude(scene);
+        if amplitude == 0.0 {
+            return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));
+        }
+        let layout = chain.layout();
+        let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
+        let state = [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)].map(|slice| array(slice));
+        let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
+        Ok(Self { name, source, chain: scene.file().chain.clone(), state: Some(state), amplitude })
+    }
+
+    /// Its name: that of the scene.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it was made from: the TOML of the scene.
+    pub(super) fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// The chain that variants start from.
+    pub fn chain(&self) -> &ChainSection {
+        &self.chain
+    }
+
+    /// The amplitude that variants start from.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// The state of a chain at an amplitude: `u, v, u', v'`.
+    fn state(&self, chain: &ChainSection, amplitude: f64) -> [Vec<f64>; 4] {
+        let sites = chain.sites;
+        if let Some(state) = &self.state {
+            // A longer chain repeats the sites of the scene, a shorter one has the first of them.
+            let scale = amplitude / self.amplitude;
+            let fitted = |array: &Vec<f64>| array.iter().cycle().take(sites).map(|value| scale * value).collect();
+            let mut state = state.each_ref().map(fitted);
+            if chain.kappa == 0.0 || chain.rho == 0.0 || chain.rho.is_infinite() {
+                (state[1], state[3]) = (Vec::new(), Vec::new());
+            } else if state[1].is_empty() {
+                (state[1], state[3]) = (vec![0.0; sites], vec![0.0; sites]);
+            }
+            return state;
+        }
+        let shape = |i: usize, phase: f64| (ANGLE * i as f64 + phase).cos();
+        let u: Vec<f64> = (0..sites).map(|i| amplitude * shape(i, 0.0)).collect();
+        let stretch = amplitude * (amplitude.powf(chain.alpha - 1.0) / chain.kappa).sqrt().min(1.0);
+        let v = u.iter().enumerate().map(|(i, u)| u - stretch * shape(i, 1.0)).collect();
+        [u, v, Vec::new(), Vec::new()]
+    }
+
+    /// A variant as a scene over ten contact periods, or as many as it says; at most 10^4 periods of its fastest motion unless it says so.
+    pub(super) fn prepare(&self, variant: &Variant) -> Result<Prepared> {
+        let mut section = self.chain.clone();
+        section.rho = variant.rho.unwrap_or(section.rho);
+        section.kappa = variant.kappa.unwrap_or(section.kappa);
+        section.alpha = variant.alpha.unwrap_or(section.alpha);
+        section.sites = variant.sites.unwrap_or(section.sites);
+        let params = section.params();
+        params.validate()?;
+        let amplitude = variant.amplitude.unwrap_or(self.amplitude);
+        section.precompression *= amplitude / self.amplitude;
+        let contact = contact_frequency(params.alpha, amplitude + section.precompression);
+        let fast = contact.max(params.omega());
+        let longest = if variant.periods.is_some() { f64::INFINITY } else { MOST_PERIODS * TAU / fast };
+        let span = (variant.periods.unwrap_or(super::PERIODS) * TAU / contact).min(longest);
+        let [u, v, u_dot, v_dot] = self.state(&section, amplitude);
+        let scene = Scene::build(SceneFile {
+            name: self.name.clone(),
+            summary: String::new(),
+            chain: section,
+            initial: Initial::State { u, v, u_dot, v_dot },
+            span: Span { periods: None, until: Some(span), period: None },
+            record: Record::default(),
+        })?;
+        Ok(Prepared { scene, contact, fast })
+    }
+
+    /// The chain of `sites` beads between walls under the static overlap `delta`, displaced by `shift` in one entry of its state.
+    pub(super) fn pressed(&self, sites: usize, delta: f64, entry: usize, shift: f64, span: f64) -> Result<Scene> {
+        let chain = ChainSection { sites, boundary: Boundary::Fixed, precompression: delta, ..self.chain.clone() };
+        let layout = Chain::<f64>::new(chain.params(), Boundary::Fixed, sites)?.layout();
+        let mut y = vec![0.0; layout.dim()];
+        y[entry] = shift;
+        let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
+        let initial = Initial::State {
+            u: layout.u(&y).to_vec(),
+            v: array(layout.v(&y)),
+            u_dot: layout.u_dot(&y).to_vec(),
+            v_dot: array(layout.v_dot(&y)),
+        };
+        let span = Span { periods: None, until: Some(span), period: None };
+        Scene::build(SceneFile {
+            name: self.name.clone(),
+            summary: String::new(),
+            chain,
+            initial,
+            span,
+            record: Record::default(),
+        })
+    }
+}

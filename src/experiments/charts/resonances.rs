@@ -1,0 +1,157 @@
+//! Resonances of steps with multiples of half a period: where an exact linear flow makes no error, and the kicks between do.
+//!
+//! One bead between walls under the static overlap `delta` never leaves them: its contacts are springs of `K = 2 alpha delta^{alpha-1}`, and a step of any
+//! method is a matrix. Where an eigenvalue leaves the unit circle the step is unstable, however small its errors are elsewhere. A scheme with kicks `b_j` at
+//! times `c_j h` has this, to first order in `K`, where the fast motion resonates with itself, and where it resonates with the slow one, of frequency
+//! `Omega_s = sqrt(K/(1 + rho))`:
+//!
+//! | near | half width in `h omega` | growth a step in the middle |
+//! |---|---|---|
+//! | `k pi - s`, `s = K rho h/(2 omega (1 + rho))` | `s abs(S_k)` | `s abs(S_k)` |
+//! | `k pi - h Omega_s`, `k` even | `2 g abs(S_{k/2})` | `g abs(S_{k/2})`, `g = h/2 Omega_s^{3/2} sqrt(rho/omega)` |
+//!
+//! with `S_k = sum_j b_j e^{2 pi i k c_j}`, of modulus 1 for Strang's. The second is a sum resonance; it exists where resonators move and wins for small `K`. For Newton's
+//! cradle (`rho = inf`) the interval of Strang's is exactly `k pi - 2 arctan(K h/(2 omega)) < h omega < k pi`.
+
+use super::{
+    measure::trial,
+    problem::{Problem, Variant},
+};
+use crate::{
+    error::{Error, Result},
+    method::{Method, Setting, Split},
+};
+use hertzchain_integrators::{Stepper, splitting::First};
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Offsets from `k pi` at which a resonance is looked for, from and to in tenths of decades, and how many a tenth: finer than any that is wider than a
+/// fiftieth of its offset.
+const OFFSETS: (i32, i32, i32) = (-70, 1, 12);
+/// Growth a step that is no rounding.
+const LEAST_GROWTH: f64 = 1e-6;
+/// Share of the largest growth at the edges: an edge is thereby off by `5e-5` of the half width.
+const EDGE: f64 = 1e-2;
+/// Displacement that derivatives are taken by, in units of `delta`.
+const SHIFT: f64 = 1e-5;
+/// The runs inside and beside a resonance: long enough to grow by `e^10`, up to so many steps.
+const FOLDS: f64 = 10.0;
+const MOST_STEPS: f64 = 1e5;
+
+/// A resonance of a scheme on the exact linear flow.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resonance {
+    /// `h omega` at its edges.
+    pub edges: [f64; 2],
+    /// `h omega` of the largest growth.
+    pub centre: f64,
+    /// The largest growth a step, `ln |lambda|`.
+    pub growth: f64,
+    /// Largest energy error of the chain that is charted, not pressed, at this amplitude, with the step of the centre, and with one half-way to the resonance
+    /// before; over as many steps as `growth` takes for `e^10`, up to 10^5. `None`: not bounded.
+    pub inside: Option<f64>,
+    /// The same beside it.
+    pub beside: Option<f64>,
+}
+
+/// The strongest resonance near `h omega = k pi` at amplitude `delta`; `None` where none stands apart, or none grows by more than 10^-6 a step.
+pub(super) fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Result<Option<Resonance>> {
+    let params = problem.chain().params();
+    let (omega, near) = (params.omega(), PI * f64::from(k));
+    if omega == 0.0 {
+        return Err(Error::parameter("kappa", params.kappa, "resonances are of resonators: kappa and rho above zero"));
+    }
+    let growth = |h_omega: f64| growth(problem, method, delta, h_omega / omega);
+    let (from, to, each) = OFFSETS;
+    let offsets = (from * each..=to * each).map(|j| 10f64.powf(0.1 * f64::from(j) / f64::from(each)));
+    let mut scanned = Vec::new();
+    for offset in offsets.flat_map(|offset| [offset, -offset]) {
+        scanned.push((near + offset, growth(near + offset)?));
+    }
+    scanned.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(top) = (0..scanned.len()).max_by(|&a, &b| scanned[a].1.total_cmp(&scanned[b].1)) else { return Ok(None) };
+    if scanned[top].1 < LEAST_GROWTH || top == 0 || top + 1 == scanned.len() {
+        return Ok(None);
+    }
+    let (centre, largest) = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
+    let quiet = |at: &&(f64, f64)| at.1 < EDGE * largest;
+    let (Some(below), Some(above)) = (scanned[..top].iter().rfind(quiet), scanned[top + 1..].iter().find(quiet)) else {
+        // The contacts alone are too stiff for such steps.
+        return Ok(None);
+    };
+    let edge = |outside: f64| bisect(centre, outside, &|x| Ok(growth(x)? >= EDGE * largest));
+    let edges = [edge(below.0)?, edge(above.0)?];
+    let steps = (FOLDS / largest).clamp(100.0, MOST_STEPS).round();
+    let error = |h_omega: f64| -> Result<Option<f64>> {
+        let mut prepared = problem.prepare(&Variant { amplitude: Some(delta), ..Variant::default() })?;
+        prepared.scene = prepared.scene.until(steps * h_omega / omega)?;
+        Ok(trial(&prepared, method, h_omega / omega, f64::INFINITY)?.error)
+    };
+    let (inside, beside) = (error(centre)?, error(near - 0.5 * PI)?);
+    Ok(Some(Resonance { edges, centre, growth: largest, inside, beside }))
+}
+
+/// Growth a step of length `h` of the bead between walls, `ln` of the spectral radius of the step's matrix.
+fn growth(problem: &Problem, method: Method, delta: f64, h: f64) -> Result<f64> {
+    let dim = problem.pressed(1, delta, 0, 0.0, h)?.initial().as_slice().len();
+    let mut y = vec![0.0; dim];
+    let mut matrix = DMatrix::zeros(dim, dim);
+    for entry in 0..dim {
+        for sign in [1.0, -1.0] {
+            let shift = sign * SHIFT * delta;
+            let scene = problem.pressed(1, delta, entry, shift, h)?;
+            let mut run = method.start(&scene, Setting::Steps(1))?;
+            run.step()?;
+            run.sample(run.time(), &mut y);
+            for (row, value) in y.iter().enumerate() {
+                matrix[(row, entry)] += value / (2.0 * shift);
+            }
+        }
+    }
+    let radius = matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+    Ok(radius.ln())
+}
+
+/// `|S_k| = |sum_j b_j e^{2 pi i k c_j}|` of a scheme on the exact linear flow, kicks `b_j h` at times `c_j h`; `None` for other methods.
+pub fn kick_sum(method: &Method, k: u32) -> Option<f64> {
+    let Method::Splitting(scheme, Split::Linear) = method else { return None };
+    let (first, drifts, kicks) = scheme.flows::<f64>(First::Drift);
+    let mut time = 0.0;
+    let (mut re, mut im) = (0.0, 0.0);
+    for (j, kick) in kicks.iter().enumerate() {
+        let before = if first == First::Drift { Some(j) } else { j.checked_sub(1) };
+        time += before.map_or(0.0, |j| drifts[j].value());
+        let (sin, cos) = (2.0 * PI * f64::from(k) * time).sin_cos();
+        (re, im) = (re + kick.value() * cos, im + kick.value() * sin);
+    }
+    Some(f64::hypot(re, im))
+}
+
+/// The place and value of the largest value between two places, by golden sections.
+fn maximum(mut a: f64, mut b: f64, f: &dyn Fn(f64) -> Result<f64>) -> Result<(f64, f64)> {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut c, mut d) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut fc, mut fd) = (f(c)?, f(d)?);
+    for _ in 0..30 {
+        if fc > fd {
+            (b, d, fd) = (d, c, fc);
+            c = b - GOLDEN * (b - a);
+            fc = f(c)?;
+        } else {
+            (a, c, fc) = (c, d, fd);
+            d = a + GOLDEN * (b - a);
+            fd = f(d)?;
+        }
+    }
+    Ok(if fc > fd { (c, fc) } else { (d, fd) })
+}
+
+/// Where a condition that holds at `good` and not at `bad` ends.
+fn bisect(mut good: f64, mut bad: f64, holds: &dyn Fn(f64) -> Result<bool>) -> Result<f64> {
+    for _ in 0..40 {
+        let middle = 0.5 * (good + bad);
+        *(if holds(middle)? { &mut good } else { &mut bad }) = middle;
+    }
+    Ok(0.5 * (good + bad))
+}

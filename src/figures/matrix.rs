@@ -1,0 +1,87 @@
+//! A matrix of cells: a positive number for each named row and each named column, on a logarithmic scale.
+
+use super::axes::Axis;
+use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width};
+use super::colour_bar::ColourBar;
+use super::maps::legible;
+use super::palette::{self, INK};
+use super::{Error, SIZE, page_of, usable};
+
+/// Height of a row, and of all that is not rows.
+const ROW: f64 = 23.0;
+const AROUND: f64 = 280.0;
+/// Size of the words in cells.
+const NOTE: f64 = 13.0;
+
+/// A cell for each row and column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Matrix {
+    /// Title above all.
+    pub title: String,
+    /// Names of the rows, from above.
+    pub rows: Vec<String>,
+    /// Names of the columns, from the left; written upwards.
+    pub columns: Vec<String>,
+    /// What columns are, and label of the colour bar.
+    pub labels: [String; 2],
+    /// The values row by row; what is not positive is grey.
+    pub values: Vec<f64>,
+    /// A word in each cell, in the same order.
+    pub notes: Vec<String>,
+    /// What a reader needs to make the figure again.
+    pub caption: String,
+}
+
+/// Draws a matrix; the page is as high as its rows ask for.
+///
+/// # Errors
+///
+/// No cell, values or notes that are not one a cell, a letter the font lacks, or more text than fits.
+pub fn matrix(figure: &Matrix) -> Result<Vec<u8>, Error> {
+    let Matrix { title, rows, columns, labels: [column_label, value_label], values, notes, caption } = figure;
+    let cells = rows.len() * columns.len();
+    if cells == 0 || values.len() != cells || notes.len() != cells {
+        return Err(Error(format!("{} values and {} notes for {cells} cells", values.len(), notes.len())));
+    }
+    let widest = |names: &[String]| names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
+    let height = (AROUND + widest(columns) + ROW * rows.len() as f64).max(0.6 * f64::from(SIZE.1));
+    let (mut canvas, body) = page_of((SIZE.0, height as u32), title, caption)?;
+
+    let positive = values.iter().copied().filter(|&value| usable(value) && value > 0.0);
+    let (lo, hi) = positive.fold((f64::INFINITY, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
+    let scale = || if lo <= hi { Axis::exact_log(lo, hi) } else { Axis::exact_log(1.0, 10.0) };
+    let shades = scale();
+    let colour = |value: f64| shades.place(value).map_or(palette::ABSENT, palette::magnitude);
+
+    let bar = ColourBar::along(scale(), value_label, body.height());
+    let Rect { x0, x1, y0, y1 } = bar.beside(body);
+    let below = widest(columns) + 1.6 * LABEL + 20.0;
+    let frame = Rect { x0: x0 + widest(rows) + 10.0, x1, y0, y1: y1 - below };
+    let (wide, high) = (frame.width() / columns.len() as f64, frame.height() / rows.len() as f64);
+    for (k, (&value, note)) in values.iter().zip(notes).enumerate() {
+        let (left, top) = (frame.x0 + (k % columns.len()) as f64 * wide, frame.y0 + (k / columns.len()) as f64 * high);
+        let corners = [(left, top), (left + wide, top), (left + wide, top + high), (left, top + high)];
+        canvas.polygon(&corners, colour(value))?;
+        let middle = (left + 0.5 * wide, top + 0.5 * high);
+        canvas.text(note, middle, NOTE, legible(colour(value)), (0.5, 0.5))?;
+    }
+    name(&mut canvas, &frame, rows, columns)?;
+    let middle = 0.5 * (frame.x0 + frame.x1);
+    canvas.text(column_label, (middle, y1 - 0.4 * LABEL), LABEL, INK, (0.5, 1.0))?;
+    canvas.border(&frame, INK)?;
+    bar.draw(&mut canvas, frame, body.x1, colour)?;
+    canvas.png(caption)
+}
+
+fn name(canvas: &mut Canvas, frame: &Rect, rows: &[String], columns: &[String]) -> Result<(), Error> {
+    let (wide, high) = (frame.width() / columns.len() as f64, frame.height() / rows.len() as f64);
+    for (k, row) in rows.iter().enumerate() {
+        let at = (frame.x0 - 8.0, frame.y0 + (k as f64 + 0.5) * high);
+        canvas.text(row, at, SMALL, INK, (1.0, 0.5))?;
+    }
+    for (k, column) in columns.iter().enumerate() {
+        let at = (frame.x0 + (k as f64 + 0.5) * wide, frame.y1 + 8.0);
+        canvas.text_upwards(column, at, SMALL, INK, (1.0, 0.5))?;
+    }
+    Ok(())
+}
