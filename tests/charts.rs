@@ -2,8 +2,8 @@
 
 use hertzchain::{
     experiments::{
-        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Resonance, Variant, charts, kick_sum,
-        regime,
+        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Records, Regime, Variant, charts, kick_sum,
+        regime, resonance, run,
     },
     integrators::splitting::First,
     method::{Method, Split},
@@ -51,17 +51,17 @@ fn limit(method: &Method) -> f64 {
     z
 }
 
-// Measured: 2e-4 off for verlet, 4e-4 at most; the bisection ends at a factor of 1.0004.
+// Measured: 1.7e-4 off for verlet, the most of the three; the bisection ends at a factor of 1.0003.
 #[test]
 fn kinetic_splits_lose_stability_where_the_oscillator_says() {
-    let methods = named(&["verlet", "yoshida4", "suzuki4", "yoshida6"]);
+    let methods = named(&["verlet", "yoshida4", "suzuki4"]);
     assert!((limit(&methods[0]) - 2.0).abs() < 2e-4);
     let study = study(&[Chart::Light], methods.clone());
     let light = Variant { rho: Some(1e-4), ..Variant::default() };
     for method in &methods {
         let measured = study.point(Chart::Light, &light, method).unwrap().measured.clone().unwrap();
         let (found, truth) = (measured.stability.unwrap(), limit(method));
-        assert!((found / truth - 1.0).abs() < 1e-3, "{}: {found} for {truth}", method.name());
+        assert!((found / truth - 1.0).abs() < 4e-4, "{}: {found} for {truth}", method.name());
         // Far above it the run is lost, far below it is not.
         assert_eq!(measured.ladder[0].verdict, ChartVerdict::Lost);
         assert_ne!(measured.usual.verdict, ChartVerdict::Lost);
@@ -76,80 +76,51 @@ fn with_rho(rho: &str) -> Problem {
     Problem::of(&Scene::build(SceneFile::parse(&text, "two").unwrap()).unwrap()).unwrap()
 }
 
-/// The resonance of a scheme near `k pi` at a static overlap.
-fn resonance(problem: &Problem, method: &Method, k: u32, amplitude: f64) -> Option<Resonance> {
-    let options = ChartOptions {
-        charts: vec![Chart::Resonances],
-        methods: vec![*method],
-        sites: 1,
-        periods: 1.0,
-        work: 1e5,
-        quick: true,
-    };
-    let study = charts(problem, &options, None, &|_, _| ()).unwrap();
-    let point = study.resonances.into_iter().find(|point| point.k == k && point.amplitude == amplitude).unwrap();
-    point.resonance.unwrap()
-}
-
-// For the cradle: k pi - 2 arctan(K h/(2 omega)) < h omega < k pi, the trace being 2 cos(h omega) - (K h/omega) sin(h omega).
+// Measured: edges 2.5e-5 of the width off, as growth is followed down to a hundredth; growth 5e-11 off. For the cradle: k pi - 2 arctan(K h/(2 omega)) < h omega < k pi, the trace being 2 cos(h omega) - (K h/omega) sin(h omega).
 #[test]
 fn resonances_of_strang_on_the_cradle_have_the_edges_of_the_closed_form() {
     let (cradle, strang) = (with_rho("inf"), named(&["strang-linear"])[0]);
-    let options = ChartOptions {
-        charts: vec![Chart::Resonances],
-        methods: vec![strang],
-        sites: 1,
-        periods: 1.0,
-        work: 1e5,
-        quick: true,
-    };
-    let study = charts(&cradle, &options, None, &|_, _| ()).unwrap();
-    let mut resolved = 0;
-    for point in study.resonances.iter().filter(|point| point.amplitude < 1.0) {
-        let Some(found) = point.resonance.clone().unwrap() else { continue };
-        let (near, stiffness) = (f64::from(point.k) * PI, 3.0 * point.amplitude.sqrt());
+    for (k, amplitude) in [1, 2, 3, 4].into_iter().flat_map(|k| [1e-8, 1e-6, 1e-4].map(|amplitude| (k, amplitude))) {
+        let found = resonance(&cradle, strang, k, amplitude).unwrap().unwrap();
+        let (near, stiffness) = (f64::from(k) * PI, 3.0 * f64::sqrt(amplitude));
         let mut lower = near;
         for _ in 0..200 {
             lower = near - 2.0 * (0.5 * stiffness * lower).atan();
         }
         let width = near - lower;
         let off = (found.edges[0] - lower).abs().max((found.edges[1] - near).abs());
-        assert!(off < 1e-3 * width, "k = {}, A = {}: {off:e} of {width:e}", point.k, point.amplitude);
+        assert!(off < 6e-5 * width, "k = {}, A = {}: {off:e} of {width:e}", k, amplitude);
         // Strength: cosh of the growth is half the trace in the middle.
         let trace = |x: f64| 2.0 * x.cos() - stiffness * x * x.sin();
         let growth = (0.5 * trace(found.centre).abs()).acosh();
-        assert!((found.growth / growth - 1.0).abs() < 1e-3, "{} for {growth}", found.growth);
+        assert!((found.growth / growth - 1.0).abs() < 2e-10, "k = {k}, A = {amplitude}: {} for {growth}", found.growth);
         // The unpressed chain feels it as well.
         let (inside, beside) = (found.inside.unwrap_or(f64::INFINITY), found.beside.unwrap());
-        assert!(inside > 20.0 * beside, "k = {}, A = {}: {inside:e}, {beside:e}", point.k, point.amplitude);
-        resolved += 1;
+        assert!(inside > 20.0 * beside, "k = {}, A = {}: {inside:e}, {beside:e}", k, amplitude);
     }
-    assert!(resolved >= 12, "{resolved} resonances");
 }
 
-// First order: widths and growth of the fast motion with itself (odd k) and with the slow one (even k).
+// Measured: up to 2e-2 off in growth, 4e-2 in width, as K is not small. First order: widths and growth of the fast motion with itself (odd k) and with the slow one (even k).
 #[test]
 fn resonances_with_moving_resonators_are_those_of_first_order() {
     let (rho, alpha, amplitude) = (1.0f64 / 3.0, 1.5f64, 1e-6f64);
     let problem = Problem::built_in();
     let (omega, stiffness) = ((1.0 + 1.0 / rho).sqrt(), 2.0 * alpha * amplitude.powf(alpha - 1.0));
-    for name in ["strang-linear", "yoshida4-linear", "kahan-li6-linear"] {
-        let method = named(&[name])[0];
-        for k in [1, 3, 4] {
-            let h = f64::from(k) * PI / omega;
-            let slow = (stiffness / (1.0 + rho)).sqrt();
-            let (growth, width) = if k % 2 == 1 {
-                let s = kick_sum(&method, k).unwrap() * stiffness * rho / (1.0 + rho) * h / (2.0 * omega);
-                (s, 2.0 * s)
-            } else {
-                let g = kick_sum(&method, k / 2).unwrap() * 0.5 * h * slow.powf(1.5) * (rho / omega).sqrt();
-                (g, 4.0 * g)
-            };
-            let found = resonance(&problem, &method, k, amplitude).unwrap();
-            let (off, wide) =
-                ((found.growth / growth - 1.0).abs(), ((found.edges[1] - found.edges[0]) / width - 1.0).abs());
-            assert!(off < 0.1 && wide < 0.1, "{name}, k = {k}: growth {off:.1e}, width {wide:.1e} off");
-        }
+    let methods = named(&["strang-linear", "yoshida4-linear", "kahan-li6-linear"]);
+    for (method, k) in methods.iter().flat_map(|method| [1, 3, 4].map(|k| (method, k))) {
+        let h = f64::from(k) * PI / omega;
+        let slow = (stiffness / (1.0 + rho)).sqrt();
+        let (growth, width) = if k % 2 == 1 {
+            let s = kick_sum(method, k).unwrap() * stiffness * rho / (1.0 + rho) * h / (2.0 * omega);
+            (s, 2.0 * s)
+        } else {
+            let g = kick_sum(method, k / 2).unwrap() * 0.5 * h * slow.powf(1.5) * (rho / omega).sqrt();
+            (g, 4.0 * g)
+        };
+        let found = resonance(&problem, *method, k, amplitude).unwrap().unwrap();
+        let off = (found.growth / growth - 1.0).abs();
+        let wide = ((found.edges[1] - found.edges[0]) / width - 1.0).abs();
+        assert!(off < 0.04 && wide < 0.08, "{}, k = {k}: growth {off:.1e}, width {wide:.1e} off", method.name());
     }
 }
 
@@ -173,24 +144,44 @@ fn collocation_is_stable_and_accurate_at_the_corners() {
     assert!(error < 1e-9, "{error:e} at {:?}", point.variant);
 }
 
+/// Four beads between walls, over so many radians of a bead against its resonator.
+fn four(amplitude: f64, kappa: f64, rho: f64, radians: f64) -> Scene {
+    let u = [1.0, -0.7, 0.1, 0.6].map(|shape| amplitude * shape);
+    // Springs that hold as much energy as contacts.
+    let stretch = (amplitude.powf(0.5) / kappa).sqrt().min(1.0);
+    let v = u.map(|u| u * (1.0 - stretch));
+    let omega = (kappa * (1.0 + 1.0 / rho)).sqrt();
+    let text = format!(
+        "name = \"four\"\n[chain]\nsites = 4\nalpha = 1.5\nkappa = {kappa:e}\nrho = {rho:e}\nboundary = \"fixed\"\n\
+         [initial]\nkind = \"state\"\nu = {u:?}\nv = {v:?}\n[span]\nuntil = {:e}\n[record]\nsamples = 200\n",
+        radians / omega
+    );
+    Scene::build(SceneFile::parse(&text, "four").unwrap()).unwrap()
+}
+
+// Measured: 9.1e-7 at most for light resonators, where the goal is 1e-6.
 #[test]
-fn a_run_takes_collocation_unless_resonators_are_light() {
-    let plain = regime(&Scene::load("tw-q15").unwrap());
-    assert_eq!(plain.method, Method::Collocation);
-    let mut file = SceneFile::parse(&Scene::source("bright-breather-16").unwrap(), "light").unwrap();
-    file.chain.rho = 1e-9;
-    let text = file.to_toml().replace("kind = \"bright-breather\"", "kind = \"single-bead\"");
-    let text: String =
-        text.lines()
-            .filter(|line| !line.starts_with("center"))
-            .map(|line| {
-                if line.starts_with("epsilon") { "site = 3\ndisplacement = 1.0\n".into() } else { format!("{line}\n") }
-            })
-            .collect();
-    let light = Scene::build(SceneFile::parse(&text, "light").unwrap()).unwrap();
-    let chosen = regime(&light);
-    assert_eq!(chosen.method, named(&["strang-linear"])[0]);
-    assert!(chosen.reason.contains("Omega_c") && chosen.wording.contains("h omega"), "{chosen:?}");
+fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_says() {
+    let energy_error = |scene: &Scene| {
+        let Regime { method, setting, .. } = regime(scene);
+        run(scene, method, setting, Records::Energy, &mut |_| ()).unwrap().energy_error.unwrap()
+    };
+    assert_eq!(regime(&Scene::load("tw-q15").unwrap()).method, Method::Collocation);
+    for (amplitude, kappa, rho) in
+        [(1.0, 1.0, 1e-9), (1e-12, 1e4, 1.0 / 3.0), (1e-6, 1e8, 1.0 / 3.0), (1.0, 1e8, 1.0 / 3.0)]
+    {
+        let scene = four(amplitude, kappa, rho, 1e5);
+        let chosen = regime(&scene);
+        assert_eq!(chosen.method, named(&["strang-linear"])[0], "{}", chosen.reason);
+        assert!(chosen.reason.contains("Omega_c") && chosen.wording.contains("h omega"), "{chosen:?}");
+        let error = energy_error(&scene);
+        println!("{amplitude:e} {kappa:e} {rho:e} {error:e} {}", chosen.wording);
+        assert!(error < 2e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
+    }
+    for scene in [four(1.0, 1.0, 1.0 / 3.0, 1e2), four(1.0, 1e4, 1.0 / 3.0, 1e3), four(1e-12, 1e-8, 1.0 / 3.0, 1e2)] {
+        assert_eq!(regime(&scene).method, Method::Collocation);
+        assert!(energy_error(&scene) < 1e-9);
+    }
 }
 
 #[cfg(feature = "cli")]

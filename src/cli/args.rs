@@ -110,7 +110,7 @@ pub(super) struct RunArgs {
     /// Name of a built-in scene, or a TOML file.
     pub(super) scene: String,
     /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, strang-linear with steps; without any
-    /// of these the exact solution, where one is known, else what the regime asks for: collocation, or strang-linear where omega is above 1000 times the
+    /// of these the exact solution, where one is known, else what the regime asks for: collocation, or strang-linear where omega is above 10^4 times the
     /// frequency of contacts; which and why is said on stderr].
     #[arg(long, value_name = "NAME")]
     pub(super) integrator: Option<String>,

@@ -25,9 +25,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let how = How::new(args, &scene)?;
     let (name, wording) = how.words();
     let reason = how.reason();
-    if let Some(reason) = reason.filter(|_| !args.json) {
-        eprintln!("{name}, {wording}: {reason}");
-    }
+    let say = || reason.filter(|_| !args.json).iter().for_each(|why| eprintln!("{name}, {wording}: {why}"));
     if args.plan {
         // What a run refuses is not planned.
         let plan = how.plan(&scene, args.events)?;
@@ -37,10 +35,12 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         } else {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
+        say();
         print(&text);
         return Ok(ExitCode::SUCCESS);
     }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    say();
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
     let mut progress = |t| bar.set_position((1000.0 * t / scene.end()) as u64);

@@ -22,7 +22,7 @@ pub use breather::{
 };
 pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Limit, Measured, Problem, Regime, Resonance, ResonancePoint,
-    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, regime,
+    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, regime, resonance,
 };
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};

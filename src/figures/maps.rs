@@ -97,7 +97,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
         }
     }
     // Words interrupt the lines.
-    for ((x, y), colour, note) in places {
+    for ((x, y), colour, note) in places.into_iter().filter(|place| !place.2.is_empty()) {
         let (wide, high) = (0.5 * text_width(note, SMALL) + 1.0, 0.6 * SMALL);
         canvas.polygon(
             &[(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)],

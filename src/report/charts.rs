@@ -216,7 +216,7 @@ fn resonances_csv(study: &ChartStudy) -> Vec<u8> {
                 cell(found.inside),
                 cell(found.beside)
             ),
-            Ok(None) => ",,,,,,,none that stands apart and grows by more than 1e-6 a step".to_owned(),
+            Ok(None) => ",,,,,,,none found that stands apart and grows by more than 1e-6 a step".to_owned(),
             Err(why) => format!(",,,,,,,{}", why.replace(',', ";")),
         };
         text += &(line + "\n");
@@ -413,7 +413,7 @@ fn resonances_table(study: &ChartStudy) -> String {
     let mut head = vec!["integrator", "k", "|S_k|"];
     head.extend(names.iter().map(String::as_str));
     table(&head, &rows)
-        + "Near h omega = k pi, at a static overlap A. –: none that stands apart and grows by more than 1e-6 a step. |S_k|: the sum of the kicks b_j e^(2 pi i k c_j).\n"
+        + "Near h omega = k pi, at a static overlap A. –: none found that stands apart and grows by more than 1e-6 a step. |S_k|: the sum of the kicks b_j e^(2 pi i k c_j).\n"
 }
 
 fn regimes_table(regimes: &[Cheapest]) -> String {
@@ -454,74 +454,28 @@ pub fn charts_pictures(study: &ChartStudy) -> crate::error::Result<Vec<(String, 
             continue;
         }
         pictures.push((format!("{name}.png"), crate::figures::matrix(&error_matrix(study, chart))?));
-        if chart == Chart::Light {
-            let maps: Vec<_> = shown(study, &["verlet", "strang-linear", "aba1064-linear"])
-                .into_iter()
-                .filter(|method| !method.adaptive())
-                .map(|method| step_map(study, &method))
-                .collect();
-            if !maps.is_empty() {
-                let title = "Energy error over step and mass ratio".to_owned();
-                let caption = format!(
-                    "{} Colour: largest |H − H(0)|/|H(0)|, from 10⁻¹⁶ to 10; above 1 the run is lost. Grey: more work than a run may take. Ω is the larger of ω and Ω_c. Lines: hΩ = 2 and multiples of π.",
-                    provenance(study)
-                );
-                pictures.push((
-                    format!("{name}-steps.png"),
-                    crate::figures::maps(&crate::figures::Maps { title, maps, caption })?,
-                ));
-            }
-        }
-        if chart == Chart::Stiffness {
-            for (file, title, label, value) in STIFFNESS_MAPS {
-                let maps = shown(study, &["verlet", "strang-linear", "collocation"])
-                    .iter()
-                    .map(|method| stiffness_map(study, method, label, value))
-                    .collect();
-                let caption = format!(
-                    "{} {}",
-                    provenance(study),
-                    if file == "stiffness-cost.png" {
-                        "Grey: no run within the work that a run may take."
-                    } else {
-                        "Colour: largest |H − H(0)|/|H(0)| over ten contact periods, at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹."
-                    }
-                );
-                let title = title.to_owned();
-                pictures.push((file.to_owned(), crate::figures::maps(&crate::figures::Maps { title, maps, caption })?));
-            }
+        let maps: Vec<(String, String, crate::figures::CellMap)> = match chart {
+            Chart::Light => shown(study).iter().filter_map(|method| step_map(study, method)).collect(),
+            Chart::Stiffness => shown(study).iter().map(|method| stiffness_map(study, method)).collect(),
+            _ => Vec::new(),
+        };
+        for (title, caption, map) in maps {
+            let file = format!("{name}-{}.png", title.split(':').next().unwrap_or_default());
+            let figure =
+                crate::figures::Maps { title, maps: vec![map], caption: format!("{} {caption}", provenance(study)) };
+            pictures.push((file, crate::figures::maps(&figure)?));
         }
     }
     Ok(pictures)
 }
 
-/// A map over amplitude and spring constant: file, title, label of the colour, and what is coloured.
+/// The methods that have maps of their own: of these four those that were charted, else the first three.
 #[cfg(feature = "plot")]
-type StiffnessMap = (&'static str, &'static str, &'static str, fn(&Measured) -> f64);
-
-#[cfg(feature = "plot")]
-const STIFFNESS_MAPS: [StiffnessMap; 2] = [
-    ("stiffness-maps.png", "Energy error over amplitude and spring constant", "energy error", |measured| {
-        shade(&measured.usual)
-    }),
-    (
-        "stiffness-cost.png",
-        "What an energy error below 10⁻⁶ costs, over amplitude and spring constant",
-        "force evaluations a contact period",
-        |measured| {
-            let trial = measured.limits.get(1).and_then(|limit| limit.trial.as_ref());
-            trial.map_or(0.0, |trial| trial.cost * std::f64::consts::TAU / measured.contact)
-        },
-    ),
-];
-
-/// Up to three methods: those of these names that were charted, else the first.
-#[cfg(feature = "plot")]
-fn shown(study: &ChartStudy, names: &[&str]) -> Vec<Method> {
+fn shown(study: &ChartStudy) -> Vec<Method> {
+    const NAMES: [&str; 4] = ["verlet", "strang-linear", "aba1064-linear", "collocation"];
     let methods = &study.options.methods;
-    let wanted: Vec<Method> =
-        methods.iter().copied().filter(|method| names.contains(&method.name().as_str())).collect();
-    if wanted.is_empty() { methods.iter().copied().take(3).collect() } else { wanted }
+    let known: Vec<Method> = methods.iter().copied().filter(|method| NAMES.contains(&method.name().as_str())).collect();
+    if known.is_empty() { methods.iter().copied().take(3).collect() } else { known }
 }
 
 #[cfg(feature = "plot")]
@@ -549,7 +503,7 @@ fn shade(trial: &Trial) -> f64 {
     }
 }
 
-/// The decade of the error, and a letter for what drifts.
+/// Minus the decade of the error, and a letter for what drifts.
 #[cfg(feature = "plot")]
 fn note(point: &ChartPoint) -> String {
     match &point.measured {
@@ -558,8 +512,8 @@ fn note(point: &ChartPoint) -> String {
             (ChartVerdict::Lost, _) | (_, None) => "lost".to_owned(),
             (ChartVerdict::Dear, _) => "dear".to_owned(),
             (verdict, Some(error)) => {
-                let letter = if verdict == ChartVerdict::Drifting { " d" } else { "" };
-                format!("{:.0}{letter}", error.max(1e-16).log10()).replace('-', "−")
+                let letter = if verdict == ChartVerdict::Drifting { "d" } else { "" };
+                format!("{:.0}{letter}", (-error.clamp(1e-16, 1.0).log10()).abs())
             }
         },
     }
@@ -599,7 +553,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         values,
         notes,
         caption: format!(
-            "{} In cells: decade of the error; d: drifting; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
+            "{} In cells: −log₁₀ of the error; d: drifting; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
             provenance(study)
         ),
     }
@@ -609,47 +563,47 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
 #[cfg(feature = "plot")]
 const STEP_ROWS: i32 = 14;
 
+/// Title, caption and map of the energy error over mass ratio and step; none for adaptive methods.
 #[cfg(feature = "plot")]
-fn step_map(study: &ChartStudy, method: &Method) -> crate::figures::CellMap {
+fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crate::figures::CellMap)> {
+    use std::f64::consts::PI;
     let rung = |h_fast: f64| (2.0 * (12.0 / h_fast).log2()).round() as i32;
     let variants = study.variants(Chart::Light);
     let x: Vec<f64> = variants.iter().filter_map(|variant| variant.rho).collect();
-    let y: Vec<f64> = (0..STEP_ROWS).rev().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect();
+    let rows = || (0..STEP_ROWS).rev();
     let value = |row: i32, variant: &Variant| {
         let measured = study.point(Chart::Light, variant, method)?.measured.as_ref().ok()?;
         measured.ladder.iter().find(|trial| rung(trial.step * measured.fast) == row).map(shade)
     };
-    let values: Vec<f64> = (0..STEP_ROWS)
-        .rev()
-        .flat_map(|row| variants.iter().map(move |variant| (row, variant)).collect::<Vec<_>>())
-        .map(|(row, variant)| value(row, variant).unwrap_or(0.0))
-        .collect();
-    let ends = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
-    let line = |(name, height): (&str, f64)| crate::figures::Line {
-        name: name.to_owned(),
-        points: vec![(ends.0, height), (ends.1, height)],
-    };
-    crate::figures::CellMap {
-        labels: [format!("mass ratio ρ ({})", method.name()), "step hΩ".to_owned(), "energy error".to_owned()],
-        notes: vec![String::new(); values.len()],
-        lines: if method.family() == "kinetic + potential" {
-            vec![line(("2", 2.0))]
-        } else {
-            [("π", 1.0), ("2π", 2.0), ("3π", 3.0)].map(|(name, k)| line((name, k * std::f64::consts::PI))).to_vec()
-        },
-        x,
-        y,
-        values,
+    let mut values = Vec::new();
+    for row in rows() {
+        values.extend(variants.iter().map(|variant| value(row, variant).unwrap_or(0.0)));
     }
+    let (first, last) = (x.first().copied()?, x.last().copied()?);
+    let line = |name: &str, height: f64| crate::figures::Line {
+        name: format!("hΩ = {name}"),
+        points: vec![(first, height), (last, height)],
+    };
+    let lines = match method {
+        Method::Splitting(_, crate::method::Split::Kinetic) => vec![line("2", 2.0)],
+        _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],
+    };
+    let map = crate::figures::CellMap {
+        labels: ["mass ratio ρ", "step hΩ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
+        notes: vec![String::new(); values.len()],
+        y: rows().map(|row| 12.0 * f64::powf(2.0, -0.5 * f64::from(row))).collect(),
+        lines,
+        x,
+        values,
+    };
+    let caption =
+        "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.".to_owned();
+    (!method.adaptive()).then(|| (format!("{}: energy error over step and mass ratio", method.name()), caption, map))
 }
 
+/// Title, caption and map of the energy error over amplitude and spring constant, with the cost in the cells.
 #[cfg(feature = "plot")]
-fn stiffness_map(
-    study: &ChartStudy,
-    method: &Method,
-    label: &str,
-    value: fn(&Measured) -> f64,
-) -> crate::figures::CellMap {
+fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate::figures::CellMap) {
     let variants = study.variants(Chart::Stiffness);
     let distinct = |of: fn(&Variant) -> Option<f64>| {
         let mut values: Vec<f64> = variants.iter().filter_map(of).collect();
@@ -662,21 +616,28 @@ fn stiffness_map(
     for &kappa in &y {
         for &amplitude in &x {
             let variant = Variant { amplitude: Some(amplitude), kappa: Some(kappa), ..Variant::default() };
-            let measured =
-                study.point(Chart::Stiffness, &variant, method).and_then(|point| point.measured.as_ref().ok());
-            let value = measured.map_or(0.0, value);
-            values.push(value);
-            notes.push(if value > 0.0 { format!("{:.1}", value.log10()).replace('-', "−") } else { String::new() });
+            let point = study.point(Chart::Stiffness, &variant, method);
+            let measured = point.and_then(|point| point.measured.as_ref().ok());
+            values.push(measured.map_or(0.0, |measured| shade(&measured.usual)));
+            let cost = |measured: &Measured| {
+                let trial = measured.limits.get(1)?.trial.as_ref()?;
+                Some(format!("{:.0e}", trial.cost * std::f64::consts::TAU / measured.contact))
+            };
+            notes.push(measured.and_then(cost).unwrap_or_else(|| "–".to_owned()));
         }
     }
-    crate::figures::CellMap {
-        labels: [format!("amplitude A ({})", method.name()), "spring constant κ".to_owned(), label.to_owned()],
+    let map = crate::figures::CellMap {
+        labels: ["amplitude A", "spring constant κ", "largest |H − H(0)|/|H(0)|"].map(str::to_owned),
         x,
         y,
         values,
         notes,
         lines: Vec::new(),
-    }
+    };
+    let title = format!("{}: energy error over amplitude and spring constant, and what 10⁻⁶ costs", method.name());
+    let caption = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period \
+                   for an error below 10⁻⁶; –: more than a run may take.";
+    (title, caption.to_owned(), map)
 }
 
 #[cfg(feature = "plot")]
@@ -703,7 +664,7 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),
         caption: format!(
-            "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the width in hω; –: no resonance that stands apart and grows by more than 10⁻⁶ a step.",
+            "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the width in hω; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
             provenance(study)
         ),
     }

@@ -104,7 +104,8 @@ pub struct Measured {
     pub ladder: Vec<Trial>,
     /// The largest steps for [`BOUNDS`].
     pub limits: Vec<Limit>,
-    /// The step times `fast` above which the energy has no bound, where that was looked for and there is one: to a factor of 1.0004.
+    /// The step times `fast` above which the energy has no bound, where that was looked for and there is one: to a factor of 1.0004, between two rungs of the
+    /// ladder. Instabilities narrower than those, as some compositions have them below, are stepped over.
     pub stability: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ mod resonances;
 pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use regimes::{Regime, regime};
-pub use resonances::{Resonance, kick_sum};
+pub use resonances::{Resonance, kick_sum, resonance};
 
 use crate::{
     error::{Error, Result},

@@ -63,7 +63,7 @@ pub(super) struct Prepared {
 /// The amplitude `A` of a scene: the largest overlap that its strains or its speeds can make.
 pub(super) fn amplitude(scene: &Scene) -> f64 {
     let (chain, y) = (scene.chain(), scene.initial().as_slice());
-    let (strain, power) = (max_norm(scene.strains(y).into_iter()), chain.params().alpha + 1.0);
+    let (strain, power) = (max_norm(scene.strains(y)), chain.params().alpha + 1.0);
     let speed = max_norm(chain.layout().u_dot(y).iter().copied());
     // Two beads that meet at this speed each overlap by as much as turns their kinetic energy into that of the contact.
     strain.max((speed * speed * power).powf(power.recip()))
@@ -100,7 +100,7 @@ impl Problem {
         }
         let layout = chain.layout();
         let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
-        let state = [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)].map(|slice| array(slice));
+        let state = [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)].map(array);
         let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
         Ok(Self { name, source, chain: scene.file().chain.clone(), state: Some(state), amplitude })
     }
@@ -162,15 +162,7 @@ impl Problem {
         let fast = contact.max(params.omega());
         let longest = if variant.periods.is_some() { f64::INFINITY } else { MOST_PERIODS * TAU / fast };
         let span = (variant.periods.unwrap_or(super::PERIODS) * TAU / contact).min(longest);
-        let [u, v, u_dot, v_dot] = self.state(&section, amplitude);
-        let scene = Scene::build(SceneFile {
-            name: self.name.clone(),
-            summary: String::new(),
-            chain: section,
-            initial: Initial::State { u, v, u_dot, v_dot },
-            span: Span { periods: None, until: Some(span), period: None },
-            record: Record::default(),
-        })?;
+        let scene = self.scene(section.clone(), self.state(&section, amplitude), span)?;
         Ok(Prepared { scene, contact, fast })
     }
 
@@ -181,19 +173,17 @@ impl Problem {
         let mut y = vec![0.0; layout.dim()];
         y[entry] = shift;
         let array = |slice: Option<&[f64]>| slice.map(<[f64]>::to_vec).unwrap_or_default();
-        let initial = Initial::State {
-            u: layout.u(&y).to_vec(),
-            v: array(layout.v(&y)),
-            u_dot: layout.u_dot(&y).to_vec(),
-            v_dot: array(layout.v_dot(&y)),
-        };
-        let span = Span { periods: None, until: Some(span), period: None };
+        let state = [Some(layout.u(&y)), layout.v(&y), Some(layout.u_dot(&y)), layout.v_dot(&y)].map(array);
+        self.scene(chain, state, span)
+    }
+
+    fn scene(&self, chain: ChainSection, [u, v, u_dot, v_dot]: [Vec<f64>; 4], span: f64) -> Result<Scene> {
         Scene::build(SceneFile {
             name: self.name.clone(),
             summary: String::new(),
             chain,
-            initial,
-            span,
+            initial: Initial::State { u, v, u_dot, v_dot },
+            span: Span { periods: None, until: Some(span), period: None },
             record: Record::default(),
         })
     }

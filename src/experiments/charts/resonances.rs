@@ -27,8 +27,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Offsets from `k pi` at which a resonance is looked for, from and to in tenths of decades, and how many a tenth: finer than any that is wider than a
-/// fiftieth of its offset.
-const OFFSETS: (i32, i32, i32) = (-70, 1, 12);
+/// hundredth of its offset.
+const OFFSETS: (i32, i32, i32) = (-70, 1, 24);
 /// Growth a step that is no rounding.
 const LEAST_GROWTH: f64 = 1e-6;
 /// Share of the largest growth at the edges: an edge is thereby off by `5e-5` of the half width.
@@ -56,7 +56,10 @@ pub struct Resonance {
 }
 
 /// The strongest resonance near `h omega = k pi` at amplitude `delta`; `None` where none stands apart, or none grows by more than 10^-6 a step.
-pub(super) fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Result<Option<Resonance>> {
+///
+/// # Errors
+/// A chain without resonators, a method that takes no steps, or a run that cannot start.
+pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Result<Option<Resonance>> {
     let params = problem.chain().params();
     let (omega, near) = (params.omega(), PI * f64::from(k));
     if omega == 0.0 {
