@@ -71,6 +71,8 @@
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor, windows short, and tangent maps do not exist.
 //! - Resonators so light that they turn many times in a window are resolved where contacts excite them: the cost then grows with `omega`.
+//! - Tolerances above 1e-9 are not kept where resonators are much faster than contacts, `omega` above a hundred times `sqrt(2 alpha g^{alpha-1})`: what few nodes leave of many turns
+//!   is small and of one sign, and adds up. Measured: energy errors of up to 3400 times the tolerance; at 1e-9 half of it.
 //! - Overlaps whose force over a window would change no digit that the tolerance asks for count as none, also for the log of contacts.
 //! - It is no symplectic method: it is one that makes no error to speak of.
 //!
