@@ -795,7 +795,7 @@ pub(super) struct FiguresArgs {
 
 #[derive(Args)]
 pub(super) struct ReportArgs {
-    /// Parts to make: compare, order, theorem, verify, figures [default: all].
+    /// Parts to make: compare, order, theorem, stability, verify, figures [default: all].
     #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
     pub(super) only: Vec<String>,
     /// Folder for report.html and report.json.

@@ -3,7 +3,10 @@
 use super::{Exit, args::ReportArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
-    experiments::{CompareOptions, PAPER, RhoLaw, TheoremOptions, compare, order, theorem, verify},
+    experiments::{
+        Chart, ChartOptions, CompareOptions, PAPER, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
+        verify,
+    },
     method::Method,
     output::Folder,
     report::{self, Block, Page, Section},
@@ -47,6 +50,13 @@ const PARTS: &[Part] = &[
         blocks: theorems,
     },
     Part {
+        name: "stability",
+        title: "Stiff and extreme cases",
+        shows: "Where every integrator is stable, drifts or is lost, and which step it needs: light resonators, stiff contacts and springs, other exponents, long chains and runs.",
+        share: 0.15,
+        blocks: stability,
+    },
+    Part {
         name: "verify",
         title: "The numbers of the paper",
         shows: "Every number and statement of the paper's text against ours, each with its verdict.",
@@ -64,6 +74,10 @@ const PARTS: &[Part] = &[
 
 /// A comparison goes on for about so many seconds.
 const SHORT: f64 = 45.0;
+/// The longest chain, the longest run in contact periods, and the most work of a run in the charts of stability.
+const SITES: usize = 1000;
+const PERIODS: f64 = 1000.0;
+const WORK: f64 = 1e6;
 /// Sizes of Theorem 1.
 const EPSILONS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
@@ -159,6 +173,26 @@ fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
         Ok(Block::Table(report::theorem_table(&study)))
     };
     laws.into_iter().enumerate().map(study).collect()
+}
+
+fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
+    let options = ChartOptions {
+        charts: Chart::ALL.to_vec(),
+        methods: Method::all(),
+        sites: SITES,
+        periods: PERIODS,
+        work: WORK,
+        quick: true,
+    };
+    let study = charts(&Problem::built_in(), &options, None, &|done, total| tell(done as f64 / total as f64))?;
+    let mut blocks = vec![Block::Table(report::charts_table(&study))];
+    #[cfg(feature = "plot")]
+    blocks.extend(report::charts_pictures(&study)?.into_iter().map(|(name, png)| Block::Picture {
+        title: name.trim_end_matches(".png").to_owned(),
+        caption: String::new(),
+        png,
+    }));
+    Ok(blocks)
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {

@@ -5,6 +5,7 @@ mod common;
 
 mod branch_files;
 mod breathers;
+mod charts;
 mod lifetimes;
 mod orbits;
 mod sweep;
