@@ -77,7 +77,9 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
     if scanned[top].1 < LEAST_GROWTH || top == 0 || top + 1 == scanned.len() {
         return Ok(None);
     }
-    let (centre, largest) = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
+    let between = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
+    // One so narrow that the search between its neighbours missed it is taken where the scan met it.
+    let (centre, largest) = if between.1 > scanned[top].1 { between } else { scanned[top] };
     let quiet = |at: &&(f64, f64)| at.1 < EDGE * largest;
     let (Some(below), Some(above)) = (scanned[..top].iter().rfind(quiet), scanned[top + 1..].iter().find(quiet)) else {
         // The contacts alone are too stiff for such steps.
