@@ -38,6 +38,23 @@ pub enum Error {
     /// An integration that could not go on.
     #[error(transparent)]
     Integration(#[from] hertzchain_integrators::Error),
+    /// A run that could not go on, with its step and the place on the chain.
+    #[error(transparent)]
+    Run(#[from] Failed),
+    /// A point of a study that failed.
+    #[error("{point}: {why}")]
+    Point {
+        /// Which point.
+        point: String,
+        /// Why.
+        why: String,
+    },
+    /// Somebody outside asked the work to end.
+    #[error("stopped by a signal: {kept}")]
+    Stopped {
+        /// What there is of it.
+        kept: String,
+    },
     /// A search for a periodic orbit that did not converge.
     #[error("no periodic orbit after {steps} steps of Newton's method: {}", best_residual(.best.as_deref()))]
     Stalled {
@@ -68,6 +85,24 @@ pub enum Error {
     #[cfg(feature = "plot")]
     #[error("figure: {0}")]
     Figure(#[from] crate::figures::Error),
+}
+
+/// Why a run could not go on, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{cause}{}", beside(.h, .place))]
+pub struct Failed {
+    /// What happened.
+    pub cause: hertzchain_integrators::Error,
+    /// Mean step of the run so far, where the cause does not know its own.
+    pub h: Option<f64>,
+    /// Where on the chain.
+    pub place: Option<String>,
+}
+
+fn beside(h: &Option<f64>, place: &Option<String>) -> String {
+    let h = h.map(|h| format!("; steps of {h:.6e}"));
+    let place = place.as_ref().map(|place| format!("; {place}"));
+    h.into_iter().chain(place).collect()
 }
 
 /// The result of whatever may end in an [`Error`].

@@ -17,6 +17,7 @@
 //! | [`output`] | files and text, written whole or not at all |
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | every PNG (feature `plot`) |
+//! | [`interrupt`] | whether the process was asked to end |
 //! | [`error`] | the one error type |
 
 pub mod breathers;
@@ -28,6 +29,7 @@ pub mod error;
 pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
+pub mod interrupt;
 pub mod method;
 pub mod orbits;
 pub mod output;

@@ -12,6 +12,7 @@ use hertzchain_integrators::{
     regularised::power,
     splitting::{First, Landed, tables},
 };
+use serde::{Deserialize, Serialize};
 
 /// How the chain is split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +50,8 @@ pub enum Contacts {
 const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::Regularised];
 
 /// How finely a method works.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Setting {
     /// This many equal steps over the whole span.
     Steps(u64),
@@ -59,6 +61,26 @@ pub enum Setting {
     /// This many equal windows over the whole span, each panel with so many nodes.
     Windows(u64, usize),
 }
+
+impl Setting {
+    /// The setting of this share of a run: the steps are no longer, and the tolerances of all shares are that of the run.
+    pub fn of_leg(self, method: Method, share: f64) -> Self {
+        // A step that fits but for rounding is taken as it is.
+        let part = |count: u64| (count as f64 * share * (1.0 - 1e-12)).ceil().max(1.0) as u64;
+        match self {
+            Self::Steps(steps) => Self::Steps(part(steps)),
+            Self::Windows(windows, nodes) => Self::Windows(part(windows), nodes),
+            // No finer than collocation takes, unless it was asked for what it refuses.
+            Self::Tolerance(tol) if method == Method::Collocation => {
+                Self::Tolerance((tol * share).max(tol.min(LEAST_TOLERANCE)))
+            }
+            Self::Tolerance(_) => self,
+        }
+    }
+}
+
+/// The least tolerance of collocation.
+const LEAST_TOLERANCE: f64 = 1e-15;
 
 impl Method {
     /// All methods: kinetic splits, linear splits, the one that lands, the adaptive ones, then collocation.
@@ -149,7 +171,21 @@ impl Method {
     /// # Errors
     /// A setting of the wrong kind for the method, or outside its rule.
     pub fn start(&self, scene: &Scene, setting: Setting) -> Result<Box<dyn Stepper<f64> + Send>> {
-        let (chain, y, span) = (scene.chain().clone(), scene.initial().as_slice(), (0.0, scene.end()));
+        self.start_leg(scene, scene.initial().as_slice(), (0.0, scene.end()), setting)
+    }
+
+    /// The method at work on a leg of a scene: from the state `y` at the first time of `span` to the second, with a setting for that.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_leg(
+        &self,
+        scene: &Scene,
+        y: &[f64],
+        span: (f64, f64),
+        setting: Setting,
+    ) -> Result<Box<dyn Stepper<f64> + Send>> {
+        let chain = scene.chain().clone();
         match (self, setting) {
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 let flow = loaded(KineticFlow::new(chain), y);
@@ -165,8 +201,8 @@ impl Method {
             }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
-                // Absolute errors are counted in units of the state, so that small waves are not waved through.
-                let size = max_norm(y.iter().copied());
+                // Absolute errors are counted in units of the first state, so that small waves are not waved through.
+                let size = max_norm(scene.initial().as_slice().iter().copied());
                 let atol = if size > 0.0 { tol * size } else { tol };
                 let options = Options { atol, ..Options::new(tol) };
                 let alpha = chain.params().alpha;
@@ -178,7 +214,7 @@ impl Method {
                 Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
-                Ok(Box::new(collocation(scene, setting)?))
+                Ok(Box::new(collocation(scene, y, span, setting)?))
             }
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
@@ -193,11 +229,16 @@ impl Method {
     }
 }
 
-/// Collocation at work on a scene.
+/// Collocation at work on a leg of a scene.
 ///
 /// # Errors
 /// A setting in steps, or outside its rule.
-pub(crate) fn collocation(scene: &Scene, setting: Setting) -> Result<Collocation<Chain<f64>>> {
+pub(crate) fn collocation(
+    scene: &Scene,
+    y: &[f64],
+    span: (f64, f64),
+    setting: Setting,
+) -> Result<Collocation<Chain<f64>>> {
     let pace = match setting {
         Setting::Tolerance(tol) => Pace::Tolerance(tol),
         Setting::Windows(windows, nodes) => Pace::Windows { windows, nodes, neighbours: true },
@@ -209,7 +250,6 @@ pub(crate) fn collocation(scene: &Scene, setting: Setting) -> Result<Collocation
             ));
         }
     };
-    let (y, span) = (scene.initial().as_slice(), (0.0, scene.end()));
     Ok(scene.chain().collocation(y, span, pace)?)
 }
 

@@ -57,6 +57,10 @@ pub trait Observer<R: Real> {
     /// # Errors
     /// Whatever makes going on pointless, such as a state that is not finite.
     fn observe(&mut self, t: R, y: &[R], stats: Stats) -> Result<ControlFlow<()>, Error>;
+    /// Whether the run is to end where it is; asked before every step.
+    fn stop(&self) -> bool {
+        false
+    }
 }
 
 /// The observer that wants nothing.
@@ -85,7 +89,7 @@ pub enum Stop {
 /// Allocates nothing itself.
 ///
 /// # Errors
-/// The first error of the stepper or of the observer. `y` then holds the last state that was reached.
+/// The first error of the stepper or of the observer; [`Error::Stopped`] if the latter wants no more. `y` then holds the last state that was reached.
 pub fn drive<R, S, O>(stepper: &mut S, observer: &mut O, y: &mut [R]) -> Result<Stop, Error>
 where
     R: Real,
@@ -104,7 +108,13 @@ where
                 return Ok(Stop::Observer);
             }
         }
-        let outcome = if stepper.done() { Some(Ok(Stop::End)) } else { stepper.step().err().map(Err) };
+        let outcome = if stepper.done() {
+            Some(Ok(Stop::End))
+        } else if observer.stop() {
+            Some(Err(Error::Stopped { t: stepper.time().f64() }))
+        } else {
+            stepper.step().err().map(Err)
+        };
         if let Some(outcome) = outcome {
             stepper.sample(stepper.time(), y);
             return outcome;

@@ -66,6 +66,12 @@ pub enum Error {
         /// That change.
         residual: f64,
     },
+    /// Somebody outside asked it to end.
+    #[error("stopped by a signal at t = {t}")]
+    Stopped {
+        /// Time.
+        t: f64,
+    },
     /// The stages of an implicit step did not settle.
     #[error(
         "the stages of the step did not settle at t = {t}: step {h:e}, last change {residual:e}; take a smaller step"

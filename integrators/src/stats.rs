@@ -10,3 +10,16 @@ pub struct Stats {
     /// Evaluations of the contact force or of the vector field, those of samples included.
     pub force_evaluations: u64,
 }
+
+impl std::ops::Add for Stats {
+    type Output = Self;
+
+    /// The work of both.
+    fn add(self, other: Self) -> Self {
+        Self {
+            steps: self.steps + other.steps,
+            rejected: self.rejected + other.rejected,
+            force_evaluations: self.force_evaluations + other.force_evaluations,
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Dark breathers: exact orbits of the chain of strains, from the profiles of the DpS equations (Sec. 7).
 
 use crate::{
-    chain::Params,
+    chain::{Params, max_norm},
     dps::{Center, DarkProfile},
     error::{Error, Result},
     orbits::{Continuation, Orbit, Parameter, Setting, Shooting},
@@ -12,6 +12,8 @@ const NEAR: f64 = 2.5e-3;
 /// Share of the way from there to `omega_b` that a step of continuation takes at most.
 const STEP: f64 = 0.1;
 const MOST_POINTS: usize = 500;
+/// Frequency of the contacts of a seed over its own, at most: with 6 there is an orbit nearby (`rho = 0.01`), with 35 there is none (`rho = 0.001`).
+const FASTEST: f64 = 10.0;
 
 /// A dark breather to be found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +46,7 @@ impl DarkBreather {
     /// `[x(0), y(0)]` to first order, (eq:xy_sw).
     ///
     /// # Errors
-    /// As [`DarkProfile::new`] and [`DarkProfile::seed`].
+    /// As [`DarkProfile::new`] and [`DarkProfile::seed`]; strains beyond all that is small, where contacts are 10 times as fast as the breather.
     pub fn seed(&self) -> Result<Vec<f64>> {
         let Self { params, center, sites, omega_b, c_x } = *self;
         let unit = DarkProfile::new(params, center, sites, 0.0)?;
@@ -52,6 +54,11 @@ impl DarkBreather {
         let profile = if c_x == 0.0 { unit } else { DarkProfile::new(params, center, sites, c_x / size)? };
         let (mut z, y) = profile.seed(omega_b)?;
         z.extend(y);
+        // A background that presses so hard is no small oscillation, and Newton's method wanders about for minutes.
+        if self.setting().haste(&z) > FASTEST {
+            let rule = "the first-order breather has contacts at most 10 times as fast as it is: take a larger rho, or omega_b nearer to omega";
+            return Err(Error::parameter("strains", max_norm(z), rule));
+        }
         Ok(z)
     }
 

@@ -99,6 +99,14 @@ impl<R: Real> Chain<R> {
         self.layout
     }
 
+    /// What an entry of a state is: `u of site 3`, counted from 0; strains and their rates on a strain ring.
+    pub fn place(&self, entry: usize) -> String {
+        let (n, ring) = (self.sites(), self.boundary == Boundary::StrainRing);
+        let names = if ring { ["x", "y", "x'", "y'"] } else { ["u", "v", "u'", "v'"] };
+        let array = entry / n * if self.layout.resonators() { 1 } else { 2 };
+        format!("{} of site {}", names[array.min(3)], entry % n)
+    }
+
     /// The contact law.
     pub fn law(&self) -> ContactLaw<R> {
         self.law

@@ -19,6 +19,8 @@ pub(super) enum Command {
     /// Compare integrators on a scene: error against run time, as a table, a CSV and a PNG.
     Compare(CompareArgs),
     /// Run one scene with one integrator.
+    ///
+    /// Example, in legs that are kept, and gone on with: hertzchain run tw-q15 --checkpoint 10 --out out/tw; hertzchain run --resume out/tw
     Run(RunArgs),
     /// Measure the order of every method through contacts: crossing them, landing on them, regularised.
     Order(OrderArgs),
@@ -108,7 +110,8 @@ pub(super) struct CompareArgs {
 #[derive(Args)]
 pub(super) struct RunArgs {
     /// Name of a built-in scene, or a TOML file.
-    pub(super) scene: String,
+    #[arg(required_unless_present = "resume")]
+    pub(super) scene: Option<String>,
     /// Integrator; `hertzchain integrators` lists them [default: collocation with --tol or --windows-per-period, strang-linear with steps; without any
     /// of these the exact solution, where one is known, else what the regime asks for: collocation, or strang-linear where omega is above 10^4 times the
     /// frequency of contacts; which and why is said on stderr].
@@ -136,6 +139,13 @@ pub(super) struct RunArgs {
     /// Folder for summary.json, scene.toml, final.csv, energy.csv, profiles.npz and PNGs [default: none is written].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
+    /// Run in legs of this length, in units of time, and keep each in checkpoint.npz in the folder of --out when it is done: a run that was stopped goes on by
+    /// --resume and ends with the same bits. Every leg starts the method anew.
+    #[arg(long, value_name = "D", requires = "out", allow_negative_numbers = true)]
+    pub(super) checkpoint: Option<f64>,
+    /// Go on from this checkpoint.npz, or the one in this folder, and write the results beside it. A scene or an integrator given with it must be its own.
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["checkpoint", "steps_per_period", "step", "tol", "windows_per_period", "nodes", "until", "out", "plan"])]
+    pub(super) resume: Option<PathBuf>,
     /// Log every contact: onset, release, speeds, largest overlap, impulse; totals in the summary, and with --out
     /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
@@ -484,7 +494,8 @@ pub(super) struct TheoremArgs {
     /// Sites of the chain, up to 1000 [default: those where A(0) is above 1e-16 of its largest value; generic: 21].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) sites: Option<usize>,
-    /// Folder for theorem.json, theorem.txt, theorem.csv (suprema) and slopes.csv [default: none is written].
+    /// Folder for theorem.json, theorem.txt, theorem.csv (suprema) and slopes.csv, and for theorem.store, where every size is kept once it was run: the same
+    /// study in the same folder goes on where it was [default: none is written].
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Print JSON instead of the tables.

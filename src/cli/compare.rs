@@ -1,6 +1,6 @@
 //! `hertzchain compare`.
 
-use super::{Exit, args::CompareArgs, default_folder, print, progress_bar};
+use super::{Exit, args::CompareArgs, default_folder, print, progress_bar, signals};
 use crate::{
     error::Result,
     experiments::{CompareOptions, compare},
@@ -22,6 +22,7 @@ pub(super) fn main(args: &CompareArgs) -> Exit {
         None if args.json => None,
         None => Some(Folder::create(default_folder("compare", scene.name()))?),
     };
+    signals::ask()?;
     let bar = progress_bar();
     let options = CompareOptions { methods, max_time: args.max_time };
     let comparison = compare(&scene, &options, &|share, what| {

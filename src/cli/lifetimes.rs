@@ -3,7 +3,7 @@
 use super::{
     Exit,
     args::{CenterArg, CriterionArg, LifetimesArgs},
-    print, progress_bar,
+    print, progress_bar, signals,
 };
 use crate::{
     dps::Center,
@@ -37,6 +37,7 @@ pub(super) fn main(args: &LifetimesArgs) -> Exit {
         tolerance: TOLERANCE,
     };
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    signals::ask()?;
     let bar = progress_bar();
     let study = lifetimes(&options, folder.as_ref(), &|done, total| bar.set_position(1000 * done / total));
     bar.finish_and_clear();

@@ -14,6 +14,7 @@ mod report;
 mod run;
 mod scaling;
 mod scenes;
+mod signals;
 mod stability;
 mod theorem;
 mod verify;
@@ -49,13 +50,11 @@ pub fn main() -> ExitCode {
         Command::Scenes(args) => scenes::main(&args),
         Command::Integrators(args) => integrators::main(&args),
     };
-    match outcome {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    let code = outcome.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::FAILURE
+    });
+    signals::exit_code().map_or(code, ExitCode::from)
 }
 
 /// Writes to stdout. A reader that has gone away is no error of ours.

@@ -3,13 +3,14 @@
 use super::{
     Exit,
     args::{CenterArg, ContinueArgs, DarkBreatherArgs, DoubledArgs, EvolveArgs, FormulationArg, RingArgs},
-    print, progress_bar,
+    print, progress_bar, signals,
 };
 use crate::{
     breathers::DarkBreather,
     chain::Params,
     error::{Error, Result},
     experiments::{self, Branch, Kick, orbit_study},
+    interrupt,
     orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
     output::Folder,
     report,
@@ -62,6 +63,7 @@ pub(super) fn branch(args: &ContinueArgs) -> Exit {
         None => begin(args)?,
     };
     let folder = args.out.clone().or(beside).map(Folder::create).transpose()?;
+    signals::ask()?;
     let branch = with_bar(|progress| experiments::go_on(trail, &mut keeper(folder.as_ref()), progress))?;
     let json = report::branch_json(&branch) + "\n";
     print(&if args.json { json.clone() } else { report::branch_table(&branch) });
@@ -145,17 +147,17 @@ fn code(branch: &Branch) -> ExitCode {
     if branch.end == End::Reached { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn folder_of(file: &Path) -> PathBuf {
+pub(super) fn folder_of(file: &Path) -> PathBuf {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
-/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have gone by, and at its end.
+/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have gone by, at its end, and when it is asked to end.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
     let mut last = Instant::now();
     move |trail| {
         let Some(folder) = folder else { return };
         let late = last.elapsed() >= Duration::from_secs(10);
-        if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() {
+        if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() || interrupt::asked() {
             last = Instant::now();
             let kept = trail.npz(Vec::new()).and_then(|bytes| folder.write("branch.npz", &bytes));
             // What cannot be kept now is still computed: it is written at the end, or that is the error.

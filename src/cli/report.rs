@@ -169,7 +169,7 @@ fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
     let study = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        let study = theorem(&options, &|share| tell((k as f64 + share) / laws.len() as f64))?;
+        let study = theorem(&options, None, &|share| tell((k as f64 + share) / laws.len() as f64))?;
         Ok(Block::Table(report::theorem_table(&study)))
     };
     laws.into_iter().enumerate().map(study).collect()

@@ -1,24 +1,28 @@
 //! `hertzchain run`.
 
-use super::{Exit, args::RunArgs, print, progress_bar};
+use super::{Exit, args::RunArgs, orbits::folder_of, print, progress_bar, signals};
 use crate::{
     error::{Error, Result},
-    experiments::{Outcome, Records, Regime, regime, run, run_in_closed_form, run_with_contacts},
+    experiments::{LongRun, Outcome, Records, Regime, regime, run, run_in_closed_form, run_with_contacts},
     method::{Method, Setting},
     output::{Folder, to_json},
     report,
     scene::Scene,
 };
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
 const DEFAULT_NODES: usize = 10;
 /// More steps than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
+const NO_EVENTS: &str = "contacts are not logged in a run with checkpoints: each leg starts anew, and would split those that go on at its end";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
-    let mut scene = Scene::load(&args.scene)?;
+    if let Some(path) = &args.resume {
+        return resume(args, path);
+    }
+    let mut scene = Scene::load(args.scene.as_deref().unwrap_or_default())?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
@@ -26,6 +30,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let (name, wording) = how.words();
     let reason = how.reason();
     let say = || reason.filter(|_| !args.json).iter().for_each(|why| eprintln!("{name}, {wording}: {why}"));
+    say();
     if args.plan {
         // What a run refuses is not planned.
         let plan = how.plan(&scene, args.events)?;
@@ -35,29 +40,64 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         } else {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
-        say();
         print(&text);
         return Ok(ExitCode::SUCCESS);
     }
+    if let Some(interval) = args.checkpoint {
+        let long = how.in_legs(scene, args.events, interval)?;
+        return go_on(args, long, &Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?);
+    }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
-    say();
+    signals::ask()?;
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
     let mut progress = |t| bar.set_position((1000.0 * t / scene.end()) as u64);
     let outcome = how.run(&scene, args.events, records, &mut progress);
     bar.finish_and_clear();
-    let outcome = outcome?;
-    let json = report::run_json(&scene, &name, &wording, reason, &outcome);
-    print(&if args.json { json.clone() + "\n" } else { report::run_summary(&scene, &name, &wording, &outcome) });
+    report(args, &scene, (&name, &wording, reason), outcome?, folder.as_ref())
+}
+
+/// Prints and writes what a run has left behind, also one that failed.
+fn report(
+    args: &RunArgs,
+    scene: &Scene,
+    (name, wording, reason): (&str, &str, Option<&str>),
+    outcome: Outcome,
+    folder: Option<&Folder>,
+) -> Exit {
+    let json = report::run_json(scene, name, wording, reason, &outcome);
+    print(&if args.json { json.clone() + "\n" } else { report::run_summary(scene, name, wording, &outcome) });
     if let Some(folder) = folder {
-        report::run_files(&folder, &scene, &outcome, &json)?;
+        report::run_files(folder, scene, &outcome, &json)?;
         #[cfg(feature = "plot")]
-        for (file, png) in report::run_pictures(&scene, &name, &wording, &outcome)? {
+        for (file, png) in report::run_pictures(scene, name, wording, &outcome)? {
             folder.write(file, &png)?;
         }
         eprintln!("written to {}", folder.path().display());
     }
     outcome.failure.map_or(Ok(ExitCode::SUCCESS), |failure| Err(failure.into()))
+}
+
+/// Goes on from a checkpoint.
+fn resume(args: &RunArgs, path: &Path) -> Exit {
+    let long = LongRun::load(path)?;
+    let scene = args.scene.as_deref().map(Scene::load).transpose()?;
+    long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
+    if args.events {
+        return Err(Error::parameter("events", true, NO_EVENTS));
+    }
+    let beside = if path.is_dir() { path.to_owned() } else { folder_of(path) };
+    go_on(args, long, &Folder::create(beside)?)
+}
+
+/// Runs what is left of a run in legs.
+fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
+    signals::ask()?;
+    let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());
+    let bar = progress_bar();
+    let outcome = long.run(folder, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
+    bar.finish_and_clear();
+    report(args, &scene, (&name, &wording, None), outcome?, Some(folder))
 }
 
 /// How a scene runs.
@@ -100,6 +140,22 @@ impl How {
         match self {
             Self::Integrated(.., reason) => reason.as_deref(),
             Self::ClosedForm => None,
+        }
+    }
+
+    /// The same in legs that are kept.
+    fn in_legs(self, scene: Scene, events: bool, interval: f64) -> Result<LongRun> {
+        match self {
+            Self::Integrated(..) if events => Err(Error::parameter("events", true, NO_EVENTS)),
+            Self::Integrated(method, setting, wording, _) => {
+                let wording = format!("{wording}, in legs of {interval}");
+                LongRun::new(scene, method, setting, wording, interval)
+            }
+            Self::ClosedForm => {
+                let rule =
+                    "an exact solution is evaluated at once and needs none: name an --integrator to run it in legs";
+                Err(Error::parameter("checkpoint", interval, rule))
+            }
         }
     }
 

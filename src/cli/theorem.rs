@@ -3,7 +3,7 @@
 use super::{
     Exit,
     args::{InitialArg, TheoremArgs},
-    print, progress_bar,
+    print, progress_bar, signals,
 };
 use crate::{
     error::{Error, Result},
@@ -16,10 +16,14 @@ use std::process::ExitCode;
 pub(super) fn main(args: &TheoremArgs) -> Exit {
     let options = options(args)?;
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    signals::ask()?;
     let bar = progress_bar();
-    let study = theorem(&options, &|share| bar.set_position((1000.0 * share) as u64));
+    let study = theorem(&options, folder.as_ref(), &|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let study = study?;
+    if study.missing > 0 {
+        eprintln!("stopped by a signal: {} sizes of {} were not run", study.missing, study.missing + study.runs.len());
+    }
     print(&if args.json { report::theorem_json(&study) + "\n" } else { report::theorem_table(&study) });
     if let Some(folder) = folder {
         report::theorem_files(&folder, &study)?;

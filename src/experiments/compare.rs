@@ -7,6 +7,7 @@ use super::{
 use crate::{
     chain::{State, max_norm},
     error::{Error, Result},
+    interrupt,
     method::{Method, Setting},
     scene::{Scene, Theory},
     sweep::map,
@@ -76,6 +77,24 @@ pub struct Row {
     pub below_reference: bool,
     /// Why the run failed.
     pub failure: Option<String>,
+}
+
+impl Row {
+    /// The row of a run that did not begin.
+    fn failed(method: Method, setting: String, why: String) -> Self {
+        Self {
+            method,
+            setting,
+            step: f64::NAN,
+            error: None,
+            energy_error: None,
+            wall: None,
+            repeats: 0,
+            stats: Stats::default(),
+            below_reference: false,
+            failure: Some(why),
+        }
+    }
 }
 
 /// The outcome of a comparison.
@@ -160,18 +179,19 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: &(dyn Fn(f64, 
     let mut rung_cost = 0.0;
     for rung in 0..KICKS.len() {
         // A rung costs about four times the one before, and its predecessor was measured.
-        if rung > 0 && spent() + 4.0 * rung_cost > budget {
+        if rung > 0 && (spent() + 4.0 * rung_cost > budget || interrupt::asked()) {
             break;
         }
         let before = spent();
         let errors = map(&options.methods, |method| truth.error_row(scene, *method, rung));
         for (index, row) in errors.into_iter().enumerate() {
-            let mut row = row?;
+            let mut row = row;
             progress(spent() / budget, &format!("{} at {}", row.method.name(), row.setting));
             if row.failure.is_none() {
-                let (wall, repeats, stats) =
-                    time(scene, row.method, setting(scene, &row.method, rung), budget - spent())?;
-                (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats);
+                match time(scene, row.method, setting(scene, &row.method, rung), budget - spent()) {
+                    Ok((wall, repeats, stats)) => (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats),
+                    Err(why) => row = Row { failure: Some(why.to_string()), error: None, energy_error: None, ..row },
+                }
             }
             rows.push((index, row));
         }
@@ -268,13 +288,17 @@ impl Truth {
         Self { method, strains, amplitude, error_estimate: gap.max(roundoff) }
     }
 
-    fn error_row(&self, scene: &Scene, method: Method, rung: usize) -> Result<Row> {
-        let Outcome { t, state, energy_error, stats, failure, .. } =
-            run(scene, method, setting(scene, &method, rung), Records::Energy, &mut |_| ())?;
+    /// The row of a method, also of one that cannot even start.
+    fn error_row(&self, scene: &Scene, method: Method, rung: usize) -> Row {
+        let outcome = match run(scene, method, setting(scene, &method, rung), Records::Energy, &mut |_| ()) {
+            Ok(outcome) => outcome,
+            Err(why) => return Row::failed(method, wording(&method, rung), why.to_string()),
+        };
+        let Outcome { t, state, energy_error, stats, failure, .. } = outcome;
         let name = method.name();
         let reference = self.strains.iter().find(|(other, _)| *other != name).unwrap_or(&self.strains[0]);
         let error = distance(&scene.strains(&state), &reference.1) / self.amplitude;
-        Ok(Row {
+        Row {
             method,
             setting: wording(&method, rung),
             step: t / stats.steps.max(1) as f64,
@@ -285,7 +309,7 @@ impl Truth {
             stats,
             below_reference: failure.is_none() && error < TRUSTED * self.error_estimate,
             failure: failure.map(|failure| failure.to_string()),
-        })
+        }
     }
 }
 

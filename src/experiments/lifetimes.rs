@@ -26,6 +26,7 @@ use crate::{
     chain::{Boundary, Chain, Params},
     dps::Center,
     error::{Error, Result},
+    interrupt,
     method::{Method, Setting},
     output::Folder,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
@@ -211,6 +212,8 @@ pub struct LifetimeStudy {
     pub fit: Option<PowerLaw>,
     /// How many points were in the store.
     pub resumed: usize,
+    /// How many were computed now.
+    pub computed: usize,
     /// Wall time.
     pub wall: Duration,
 }
@@ -231,10 +234,11 @@ pub fn lifetimes(
     let places = checked(options)?;
     let mut store = folder.map(|folder| Store::open(folder, STORE, "lifetimes", &settings(options))).transpose()?;
     let swept = sweep(&places, store.as_mut(), &Threads, progress, |place| place.life(options))?;
+    let (resumed, computed) = (swept.resumed, swept.computed());
     let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));
     let points = points.collect::<Result<Vec<_>>>()?;
     let fit = power_law(&points, options.criterion);
-    Ok(LifetimeStudy { options: options.clone(), points, fit, resumed: swept.resumed, wall: clock.elapsed() })
+    Ok(LifetimeStudy { options: options.clone(), points, fit, resumed, computed, wall: clock.elapsed() })
 }
 
 /// What lives depend on beside size and mass ratio.
@@ -349,6 +353,9 @@ impl Place {
                 return Ok(None);
             }
             let from = run.time();
+            if interrupt::asked() {
+                return Err(Failure::Stopped { t: from }.into());
+            }
             run.step()?;
             let (h, longest) = (run.time() - from, breather.period() / SAMPLES);
             let parts = (h / longest).ceil().max(1.0);

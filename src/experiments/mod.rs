@@ -2,6 +2,7 @@
 
 mod breather;
 mod charts;
+mod checkpoint;
 mod compare;
 mod drift;
 mod evolve;
@@ -24,6 +25,7 @@ pub use charts::{
     BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Limit, Measured, Problem, Regime, Resonance, ResonancePoint,
     Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, regime, resonance,
 };
+pub use checkpoint::LongRun;
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
 pub use drift::{DriftOptions, DriftRow, DriftStudy, drift};
 pub use evolve::{Evolution, Kick, Motion, Swing, evolve};

@@ -6,6 +6,7 @@ use crate::{
     chain::MeanForces,
     dps::Center,
     error::{Error, Result},
+    interrupt,
     orbits::{
         Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Setting, Shooting, Spectrum, Trail,
     },
@@ -122,13 +123,14 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
         let Continuation { parameter, to, .. } = trail.continuation;
         let from = first.setting.get(parameter);
         stays_dark(&first.setting, &trail.continuation)?;
-        trail.extend(|trail| {
+        let extended = trail.extend(|trail| {
             keep(trail);
             let p = trail.orbits.last().map_or(from, |orbit| orbit.setting.get(parameter));
             let share = ((p - from) / (to - from)).clamp(0.0, 1.0);
             progress(ORBITS * share, &format!("{} = {p:.5}", parameter.name()));
-        })?;
+        });
         keep(&trail);
+        extended?;
     }
     study(trail, progress)
 }
@@ -144,8 +146,14 @@ pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
     progress(ORBITS, "multipliers");
     // A point without multipliers costs what comes after it, not the branch.
     let mut spectra = Vec::with_capacity(orbits.len());
-    for spectrum in map(orbits, |orbit| orbit.spectrum(shooting)) {
+    let spectrum = |orbit: &Orbit| {
+        let stopped =
+            || Error::Stopped { kept: format!("all {} points of the branch, not yet its multipliers", orbits.len()) };
+        if interrupt::asked() { Err(stopped()) } else { orbit.spectrum(shooting) }
+    };
+    for spectrum in map(orbits, spectrum) {
         match spectrum {
+            Err(stopped @ Error::Stopped { .. }) => return Err(stopped),
             Ok(spectrum) => spectra.push(spectrum),
             Err(error) if spectra.is_empty() => return Err(error),
             Err(_) => {

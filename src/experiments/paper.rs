@@ -482,6 +482,7 @@ impl PaperFigure {
                     let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
                     theorem(
                         &TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() },
+                        None,
                         &tell,
                     )
                 };

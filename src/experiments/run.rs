@@ -3,7 +3,8 @@
 use crate::{
     breathers::TrivialBreather,
     chain::{Chain, Contact, ContactLog, Energy, Overlaps, max_norm},
-    error::{Error, Result},
+    error::{Error, Failed, Result},
+    interrupt,
     method::{Method, Setting, collocation},
     scene::Scene,
 };
@@ -74,7 +75,7 @@ pub struct Outcome {
     /// Wall time of the run, samples included.
     pub wall: Duration,
     /// Why it stopped before the end, if it did.
-    pub failure: Option<Failure>,
+    pub failure: Option<Failed>,
 }
 
 /// Runs `scene` with `method`. `progress` is told the time at every sample.
@@ -104,7 +105,8 @@ pub fn run_with_contacts(
 ) -> Result<Outcome> {
     let chain = scene.chain();
     if method == Method::Collocation {
-        let mut logged = Logged { run: collocation(scene, setting)?.logged(), log: ContactLog::new(chain.clone()) };
+        let run = collocation(scene, scene.initial().as_slice(), (0.0, scene.end()), setting)?.logged();
+        let mut logged = Logged { run, log: ContactLog::new(chain.clone()) };
         let outcome = finish(&mut logged, scene, records, progress);
         return Ok(Outcome { contacts: Some(logged.log.contacts()), ..outcome });
     }
@@ -202,57 +204,113 @@ impl Stepper<f64> for Logged {
 }
 
 fn finish(stepper: &mut impl Stepper<f64>, scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Outcome {
-    let mut recorder = Recorder::new(scene, records, progress);
-    let mut state = scene.initial().as_slice().to_vec();
-    let clock = Instant::now();
-    let result = drive(stepper, &mut recorder, &mut state);
-    let wall = clock.elapsed();
-    let (t, stats) = (stepper.time(), stepper.stats());
-    let failure = result.err().or_else(|| recorder.check(t, &state, stats).err());
-    let energy = recorder.energy(&state);
-    let Recorder { samples, profiles, initial_energy, largest, .. } = recorder;
-    let energy_error = energy.map(|_| largest / initial_energy.map_or(1.0, nonzero));
-    Outcome { t, state, energy, energy_error, samples, profiles, contacts: None, stats, wall, failure }
+    let mut recorder = Recorder::new(scene, records, Kept::new(scene), progress);
+    let failure = recorder.leg(stepper).err();
+    recorder.outcome(failure)
 }
 
 fn nonzero(energy: f64) -> f64 {
     if energy == 0.0 { 1.0 } else { energy.abs() }
 }
 
+/// All that a run has at a time: it goes on from there.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Kept {
+    pub(super) t: f64,
+    pub(super) state: Vec<f64>,
+    /// Samples taken.
+    pub(super) taken: usize,
+    /// Largest `|E(t) - E(0)|`.
+    pub(super) largest: f64,
+    pub(super) samples: Vec<Sample>,
+    pub(super) profiles: Vec<Profile>,
+    pub(super) stats: Stats,
+    pub(super) wall: Duration,
+}
+
+impl Kept {
+    /// The start.
+    pub(super) fn new(scene: &Scene) -> Self {
+        Self {
+            t: 0.0,
+            state: scene.initial().as_slice().to_vec(),
+            taken: 0,
+            largest: 0.0,
+            samples: Vec::new(),
+            profiles: Vec::new(),
+            stats: Stats::default(),
+            wall: Duration::ZERO,
+        }
+    }
+}
+
 /// The observer of a run: keeps what was asked for, and stops what has blown up.
-struct Recorder<'a> {
+pub(super) struct Recorder<'a> {
     scene: &'a Scene,
     records: Records,
     progress: &'a mut dyn FnMut(f64),
-    taken: usize,
     /// Samples from one kept profile to the next.
     stride: usize,
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
-    /// Largest `|E(t) - E(0)|`.
-    largest: f64,
-    samples: Vec<Sample>,
-    profiles: Vec<Profile>,
+    pub(super) kept: Kept,
 }
 
 impl<'a> Recorder<'a> {
-    fn new(scene: &'a Scene, records: Records, progress: &'a mut dyn FnMut(f64)) -> Self {
+    pub(super) fn new(scene: &'a Scene, records: Records, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
         let y = scene.initial().as_slice();
         let has_energy = scene.chain().has_energy(y);
         Self {
             scene,
             records,
             progress,
-            taken: 0,
             stride: (y.len() * (scene.file().record.samples + 1)).div_ceil(MOST_NUMBERS),
             has_energy,
             initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
             initial_size: max_norm(y.iter().copied()),
-            largest: 0.0,
-            samples: Vec::new(),
-            profiles: Vec::new(),
+            kept,
         }
+    }
+
+    /// Goes on with a stepper that starts from what is kept.
+    pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
+        let mut state = std::mem::take(&mut self.kept.state);
+        let clock = Instant::now();
+        let driven = drive(stepper, self, &mut state);
+        self.kept.wall += clock.elapsed();
+        let (from, t, stats) = (self.kept.t, stepper.time(), stepper.stats());
+        let checked = driven.and_then(|_| self.check(t, &state, stats));
+        let h = (stats.steps > 0).then(|| (t - from) / stats.steps as f64);
+        let result = checked.map(|_| ()).map_err(|cause| self.failed(cause, h, &state));
+        self.kept.stats = self.kept.stats + stats;
+        (self.kept.t, self.kept.state) = (t, state);
+        result
+    }
+
+    /// Where that was, as far as it has a place.
+    fn failed(&self, cause: Failure, h: Option<f64>, y: &[f64]) -> Failed {
+        let chain = self.scene.chain();
+        let (h, place) = match cause {
+            Failure::NotFinite { index, .. } => (h, Some(chain.place(index))),
+            Failure::Unstable { .. } => {
+                let largest = (0..y.len()).max_by(|&a, &b| y[a].abs().total_cmp(&y[b].abs()));
+                (h, largest.map(|index| format!("largest is {} = {:e}", chain.place(index), y[index])))
+            }
+            Failure::NoContraction { bond, .. } => {
+                (None, Some(format!("the bond to the left of site {}", Overlaps::new(chain.clone()).bond(bond))))
+            }
+            _ => (None, None),
+        };
+        Failed { cause, h, place }
+    }
+
+    /// What the run leaves behind.
+    pub(super) fn outcome(self, failure: Option<Failed>) -> Outcome {
+        let energy = self.energy(&self.kept.state);
+        let Kept { t, state, largest, samples, profiles, stats, wall, .. } = self.kept;
+        let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
+        Outcome { t, state, energy, energy_error, samples, profiles, contacts: None, stats, wall, failure }
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
@@ -261,8 +319,9 @@ impl<'a> Recorder<'a> {
 
     /// Refuses a state that is not finite or that only an unstable method reaches.
     fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
+        let step = self.kept.stats.steps + stats.steps;
         if let Some(index) = y.iter().position(|value| !value.is_finite()) {
-            return Err(Failure::NotFinite { t, step: stats.steps, index });
+            return Err(Failure::NotFinite { t, step, index });
         }
         let energy = self.energy(y);
         let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
@@ -270,10 +329,11 @@ impl<'a> Recorder<'a> {
             _ => ("largest entry of the state", self.initial_size, max_norm(y.iter().copied()), SIZE_BOUND),
         };
         if energy.is_some() {
-            self.largest = self.largest.max((value - initial).abs());
+            self.kept.largest = self.kept.largest.max((value - initial).abs());
         }
-        if initial > 0.0 && value > bound * initial {
-            return Err(Failure::Unstable { quantity, initial, value, t, step: stats.steps });
+        // An energy that overflows is beyond every bound.
+        if !value.is_finite() || initial > 0.0 && value > bound * initial {
+            return Err(Failure::Unstable { quantity, initial, value, t, step });
         }
         Ok(energy)
     }
@@ -282,18 +342,23 @@ impl<'a> Recorder<'a> {
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
         let samples = self.scene.file().record.samples;
-        let wanted = self.records != Records::End && samples > 0 && self.taken <= samples;
-        wanted.then(|| self.scene.end() * (self.taken as f64 / samples as f64))
+        let taken = self.kept.taken;
+        let wanted = self.records != Records::End && samples > 0 && taken <= samples;
+        wanted.then(|| self.scene.end() * (taken as f64 / samples as f64))
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
-        self.taken += 1;
+        self.kept.taken += 1;
         let energy = self.check(t, y, stats)?;
-        self.samples.push(Sample { t, energy });
-        if self.records == Records::Profiles && (self.taken - 1).is_multiple_of(self.stride) {
-            self.profiles.push(Profile { t, x: self.scene.strains(y), state: y.to_vec() });
+        self.kept.samples.push(Sample { t, energy });
+        if self.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
+            self.kept.profiles.push(Profile { t, x: self.scene.strains(y), state: y.to_vec() });
         }
         (self.progress)(t);
         Ok(ControlFlow::Continue(()))
+    }
+
+    fn stop(&self) -> bool {
+        interrupt::asked()
     }
 }

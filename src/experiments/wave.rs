@@ -12,6 +12,7 @@ use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
+    interrupt,
     method::{Method, Setting},
     scene::{Scene, Theory},
     sweep::Tally,
@@ -289,6 +290,9 @@ impl Track {
 /// The state at time `t` of a run that has not gone beyond the step that holds it.
 pub(super) fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
+        if interrupt::asked() {
+            return Err(Failure::Stopped { t: run.time() });
+        }
         run.step()?;
     }
     let mut y = vec![0.0; run.dim()];

@@ -18,6 +18,7 @@ use crate::{
     chain::max_norm,
     dps::Center,
     error::{Error, Result},
+    interrupt,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -145,7 +146,7 @@ impl Trail {
     /// with the same bits.
     ///
     /// # Errors
-    /// Numbers outside their rules. A branch that ends early is no error: it says why.
+    /// Numbers outside their rules; [`Error::Stopped`] if the process was asked to end: the branch goes on from there. One that ends early is no error: it says why.
     pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
         let Continuation { parameter, to, most_points, .. } = self.continuation;
         let Some([first, _]) = self.ends() else { return Err(Error::parameter("orbits", 0, "at least one")) };
@@ -159,6 +160,9 @@ impl Trail {
             }
             if self.orbits.len() >= most_points {
                 break End::MostPoints;
+            }
+            if interrupt::asked() {
+                return Err(Error::Stopped { kept: format!("{} points of the branch", self.orbits.len()) });
             }
             let Some((orbit, ds)) = self.next(from, direction) else { break End::Lost };
             let p = orbit.setting.get(parameter);

@@ -78,6 +78,7 @@ pub enum Pick {
 
 /// A residual above this is no orbit; rounded files have less.
 const ORBIT: f64 = 1e-8;
+
 /// Frequencies in an orbit, over its own, at most.
 const FASTEST: f64 = 1e3;
 
@@ -243,9 +244,7 @@ impl Orbit {
     /// The same with the residual measured anew. Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
     fn measured(self, shooting: &Shooting) -> Result<Self> {
         // Strains that are none of an orbit may take for ever.
-        let Setting { params, omega_b, .. } = self.setting;
-        let contacts = (params.alpha * self.amplitude().powf(params.alpha - 1.0)).sqrt();
-        if contacts.max(params.omega()) > FASTEST * omega_b {
+        if self.setting.haste(&self.z) > FASTEST {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
             return Err(Error::parameter("strains", self.amplitude(), rule));
         }

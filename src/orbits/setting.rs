@@ -88,6 +88,14 @@ impl Setting {
         Chain::new(params, Boundary::StrainRing, sites)
     }
 
+    /// How fast contacts under these strains and resonators are, in units of `omega_b`; infinite for strains that are not finite.
+    pub(crate) fn haste(&self, strains: &[f64]) -> f64 {
+        let Self { params, omega_b, .. } = *self;
+        let size =
+            strains.iter().fold(0.0, |size: f64, x| if x.is_finite() { size.max(x.abs()) } else { f64::INFINITY });
+        (params.alpha * size.powf(params.alpha - 1.0)).sqrt().max(params.omega()) / omega_b
+    }
+
     /// `T = 2 pi/omega_b`.
     pub fn period(&self) -> f64 {
         2.0 * PI / self.omega_b

@@ -2,10 +2,14 @@
 
 use crate::error::{Error, Result};
 use std::{
+    fs::File,
     io::Write,
     path::{Path, PathBuf},
 };
-use tempfile::NamedTempFile;
+use tempfile::{Builder, NamedTempFile};
+
+/// What begins the name of a file that is being written.
+const UNFINISHED: &str = ".hertzchain-";
 
 /// A folder that can be written to. Its files appear whole or not at all.
 #[derive(Clone, Debug)]
@@ -16,7 +20,7 @@ pub struct Folder {
 impl Folder {
     /// Makes the folder, and those above it, unless they are there; and checks that a file can be written.
     ///
-    /// Call it before the work whose results it shall hold.
+    /// Call it before the work whose results it shall hold. What a process that was killed had not finished writing is removed.
     ///
     /// # Errors
     /// What the system says.
@@ -24,8 +28,27 @@ impl Folder {
         let folder = Self { path: path.into() };
         let fail = |source| Error::File { path: folder.path.clone(), source };
         std::fs::create_dir_all(&folder.path).map_err(fail)?;
-        NamedTempFile::new_in(&folder.path).map_err(fail)?;
+        folder.unfinished().map_err(fail)?;
+        folder.sweep();
         Ok(folder)
+    }
+
+    /// A file to be written, held by a lock as long as its process lives.
+    fn unfinished(&self) -> std::io::Result<NamedTempFile> {
+        let file = Builder::new().prefix(UNFINISHED).tempfile_in(&self.path)?;
+        // Where files cannot be locked, leftovers stay.
+        let _ = file.as_file().try_lock();
+        Ok(file)
+    }
+
+    /// Removes the files that nobody is writing any more.
+    fn sweep(&self) {
+        let entries = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED)) {
+            if File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
     }
 
     /// Where it is.
@@ -40,7 +63,7 @@ impl Folder {
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
         let path = self.path.join(name);
         let fail = |source| Error::File { path: path.clone(), source };
-        let mut file = NamedTempFile::new_in(&self.path).map_err(fail)?;
+        let mut file = self.unfinished().map_err(fail)?;
         file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(fail)?;
         #[cfg(unix)]
         {

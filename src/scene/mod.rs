@@ -7,7 +7,7 @@ pub use file::{ChainSection, Initial, Record, SceneFile, Span, TrivialSection};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Boundary, Chain, Resonators, Site, State},
+    chain::{Boundary, Chain, Resonators, Site, State, max_norm},
     error::{Error, Result},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
@@ -18,6 +18,11 @@ use std::{f64::consts::PI, path::Path};
 const MOST_SITES: usize = 100_000_000;
 /// More samples than a figure can show or a file should hold.
 const MOST_SAMPLES: usize = 1_000_000;
+
+/// Contact forces below 1e-250 count as none: a state has some that are well above.
+const LEAST_FORCE: f64 = 1e-200;
+/// Energies beyond this would overflow on the way.
+const MOST_ENERGY: f64 = 1e300;
 
 /// Seed of a perturbation that has none of its own.
 const DEFAULT_SEED: u64 = 1;
@@ -95,6 +100,7 @@ impl Scene {
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
         let (initial, theory) = initial_state(&chain, &file.initial)?;
+        within_range(&chain, &initial)?;
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
@@ -310,6 +316,27 @@ impl Scene {
         };
         vec![resonators, law, energy.to_owned(), theory, span, record, contacts.to_owned(), left_out.to_owned()]
     }
+}
+
+/// Refuses a state whose contact forces would be lost to underflow, or whose energy to overflow.
+fn within_range(chain: &Chain<f64>, initial: &State<f64>) -> Result<()> {
+    let (y, law, alpha) = (initial.as_slice(), chain.law(), chain.params().alpha);
+    let [far, fast] = [&y[..y.len() / 2], &y[y.len() / 2..]].map(|half| max_norm(half.iter().copied()));
+    let size = far.max(fast);
+    // What moves at a speed v comes to overlaps g with g^(alpha + 1) of the order of v^2.
+    let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
+    if size > 0.0 && chain.precompression() == 0.0 && force < LEAST_FORCE {
+        let rule = "underflow: contact forces amplitude^alpha below 1e-200 are lost; scale the state up";
+        return Err(Error::parameter("amplitude", size, rule));
+    }
+    let energy = if chain.has_energy(y) { chain.energy(y).total() } else { 0.0 };
+    let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
+    if most.is_nan() || most > MOST_ENERGY {
+        let rule =
+            "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
+        return Err(Error::parameter("amplitude", size, rule));
+    }
+    Ok(())
 }
 
 fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, Option<Theory>)> {

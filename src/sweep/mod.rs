@@ -17,7 +17,10 @@ pub use store::Store;
 pub(crate) use threads::on_one_thread;
 pub use threads::{Threads, map};
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    interrupt,
+};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::{
     any::Any,
@@ -28,6 +31,9 @@ use std::{
         atomic::{AtomicU64, Ordering},
     },
 };
+
+/// Why there is no value of a point that was not begun, or broken off.
+const STOPPED: &str = "not computed: stopped by a signal";
 
 /// What came of a point: a value, or why there is none.
 pub type Row<U> = std::result::Result<U, String>;
@@ -88,12 +94,14 @@ pub struct Swept<U> {
     pub rows: Vec<Row<U>>,
     /// How many of them were in the store.
     pub resumed: usize,
+    /// How many were not computed, since the process was asked to end: failed rows that are not kept.
+    pub missing: usize,
 }
 
 impl<U> Swept<U> {
     /// How many were computed now.
     pub fn computed(&self) -> usize {
-        self.rows.len() - self.resumed
+        self.rows.len() - self.resumed - self.missing
     }
 }
 
@@ -145,7 +153,12 @@ where
     let compute = |k: usize| text(attempt(|| work(&points[k])));
     let state = Mutex::new((rows, store));
     backend.run(&todo, &compute, &|k, text| {
-        let row = read(&text).map_err(|_| Error::parameter("row", &text, "a backend gives back what work made"))?;
+        let row: Row<U> =
+            read(&text).map_err(|_| Error::parameter("row", &text, "a backend gives back what work made"))?;
+        // What was broken off is no result.
+        if row.is_err() && interrupt::asked() {
+            return Ok(());
+        }
         let (rows, store) = &mut *locked(&state);
         if let Some(store) = store {
             store.append(&keys[k], text)?;
@@ -155,12 +168,15 @@ where
         Ok(())
     })?;
     let (rows, store) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let lost = || Error::parameter("rows", "incomplete", "a backend computes every point it is given");
-    let rows = rows.into_iter().collect::<Option<Vec<_>>>().ok_or_else(lost)?;
+    let missing = rows.iter().filter(|row| row.is_none()).count();
+    if missing > 0 && !interrupt::asked() {
+        return Err(Error::parameter("rows", "incomplete", "a backend computes every point it is given"));
+    }
+    let rows = rows.into_iter().map(|row| row.unwrap_or_else(|| Err(STOPPED.to_owned()))).collect();
     if let Some(store) = store {
         store.settle(&keys)?;
     }
-    Ok(Swept { rows, resumed })
+    Ok(Swept { rows, resumed, missing })
 }
 
 /// Points as text, by which the store knows them.
@@ -174,8 +190,11 @@ fn keys<T: Serialize>(points: &[T]) -> Result<Vec<String>> {
     }
 }
 
-/// The row of a point, whatever its work does.
+/// The row of a point, whatever its work does. None is begun once the process was asked to end.
 fn attempt<U>(work: impl FnOnce() -> Result<U>) -> Row<U> {
+    if interrupt::asked() {
+        return Err(STOPPED.to_owned());
+    }
     // Nothing that a point has begun outlives its panic: all it shares with others is read only.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(result) => result.map_err(|error| error.to_string()),

@@ -31,6 +31,8 @@ pub struct Store {
     folder: Folder,
     name: String,
     file: File,
+    /// Bytes that are whole lines.
+    length: u64,
     header: String,
     lines: Vec<Line>,
     at: HashMap<String, usize>,
@@ -70,8 +72,15 @@ impl Store {
         file.read_to_end(&mut bytes).map_err(fail)?;
         let program = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
         let header = json!({"sweep": VERSION, "study": study, "program": program, "settings": settings}).to_string();
-        let mut store =
-            Self { folder: folder.clone(), name: name.to_owned(), file, header, lines: Vec::new(), at: HashMap::new() };
+        let mut store = Self {
+            folder: folder.clone(),
+            name: name.to_owned(),
+            file,
+            length: 0,
+            header,
+            lines: Vec::new(),
+            at: HashMap::new(),
+        };
         store.load(&bytes)?;
         Ok(store)
     }
@@ -104,8 +113,9 @@ impl Store {
         for (number, line) in bytes[..whole].split_inclusive(|&byte| byte == b'\n').enumerate() {
             self.take(number + 1, line).map_err(|rule| refused(&self.path(), number + 1, rule))?;
         }
+        self.length = whole as u64;
         if whole < bytes.len() {
-            self.file.set_len(whole as u64).map_err(|source| self.fail(source))?;
+            self.file.set_len(self.length).map_err(|source| self.fail(source))?;
         }
         if whole == 0 { self.write(&head) } else { Ok(()) }
     }
@@ -169,7 +179,13 @@ impl Store {
     }
 
     fn write(&mut self, line: &str) -> Result<()> {
-        self.file.write_all(line.as_bytes()).map_err(|source| self.fail(source))
+        let written = self.file.write_all(line.as_bytes());
+        match written {
+            Ok(()) => self.length += line.len() as u64,
+            // What a full disk took of the line is none: the next one must not go on from there.
+            Err(_) => drop(self.file.set_len(self.length)),
+        }
+        written.map_err(|source| self.fail(source))
     }
 }
 

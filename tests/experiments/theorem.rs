@@ -12,7 +12,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 fn study(options: &TheoremOptions) -> TheoremStudy {
-    theorem(options, &|_| {}).unwrap()
+    theorem(options, None, &|_| {}).unwrap()
 }
 
 fn options(alpha: f64, initial: Initial, rho_law: RhoLaw, epsilons: &[f64]) -> TheoremOptions {
@@ -270,7 +270,7 @@ fn bad_input_is_refused_with_its_value_and_its_rule() {
         (TheoremOptions { sites: Some(1001), ..good() }, "sites = 1001"),
         (TheoremOptions { sampling, ..good() }, "points = 3"),
     ] {
-        let message = theorem(&wrong, &|_| {}).unwrap_err().to_string();
+        let message = theorem(&wrong, None, &|_| {}).unwrap_err().to_string();
         assert!(message.contains(named), "{message}");
     }
     // In any order.

@@ -18,10 +18,19 @@ mod suprema;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
-use crate::error::{Error, Result};
-use crate::sweep::map;
+use crate::{
+    error::{Error, Result},
+    interrupt,
+    output::Folder,
+    sweep::{Store, Threads, sweep},
+};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use start::Start;
 use std::time::{Duration, Instant};
+
+/// The store in the folder of results.
+const STORE: &str = "theorem.store";
 
 /// Exponents: the theorem asks for more than one, the averages are tabulated up to ten.
 const ALPHAS: (f64, f64) = (1.0, 10.0);
@@ -182,6 +191,21 @@ impl TheoremRun {
     }
 }
 
+/// A size as a point of the sweep: sizes and mass ratios have their bits, also an infinite one.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Point {
+    epsilon: f64,
+}
+
+/// What is measured at a size.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measured {
+    samples: usize,
+    windows: u64,
+    suprema: [Errors; 3],
+    sampling_errors: [Errors; 3],
+}
+
 /// The outcome.
 #[derive(Clone, Debug)]
 pub struct TheoremStudy {
@@ -193,6 +217,10 @@ pub struct TheoremStudy {
     pub runs: Vec<TheoremRun>,
     /// For each norm and each error.
     pub slopes: Vec<TheoremSlope>,
+    /// How many of the runs were in the store.
+    pub resumed: usize,
+    /// How many sizes were not run, since the process was asked to end.
+    pub missing: usize,
     /// Wall time.
     pub wall: Duration,
 }
@@ -229,13 +257,20 @@ fn powers(alpha: f64) -> [f64; 3] {
     [alpha, alpha, 2.0 * alpha - 1.0]
 }
 
-/// Runs the chain at all sizes, on all cores, and holds it against the DpS equation. `progress` is told the share that is done.
+/// Runs the chain at all sizes, on all cores, and holds it against the DpS equation. With a folder, each size is kept there as soon as it was run, and is not run
+/// again. `progress` is told the share that is done now.
+///
+/// Asked to end, it gives what the sizes say that were run.
 ///
 /// # Errors
-/// An option outside its rule, a run that fails.
-pub fn theorem(options: &TheoremOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<TheoremStudy> {
+/// An option outside its rule, a run that fails; a store of another study, or one that was altered.
+pub fn theorem(
+    options: &TheoremOptions,
+    folder: Option<&Folder>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<TheoremStudy> {
     let clock = Instant::now();
-    let options = checked(options)?;
+    let mut options = checked(options)?;
     let start = Start::new(&options)?;
     let end = |epsilon: f64| options.horizon * epsilon.powf(1.0 - options.alpha);
     let total: f64 = options.epsilons.iter().map(|&epsilon| end(epsilon)).sum();
@@ -247,11 +282,45 @@ pub fn theorem(options: &TheoremOptions, progress: &(dyn Fn(f64) + Sync)) -> Res
         }
     };
     // The longest run first, so that no core waits for it at the end.
-    let ascending: Vec<f64> = options.epsilons.iter().rev().copied().collect();
-    let runs = map(&ascending, |&epsilon| start.run(&options, epsilon, &tell)).into_iter().rev();
-    let runs = runs.collect::<Result<Vec<TheoremRun>>>()?;
+    let ascending: Vec<Point> = options.epsilons.iter().rev().map(|&epsilon| Point { epsilon }).collect();
+    let mut store = folder.map(|folder| Store::open(folder, STORE, "theorem", &settings(&options))).transpose()?;
+    let swept =
+        sweep(&ascending, store.as_mut(), &Threads, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
+    let (resumed, missing) = (swept.resumed, swept.missing);
+    let mut runs = Vec::new();
+    for (&Point { epsilon }, measured) in ascending.iter().zip(swept.rows).rev() {
+        match measured {
+            Ok(Measured { samples, windows, suprema, sampling_errors }) => {
+                let rho = options.rho_law.rho(options.alpha, epsilon);
+                runs.push(TheoremRun { epsilon, rho, end: end(epsilon), samples, windows, suprema, sampling_errors });
+            }
+            // Those that were not begun are missing, not wrong.
+            Err(_) if interrupt::asked() => {}
+            Err(why) => return Err(Error::Point { point: format!("epsilon = {epsilon}"), why }),
+        }
+    }
+    if runs.is_empty() {
+        return Err(Error::Stopped { kept: "no size was run to its end".to_owned() });
+    }
+    options.epsilons = runs.iter().map(|run| run.epsilon).collect();
     let slopes = slopes::of_all(&options, &runs);
-    Ok(TheoremStudy { sites: start.sites(), runs, slopes, wall: clock.elapsed(), options })
+    Ok(TheoremStudy { sites: start.sites(), runs, slopes, resumed, missing, wall: clock.elapsed(), options })
+}
+
+/// What a run depends on beside its size.
+fn settings(options: &TheoremOptions) -> serde_json::Value {
+    let TheoremOptions { alpha, horizon, rho_law, initial, c_i, seed, sites, sampling, accuracy, .. } = options;
+    json!({
+        "alpha": alpha,
+        "horizon": horizon,
+        "rho_law": rho_law.name(),
+        "initial": initial.name(),
+        "c_i": c_i,
+        "seed": seed,
+        "sites": sites,
+        "sampling": sampling,
+        "accuracy": accuracy,
+    })
 }
 
 /// The options with their sizes in order.

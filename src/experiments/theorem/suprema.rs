@@ -5,6 +5,7 @@ use crate::{
     error::{Error, Result},
 };
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Norms of sequences.
@@ -44,7 +45,7 @@ impl Norm {
 }
 
 /// The three errors in one norm: that of `u` and `u'` together (estimu), `norm(v)`, `norm(v')` (estimv).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors(pub [f64; 3]);
 
 /// The errors of the state `y` at time `t` in all norms, against `A(epsilon^{alpha-1} t)`.
@@ -132,7 +133,7 @@ impl Suprema {
 /// where a value is zero, which is never a maximum). So a run that is long enough is looked at in periods `2 pi` spread equally over it, the first and the last
 /// among them; a shorter one throughout. What is missed falls with the squares of both spacings, and is told from the curvature at the largest sample, in both
 /// variables. (Half the samples would not tell: where two samples are as far from the maximum, they agree.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Sampling {
     /// Samples a period `2 pi`, at least 4.
     pub points: u32,

@@ -344,7 +344,7 @@ fn theorem(_: &Runs) -> Result<Vec<Item>> {
     let decade = |initial: Initial| -> Result<[f64; 3]> {
         let epsilons = vec![1e-4, 1e-5];
         let options = TheoremOptions { horizon: 2.0, initial, c_i: 1.0, epsilons, ..TheoremOptions::default() };
-        let study = experiments::theorem(&options, &|_| {})?;
+        let study = experiments::theorem(&options, None, &|_| {})?;
         let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::One).0);
         Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
     };

@@ -1,0 +1,298 @@
+//! Long runs: a sequence of legs, each kept when it is done, so that a run that was killed goes on and ends with the same bits.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `D` | interval: leg `k` goes from `k D` to `(k+1) D`, the last one to the end of the scene |
+//!
+//! Each leg starts the method anew from the state there. So nothing of a method's inside is in a file, and a run with the same `D` has the same bits whether
+//! it was interrupted or not; a run with another `D` differs from it by as much as its error. Fixed steps are as long as asked for or shorter, as many in every
+//! whole leg; of a tolerance for the whole run each leg has its share.
+//!
+//! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far, `sample_t`, `energies`, `profile_t`, `profiles`; `largest` is
+//! `max |E(t) - E(0)|`. Every member is checked by its CRC-32.
+
+use super::run::{Kept, Outcome, Profile, Recorder, Records, Sample};
+use crate::{
+    chain::Energy,
+    error::{Error, Result},
+    method::{Method, Setting},
+    output::{Archive, Array, Folder, npz_with, to_json},
+    scene::{Scene, SceneFile},
+};
+use hertzchain_integrators::Stats;
+use serde::{Deserialize, Serialize};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+/// The file in the folder of a run.
+const FILE: &str = "checkpoint.npz";
+const SETTINGS: &str = "settings.json";
+const FORMAT: &str = "hertzchain checkpoint";
+const VERSION: u64 = 1;
+const PROGRAM: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
+/// Most intervals of a run.
+const MOST_LEGS: f64 = 1e6;
+
+/// A run in legs, as far as it was done.
+#[derive(Clone, Debug)]
+pub struct LongRun {
+    scene: Scene,
+    method: Method,
+    setting: Setting,
+    wording: String,
+    interval: f64,
+    done: u64,
+    kept: Kept,
+}
+
+/// What a checkpoint begins with.
+#[derive(Deserialize)]
+struct Stamp {
+    format: String,
+    version: u64,
+    program: String,
+}
+
+/// What it says in words and small numbers.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    format: String,
+    version: u64,
+    program: String,
+    /// The scene as TOML.
+    scene: String,
+    integrator: String,
+    setting: Setting,
+    wording: String,
+    interval: f64,
+    /// Legs that are done.
+    legs: u64,
+    t: f64,
+    taken: usize,
+    samples: u64,
+    profiles: u64,
+    steps: u64,
+    rejected: u64,
+    force_evaluations: u64,
+    wall_s: f64,
+}
+
+impl LongRun {
+    /// A run of a scene in legs of length `interval`, not begun; `wording`: the setting in words.
+    ///
+    /// # Errors
+    /// An interval outside its rule; what [`Method::start`] refuses.
+    pub fn new(scene: Scene, method: Method, setting: Setting, wording: String, interval: f64) -> Result<Self> {
+        if !(interval.is_finite() && interval > 0.0) {
+            return Err(Error::parameter("checkpoint", interval, "an interval of time, finite and positive"));
+        }
+        if scene.end() / interval > MOST_LEGS {
+            return Err(Error::parameter("checkpoint", interval, "a run has at most 10^6 intervals"));
+        }
+        method.start(&scene, setting)?;
+        let kept = Kept::new(&scene);
+        Ok(Self { scene, method, setting, wording, interval, done: 0, kept })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The setting in words.
+    pub fn wording(&self) -> &str {
+        &self.wording
+    }
+
+    /// The interval `D`.
+    pub fn interval(&self) -> f64 {
+        self.interval
+    }
+
+    /// Time up to which it is done.
+    pub fn time(&self) -> f64 {
+        self.start_of(self.done)
+    }
+
+    fn legs(&self) -> u64 {
+        // The last leg is not one of rounding.
+        (self.scene.end() / self.interval * (1.0 - 1e-12)).ceil().max(1.0) as u64
+    }
+
+    fn start_of(&self, leg: u64) -> f64 {
+        if leg >= self.legs() { self.scene.end() } else { self.interval * leg as f64 }
+    }
+
+    /// Runs what is left, and writes `checkpoint.npz` after every leg. `progress` is told the time at every sample. A run that fails, or is asked to end, leaves
+    /// the checkpoint of its last whole leg.
+    ///
+    /// # Errors
+    /// A checkpoint that cannot be written: the last one is then as it was.
+    pub fn run(mut self, folder: &Folder, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+        while self.done < self.legs() {
+            let (from, to) = (self.time(), self.start_of(self.done + 1));
+            let setting = self.setting.of_leg(self.method, (to - from) / self.scene.end());
+            let mut stepper = self.method.start_leg(&self.scene, &self.kept.state, (from, to), setting)?;
+            let mut recorder = Recorder::new(&self.scene, Records::Profiles, self.kept, progress);
+            let failure = recorder.leg(&mut stepper).err();
+            if failure.is_some() {
+                return Ok(recorder.outcome(failure));
+            }
+            self.kept = recorder.kept;
+            self.done += 1;
+            folder.write(FILE, &self.npz()?)?;
+        }
+        Ok(Recorder::new(&self.scene, Records::Profiles, self.kept, progress).outcome(None))
+    }
+
+    /// The bytes of its checkpoint.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn npz(&self) -> Result<Vec<u8>> {
+        let Kept { t, ref state, taken, largest, ref samples, ref profiles, stats, wall } = self.kept;
+        let Stats { steps, rejected, force_evaluations } = stats;
+        let settings = Settings {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            program: PROGRAM.to_owned(),
+            scene: self.scene.file().to_toml(),
+            integrator: self.method.name(),
+            setting: self.setting,
+            wording: self.wording.clone(),
+            interval: self.interval,
+            legs: self.done,
+            t,
+            taken,
+            samples: samples.len() as u64,
+            profiles: profiles.len() as u64,
+            steps,
+            rejected,
+            force_evaluations,
+            wall_s: wall.as_secs_f64(),
+        };
+        let energies = samples.iter().filter_map(|sample| sample.energy).map(|energy| {
+            let Energy { beads, resonators, springs, contacts } = energy;
+            [beads, resonators, springs, contacts]
+        });
+        let energies: Vec<f64> = energies.flatten().collect();
+        let shape = [profiles.len() as u64, state.len() as u64];
+        let states = profiles.iter().flat_map(|profile| &profile.state).copied();
+        let arrays = [
+            Array::vector("state", state.clone()),
+            Array::vector("largest", vec![largest]),
+            Array::vector("sample_t", samples.iter().map(|sample| sample.t).collect()),
+            Array::vector("energies", energies),
+            Array::vector("profile_t", profiles.iter().map(|profile| profile.t).collect()),
+            Array { name: "profiles", shape: shape.to_vec(), values: states.collect() },
+        ];
+        npz_with(SETTINGS, &to_json(&settings), &arrays)
+    }
+
+    /// The run in a checkpoint, or in the folder that holds one.
+    ///
+    /// # Errors
+    /// A file that cannot be read; [`Error::Content`], with key and rule, for one that is not as it was written, of another version of the program, or whose numbers
+    /// are outside their rules.
+    pub fn load(path: &Path) -> Result<Self> {
+        let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+        let file = Archive::read(&path)?;
+        let refused =
+            |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
+        let text = file.text(SETTINGS)?;
+        let Stamp { format, version, program } = serde_json::from_str(text).map_err(|why| refused("format", &why))?;
+        if (format.as_str(), version) != (FORMAT, VERSION) {
+            return Err(refused(
+                "version",
+                &format!("{format}, version {version}; read is {FORMAT}, version {VERSION}"),
+            ));
+        }
+        if program != PROGRAM {
+            let rule = format!("{program} there and {PROGRAM} here: only the same program goes on with the same bits");
+            return Err(refused("program", &rule));
+        }
+        let settings: Settings = serde_json::from_str(text).map_err(|why| refused("keys", &why))?;
+        let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
+        let scene = scene.map_err(|why| refused("scene", &why))?;
+        let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
+        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval);
+        let new = new.map_err(|why| refused("setting", &why))?;
+        let legs = new.legs();
+        let run = Self { done: settings.legs, kept: kept(&file, &settings, &new.scene)?, ..new };
+        if !(1..=legs).contains(&run.done) {
+            return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
+        }
+        Ok(run)
+    }
+
+    /// Refuses to be taken for a run of another scene or by another method; until when it runs is its own.
+    ///
+    /// # Errors
+    /// [`Error::Content`] for the one that differs; `path` is where it was read.
+    pub fn is(&self, path: &Path, scene: Option<&Scene>, method: Option<Method>) -> Result<()> {
+        let refused = |key: &str, there: &str, here: &str| {
+            let rule = format!("{there} there and {here} here: a checkpoint goes on with its own");
+            Err(Error::Content { path: path.to_owned(), place: format!("{SETTINGS}, {key}"), rule })
+        };
+        let until = |scene: &Scene| scene.clone().until(self.scene.end()).map(|scene| scene.file().clone());
+        match (scene, method) {
+            (Some(scene), _) if until(scene)? != until(&self.scene)? => {
+                let (there, here) = (self.scene.name(), scene.name());
+                let other = if there == here { "another of this name" } else { here };
+                refused("scene", there, other)
+            }
+            (_, Some(method)) if method != self.method => refused("integrator", &self.method.name(), &method.name()),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What a checkpoint has kept, checked as far as it can be without running it again.
+fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
+    let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, wall_s, .. } = settings;
+    let chain = scene.chain();
+    let dim = chain.layout().dim();
+    let finite = |name: &str, shape: &[u64]| {
+        let values = file.array(name, shape)?;
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(file.refused(name, format!("{} at entry {k}: all are finite", values[k]))),
+            None => Ok(values),
+        }
+    };
+    let wall = Duration::try_from_secs_f64(wall_s)
+        .map_err(|why| file.refused(&format!("{SETTINGS}, wall_s"), why.to_string()))?;
+    if taken as u64 != samples || taken > scene.file().record.samples + 1 {
+        let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.file().record.samples);
+        return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
+    }
+    let state = finite("state", &[dim as u64])?;
+    let largest = finite("largest", &[1])?[0];
+    let sample_t = finite("sample_t", &[samples])?;
+    let has_energy = chain.has_energy(scene.initial().as_slice());
+    let energies = finite("energies", &[if has_energy { 4 * samples } else { 0 }])?;
+    let energy = |k: usize| {
+        let &[beads, resonators, springs, contacts] = energies.get(4 * k..)?.first_chunk()?;
+        Some(Energy { beads, resonators, springs, contacts })
+    };
+    let profile_t = finite("profile_t", &[profiles])?;
+    let states = finite("profiles", &[profiles, dim as u64])?;
+    let profile = |(t, state): (&f64, &[f64])| Profile { t: *t, x: scene.strains(state), state: state.to_vec() };
+    Ok(Kept {
+        t,
+        state,
+        taken,
+        largest,
+        samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
+        profiles: profile_t.iter().zip(states.chunks_exact(dim)).map(profile).collect(),
+        stats: Stats { steps, rejected, force_evaluations },
+        wall,
+    })
+}

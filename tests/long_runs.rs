@@ -1,0 +1,587 @@
+//! Long runs: legs and checkpoints, the same bits after an interruption, real kills, signals, disks that are full, and what stops a run.
+
+use hertzchain::{
+    Error,
+    experiments::{LongRun, Outcome, Records, run},
+    method::{Method, Setting},
+    output::{Archive, Folder, npz_with},
+    scene::Scene,
+};
+use std::{
+    fs,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+};
+
+/// Of each family one, with 8 legs of the scene below.
+const METHODS: [(&str, Setting); 6] = [
+    ("strang-linear", Setting::Steps(3000)),
+    ("aba1064-linear-landed", Setting::Steps(800)),
+    ("dop853", Setting::Tolerance(1e-9)),
+    ("dop853-regularised", Setting::Tolerance(1e-9)),
+    ("collocation", Setting::Tolerance(1e-9)),
+    ("collocation", Setting::Windows(200, 10)),
+];
+
+fn cradle() -> Scene {
+    Scene::load("cradle").unwrap().until(16.0).unwrap()
+}
+
+fn long(method: &str, setting: Setting, interval: f64) -> LongRun {
+    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval).unwrap()
+}
+
+fn same(a: &Outcome, b: &Outcome) -> bool {
+    (a.t, &a.state, &a.samples, &a.profiles) == (b.t, &b.state, &b.samples, &b.profiles)
+        && (a.energy_error, a.stats) == (b.energy_error, b.stats)
+}
+
+#[test]
+fn a_run_that_is_interrupted_has_the_bits_of_one_that_is_not() {
+    for (name, setting) in METHODS {
+        let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
+        // The last leg is shorter than the others.
+        let outcome = long(name, setting, 2.1).run(&whole, &mut |_| ()).unwrap();
+        assert!(outcome.failure.is_none() && outcome.t == 16.0 && outcome.samples.len() > 20, "{name}");
+        for limit in [5.0, 11.0] {
+            let begun = LongRun::load(broken.path()).unwrap_or_else(|_| long(name, setting, 2.1));
+            let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
+            assert!(breaks.is_err());
+            let kept = LongRun::load(broken.path()).unwrap().time();
+            assert!(kept <= limit && limit - kept < 2.1 + 0.2, "{name}: kept up to {kept} of {limit}");
+        }
+        let resumed = LongRun::load(broken.path()).unwrap().run(&broken, &mut |_| ()).unwrap();
+        assert!(same(&outcome, &resumed), "{name}");
+        let again = LongRun::load(broken.path()).unwrap().run(&broken, &mut |_| panic!("nothing is left to run"));
+        assert!(same(&outcome, &again.unwrap()), "{name}");
+    }
+}
+
+/// Truth: the same scene without legs, by another method.
+#[test]
+fn legs_cost_no_accuracy() {
+    let scene = cradle();
+    let reference =
+        run(&scene, Method::named("dop853-regularised").unwrap(), Setting::Tolerance(1e-13), Records::End, &mut |_| ());
+    let reference = reference.unwrap().state;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::create(folder.path()).unwrap();
+    for (name, setting) in
+        [("collocation", Setting::Tolerance(1e-10)), ("dop853-regularised", Setting::Tolerance(1e-12))]
+    {
+        let end = |interval: f64| long(name, setting, interval).run(&folder, &mut |_| ()).unwrap().state;
+        let error = |y: Vec<f64>| y.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let errors = [16.0, 2.1, 0.3].map(|interval| error(end(interval)));
+        println!("{name}: {errors:?}");
+        assert!(errors.iter().all(|error| *error < 1e-9), "{name}: {errors:?}");
+    }
+}
+
+#[test]
+fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.npz");
+    let setting = Setting::Tolerance(1e-6);
+    long("dop853", setting, 4.0).run(&Folder::create(folder.path()).unwrap(), &mut |_| ()).unwrap();
+    let written = fs::read(&path).unwrap();
+    let kept = LongRun::load(&path).unwrap();
+    let text = Archive::read(&path).unwrap().text("settings.json").unwrap().to_owned();
+    let refusal = |error: Error| {
+        assert!(matches!(error, Error::Content { .. }), "{error}");
+        error.to_string()
+    };
+    let other = Scene::load("impact").unwrap();
+    assert!(kept.is(&path, Some(&Scene::load("cradle").unwrap()), Some(Method::named("dop853").unwrap())).is_ok());
+    assert!(
+        refusal(kept.is(&path, Some(&other), None).unwrap_err())
+            .contains("settings.json, scene: cradle there and impact here")
+    );
+    let method = Method::named("verlet").unwrap();
+    assert!(
+        refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
+    );
+    for (from, to, key, rule) in [
+        ("\"version\": 1", "\"version\": 2", "version", "read is hertzchain checkpoint, version 1"),
+        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 1"),
+        ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
+        ("\"dop853\"", "\"dop854\"", "integrator", "unknown integrator"),
+        ("\"legs\": 4", "\"legs\": 5", "legs", "5 of 4"),
+        ("\"legs\": 4", "\"legs\": 0", "legs", "0 of 4"),
+        ("\"interval\": 4", "\"interval\": -4", "setting", "checkpoint = -4"),
+        ("\"interval\": 4", "\"more\": 1, \"interval\": 4", "keys", "unknown field `more`"),
+        ("\"taken\": ", "\"taken\": 1", "samples", "kept"),
+        ("sites = 20", "sites = 0", "scene", "sites = 0"),
+    ] {
+        assert!(text.contains(from), "{from}: {text}");
+        fs::write(&path, npz_with("settings.json", &text.replace(from, to), &[]).unwrap()).unwrap();
+        let message = LongRun::load(&path).map(|_| ()).unwrap_err().to_string();
+        let place = format!("{}, settings.json, {key}: ", path.display());
+        // Without arrays what comes after the settings is missing.
+        let arrays = ["samples", "legs"].contains(&key);
+        assert!(
+            message.starts_with(&place) && message.contains(rule) || arrays && message.contains("missing"),
+            "{message}"
+        );
+    }
+    // Every byte of a member counts: none can be changed unseen.
+    for k in (0..written.len()).step_by(written.len() / 300) {
+        let mut altered = written.clone();
+        altered[k] ^= 1 << (k % 8);
+        fs::write(&path, &altered).unwrap();
+        if let Ok(read) = LongRun::load(&path) {
+            assert!(read.npz().unwrap() == kept.npz().unwrap(), "byte {k}");
+        }
+    }
+    for cut in [0, 3, written.len() / 2, written.len() - 1] {
+        fs::write(&path, &written[..cut]).unwrap();
+        assert!(refusal(LongRun::load(&path).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
+    }
+    for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
+        let new = LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval);
+        assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
+    }
+    assert!(Path::new(&path).exists());
+}
+
+#[cfg(all(feature = "cli", unix))]
+mod processes {
+    use super::*;
+    use serde_json::Value;
+    use std::{
+        collections::BTreeMap,
+        process::{Child, Command, Output, Stdio},
+        thread::sleep,
+        time::{Duration, Instant},
+    };
+
+    const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
+
+    fn quiet(args: &[&str]) -> Command {
+        let mut command = Command::new(PROGRAM);
+        command.args(args).stdout(Stdio::null()).stderr(Stdio::null());
+        command
+    }
+
+    fn output(args: &[&str]) -> Output {
+        Command::new(PROGRAM).args(args).output().unwrap()
+    }
+
+    /// The files of a folder, but for how long things took. Checkpoints are compared by what comes of them.
+    fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+        let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let content = |path: &Path| {
+            let bytes = fs::read(path).unwrap();
+            match path.extension() {
+                Some(json) if json == "json" => String::from_utf8(bytes)
+                    .unwrap()
+                    .lines()
+                    .filter(|line| !line.contains("\"wall_s\""))
+                    .collect::<String>()
+                    .into(),
+                _ if name(path) == "checkpoint.npz" => Vec::new(),
+                _ => bytes,
+            }
+        };
+        paths.map(|path| (name(&path), content(&path))).collect()
+    }
+
+    /// Numbers in [0, 1), the same in every run of the test.
+    fn random() -> impl FnMut() -> f64 {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    /// A command with a folder that takes `--out`; how to go on, and whether there is something to go on from.
+    struct Study<'a> {
+        args: &'a [&'a str],
+        resume: Option<&'a str>,
+        /// Where it keeps what is done, and how much that is.
+        kept: &'a dyn Fn(&Path) -> Option<f64>,
+        kills: usize,
+    }
+
+    impl Study<'_> {
+        fn begin(&self, out: &Path) -> Command {
+            quiet(&[self.args, &["--out", out.to_str().unwrap()]].concat())
+        }
+
+        fn go_on(&self, out: &Path) -> Command {
+            match self.resume {
+                Some(name) if (self.kept)(out).is_some() => {
+                    quiet(&[self.args[0], "--resume", out.join(name).to_str().unwrap()])
+                }
+                _ => self.begin(out),
+            }
+        }
+
+        /// Kills it at random moments, as often as that hits, and lets it come to its end at last.
+        fn survives(&self, random: &mut impl FnMut() -> f64) {
+            let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+            let [whole, killed] = folders.each_ref().map(|folder| folder.path());
+            let clock = Instant::now();
+            assert!(self.begin(whole).status().unwrap().success());
+            let span = clock.elapsed();
+            let (mut hits, mut begun, mut kept) = (0, 1, None);
+            let mut most: f64 = 0.0;
+            while hits < self.kills {
+                let mut process = self.go_on(killed).spawn().unwrap();
+                sleep(span.mul_f64(0.8 * random()));
+                let _ = process.kill();
+                if process.wait().unwrap().success() {
+                    assert!(files(whole) == files(killed), "{:?}", self.args);
+                    // Killed too late: once more from the start.
+                    fs::remove_dir_all(killed).unwrap();
+                    (begun, kept) = (begun + 1, None);
+                    continue;
+                }
+                hits += 1;
+                let now = if killed.exists() { (self.kept)(killed) } else { None };
+                assert!(now >= kept, "{:?}: {now:?} after {kept:?}", self.args);
+                most = most.max(now.unwrap_or(0.0));
+                kept = now;
+            }
+            assert!(self.go_on(killed).status().unwrap().success(), "{:?}", self.args);
+            assert!(files(whole) == files(killed), "{:?}", self.args);
+            println!("{:?}: {hits} kills in {begun} runs of {span:?}, up to {most} kept", &self.args[..2]);
+        }
+    }
+
+    fn time(out: &Path) -> Option<f64> {
+        let path = out.join("checkpoint.npz");
+        path.exists().then(|| LongRun::load(&path).expect("a checkpoint is whole at any moment").time())
+    }
+
+    fn lines(store: &Path) -> Option<f64> {
+        let text = fs::read(store).ok()?;
+        Some(text.iter().filter(|byte| **byte == b'\n').count() as f64)
+    }
+
+    fn points(out: &Path) -> Option<f64> {
+        let path = out.join("branch.npz");
+        path.exists().then(|| {
+            hertzchain::orbits::Trail::load(&path).expect("a branch is whole at any moment").orbits.len() as f64
+        })
+    }
+
+    #[test]
+    fn sixty_kills_at_random_moments_lose_nothing_that_was_kept() {
+        let mut random = random();
+        let run = |how: &'static [&'static str], kills| {
+            let args = [&["run", "tw-q15", "--until", "40", "--checkpoint", "2.5"], how].concat();
+            (args, kills)
+        };
+        for (args, kills) in [
+            run(&["--integrator", "strang-linear", "--steps-per-period", "30000"], 14),
+            run(&["--integrator", "dop853", "--tol", "1e-11"], 9),
+            run(&["--tol", "1e-9"], 9),
+        ] {
+            Study { args: &args, resume: Some("checkpoint.npz"), kept: &time, kills }.survives(&mut random);
+        }
+        let args =
+            ["theorem", "--epsilons", "0.2,0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002", "--horizon", "0.5"];
+        Study { args: &args, resume: None, kept: &|out| lines(&out.join("theorem.store")), kills: 12 }
+            .survives(&mut random);
+        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--until", "60"];
+        Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 10 }
+            .survives(&mut random);
+        let args = [
+            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.04", "--step", "5e-4",
+            "--weak", "1",
+        ];
+        Study { args: &args, resume: Some("branch.npz"), kept: &points, kills: 8 }.survives(&mut random);
+    }
+
+    fn signal(process: &Child, name: &str) {
+        let kill = format!("kill -{name} {}", process.id());
+        assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    }
+
+    /// Asks a command to end as soon as it has kept something: exit code and what it said.
+    fn asked(args: &[&str], name: &str, kept: &dyn Fn() -> bool) -> (Option<i32>, String) {
+        let mut command = Command::new(PROGRAM);
+        let process = command.args(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let clock = Instant::now();
+        while !kept() {
+            assert!(clock.elapsed() < Duration::from_secs(60), "{args:?}");
+            sleep(Duration::from_millis(2));
+        }
+        signal(&process, name);
+        let output = process.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    }
+
+    #[test]
+    fn a_signal_ends_a_run_with_what_was_done() {
+        for (name, code) in [("INT", 130), ("TERM", 143)] {
+            let folder = tempfile::tempdir().unwrap();
+            let out = folder.path().to_str().unwrap();
+            let args = [
+                "run",
+                "tw-q15",
+                "--integrator",
+                "strang-linear",
+                "--until",
+                "60",
+                "--checkpoint",
+                "2",
+                "--steps-per-period",
+                "100000",
+            ];
+            let kept = || time(folder.path()).is_some_and(|t| t >= 4.0);
+            let (status, said) = asked(&[&args[..], &["--out", out]].concat(), name, &kept);
+            assert!(status == Some(code) && said.contains("error: stopped by a signal at t = "), "{status:?} {said}");
+            let summary: Value =
+                serde_json::from_slice(&fs::read(folder.path().join("summary.json")).unwrap()).unwrap();
+            let (t, t_kept) = (summary["t"].as_f64().unwrap(), time(folder.path()).unwrap());
+            // Past the checkpoint, by less than an interval.
+            assert!(t >= t_kept && t - t_kept < 2.0 && t < 60.0, "{t} {t_kept}");
+            assert!(summary["failure"].as_str().unwrap().contains("stopped by a signal"));
+            let samples = fs::read_to_string(folder.path().join("energy.csv")).unwrap().lines().count();
+            assert!(samples as f64 > 3.0 * t, "{samples} lines up to {t}");
+            if name == "TERM" {
+                assert!(output(&["run", "--resume", out]).status.success());
+                let whole = tempfile::tempdir().unwrap();
+                assert!(output(&[&args[..], &["--out", whole.path().to_str().unwrap()]].concat()).status.success());
+                assert!(files(folder.path()) == files(whole.path()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_signal_ends_studies_with_what_was_done() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let text = |name: &str| at(name).display().to_string();
+        let all = "0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002,0.0001,0.00005";
+        let args = ["theorem", "--epsilons", all, "--horizon", "0.5", "--out", &text("t")];
+        let store = || lines(&at("t/theorem.store")).is_some_and(|lines| lines >= 2.0);
+        let (code, said) = asked(&args, "INT", &store);
+        assert!(code == Some(130) && said.contains("stopped by a signal: "), "{code:?} {said}");
+        let study: Value = serde_json::from_slice(&fs::read(at("t/theorem.json")).unwrap()).unwrap();
+        let (rows, kept) = (study["rows"].as_array().unwrap().len(), lines(&at("t/theorem.store")).unwrap() - 1.0);
+        assert!(rows as f64 == 3.0 * kept && kept < 11.0, "{rows} rows, {kept} kept");
+
+        let args = [
+            "lifetimes",
+            "--epsilons",
+            "0.2,0.3,0.4,0.5",
+            "--rhos",
+            "5,10,20,30,40,50,60,70",
+            "--until",
+            "60",
+            "--out",
+            &text("l"),
+        ];
+        let store = || lines(&at("l/lifetimes.store")).is_some_and(|lines| lines >= 3.0);
+        let (code, said) = asked(&args, "TERM", &store);
+        assert!(code == Some(143), "{code:?} {said}");
+        let study: Value = serde_json::from_slice(&fs::read(at("l/lifetimes.json")).unwrap()).unwrap();
+        let points = study["points"].as_array().unwrap();
+        let missing = points
+            .iter()
+            .filter(|point| point["failure"].as_str() == Some("not computed: stopped by a signal"))
+            .count();
+        let kept = lines(&at("l/lifetimes.store")).unwrap() as usize - 1;
+        assert!(points.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
+
+        let args = [
+            "continue",
+            "--center",
+            "bond",
+            "--sites",
+            "5",
+            "--from",
+            "2.01",
+            "--to",
+            "2.06",
+            "--step",
+            "2e-4",
+            "--weak",
+            "1",
+            "--out",
+            &text("b"),
+        ];
+        let (code, said) = asked(&args, "INT", &|| at("b/branch.npz").exists());
+        assert!(
+            code == Some(130) && said.contains("error: stopped by a signal: ") && said.contains("points of the branch"),
+            "{code:?} {said}"
+        );
+        // All points are kept, not only every twentieth.
+        assert!(said.contains(&format!(" {} points", super::processes::points(&at("b")).unwrap())), "{said}");
+
+        let args =
+            ["compare", "tw-q15", "--integrators", "strang-linear,verlet", "--max-time", "60", "--out", &text("c")];
+        let clock = Instant::now();
+        let (code, _) = asked(&args, "INT", &|| clock.elapsed() > Duration::from_millis(1500));
+        assert!(matches!(code, Some(130 | 0)), "{code:?}");
+    }
+
+    /// Lets files grow to this many blocks and no further: writing fails in the middle, as on a full disk.
+    fn limited(blocks: u32, args: &[&str]) -> Output {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        Command::new("sh").args(["-c", &script, PROGRAM]).args(args).output().unwrap()
+    }
+
+    #[test]
+    fn a_full_disk_costs_an_interval_and_says_so() {
+        let (full, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let args = ["run", "tw-q15", "--integrator", "strang-linear", "--until", "40", "--checkpoint", "4", "--out"];
+        let begin = |out: &Path| {
+            [&args[..], &[out.to_str().unwrap()]].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()
+        };
+        let with = |args: &[String]| args.to_vec();
+        let args_of = with(&begin(full.path()));
+        let refused = limited(400, &args_of.iter().map(String::as_str).collect::<Vec<_>>());
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(refused.status.code() == Some(1) && said.contains("checkpoint.npz: File too large"), "{said}");
+        let kept = time(full.path()).unwrap();
+        assert!(kept > 4.0 && kept < 40.0 && fs::read_dir(full.path()).unwrap().count() == 1, "{kept}");
+        assert!(output(&["run", "--resume", full.path().to_str().unwrap()]).status.success());
+        let args_of = with(&begin(whole.path()));
+        assert!(output(&args_of.iter().map(String::as_str).collect::<Vec<_>>()).status.success());
+        assert!(files(full.path()) == files(whole.path()));
+
+        // A store drops what of a line found place.
+        let (full, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let args = |out: &Path| {
+            ["theorem", "--epsilons", "0.2,0.1,0.05,0.02", "--horizon", "0.1", "--out", out.to_str().unwrap()]
+                .map(str::to_owned)
+        };
+        let run = |args: [String; 7]| output(&args.each_ref().map(String::as_str));
+        let refused = limited(4, &args(full.path()).each_ref().map(String::as_str));
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(refused.status.code() == Some(1) && said.contains("theorem.store: File too large"), "{said}");
+        let store = fs::read(full.path().join("theorem.store")).unwrap();
+        assert!(store.ends_with(b"\n") && store.len() <= 4096, "{} bytes", store.len());
+        assert!(run(args(full.path())).status.success() && run(args(whole.path())).status.success());
+        assert!(files(full.path()) == files(whole.path()));
+    }
+
+    #[test]
+    fn folders_that_cannot_be_written_are_refused_before_the_work() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let closed = folder.path().join("closed");
+        fs::create_dir(&closed).unwrap();
+        fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        let mut cases = vec![(file.clone(), "file: "), (file.join("below"), "below: ")];
+        // Root writes everywhere.
+        if fs::write(closed.join("try"), "").is_err() {
+            cases.push((closed, "closed: Permission denied"));
+        }
+        for (out, what) in cases {
+            let out = out.to_str().unwrap();
+            for args in
+                [&["run", "tw-q15", "--checkpoint", "1", "--integrator", "verlet"][..], &["theorem"], &["continue"]]
+            {
+                let refused = output(&[args, &["--out", out]].concat());
+                let said = String::from_utf8(refused.stderr).unwrap();
+                assert!(refused.status.code() == Some(1) && said.contains(what) && refused.stdout.is_empty(), "{said}");
+            }
+        }
+        // Leftovers of a killed process go, those of one that lives stay.
+        let left = folder.path().join(".hertzchain-left");
+        let held = folder.path().join(".hertzchain-held");
+        fs::write(&left, "half").unwrap();
+        let lock = fs::File::create(&held).unwrap();
+        lock.lock().unwrap();
+        Folder::create(folder.path()).unwrap();
+        assert!(!left.exists() && held.exists());
+    }
+
+    const SCENE: &str = "name = \"guards\"\n[chain]\nsites = 5\nalpha = 1.5\nkappa = 1.0\nrho = 1.0\nboundary = \"fixed\"\n\
+        [initial]\nkind = \"single-bead\"\nsite = 2\ndisplacement = 1.0\n[span]\nuntil = 10.0\n[record]\nsamples = 10\n";
+
+    /// Runs that scene with another displacement: exit code, what it said, and the lines of energy.csv.
+    fn guarded(displacement: &str, how: &[&str]) -> (Option<i32>, String, Option<usize>) {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
+        fs::write(&scene, SCENE.replace("1.0\n[span]", &format!("{displacement}\n[span]"))).unwrap();
+        let output = output(&[&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()], how].concat());
+        let energies = fs::read_to_string(out.join("energy.csv")).ok().map(|text| text.lines().count() - 1);
+        (output.status.code(), String::from_utf8(output.stderr).unwrap(), energies)
+    }
+
+    #[test]
+    fn guards_stop_a_run_with_time_step_and_site_and_keep_what_there_is() {
+        for (displacement, how, words) in [
+            (
+                "1e100",
+                &["--integrator", "verlet"][..],
+                &["not finite at t = 1 ", "step 116", "steps of 8.67", "u of site 0"][..],
+            ),
+            ("1e100", &["--tol", "1e-6"], &["did not settle at t = ", "window ", "the bond to the left of site "]),
+            (
+                "1.0",
+                &["--integrator", "verlet", "--steps-per-period", "1"],
+                &["unstable: energy went from 1.26", "by t = 1 ", "steps of 3.33", "u' of site 2"],
+            ),
+        ] {
+            let (code, said, energies) = guarded(displacement, how);
+            assert!(code == Some(1) && words.iter().all(|word| said.contains(word)), "{code:?} {said}");
+            assert_eq!(energies, Some(1), "the samples so far: {said}");
+        }
+        for (displacement, rule) in [
+            ("1e-200", "amplitude = 1e-200 is not valid: underflow"),
+            ("1e200", "amplitude = 1e200 is not valid: overflow"),
+        ] {
+            for how in [
+                &["--integrator", "verlet"][..],
+                &["--integrator", "strang-linear"],
+                &["--integrator", "dop853"],
+                &["--tol", "1e-6"],
+            ] {
+                let (code, said, energies) = guarded(displacement, how);
+                assert!(code == Some(1) && said.contains(rule) && energies.is_none(), "{code:?} {said}");
+            }
+        }
+        // Far from both, scaled as the power law has it, runs end well.
+        for displacement in ["1e-100", "0.0"] {
+            assert_eq!(guarded(displacement, &["--tol", "1e-6"]).0, Some(0), "{displacement}");
+        }
+        // A background beyond all that is small is refused at once.
+        for rho in ["1e-9", "1e-3"] {
+            let clock = Instant::now();
+            let refused = output(&["dark", "--rho", rho]);
+            let said = String::from_utf8(refused.stderr).unwrap();
+            assert!(
+                refused.status.code() == Some(1)
+                    && said.contains("at most 10 times as fast")
+                    && clock.elapsed() < Duration::from_secs(5),
+                "{said}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_checkpoints_cannot_do_is_refused_with_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().to_str().unwrap();
+        for (args, rule) in [
+            (&["run", "cradle", "--checkpoint", "1"][..], "--out"),
+            (
+                &["run", "cradle", "--checkpoint", "1", "--out", out, "--events"],
+                "contacts are not logged in a run with checkpoints",
+            ),
+            (&["run", "cradle", "--checkpoint", "0", "--out", out], "checkpoint = 0 is not valid"),
+            (&["run", "cradle", "--checkpoint", "1e-9", "--out", out], "at most 10^6 intervals"),
+            (&["run", "trivial-breather", "--checkpoint", "1", "--out", out], "an exact solution is evaluated at once"),
+            (&["run", "--resume", out], "checkpoint.npz: No such file"),
+            (&["run", "--resume", out, "--until", "9"], "cannot be used with"),
+            (&["run"], "required"),
+        ] {
+            let refused = output(args);
+            let said = String::from_utf8(refused.stderr).unwrap();
+            assert!(!refused.status.success() && said.contains(rule) && !said.contains("panicked"), "{args:?}: {said}");
+        }
+    }
+}
