@@ -10,7 +10,6 @@ use hertzchain::{
 use std::{
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
 };
 
 /// Of each family one, with 8 legs of the scene below.
@@ -141,7 +140,6 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         let new = LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval);
         assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
     }
-    assert!(Path::new(&path).exists());
 }
 
 #[cfg(all(feature = "cli", unix))]
@@ -150,6 +148,7 @@ mod processes {
     use serde_json::Value;
     use std::{
         collections::BTreeMap,
+        path::Path,
         process::{Child, Command, Output, Stdio},
         thread::sleep,
         time::{Duration, Instant},
@@ -271,14 +270,14 @@ mod processes {
     }
 
     #[test]
-    fn sixty_kills_at_random_moments_lose_nothing_that_was_kept() {
+    fn more_than_fifty_kills_at_random_moments_lose_nothing_that_was_kept() {
         let mut random = random();
         let run = |how: &'static [&'static str], kills| {
-            let args = [&["run", "tw-q15", "--until", "40", "--checkpoint", "2.5"], how].concat();
+            let args = [&["run", "tw-q15", "--until", "20", "--checkpoint", "1.25"], how].concat();
             (args, kills)
         };
         for (args, kills) in [
-            run(&["--integrator", "strang-linear", "--steps-per-period", "30000"], 14),
+            run(&["--integrator", "strang-linear", "--steps-per-period", "30000"], 12),
             run(&["--integrator", "dop853", "--tol", "1e-11"], 9),
             run(&["--tol", "1e-9"], 9),
         ] {
@@ -288,11 +287,11 @@ mod processes {
             ["theorem", "--epsilons", "0.2,0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002", "--horizon", "0.5"];
         Study { args: &args, resume: None, kept: &|out| lines(&out.join("theorem.store")), kills: 12 }
             .survives(&mut random);
-        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--until", "60"];
-        Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 10 }
+        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--until", "25"];
+        Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 8 }
             .survives(&mut random);
         let args = [
-            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.04", "--step", "5e-4",
+            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.03", "--step", "5e-4",
             "--weak", "1",
         ];
         Study { args: &args, resume: Some("branch.npz"), kept: &points, kills: 8 }.survives(&mut random);
@@ -306,6 +305,8 @@ mod processes {
     /// Asks a command to end as soon as it has kept something: exit code and what it said.
     fn asked(args: &[&str], name: &str, kept: &dyn Fn() -> bool) -> (Option<i32>, String) {
         let mut command = Command::new(PROGRAM);
+        // One thread: not all points are done at once.
+        command.env("RAYON_NUM_THREADS", "1");
         let process = command.args(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let clock = Instant::now();
         while !kept() {
@@ -383,13 +384,11 @@ mod processes {
         let (code, said) = asked(&args, "TERM", &store);
         assert!(code == Some(143), "{code:?} {said}");
         let study: Value = serde_json::from_slice(&fs::read(at("l/lifetimes.json")).unwrap()).unwrap();
-        let points = study["points"].as_array().unwrap();
-        let missing = points
-            .iter()
-            .filter(|point| point["failure"].as_str() == Some("not computed: stopped by a signal"))
-            .count();
+        let rows = study["points"].as_array().unwrap();
+        let missing =
+            rows.iter().filter(|point| point["failure"].as_str() == Some("not computed: stopped by a signal")).count();
         let kept = lines(&at("l/lifetimes.store")).unwrap() as usize - 1;
-        assert!(points.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
+        assert!(rows.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
 
         let args = [
             "continue",
@@ -414,7 +413,7 @@ mod processes {
             "{code:?} {said}"
         );
         // All points are kept, not only every twentieth.
-        assert!(said.contains(&format!(" {} points", super::processes::points(&at("b")).unwrap())), "{said}");
+        assert!(said.contains(&format!(" {} points", points(&at("b")).unwrap())), "{said}");
 
         let args =
             ["compare", "tw-q15", "--integrators", "strang-linear,verlet", "--max-time", "60", "--out", &text("c")];
@@ -432,34 +431,40 @@ mod processes {
     #[test]
     fn a_full_disk_costs_an_interval_and_says_so() {
         let (full, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let args = ["run", "tw-q15", "--integrator", "strang-linear", "--until", "40", "--checkpoint", "4", "--out"];
-        let begin = |out: &Path| {
-            [&args[..], &[out.to_str().unwrap()]].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()
+        let args = |out: &Path| {
+            let flags = "run tw-q15 --integrator strang-linear --until 40 --checkpoint 4 --out";
+            flags.split(' ').map(str::to_owned).chain([out.display().to_string()]).collect::<Vec<_>>()
         };
-        let with = |args: &[String]| args.to_vec();
-        let args_of = with(&begin(full.path()));
-        let refused = limited(400, &args_of.iter().map(String::as_str).collect::<Vec<_>>());
+        let run = |args: Vec<String>| output(&args.iter().map(String::as_str).collect::<Vec<_>>());
+        let refused = limited(400, &args(full.path()).iter().map(String::as_str).collect::<Vec<_>>());
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(refused.status.code() == Some(1) && said.contains("checkpoint.npz: File too large"), "{said}");
         let kept = time(full.path()).unwrap();
         assert!(kept > 4.0 && kept < 40.0 && fs::read_dir(full.path()).unwrap().count() == 1, "{kept}");
         assert!(output(&["run", "--resume", full.path().to_str().unwrap()]).status.success());
-        let args_of = with(&begin(whole.path()));
-        assert!(output(&args_of.iter().map(String::as_str).collect::<Vec<_>>()).status.success());
+        assert!(run(args(whole.path())).status.success());
         assert!(files(full.path()) == files(whole.path()));
 
         // A store drops what of a line found place.
         let (full, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let args = |out: &Path| {
-            ["theorem", "--epsilons", "0.2,0.1,0.05,0.02", "--horizon", "0.1", "--out", out.to_str().unwrap()]
-                .map(str::to_owned)
+            [
+                "theorem",
+                "--epsilons",
+                "0.3,0.25,0.2,0.15,0.1,0.07,0.05,0.03,0.02,0.01",
+                "--horizon",
+                "0.1",
+                "--out",
+                out.to_str().unwrap(),
+            ]
+            .map(str::to_owned)
         };
         let run = |args: [String; 7]| output(&args.each_ref().map(String::as_str));
-        let refused = limited(4, &args(full.path()).each_ref().map(String::as_str));
+        let refused = limited(2, &args(full.path()).each_ref().map(String::as_str));
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(refused.status.code() == Some(1) && said.contains("theorem.store: File too large"), "{said}");
         let store = fs::read(full.path().join("theorem.store")).unwrap();
-        assert!(store.ends_with(b"\n") && store.len() <= 4096, "{} bytes", store.len());
+        assert!(store.ends_with(b"\n") && store.len() <= 2048, "{} bytes", store.len());
         assert!(run(args(full.path())).status.success() && run(args(whole.path())).status.success());
         assert!(files(full.path()) == files(whole.path()));
     }

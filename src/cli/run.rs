@@ -70,8 +70,14 @@ fn report(
     if let Some(folder) = folder {
         report::run_files(folder, scene, &outcome, &json)?;
         #[cfg(feature = "plot")]
-        for (file, png) in report::run_pictures(scene, name, wording, &outcome)? {
-            folder.write(file, &png)?;
+        match report::run_pictures(scene, name, wording, &outcome) {
+            // What stopped the run is the error, not that there is too little of it to draw.
+            Err(why) if outcome.failure.is_some() => eprintln!("no pictures: {why}"),
+            pictures => {
+                for (file, png) in pictures? {
+                    folder.write(file, &png)?;
+                }
+            }
         }
         eprintln!("written to {}", folder.path().display());
     }

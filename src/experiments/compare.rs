@@ -184,9 +184,11 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: &(dyn Fn(f64, 
         }
         let before = spent();
         let errors = map(&options.methods, |method| truth.error_row(scene, *method, rung));
-        for (index, row) in errors.into_iter().enumerate() {
-            let mut row = row;
+        for (index, mut row) in errors.into_iter().enumerate() {
             progress(spent() / budget, &format!("{} at {}", row.method.name(), row.setting));
+            if row.failure.is_none() && interrupt::asked() {
+                row.failure = Some("stopped by a signal before it was timed".to_owned());
+            }
             if row.failure.is_none() {
                 match time(scene, row.method, setting(scene, &row.method, rung), budget - spent()) {
                     Ok((wall, repeats, stats)) => (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats),
