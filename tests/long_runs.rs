@@ -66,14 +66,15 @@ fn legs_cost_no_accuracy() {
     let reference = reference.unwrap().state;
     let folder = tempfile::tempdir().unwrap();
     let folder = Folder::create(folder.path()).unwrap();
-    for (name, setting) in
-        [("collocation", Setting::Tolerance(1e-10)), ("dop853-regularised", Setting::Tolerance(1e-12))]
+    // Measured: 1.4e-13 and 2.3e-12, with one leg as with 54.
+    for (name, setting, bound) in
+        [("collocation", Setting::Tolerance(1e-10), 3e-13), ("dop853-regularised", Setting::Tolerance(1e-12), 5e-12)]
     {
         let end = |interval: f64| long(name, setting, interval).run(&folder, &mut |_| ()).unwrap().state;
         let error = |y: Vec<f64>| y.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let errors = [16.0, 2.1, 0.3].map(|interval| error(end(interval)));
         println!("{name}: {errors:?}");
-        assert!(errors.iter().all(|error| *error < 1e-9), "{name}: {errors:?}");
+        assert!(errors.iter().all(|error| *error < bound), "{name}: {errors:?}");
     }
 }
 
@@ -273,7 +274,7 @@ mod processes {
     fn more_than_fifty_kills_at_random_moments_lose_nothing_that_was_kept() {
         let mut random = random();
         let run = |how: &'static [&'static str], kills| {
-            let args = [&["run", "tw-q15", "--until", "20", "--checkpoint", "1.25"], how].concat();
+            let args = [&["run", "tw-q15", "--until", "12", "--checkpoint", "0.75"], how].concat();
             (args, kills)
         };
         for (args, kills) in [
@@ -285,16 +286,16 @@ mod processes {
         }
         let args =
             ["theorem", "--epsilons", "0.2,0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002", "--horizon", "0.5"];
-        Study { args: &args, resume: None, kept: &|out| lines(&out.join("theorem.store")), kills: 12 }
+        Study { args: &args, resume: None, kept: &|out| lines(&out.join("theorem.store")), kills: 14 }
             .survives(&mut random);
-        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--until", "25"];
-        Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 8 }
+        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--sites", "20", "--until", "12"];
+        Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 6 }
             .survives(&mut random);
         let args = [
-            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.03", "--step", "5e-4",
+            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.02", "--step", "2.5e-4",
             "--weak", "1",
         ];
-        Study { args: &args, resume: Some("branch.npz"), kept: &points, kills: 8 }.survives(&mut random);
+        Study { args: &args, resume: Some("branch.npz"), kept: &points, kills: 6 }.survives(&mut random);
     }
 
     fn signal(process: &Child, name: &str) {
@@ -528,7 +529,7 @@ mod processes {
             (
                 "1.0",
                 &["--integrator", "verlet", "--steps-per-period", "1"],
-                &["unstable: energy went from 1.26", "by t = 1 ", "steps of 3.33", "u' of site 2"],
+                &["unstable: energy went from 9e-1", "by t = 1 ", "steps of 3.33", "u' of site 2"],
             ),
         ] {
             let (code, said, energies) = guarded(displacement, how);
