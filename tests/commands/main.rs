@@ -2,5 +2,6 @@
 
 mod cli;
 mod figures;
+mod long_runs;
 mod paper_figures;
 mod studies;
