@@ -31,6 +31,7 @@ pub mod experiments;
 pub mod figures;
 pub mod interrupt;
 pub mod method;
+mod number;
 pub mod orbits;
 pub mod output;
 mod random;

@@ -90,8 +90,10 @@ impl BrightBreather {
             let rule = "epsilon^{alpha-1}/kappa and its square are finite and positive numbers";
             return Err(Error::parameter("epsilon", epsilon, rule));
         }
-        let held: f64 = (0..sites).map(|i| breather.a(i).abs()).sum();
-        let whole: f64 = breather.profile.sites().map(|n| breather.profile.a(n).abs()).sum();
+        let share = |n: i64| breather.profile.a(n).abs();
+        let on_chain = |n: &i64| u64::try_from(n + breather.origin() as i64).is_ok_and(|i| i < sites as u64);
+        let held: f64 = breather.profile.sites().filter(on_chain).map(share).sum();
+        let whole: f64 = breather.profile.sites().map(share).sum();
         if whole - held > CUT_OFF * whole {
             return Err(Error::parameter("sites", sites, "the chain holds the breather but for a share of 10^-6"));
         }

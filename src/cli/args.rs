@@ -164,7 +164,7 @@ pub(super) struct OrderArgs {
     #[arg(long, value_name = "A", default_value_t = 1.5, allow_negative_numbers = true)]
     pub(super) alpha: f64,
     /// Number of beads of the chain, from 2 to 1000.
-    #[arg(long, value_name = "N", default_value_t = 6)]
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true)]
     pub(super) beads: usize,
     /// Folder for order.csv, order.json, order-state.png and order-tangent.png [default: out/order-ALPHA; with --json: none].
     #[arg(long, value_name = "DIR")]

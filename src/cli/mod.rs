@@ -22,13 +22,15 @@ mod wave;
 
 use crate::error::Result;
 use args::{Cli, Command};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, builder::ValueParser, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{io::Write, process::ExitCode};
 
 /// Reads the arguments, runs the command, says what went wrong.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let matches = doubles_checked(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let outcome = match cli.command {
         Command::Compare(args) => compare::main(&args),
         Command::Run(args) => run::main(&args),
         Command::Order(args) => order::main(&args),
@@ -55,6 +57,15 @@ pub fn main() -> ExitCode {
         ExitCode::FAILURE
     });
     signals::exit_code().map_or(code, ExitCode::from)
+}
+
+/// The command with every flag that takes a double refusing what a double cannot hold.
+fn doubles_checked(command: clap::Command) -> clap::Command {
+    let double = ValueParser::from(value_parser!(f64)).type_id();
+    let command = command.mut_args(|arg| {
+        if arg.get_value_parser().type_id() == double { arg.value_parser(crate::number::double) } else { arg }
+    });
+    command.mut_subcommands(doubles_checked)
 }
 
 /// Writes to stdout. A reader that has gone away is no error of ours.

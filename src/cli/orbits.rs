@@ -103,6 +103,12 @@ fn begin(args: &ContinueArgs) -> Result<Trail> {
 pub(super) fn doubled(args: &DoubledArgs) -> Exit {
     let (breather, shooting) = (args.ring.breather(CenterArg::Bond, None, RANGE[0])?, args.ring.shooting());
     let most = args.most.unwrap_or(RANGE[1] * breather.params.omega());
+    // Before the main branch, which takes its time.
+    for (name, value) in [("omega-b", args.omega_b), ("most", most)] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Error::parameter(name, value, "a frequency is finite and positive"));
+        }
+    }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let doubled = with_bar(|progress| {
         let half = |share: f64, what: &str| progress(0.5 * share, what);

@@ -7,18 +7,18 @@ use super::{
 };
 use crate::{
     output::to_json,
-    report::table,
-    scene::{Scene, SceneFile},
+    report::{scene_json, table},
+    scene::Scene,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 use std::process::ExitCode;
 
 pub(super) fn main(args: &ScenesArgs) -> Exit {
     match &args.action {
         Some(ScenesAction::Show { name }) => {
             let text = Scene::source(name)?;
-            let scene = Scene::build(SceneFile::parse(&text, name)?)?;
-            print(&if args.json { to_json(&scene_json(scene.file())) + "\n" } else { text });
+            let scene = Scene::parse(&text, name)?;
+            print(&if args.json { to_json(&scene_json(&scene)) + "\n" } else { text });
         }
         None if args.json => {
             let list: Vec<_> =
@@ -32,13 +32,4 @@ pub(super) fn main(args: &ScenesArgs) -> Exit {
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The scene as JSON; an infinite mass ratio, which JSON has no number for, as `"inf"`.
-fn scene_json(file: &SceneFile) -> Value {
-    let mut value = json!(file);
-    if file.chain.rho.is_infinite() {
-        value["chain"]["rho"] = json!("inf");
-    }
-    value
 }

@@ -44,6 +44,8 @@ pub struct Evolution {
     pub orbit: Orbit,
     /// The kick, and the multiplier it is along.
     pub kick: Option<(Kick, Complex<f64>)>,
+    /// Tolerance of the run.
+    pub tol: f64,
     /// `m T`, from 0.
     pub times: Vec<f64>,
     /// `E_b` there.
@@ -105,6 +107,7 @@ pub fn evolve(
     let mut out = Evolution {
         amplification: spectrum.largest().powf(periods),
         kick,
+        tol: shooting.tol,
         times: vec![],
         e_b: vec![],
         position: vec![],

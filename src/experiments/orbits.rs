@@ -26,6 +26,8 @@ pub struct OrbitStudy {
     pub e_b: f64,
     /// Mean contact force of every bond over a period, constant along the chain (Theorem nobreath).
     pub forces: MeanForces,
+    /// How it was searched for and measured.
+    pub shooting: Shooting,
 }
 
 /// All that is asked of an orbit.
@@ -39,6 +41,7 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
         extent: orbit.extent(shooting.tol)?,
         e_b: orbit.e_b(shooting.tol, 1)?,
         forces: chain.mean_contact_forces(&orbit.start(), period, Pace::Tolerance(shooting.tol))?,
+        shooting: *shooting,
         orbit,
     })
 }

@@ -123,6 +123,10 @@ pub struct OrderStudy {
     pub alpha: f64,
     /// Number of beads.
     pub beads: usize,
+    /// Exponent, spring constant and mass ratio.
+    pub params: Params,
+    /// End of the runs.
+    pub end: f64,
     /// Power of the map of the regularised mode.
     pub q: u32,
     /// Onsets and releases of the reference run, in order of time.
@@ -162,6 +166,8 @@ pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Resul
     Ok(OrderStudy {
         alpha,
         beads,
+        params: Params { alpha, kappa: KAPPA, rho: RHO },
+        end: END,
         q: power(alpha, 8),
         floor: truth.floor,
         rows: ladders.into_iter().flatten().collect(),

@@ -64,6 +64,8 @@ pub struct ScalingRow {
 /// The outcome of the study.
 #[derive(Clone, Debug)]
 pub struct ScalingStudy {
+    /// The scene whose wave runs.
+    pub scene: &'static str,
     /// Tolerance of every method.
     pub tol: f64,
     /// Length of the runs in periods of the wave.
@@ -97,7 +99,7 @@ pub fn scaling(options: &ScalingOptions, progress: &(dyn Fn(f64, &str) + Sync)) 
     // Collocation would otherwise use all cores on long chains, and the others one.
     let rows = on_one_thread(|| rows(options, &sizes, progress))??;
     let ScalingOptions { tol, seed, .. } = *options;
-    Ok(ScalingStudy { tol, periods: PERIODS, perturbation: PERTURBATION, seed, rows })
+    Ok(ScalingStudy { scene: SCENE, tol, periods: PERIODS, perturbation: PERTURBATION, seed, rows })
 }
 
 /// The numbers of sites in ascending order, if all options keep their rules.

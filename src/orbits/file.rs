@@ -12,7 +12,7 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    output::{Archive, Array, npz_with, to_json},
+    output::{Archive, Array, SETTINGS, npz_with, to_json},
 };
 use serde::{Deserialize, Serialize};
 use std::{fs::File, io::Read, path::Path};
@@ -20,7 +20,6 @@ use std::{fs::File, io::Read, path::Path};
 /// What the first settings of a branch file must be.
 const FORMAT: &str = "hertzchain branch";
 const VERSION: u64 = 1;
-const SETTINGS: &str = "settings.json";
 /// What a zip archive with a member begins with.
 const ZIP: &[u8] = b"PK\x03\x04";
 
@@ -51,9 +50,16 @@ struct Settings {
     end: Option<End>,
 }
 
+/// What the JSON of an orbit says of itself.
+pub(crate) const ORBIT_FORMAT: (&str, u64) = ("hertzchain orbit", 1);
+
 /// The keys of the JSON of an orbit that determine it.
 #[derive(Deserialize)]
 struct OrbitFile {
+    #[serde(default = "orbit_format")]
+    format: String,
+    #[serde(default = "orbit_version")]
+    format_version: u64,
     alpha: f64,
     kappa: f64,
     rho: f64,
@@ -65,6 +71,14 @@ struct OrbitFile {
     c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
+}
+
+fn orbit_format() -> String {
+    ORBIT_FORMAT.0.to_owned()
+}
+
+fn orbit_version() -> u64 {
+    ORBIT_FORMAT.1
 }
 
 /// An orbit of a branch.
@@ -125,6 +139,19 @@ impl Trail {
     /// numbers are outside their rules.
     pub fn load(path: &Path) -> Result<Self> {
         let file = Archive::read(path)?;
+        let trail = Self::from_archive(&file)?;
+        for (k, orbit) in trail.orbits.iter().enumerate() {
+            let measured = orbit.clone().measured(&trail.continuation.shooting);
+            measured.map_err(|why| file.refused("x", format!("point {k}: {why}")))?;
+        }
+        Ok(trail)
+    }
+
+    /// What an archive says of a branch, after every check that needs no integration: that strains are those of orbits is for [`load`](Self::load).
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_archive(file: &Archive) -> Result<Self> {
         let refused = |why: &dyn std::fmt::Display| file.refused(SETTINGS, why.to_string());
         let text = file.text(SETTINGS)?;
         let stamp: Stamp = serde_json::from_str(text).map_err(|why| refused(&why))?;
@@ -166,10 +193,7 @@ impl Trail {
         for (k, (x, y)) in x.chunks_exact(sites).zip(y.chunks_exact(sites)).enumerate() {
             let setting = setting.with(continuation.parameter, parameter[k]);
             checked(&setting).map_err(|why| file.refused("parameter", format!("point {k}: {why}")))?;
-            let orbit = Orbit { setting, z: [x, y].concat(), residual: residual[k], newton: Vec::new() };
-            let measured = orbit.clone().measured(&continuation.shooting);
-            measured.map_err(|why| file.refused("x", format!("point {k}: {why}")))?;
-            orbits.push(orbit);
+            orbits.push(Orbit { setting, z: [x, y].concat(), residual: residual[k], newton: Vec::new() });
         }
         Ok(Self { continuation, orbits, ds, end, center, weak })
     }
@@ -224,8 +248,9 @@ impl Orbit {
             (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
             (false, None) => {
                 file.read_to_end(&mut text).map_err(fail)?;
-                match Self::from_json(&text, shooting) {
-                    Ok(orbit) => return Ok(orbit),
+                match Self::from_json(&text).map(|orbit| orbit.measured(shooting)) {
+                    Ok(Ok(orbit)) => return Ok(orbit),
+                    Ok(Err(rule)) => rule.to_string(),
                     Err(rule) => rule,
                 }
             }
@@ -233,12 +258,23 @@ impl Orbit {
         Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
     }
 
-    fn from_json(text: &[u8], shooting: &Shooting) -> std::result::Result<Self, String> {
+    /// What the JSON of an orbit says, after every check that needs no integration; its residual, unknown, is infinite. [`load`](Self::load) measures it.
+    ///
+    /// # Errors
+    /// The key, and the rule that it breaks.
+    pub fn from_json(text: &[u8]) -> std::result::Result<Self, String> {
         let read: OrbitFile = serde_json::from_slice(text).map_err(|why| {
             let branch = String::from_utf8_lossy(text).contains("\"bifurcations\"");
             format!("{why}{}", if branch { "; the orbits of a branch are in branch.npz" } else { "" })
         })?;
-        read.orbit().and_then(|orbit| orbit.measured(shooting)).map_err(|why| why.to_string())
+        let (format, version) = ORBIT_FORMAT;
+        if (read.format.as_str(), read.format_version) != ORBIT_FORMAT {
+            let OrbitFile { format: other, format_version, .. } = read;
+            return Err(format!(
+                "{other}, format_version {format_version}; read is {format}, format_version {version}"
+            ));
+        }
+        read.orbit().map_err(|why| why.to_string())
     }
 
     /// The same with the residual measured anew. Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
@@ -261,7 +297,7 @@ impl Orbit {
 
 impl OrbitFile {
     fn orbit(self) -> Result<Orbit> {
-        let Self { alpha, kappa, rho, sites, omega_b, turns, c_x, c_x_asked, x, y } = self;
+        let Self { alpha, kappa, rho, sites, omega_b, turns, c_x, c_x_asked, x, y, .. } = self;
         let params = Params { alpha, kappa, rho };
         let setting = Setting { params, sites, omega_b, c_x: c_x_asked.unwrap_or(c_x), turns };
         checked(&setting)?;

@@ -6,7 +6,7 @@ mod npz;
 
 pub use folder::Folder;
 pub use json::to_json;
-pub use npz::{Archive, Array, npz, npz_with};
+pub use npz::{Archive, Array, SETTINGS, npz, npz_with};
 
 /// Rows of numbers as CSV with a line of names; every number so that it reads back exactly.
 pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {

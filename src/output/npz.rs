@@ -5,7 +5,7 @@ use npyz::{NpyFile, WriterBuilder, npz::file_name_from_array_name};
 use std::{
     collections::BTreeMap,
     fs::File,
-    io::{BufReader, Cursor, Read, Write},
+    io::{BufReader, Cursor, Read, Seek, Write},
     path::{Path, PathBuf},
 };
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
@@ -38,6 +38,9 @@ impl<'a> Array<'a> {
         Self { name, shape: vec![count, columns], values }
     }
 }
+
+/// What the text in an archive is called that says where its numbers come from.
+pub const SETTINGS: &str = "settings.json";
 
 /// The bytes of an archive.
 ///
@@ -107,11 +110,27 @@ impl Archive {
     pub fn read(path: &Path) -> Result<Self> {
         let fail = |source| Error::File { path: path.to_owned(), source };
         let file = File::open(path).map_err(fail)?;
-        // Nothing is compressed: no member, and not all together, is longer than the file.
-        let mut left = file.metadata().map_err(fail)?.len();
+        let length = file.metadata().map_err(fail)?.len();
+        Self::unpack(path, BufReader::new(file), length)
+    }
+
+    /// The archive in `bytes`; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self> {
+        Self::unpack(path, Cursor::new(bytes), bytes.len() as u64)
+    }
+
+    fn unpack(path: &Path, from: impl Read + Seek, length: u64) -> Result<Self> {
         let mut out = Self { path: path.to_owned(), members: BTreeMap::new() };
-        let mut archive = ZipArchive::new(BufReader::new(file))
+        let mut archive = ZipArchive::new(from)
             .map_err(|why| out.refused("archive", format!("not an NPZ file, or not all of it: {why}")))?;
+        if archive.has_duplicate_names() {
+            return Err(out.refused("archive", "two of its members have the same name"));
+        }
+        // Nothing is compressed: no member, and not all together, is longer than the file.
+        let mut left = length;
         for k in 0..archive.len() {
             let mut bytes = Vec::new();
             let unnamed = |why: zip::result::ZipError| out.refused(&format!("member {k}"), why.to_string());

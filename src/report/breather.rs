@@ -91,6 +91,7 @@ pub fn bright_json(study: &BrightStudy) -> String {
         "energy_error": study.energy_error,
         "force_evaluations": study.stats.force_evaluations,
         "wall_s": study.wall.as_secs_f64(),
+        "scene_file": super::scene_json(scene),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }
@@ -264,6 +265,7 @@ pub fn trivial_json(study: &TrivialStudy) -> String {
         "mean_forces": forces_json(&study.forces),
         "force_evaluations": study.stats.force_evaluations,
         "wall_s": study.wall.as_secs_f64(),
+        "scene_file": super::scene_json(scene),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

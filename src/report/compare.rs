@@ -41,6 +41,7 @@ pub fn comparison_json(comparison: &Comparison) -> String {
         },
         "rows": rows,
         "slopes": slopes,
+        "scene_file": super::scene_json(&comparison.scene),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

@@ -3,7 +3,7 @@
 use crate::{
     chain::Contact,
     error::Result,
-    output::{Array, npz},
+    output::{Array, SETTINGS, npz_with},
 };
 use serde::Serialize;
 
@@ -29,14 +29,14 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a contact does not have.
+/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a contact does not have. `settings`: where they come from, as JSON.
 ///
 /// # Errors
 /// What the archive writer says.
-pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
+pub fn contacts_npz(contacts: &[Contact], settings: &str) -> Result<Vec<u8>> {
     let column = |k: usize| contacts.iter().map(|contact| row(contact)[k]).collect();
     let arrays: Vec<Array<'_>> = COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
-    npz(&arrays)
+    npz_with(SETTINGS, settings, &arrays)
 }
 
 /// What the contacts of a run come to.
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn the_archive_holds_the_columns() {
         for contacts in [&three()[..], &[]] {
-            let mut archive = zip::ZipArchive::new(Cursor::new(contacts_npz(contacts).unwrap())).unwrap();
+            let mut archive = zip::ZipArchive::new(Cursor::new(contacts_npz(contacts, "{}").unwrap())).unwrap();
             for (k, name) in COLUMNS.iter().enumerate() {
                 let file = archive.by_name(&format!("{name}.npy")).unwrap();
                 let column: Vec<f64> = npyz::NpyFile::new(file).unwrap().into_vec().unwrap();

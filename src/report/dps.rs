@@ -43,6 +43,7 @@ pub fn homoclinic_json(one: &Homoclinic) -> String {
         "n": one.sites().collect::<Vec<_>>(),
         "a": one.sites().map(|n| one.a(n)).collect::<Vec<_>>(),
         "residual": one.residual(),
+        "version": env!("CARGO_PKG_VERSION"),
     }))
 }
 
@@ -96,6 +97,7 @@ pub fn dark_json(profile: &DarkProfile, omega_b: f64) -> Result<String> {
         "background": { "a": a, "b": b },
         "x": x,
         "y": y,
+        "version": env!("CARGO_PKG_VERSION"),
     })))
 }
 

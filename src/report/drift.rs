@@ -28,6 +28,7 @@ pub fn drift_json(study: &DriftStudy) -> String {
         "period": study.scene.period(),
         "periods": study.periods,
         "rows": study.rows.iter().map(row).collect::<Vec<Value>>(),
+        "scene_file": super::scene_json(&study.scene),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

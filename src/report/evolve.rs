@@ -2,7 +2,6 @@
 
 use super::table;
 use crate::{
-    chain::max_norm,
     experiments::Evolution,
     output::{csv, to_json},
 };
@@ -19,6 +18,8 @@ pub fn evolution_json(study: &Evolution) -> String {
         .iter()
         .map(|one| json!({ "from": one.window.0, "to": one.window.1, "velocity": one.velocity, "misfit": one.misfit }));
     to_json(&json!({
+        "alpha": setting.params.alpha,
+        "kappa": setting.params.kappa,
         "omega_b": setting.omega_b,
         "rho": setting.params.rho,
         "sites": setting.sites,
@@ -30,6 +31,9 @@ pub fn evolution_json(study: &Evolution) -> String {
         "motion": motion.collect::<Vec<_>>(),
         "amplification": study.amplification,
         "failure": study.failure,
+        "integrator": "collocation",
+        "tol": study.tol,
+        "version": env!("CARGO_PKG_VERSION"),
     }))
 }
 
@@ -93,7 +97,7 @@ pub(super) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     let sites = study.orbit.setting.sites;
     let span = study.swing.span;
     let map = |symbol: &str, values: &[f64]| {
-        let most = 2.0 * max_norm(values[..sites].iter().copied());
+        let most = 2.0 * crate::chain::max_norm(values[..sites].iter().copied());
         crate::figures::SpaceTime {
             site_label: "site n".into(),
             time_label: "time t".into(),

@@ -70,6 +70,15 @@ pub use scaling::scaling_png;
 #[cfg(feature = "plot")]
 pub use stability::stability_png;
 
+/// All of a scene as it runs, with the seed of what it draws, as JSON; an infinite mass ratio, which JSON has no number for, as `"inf"`.
+pub fn scene_json(scene: &crate::scene::Scene) -> serde_json::Value {
+    let mut value = serde_json::json!(scene.file());
+    if scene.chain().params().rho.is_infinite() {
+        value["chain"]["rho"] = serde_json::json!("inf");
+    }
+    value
+}
+
 /// The end of every caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &crate::scene::Scene, how: &str) -> String {

@@ -5,7 +5,7 @@ use crate::{
     breathers::DarkBreather,
     error::Result,
     experiments::{Branch, DoubledBranch, OrbitStudy},
-    orbits::{Bifurcation, Extent, Kind, Multiplier, Setting},
+    orbits::{Bifurcation, Extent, Kind, Multiplier, ORBIT_FORMAT, Setting},
     output::{Array, csv, to_json},
 };
 use serde_json::{Value, json};
@@ -21,10 +21,13 @@ pub fn dark_breather_json(breather: &DarkBreather, study: &OrbitStudy) -> String
 }
 
 fn orbit(study: &OrbitStudy) -> Value {
-    let OrbitStudy { orbit, spectrum, extent, e_b, forces } = study;
+    let OrbitStudy { orbit, spectrum, extent, e_b, forces, shooting } = study;
     let Setting { params, sites, omega_b, .. } = orbit.setting;
     let half = (sites / 2) as i64;
+    let (format, version) = ORBIT_FORMAT;
     json!({
+        "format": format,
+        "format_version": version,
         "alpha": params.alpha,
         "kappa": params.kappa,
         "rho": params.rho,
@@ -50,6 +53,9 @@ fn orbit(study: &OrbitStudy) -> Value {
         "max_modulus": spectrum.largest(),
         "tau": spectrum.tau.iter().map(|tau| json!({ "re": tau.re, "im": tau.im })).collect::<Vec<_>>(),
         "quality": spectrum.quality,
+        "integrator": "collocation",
+        "shooting": shooting,
+        "version": env!("CARGO_PKG_VERSION"),
     })
 }
 
@@ -59,7 +65,7 @@ pub fn dark_breather_table(breather: &DarkBreather, study: &OrbitStudy) -> Strin
 }
 
 fn orbit_table(study: &OrbitStudy) -> String {
-    let OrbitStudy { orbit, spectrum, extent: Extent { k_x, k_y, c_x, c_y }, e_b, forces } = study;
+    let OrbitStudy { orbit, spectrum, extent: Extent { k_x, k_y, c_x, c_y }, e_b, forces, .. } = study;
     let Setting { params, sites, omega_b, .. } = orbit.setting;
     let quality = spectrum.quality;
     let steps: Vec<Vec<String>> = (1..)
@@ -152,6 +158,8 @@ fn branch_value(branch: &Branch) -> Value {
         "points": points,
         "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<_>>(),
         "settings": branch.trail.settings().ok(),
+        "integrator": "collocation",
+        "version": env!("CARGO_PKG_VERSION"),
     })
 }
 

@@ -28,6 +28,9 @@ pub fn order_json(study: &OrderStudy) -> String {
     to_json(&json!({
         "alpha": study.alpha,
         "beads": study.beads,
+        "kappa": study.params.kappa,
+        "rho": study.params.rho,
+        "t": study.end,
         "events": study.events.len(),
         "event_times": study.events.iter().map(event).collect::<Vec<_>>(),
         "q": study.q,

@@ -7,7 +7,7 @@ use crate::{
     chain::{Boundary, Energy},
     error::Result,
     experiments::{Outcome, Profile},
-    output::{Array, Folder, csv, npz, to_json},
+    output::{Array, Folder, SETTINGS, csv, npz_with, to_json},
     scene::{Scene, Theory},
 };
 use serde_json::{Map, Value, json};
@@ -81,6 +81,7 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
+    put("scene_file", super::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     to_json(&Value::Object(object))
 }
@@ -156,12 +157,21 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Outcome, json: &str) 
             .collect();
         archive.push(Array::matrix(name, rows.iter().map(|row| &row[..])));
     }
-    folder.write("profiles.npz", &npz(&archive)?)?;
+    let settings = archive_settings(json);
+    folder.write("profiles.npz", &npz_with(SETTINGS, &settings, &archive)?)?;
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
-        folder.write("contacts.npz", &contacts_npz(contacts)?)?;
+        folder.write("contacts.npz", &contacts_npz(contacts, &settings)?)?;
     }
     Ok(())
+}
+
+/// What the archives of a run say of it: all of its JSON that does not come out of it.
+fn archive_settings(json: &str) -> String {
+    let all: Map<String, Value> = serde_json::from_str(json).unwrap_or_default();
+    let of_settings = ["scene", "integrator", "setting", "scene_file", "version"];
+    let kept: Map<String, Value> = all.into_iter().filter(|(name, _)| of_settings.contains(&name.as_str())).collect();
+    to_json(&Value::Object(kept))
 }
 
 /// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and time, the energy error.

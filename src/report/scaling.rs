@@ -27,6 +27,7 @@ pub fn scaling_json(study: &ScalingStudy) -> String {
         "periods": study.periods,
         "perturbation": study.perturbation,
         "seed": study.seed,
+        "scene": study.scene,
         "rows": study.rows.iter().map(row).collect::<Vec<Value>>(),
         "version": env!("CARGO_PKG_VERSION"),
     }))

@@ -69,6 +69,7 @@ pub fn theorem_json(study: &TheoremStudy) -> String {
         },
         "verdict": study.verdict().word(),
         "rule": Bound::RULE,
+        "integrator": "collocation",
         "accuracy": options.accuracy,
         "samples_per_period": options.sampling.points,
         "wall_s": study.wall.as_secs_f64(),

@@ -70,6 +70,7 @@ pub fn wave_json(study: &WaveStudy) -> String {
         "perturbed": perturbed,
         "force_evaluations": study.stats.force_evaluations,
         "wall_s": study.wall.as_secs_f64(),
+        "scene_file": super::scene_json(scene),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

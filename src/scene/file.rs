@@ -4,8 +4,17 @@ use crate::{
     chain::{Boundary, Params},
     dps::Center,
     error::{Error, Result, nearest},
+    number::double,
 };
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use toml::{
+    Table,
+    de::{DeTable, DeValue, Deserializer},
+};
+
+/// So much of a line or a number is shown in a message.
+const SHOWN: usize = 60;
 
 /// The whole file. Keys that nobody knows are errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -186,9 +195,16 @@ impl SceneFile {
     /// Reads a scene; `file` is what messages call it.
     ///
     /// # Errors
-    /// The line, the key and the rule; the nearest key, where one is unknown.
+    /// The line, the key and the rule; the nearest key, where one is unknown; a number that a double cannot hold.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
-        toml::from_str(text).map_err(|error| Error::Scene { file: file.to_owned(), message: explain(&error, text) })
+        let fail = |message| Error::Scene { file: file.to_owned(), message };
+        let table = DeTable::parse(text).map_err(|error| fail(explain(&error, text, &[])))?;
+        let leaves = leaves(table.get_ref(), "");
+        for leaf in &leaves {
+            leaf.held()
+                .map_err(|rule| fail(format!("line {}: `{}`: {rule}", 1 + line(text, leaf.span.start), leaf.key)))?;
+        }
+        Self::deserialize(Deserializer::from(table.clone())).map_err(|error| fail(explain(&error, text, &leaves)))
     }
 
     /// The scene as TOML.
@@ -197,8 +213,49 @@ impl SceneFile {
     }
 }
 
-fn explain(error: &toml::de::Error, text: &str) -> String {
-    let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+/// A key with a value that is no table.
+struct Leaf<'a> {
+    /// As in `chain.alpha`.
+    key: String,
+    value: &'a DeValue<'a>,
+    /// Where the value is.
+    span: Range<usize>,
+}
+
+fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
+    let below = |(name, value): (&toml::Spanned<_>, &'a toml::Spanned<DeValue<'a>>)| {
+        let key = format!("{above}{}", name.get_ref());
+        match value.get_ref() {
+            DeValue::Table(table) => leaves(table, &(key + ".")),
+            leaf => vec![Leaf { key, value: leaf, span: value.span() }],
+        }
+    };
+    table.iter().flat_map(below).collect()
+}
+
+impl Leaf<'_> {
+    /// That doubles can hold its numbers.
+    fn held(&self) -> std::result::Result<(), String> {
+        fn of(value: &DeValue<'_>) -> std::result::Result<(), String> {
+            match value {
+                DeValue::Float(float) => match double(float.as_str()) {
+                    Ok(_) => Ok(()),
+                    Err(rule) => Err(format!("{}: {rule}", float.as_str().chars().take(SHOWN).collect::<String>())),
+                },
+                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref())),
+                _ => Ok(()),
+            }
+        }
+        of(self.value)
+    }
+}
+
+/// The number, from 0, of the line in which the byte `at` is.
+fn line(text: &str, at: usize) -> usize {
+    text.bytes().take(at).filter(|&byte| byte == b'\n').count()
+}
+
+fn explain(error: &toml::de::Error, text: &str, leaves: &[Leaf<'_>]) -> String {
     let message = error.message().lines().collect::<Vec<_>>().join("; ");
     // serde says: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
@@ -206,7 +263,46 @@ fn explain(error: &toml::de::Error, text: &str) -> String {
         Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
         _ => None,
     };
-    let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
     let hint = hint.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
-    format!("{line}{message}{hint}")
+    let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
+    let span = error.span().filter(|span| *span != (0..text.len()));
+    let leaf = if missing {
+        None
+    } else {
+        let there = |leaf: &&Leaf<'_>| span.as_ref().is_some_and(|span| leaf.span.contains(&span.start));
+        leaves.iter().find(there).or_else(|| {
+            let key = culprit(error.message(), text)?;
+            leaves.iter().find(|leaf| leaf.key == key)
+        })
+    };
+    let message = match leaf.map(|leaf| leaf.span.start).or(span.map(|span| span.start)) {
+        None => message + &hint,
+        Some(at) => {
+            let line = line(text, at);
+            let place = match leaf {
+                _ if unknown => String::new(),
+                Some(leaf) => format!("`{}`: ", leaf.key),
+                None => format!(
+                    "`{}`: ",
+                    text.lines().nth(line).unwrap_or_default().chars().take(SHOWN).collect::<String>()
+                ),
+            };
+            format!("line {}: {place}{message}{hint}", line + 1)
+        }
+    };
+    message.replace(char::is_control, "\u{fffd}")
+}
+
+/// The key of `[initial]` that a message is about: the first with which it appears. A table of one kind or another is read as a whole, and of an error in it
+/// nobody knows where it was.
+fn culprit(message: &str, text: &str) -> Option<String> {
+    let file: Table = text.parse().ok()?;
+    let initial = file.get("initial")?.as_table()?;
+    let mut some = Table::new();
+    let kind = initial.get_key_value("kind");
+    kind.into_iter().chain(initial).find_map(|(key, value)| {
+        some.insert(key.clone(), value.clone());
+        let error = some.clone().try_into::<Initial>().err()?;
+        (error.message() == message).then(|| format!("initial.{key}"))
+    })
 }

@@ -82,14 +82,23 @@ impl Scene {
     /// # Errors
     /// See [`source`](Self::source), [`SceneFile::parse`] and [`build`](Self::build).
     pub fn load(name_or_file: &str) -> Result<Self> {
-        Self::build(SceneFile::parse(&Self::source(name_or_file)?, name_or_file)?)
+        Self::parse(&Self::source(name_or_file)?, name_or_file)
+    }
+
+    /// The scene in a text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// See [`SceneFile::parse`] and [`build`](Self::build).
+    pub fn parse(text: &str, file: &str) -> Result<Self> {
+        let refused = |error: Error| Error::Scene { file: file.to_owned(), message: error.to_string() };
+        Self::build(SceneFile::parse(text, file)?).map_err(refused)
     }
 
     /// Checks a scene and computes its initial state.
     ///
     /// # Errors
     /// The first parameter outside its rule.
-    pub fn build(file: SceneFile) -> Result<Self> {
+    pub fn build(mut file: SceneFile) -> Result<Self> {
         let section = &file.chain;
         if section.sites > MOST_SITES {
             return Err(Error::parameter("sites", section.sites, "at most 10^8"));
@@ -117,10 +126,17 @@ impl Scene {
         };
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
-            (Some(periods), None) => positive("periods", periods)? * period,
+            (Some(periods), None) if (positive("periods", periods)? * period).is_infinite() => {
+                return Err(Error::parameter("periods", periods, "their end is a finite time"));
+            }
+            (Some(periods), None) => periods * period,
             (None, Some(until)) => positive("until", until)?,
             _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
         };
+        if let (Some(Theory::PerturbedWave(drawn)), Initial::TravellingWave { seed, .. }) = (&theory, &mut file.initial)
+        {
+            *seed = Some(drawn.seed());
+        }
         Ok(Self { chain, initial, theory, period, end, file })
     }
 
@@ -348,6 +364,10 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
                 let rule = "a travelling wave lives on a strain-ring";
                 return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
             }
+            if !(-1.0..=1.0).contains(&q_over_pi) {
+                let rule = "the wave number is from -pi to pi: a lattice knows no other";
+                return Err(Error::parameter("q_over_pi", q_over_pi, rule));
+            }
             let waves = 0.5 * q_over_pi * n as f64;
             if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
                 let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
@@ -366,7 +386,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             };
             let wave = TravellingWave::new(chain.params(), Shape { q: q_over_pi * PI, a, b, phi }, size)?;
             let zeta = zeta.unwrap_or(0.0);
-            if zeta == 0.0 {
+            if zeta == 0.0 && zeta.is_sign_positive() {
                 return match seed {
                     Some(seed) => Err(Error::parameter("seed", seed, NOTHING_DRAWN)),
                     None => Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
@@ -380,6 +400,9 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             if site >= n {
                 return Err(Error::parameter("site", site, "a site of the chain, counted from 0"));
             }
+            for (name, value) in [("displacement", displacement), ("velocity", velocity)] {
+                finite(name, value)?;
+            }
             let bead = Site { u: displacement, u_dot: velocity, ..rest };
             Ok((State::from_fn(chain, |i| if i == site { bead } else { rest })?, None))
         }
@@ -387,6 +410,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             if mode == 0 || mode as usize > n {
                 return Err(Error::parameter("mode", mode, "from 1 to the number of sites"));
             }
+            finite("amplitude", amplitude)?;
             let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
             Ok((State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..rest })?, None))
         }
@@ -412,6 +436,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
                     let rule = "an array of the state has one number a site, or is left out";
                     return Err(Error::parameter(name, format!("{} numbers", array.len()), rule));
                 }
+                array.iter().try_for_each(|&value| finite(name, value))?;
             }
             if !(chain.layout().resonators() || v.is_empty() && v_dot.is_empty()) {
                 let rule = "no resonator moves in this chain: leave `v` and `v_dot` out";
@@ -426,6 +451,10 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
     }
 }
 
+fn finite(name: &'static str, value: f64) -> Result<()> {
+    if value.is_finite() { Ok(()) } else { Err(Error::parameter(name, value, "a finite number")) }
+}
+
 fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
     if chain.boundary() != Boundary::Free {
         let rule = "a trivial breather has free ends";
@@ -438,7 +467,7 @@ fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<Triv
         (None, Some(d), None) => TrivialBreather::new(params, amplitudes, phases, d),
         (None, None, gap) => {
             let gap = gap.unwrap_or(0.0);
-            if !(gap.is_finite() && gap >= 0.0) {
+            if !(gap.is_finite() && gap >= 0.0 && gap.is_sign_positive()) {
                 return Err(Error::parameter("gap", gap, "finite and at least zero"));
             }
             let even: Vec<f64> = (0..amplitudes.len()).map(|n| gap * n as f64).collect();
@@ -455,9 +484,8 @@ fn amplitudes(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
             if !(decay.is_finite() && decay > 0.0) {
                 return Err(Error::parameter("decay", decay, "finite and positive"));
             }
-            if !center.is_finite() {
-                return Err(Error::parameter("center", center, "a trivial breather has a finite center"));
-            }
+            finite("center", center)?;
+            finite("amplitude", amplitude)?;
             Ok((0..sites).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect())
         }
         _ => {
@@ -472,9 +500,7 @@ fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
         (Some(phases), None) => site_by_site("phases", phases, sites),
         (None, step) => {
             let step = step.unwrap_or(1.0);
-            if !step.is_finite() {
-                return Err(Error::parameter("phase_step_over_pi", step, "a finite number"));
-            }
+            finite("phase_step_over_pi", step)?;
             // A phase between neighbours is as good as one of many turns less.
             Ok((0..sites).map(|i| PI * (i as f64 * step % 2.0)).collect())
         }

@@ -1,0 +1,17 @@
+//! Doubles as people write them.
+
+/// The double nearest to a decimal: `inf` only where infinity is written, zero only where zero is.
+///
+/// # Errors
+/// No number, or one that a double cannot hold.
+pub(crate) fn double(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
+    if value.is_infinite() && mantissa.contains(|c: char| c.is_ascii_digit()) {
+        return Err("larger than any double, 1.8e308; infinity is written inf".to_owned());
+    }
+    if value == 0.0 && mantissa.contains(|c: char| ('1'..='9').contains(&c)) {
+        return Err("smaller than any double, 4.9e-324; zero is written 0".to_owned());
+    }
+    Ok(value)
+}

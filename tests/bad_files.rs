@@ -1,0 +1,376 @@
+//! Files that are not what they should be, and numbers that are none: always an error with the file, the key and the rule; never a panic, a hang or a demand for memory.
+//!
+//! Branch files, stores and unfinished runs have tests of their own kind beside what they keep. The fuzz targets in `fuzz/` try what nobody thought of.
+
+use hertzchain::{
+    breathers::DarkBreather,
+    chain::Params,
+    dps::Center,
+    experiments::orbit_study,
+    orbits::{Orbit, Pick, Shooting},
+    report::dark_breather_json,
+    scene::{Initial, Scene, SceneFile},
+};
+use serde_json::{Value, json};
+use std::{
+    fs,
+    process::Command,
+    time::{Duration, Instant},
+};
+
+/// Reading integrates nothing: a case takes well below a millisecond. A hang takes longer than this, whatever else the machine does.
+const AT_ONCE: Duration = Duration::from_secs(5);
+
+fn at_once<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    assert!(start.elapsed() < AT_ONCE, "{what}: {:?}", start.elapsed());
+    result
+}
+
+/// The scene in a text, as `Scene::load` reads it, or the message. Profiles of bright breathers are not solved for: that takes a twentieth of a second each.
+fn read(text: &str) -> Result<Option<Scene>, String> {
+    let bright = |file: &SceneFile| matches!(file.initial, Initial::BrightBreather { .. });
+    let scene = SceneFile::parse(text, "x.toml")
+        .and_then(|file| if bright(&file) { Ok(None) } else { Scene::build(file).map(Some) });
+    scene.map_err(|error| {
+        let message = error.to_string();
+        assert!(!message.chars().any(char::is_control), "{message:?}");
+        message
+    })
+}
+
+#[test]
+fn a_scene_cut_or_altered_anywhere_is_a_scene_or_an_error() {
+    for (name, _) in Scene::list() {
+        let text = Scene::source(name).unwrap();
+        for k in 0..text.len() {
+            let _ = at_once(name, || read(&text[..k]));
+            let mut altered = text.clone().into_bytes();
+            // Within ASCII: files that are no text are another test's.
+            altered[k] ^= 1 << (k % 7);
+            let altered = String::from_utf8(altered).unwrap();
+            if let Ok(Some(scene)) = at_once(name, || read(&altered)) {
+                assert!(scene.initial().as_slice().iter().all(|value| value.is_finite()), "{name}, byte {k}");
+                assert!(scene.end().is_finite() && scene.end() > 0.0, "{name}, byte {k}");
+            }
+        }
+    }
+}
+
+/// A built-in scene with a part of its text replaced, the key that the message names, and the rule.
+type Case = (&'static str, &'static str, &'static str, &'static str, &'static str);
+
+#[test]
+fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bad.toml");
+    let name = file.display().to_string();
+    let cases: &[Case] = &[
+        ("tw-q15", "sites = 50", "sites = 1000000000000000000", "sites", "at most 10^8"),
+        ("tw-q15", "sites = 50", "sites = 4294967296", "sites", "at most 10^8"),
+        (
+            "tw-q15",
+            "sites = 50",
+            "sites = 1e18",
+            "line 5: `chain.sites`",
+            "floating point `1000000000000000000.0`, expected usize",
+        ),
+        ("tw-q15", "sites = 50", "sites = -1", "line 5: `chain.sites`", "integer `-1`, expected usize"),
+        ("tw-q15", "sites = 50", "sites = 0", "sites = 0", "at least one bead"),
+        ("tw-q15", "sites = 50", "sites = -0", "sites = 0", "at least one bead"),
+        ("tw-q15", "sites = 50", "sites = 50.0", "line 5: `chain.sites`", "floating point `50.0`, expected usize"),
+        ("tw-q15", "sites = 50", "sites = \"50\"", "line 5: `chain.sites`", "string \"50\", expected usize"),
+        ("tw-q15", "sites = 50", "sites = [50]", "line 5: `chain.sites`", "sequence, expected usize"),
+        ("tw-q15", "sites = 50", "sites = true", "line 5: `chain.sites`", "boolean `true`, expected usize"),
+        ("tw-q15", "sites = 50", "sites = 2024-01-01", "line 5: `chain.sites`", "expected usize"),
+        ("tw-q15", "sites = 50", "sites =", "line 5: ", "expected"),
+        ("tw-q15", "sites = 50", "sites = 50 50", "line 5: ", "expected"),
+        ("tw-q15", "sites = 50", "sites = 0x1_0000_0000_0000_0000", "line 5: `chain.sites`", "expected"),
+        ("tw-q15", "sites = 50", "", "line 4: `[chain]`", "missing field `sites`"),
+        ("tw-q15", "sites = 50", "sites = 50\nsites = 50", "line 6: `sites = 50`", "duplicate key"),
+        ("tw-q15", "[span]", "[chain]\n[span]", "line 19: `[chain]`", "duplicate key"),
+        ("tw-q15", "alpha = 1.5", "alpha = 1e400", "line 6: `chain.alpha`", "1e400: larger than any double"),
+        ("tw-q15", "alpha = 1.5", "alpha = -1e400", "line 6: `chain.alpha`", "-1e400: larger than any double"),
+        ("tw-q15", "alpha = 1.5", "alpha = 1e-400", "line 6: `chain.alpha`", "1e-400: smaller than any double"),
+        ("tw-q15", "alpha = 1.5", "alpha = nan", "alpha = NaN", "the exponent is finite and positive"),
+        ("tw-q15", "alpha = 1.5", "alpha = -inf", "alpha = -inf", "the exponent is finite and positive"),
+        ("tw-q15", "alpha = 1.5", "alpha = -0.0", "alpha = -0", "the exponent is finite and positive"),
+        ("tw-q15", "alpha = 1.5", "alpha = \"1.5\"", "line 6: `chain.alpha`", "string \"1.5\", expected f64"),
+        ("tw-q15", "kappa = 1.0", "kappa = -0.0", "kappa = -0", "the spring constant is finite and at least zero"),
+        ("tw-q15", "rho = 0.3333333333333333", "rho = -0.0", "rho = -0", "the mass ratio is in [0, inf]"),
+        ("tw-q15", "rho = 0.3333333333333333", "rho = nan", "rho = NaN", "the mass ratio is in [0, inf]"),
+        ("tw-q15", "boundary = \"strain-ring\"", "boundary = 3", "line 9: `chain.boundary`", "wanted string"),
+        (
+            "tw-q15",
+            "boundary = \"strain-ring\"",
+            "boundary = \"rings\"",
+            "line 9: `chain.boundary`",
+            "did you mean `ring`?",
+        ),
+        (
+            "tw-q15",
+            "q_over_pi = 0.2",
+            "q_over_pi = \"x\"",
+            "line 13: `initial.q_over_pi`",
+            "string \"x\", expected f64",
+        ),
+        ("tw-q15", "q_over_pi = 0.2", "q_over_pi = nan", "q_over_pi = NaN", "the wave number is from -pi to pi"),
+        ("tw-q15", "q_over_pi = 0.2", "q_over_pi = 1e300", "q_over_pi = 1e300", "the wave number is from -pi to pi"),
+        ("tw-q15", "phi = 0.0", "phi = inf", "phi = inf", "a finite number"),
+        ("tw-q15", "phi = 0.0", "phi = 1e400", "line 16: `initial.phi`", "1e400: larger than any double"),
+        ("tw-q15", "phi = 0.0", "phj = 0.0", "line 16: ", "unknown field `phj`"),
+        (
+            "tw-q15",
+            "phi = 0.0",
+            "phi = 0.0\nseed = -1\nzeta = 0.1",
+            "line 17: `initial.seed`",
+            "integer `-1`, expected u64",
+        ),
+        (
+            "tw-q15",
+            "kind = \"travelling-wave\"",
+            "kind = \"traveling-wave\"",
+            "line 12: `initial.kind`",
+            "did you mean `travelling-wave`?",
+        ),
+        ("tw-q15", "kind = \"travelling-wave\"", "kind = 7", "line 12: `initial.kind`", "expected"),
+        ("tw-q15", "kind = \"travelling-wave\"", "", "line 11: `[initial]`", "missing field `kind`"),
+        ("tw-q15", "detuning = 0.001", "detuning = -0.0", "detuning = -0", "finite and positive"),
+        ("tw-q15", "detuning = 0.001", "detuning = 1e300", "epsilon", "a normal number"),
+        ("tw-q15", "periods = 100", "periods = -0.0", "periods = -0", "finite and positive"),
+        ("tw-q15", "periods = 100", "periods = 1e400", "line 20: `span.periods`", "1e400: larger than any double"),
+        ("tw-q15", "periods = 100", "until = nan", "until = NaN", "finite and positive"),
+        ("tw-q15", "periods = 100", "periods = 1.7e308", "periods = 1.7e308", "a finite time"),
+        ("tw-q15", "samples = 400", "samples = 1000001", "samples = 1000001", "at most 10^6"),
+        ("tw-q15", "samples = 400", "samples = 9223372036854775807", "samples", "at most 10^6"),
+        ("tw-q15", "samples = 400", "samples = -1", "line 23: `record.samples`", "integer `-1`, expected usize"),
+        ("tw-q15", "samples = 400", "sample = 400", "line 23: ", "did you mean `samples`?"),
+        ("tw-q15", "[record]", "[recorded]", "line 22: ", "did you mean `record`?"),
+        ("tw-q15", "name = \"tw-q15\"", "name = 7", "line 1: `name`", "integer `7`, expected a string"),
+        ("tw-q15", "name = \"tw-q15\"", "", "", "missing field `name`"),
+        ("precompressed", "precompression = ", "precompression = -", "precompression = -", "at least zero"),
+        ("precompressed", "precompression = ", "precompression = nan #", "precompression = NaN", "at least zero"),
+        ("precompressed", "precompression = ", "precompression = -0.0 #", "precompression = -0", "at least zero"),
+        ("trivial-breather", "decay = 4.0", "decay = \"4\"", "line 15: `initial.decay`", "string \"4\", expected f64"),
+        ("trivial-breather", "decay = 4.0", "decay = -0.0", "decay = -0", "finite and positive"),
+        (
+            "trivial-breather",
+            "amplitude = 0.1",
+            "amplitude = 1e400",
+            "line 14: `initial.amplitude`",
+            "larger than any double",
+        ),
+        ("trivial-breather", "gap = 1e-3", "gap = -0.0", "gap = -0", "finite and at least zero"),
+        ("trivial-breather", "gap = 1e-3", "gap = 1e308", "b", "finite"),
+        ("trivial-breather", "gap = 1e-3", "d = [0.1, nan]", "d = 2 numbers", "as many offsets as amplitudes"),
+        ("bright-breather", "epsilon = ", "epsilon = -", "epsilon = -", "finite and positive"),
+        ("bright-breather", "center = \"bond\"", "center = \"bead\"", "`initial.center`", "unknown variant `bead`"),
+        (
+            "bright-breather",
+            "center = \"bond\"",
+            "center = \"bond\"\ncenter = \"bond\"",
+            "`center = \"bond\"`",
+            "duplicate key",
+        ),
+        ("impact", "site = ", "site = 1000000000000000000 #", "site = 1000000000000000000", "a site of the chain"),
+        ("impact", "velocity = ", "velocity = nan #", "velocity = NaN", "a finite number"),
+    ];
+    for (scene, from, to, key, rule) in cases {
+        let text = Scene::source(scene).unwrap();
+        assert!(text.contains(from), "{scene}: {from}");
+        fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        let error = at_once(to, || Scene::load(&name)).expect_err(to).to_string();
+        assert!(error.starts_with(&format!("scene {name}: ")) && error.lines().count() == 1, "{to}: {error}");
+        assert!(error.contains(key) && error.contains(rule), "{to}: {error}\n  key {key}, rule {rule}");
+    }
+}
+
+#[test]
+fn what_is_no_text_is_refused_and_line_ends_and_byte_order_marks_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bad.toml");
+    let name = file.display().to_string();
+    let text = Scene::source("tw-q15").unwrap();
+    let load = |bytes: &[u8]| {
+        fs::write(&file, bytes).unwrap();
+        at_once("a file", || Scene::load(&name)).map_err(|error| error.to_string())
+    };
+    for (bytes, rule) in [
+        (Vec::new(), "missing field"),
+        (b"\n\n".to_vec(), "missing field"),
+        (vec![0; 1000], "line 1: "),
+        ((0..=255).collect(), "valid UTF-8"),
+        (text.replace("tw-q15", "\u{1}").into_bytes(), "line 1: "),
+        ([text.as_bytes(), &[0xc3]].concat(), "valid UTF-8"),
+        (text.encode_utf16().flat_map(u16::to_le_bytes).collect(), "line 1: "),
+        ("[".repeat(100_000).into_bytes(), "line 1: "),
+        (("a = ".to_owned() + &"[".repeat(100_000)).into_bytes(), "recurs"),
+        (("a".to_owned() + &".a".repeat(100_000) + " = 1").into_bytes(), "recurs"),
+        (text.replace("400", &"4".repeat(100_000)).into_bytes(), "line 23: `record.samples`"),
+        (text.replace("1.5", &"9".repeat(100_000)).into_bytes(), "line 6: `chain.alpha`"),
+        (text.replace("1.5", &("0.".to_owned() + &"0".repeat(100_000) + "1")).into_bytes(), "smaller than any double"),
+    ] {
+        let start = String::from_utf8_lossy(&bytes[..bytes.len().min(20)]).into_owned();
+        let error = load(&bytes).expect_err(&start);
+        assert!(
+            error.contains(&name) && error.contains(rule) && error.lines().count() == 1,
+            "{start:?}, {rule}: {error:.300}"
+        );
+    }
+    for good in [text.replace('\n', "\r\n"), format!("\u{feff}{text}")] {
+        let (read, whole) = (load(good.as_bytes()).unwrap(), Scene::load("tw-q15").unwrap());
+        assert!(read.file() == whole.file() && read.initial().as_slice() == whole.initial().as_slice());
+    }
+    for (path, rule) in [(folder.path().to_path_buf(), "directory"), (folder.path().join("none.toml"), "No such file")]
+    {
+        let name = path.display().to_string();
+        let error = Scene::load(&name).unwrap_err().to_string();
+        assert!(error.contains(&name) && error.contains(rule), "{error}");
+    }
+}
+
+/// A small orbit as `dark` writes it.
+fn orbit_file() -> (Orbit, String) {
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
+    let breather = DarkBreather { params, center: Center::Bond, sites: 5, omega_b: 2.03, c_x: 0.0 };
+    let orbit = breather.orbit(&Shooting::default()).unwrap();
+    let text = dark_breather_json(&breather, &orbit_study(orbit.clone(), &Shooting::default()).unwrap());
+    (orbit, text)
+}
+
+#[test]
+fn orbit_files_cut_altered_or_without_sense_are_refused_by_key_and_rule() {
+    let (orbit, text) = orbit_file();
+    assert_eq!(Orbit::from_json(text.as_bytes()).unwrap().z, orbit.z);
+    for k in 0..text.len() {
+        at_once("a cut", || assert!(Orbit::from_json(&text.as_bytes()[..k]).is_err(), "{k}"));
+        let mut altered = text.clone().into_bytes();
+        altered[k] ^= 1 << (k % 8);
+        if let Ok(orbit) = at_once("a byte", || Orbit::from_json(&altered)) {
+            assert!(orbit.setting.chain().is_ok() && orbit.z.iter().all(|z| z.is_finite()), "{k}");
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("orbit.json");
+    let refusal = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let error = at_once("a file", || Orbit::load(&path, None, &Shooting::default())).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{}, orbit: ", path.display())) && error.lines().count() == 1, "{error}");
+        error
+    };
+    let whole: Value = serde_json::from_str(&text).unwrap();
+    for (key, value, rule) in [
+        ("sites", json!(1_000_000_000_000_000_000_u64), "sites = 1000000000000000000 is not valid: from 3 to 256"),
+        ("sites", json!(1e18), "floating point `1e+18`, expected usize"),
+        ("sites", json!(-1), "integer `-1`, expected usize"),
+        ("sites", json!(0), "sites = 0 is not valid"),
+        ("format_version", json!(2), "format_version 2; read is hertzchain orbit, format_version 1"),
+        ("format", json!("hertzchain branch"), "hertzchain branch, format_version 1; read is hertzchain orbit"),
+        ("sites", json!(7), "x = 5 numbers is not valid: a number for every site"),
+        ("alpha", json!("1.5"), "string \"1.5\", expected f64"),
+        ("alpha", json!(0.5), "alpha = 0.5 is not valid"),
+        ("kappa", json!(-0.0), "kappa = -0 is not valid"),
+        ("rho", json!(-0.0), "rho = -0 is not valid"),
+        ("rho", Value::Null, "invalid type: null"),
+        ("omega_b", json!(-0.0), "omega_b = -0 is not valid: finite and positive"),
+        ("omega_b", json!(1e-300), "at most 1000 times as fast"),
+        ("turns", json!(3), "turns = 3 is not valid"),
+        ("x", json!([]), "x = 0 numbers is not valid"),
+        ("y", json!([0, 0, 0, 0, "0"]), "string \"0\", expected f64"),
+        ("x", json!([0, 0, 0, 0, 0]), "orbit"),
+    ] {
+        let mut altered = whole.clone();
+        altered[key] = value.clone();
+        let error = refusal(altered.to_string().as_bytes());
+        assert!(error.contains(rule), "{key} = {value}: {error}");
+        if key.starts_with("format") {
+            continue;
+        }
+        altered.as_object_mut().unwrap().remove(key);
+        assert!(refusal(altered.to_string().as_bytes()).contains(&format!("missing field `{key}`")), "{key}");
+        let twice = text.replacen('{', &format!("{{\"{key}\": {},", whole[key]), 1);
+        assert!(refusal(twice.as_bytes()).contains(&format!("duplicate field `{key}`")), "{key}");
+    }
+    for number in ["1e400", "-1e400", "NaN", "inf", "-Infinity", "0x10", "1.", ".5"] {
+        let altered = text.replacen("\"omega_b\": ", &format!("\"omega_b\": {number} "), 1);
+        assert!(refusal(altered.as_bytes()).contains("line "), "{number}");
+    }
+    for bytes in [Vec::new(), vec![0; 99], (0..=255).collect(), vec![b'['; 100_000], b"{\"alpha\": \"\xff\"}".to_vec()]
+    {
+        refusal(&bytes);
+    }
+    refusal(text.replace("\"x\"", "\"z\"").as_bytes());
+    assert!(Orbit::load(folder.path(), None, &Shooting::default()).is_err());
+    fs::write(&path, &text).unwrap();
+    assert!(Orbit::load(&path, Some(Pick::Point(0)), &Shooting::default()).is_err());
+    assert_eq!(Orbit::load(&path, None, &Shooting::default()).unwrap().z, orbit.z);
+}
+
+/// What a command says that must fail at once.
+fn refusal(args: &[&str]) -> String {
+    let run = || Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap();
+    let output = at_once(&args.join(" "), run);
+    let text = String::from_utf8(output.stderr).unwrap();
+    // A panic has the exit code 101, a killed process has none.
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{args:?}: {:?}\n{text}", output.status);
+    assert!(output.stdout.is_empty() && text.starts_with("error: "), "{args:?}: {text}");
+    text
+}
+
+#[test]
+fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let orbit = folder.path().join("orbit.json").display().to_string();
+    fs::write(&orbit, orbit_file().1).unwrap();
+    let commands: &[(&[&str], &[&str], &[&str])] = &[
+        // The command; flags that take a finite positive number; flags that take a count.
+        (&["run", "tw-q15"], &["--until", "--step", "--steps-per-period", "--tol", "--windows-per-period"], &[]),
+        (&["compare", "tw-q15"], &["--max-time"], &[]),
+        (&["order"], &["--alpha"], &["--beads"]),
+        (&["scaling"], &["--tol", "--max-time"], &["--sites"]),
+        (&["drift"], &["--periods"], &["--samples"]),
+        (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
+        (
+            &["breather", "bright"],
+            &["--until", "--tol", "--epsilon", "--alpha", "--kappa"],
+            &["--sites", "--samples-per-period"],
+        ),
+        (&["breather", "trivial"], &["--until", "--tol"], &[]),
+        (&["theorem"], &["--alpha", "--horizon", "--epsilons"], &["--sites"]),
+        (&["lifetimes"], &["--until", "--alpha", "--epsilons", "--rhos"], &["--sites"]),
+        (&["dark"], &["--omega-b", "--alpha", "--kappa", "--rho", "--tol"], &["--sites"]),
+        (&["continue"], &["--from", "--to", "--step", "--alpha", "--kappa", "--rho", "--tol"], &["--sites"]),
+        (&["doubled"], &["--omega-b", "--most", "--step", "--alpha", "--kappa", "--rho", "--tol"], &["--sites"]),
+        (&["evolve", &orbit], &["--until", "--tol"], &[]),
+        (&["dps", "integrals", "--b", "0", "--r", "1"], &["--alpha", "--kappa"], &[]),
+        (&["dps", "homoclinic"], &["--alpha"], &[]),
+        (&["dps", "dark"], &["--alpha", "--kappa", "--rho", "--omega-b"], &["--sites"]),
+        (&["dps", "stability"], &["--alpha", "--kappa", "--rho", "--a", "--epsilon"], &["--sites"]),
+    ];
+    let mut bad = Vec::new();
+    for (command, numbers, counts) in commands {
+        for (flags, values) in [
+            (numbers, &["1e400", "1e-400", "nan", "-0", "-1", "one"][..]),
+            (counts, &["1e18", "1000000000000000000", "4294967296", "-1", "-0", "nan"]),
+        ] {
+            for flag in *flags {
+                for value in values {
+                    let text = refusal(&[*command, &[*flag, *value]].concat());
+                    let name = flag.trim_start_matches('-');
+                    // In messages of the library a flag is a key, of many values one is named, and a branch begins at an omega_b.
+                    let names = [
+                        name,
+                        &name.replace('-', "_"),
+                        name.trim_end_matches('s'),
+                        if name == "from" { "omega_b" } else { name },
+                    ];
+                    if !names.iter().any(|name| text.contains(name)) {
+                        bad.push(format!("{command:?} {flag} {value}: {text}"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(bad.is_empty(), "{}", bad.concat());
+}

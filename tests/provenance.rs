@@ -1,0 +1,124 @@
+//! Every folder of results says what made them: program and version, scene or parameters, integrator and settings, seed.
+
+use hertzchain::output::Archive;
+use serde_json::Value;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+fn hertzchain(args: &[&str], out: &Path) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
+    let output = command.args(args).arg("--out").arg(out).output().unwrap();
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn of_kind(folder: &Path, kind: &str) -> Vec<PathBuf> {
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.filter(|path| path.extension().is_some_and(|extension| extension == kind)).collect()
+}
+
+fn contains(bytes: &[u8], text: &str) -> bool {
+    bytes.windows(text.len()).any(|window| window == text.as_bytes())
+}
+
+/// The one JSON of a folder, after looks at all that lies beside it.
+fn checked(folder: &Path) -> Value {
+    let [path] = &of_kind(folder, "json")[..] else { panic!("a JSON in {}", folder.display()) };
+    let json: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+    assert_eq!(json["version"], VERSION, "{}", path.display());
+    for path in of_kind(folder, "npz") {
+        let archive = Archive::read(&path).unwrap();
+        let settings: Value = serde_json::from_str(archive.text("settings.json").unwrap()).unwrap();
+        let whole =
+            settings["version"] == VERSION && settings["setting"].is_string() && settings["integrator"].is_string();
+        assert!(whole || settings["program"] == format!("hertzchain {VERSION}"), "{}: {settings}", path.display());
+        assert_eq!(settings["scene_file"], json["scene_file"], "{}", path.display());
+    }
+    for path in of_kind(folder, "png") {
+        let bytes = fs::read(&path).unwrap();
+        let program = format!("hertzchain {VERSION}");
+        assert!(contains(&bytes, &format!("tEXtSoftware\0{program}")), "{}", path.display());
+        assert!(
+            contains(&bytes, "iTXtDescription\0") && contains(&bytes, &format!("{program}.")),
+            "{}",
+            path.display()
+        );
+    }
+    json
+}
+
+#[test]
+fn results_of_scenes_hold_the_whole_scene_the_integrator_its_setting_and_the_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("own.toml").display().to_string();
+    let text = hertzchain::scene::Scene::source("tw-q15").unwrap();
+    fs::write(&scene, text.replace("detuning", "zeta = 0.01\ndetuning").replace("tw-q15", "own")).unwrap();
+    let wave = ["--until", "3"];
+    for (name, args) in [
+        ("run", &["run", &scene, "--events", "--tol", "1e-8"][..]),
+        ("wave", &["wave", &scene, "--tol", "1e-8"]),
+        ("bright", &["breather", "bright", "--tol", "1e-8"]),
+        ("trivial", &["breather", "trivial", "--tol", "1e-8"]),
+    ] {
+        let out = folder.path().join(name);
+        hertzchain(&[args, &wave].concat(), &out);
+        let json = checked(&out);
+        let file = &json["scene_file"];
+        assert!(
+            file["name"] == json["scene"] && file["span"]["until"] == 3.0 && file["chain"]["alpha"] == 1.5,
+            "{name}"
+        );
+        let setting = json["setting"].as_str().unwrap();
+        assert!(setting.contains("1e-8"), "{name}: {setting}");
+        let integrator = json["integrator"].as_str().unwrap_or(setting);
+        assert!(integrator.contains("collocation"), "{name}: {integrator}");
+        // A seed that is left out is one all the same.
+        assert!(file["name"] != "own" || file["initial"]["seed"] == 1, "{name}: {file}");
+    }
+    let out = folder.path().join("drift");
+    hertzchain(&["drift", "cradle", "--periods", "5", "--samples", "3"], &out);
+    let json = checked(&out);
+    assert_eq!((&json["scene_file"]["chain"]["rho"], &json["scene_file"]["name"]), (&"inf".into(), &"cradle".into()));
+}
+
+#[test]
+fn results_without_a_scene_hold_their_parameters() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = |name: &str| folder.path().join(name);
+    let holds = |name: &str, args: &[&str], keys: &[&str]| {
+        hertzchain(args, &out(name));
+        let json = checked(&out(name));
+        for key in keys {
+            assert!(json.pointer(key).is_some_and(|value| !value.is_null()), "{name} lacks {key}");
+        }
+    };
+    let ring = ["--center", "bond", "--sites", "5"];
+    let of_orbit = ["/alpha", "/kappa", "/rho", "/sites", "/omega_b", "/integrator"];
+    holds(
+        "dark",
+        &[&["dark", "--omega-b", "2.03"], &ring[..]].concat(),
+        &[&of_orbit[..], &["/center", "/c_x_asked", "/shooting/tol"]].concat(),
+    );
+    let orbit = out("dark").join("dark-breather.json").display().to_string();
+    holds("evolve", &["evolve", &orbit, "--until", "10"], &[&of_orbit[..], &["/tol"]].concat());
+    holds(
+        "continue",
+        &[&["continue", "--from", "2.03", "--to", "2.04", "--step", "5e-3"], &ring[..]].concat(),
+        &["/settings/setting/params/rho", "/settings/continuation/shooting/tol", "/settings/weak", "/integrator"],
+    );
+    holds(
+        "profile",
+        &["dps", "dark", "--sites", "5"],
+        &["/alpha", "/kappa", "/rho", "/sites", "/center", "/c", "/omega_b"],
+    );
+    holds("stability", &["dps", "stability"], &["/params/alpha", "/params/rho", "/params/b", "/params/sites"]);
+    holds(
+        "scaling",
+        &["scaling", "--sites", "10", "--tol", "1e-3"],
+        &["/scene", "/seed", "/tol", "/rows/0/integrator"],
+    );
+}
