@@ -1,0 +1,66 @@
+//! Branch files: any bytes are a branch whose every number is within its rules, or an error that names file, member and rule.
+//!
+//! A zip archive with one byte altered fails a checksum, and nothing behind that would ever be tried. So the first byte says what the others are: an
+//! archive; or the settings of one, a zero byte, and the doubles in it.
+
+#![no_main]
+
+use hertzchain::{
+    Error,
+    orbits::Trail,
+    output::{Archive, Array, npz_with},
+};
+use libfuzzer_sys::fuzz_target;
+use std::path::Path;
+
+fn archive(bytes: &[u8]) -> Vec<u8> {
+    let cut = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    let settings = String::from_utf8_lossy(&bytes[..cut]);
+    let json: serde_json::Value = serde_json::from_str(&settings).unwrap_or_default();
+    let length = |pointer: &str| json.pointer(pointer).and_then(serde_json::Value::as_u64).unwrap_or(1).min(9);
+    let (points, sites) = (length("/points"), length("/setting/sites"));
+    let mut doubles = bytes[cut..]
+        .get(1..)
+        .unwrap_or_default()
+        .chunks_exact(8)
+        .map(|chunk| f64::from_le_bytes(chunk.try_into().expect("eight bytes")));
+    let mut array = |name: &'static str, shape: &[u64]| {
+        let values = (0..shape.iter().product()).map(|_| doubles.next().unwrap_or(0.1)).collect();
+        Array { name, shape: shape.to_vec(), values }
+    };
+    let arrays = [
+        array("parameter", &[points]),
+        array("residual", &[points]),
+        array("x", &[points, sites]),
+        array("y", &[points, sites]),
+    ];
+    npz_with("settings.json", &settings, &arrays).expect("an archive in memory")
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let made;
+    let bytes = match bytes.split_first() {
+        Some((b'P', _)) | None => bytes,
+        Some((_, rest)) => {
+            made = archive(rest);
+            &made
+        }
+    };
+    let path = Path::new("fuzz.npz");
+    match Archive::from_bytes(path, bytes).and_then(|archive| Trail::from_archive(&archive)) {
+        Ok(trail) => {
+            assert!(!trail.orbits.is_empty() && trail.ds.is_finite() && trail.ds > 0.0);
+            for orbit in &trail.orbits {
+                orbit.setting.chain().expect("a setting within its rules");
+                assert!(orbit.z.len() == 2 * orbit.setting.sites && orbit.z.iter().all(|z| z.is_finite()));
+            }
+            // What is written of it is read as the same branch, but for residuals that are no numbers.
+            let again = trail.npz(Vec::new()).expect("what was read can be written");
+            let again = Trail::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
+            assert_eq!(format!("{trail:?}"), format!("{again:?}"));
+        }
+        Err(error) => {
+            assert!(matches!(error, Error::Content { .. }) && error.to_string().starts_with("fuzz.npz, "), "{error}");
+        }
+    }
+});
