@@ -1,7 +1,9 @@
 //! The command line, its files and its figures. One binary for all of them: what is generic is compiled once.
 
+mod bad_files;
 mod cli;
 mod figures;
 mod long_runs;
 mod paper_figures;
+mod provenance;
 mod studies;

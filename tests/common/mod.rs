@@ -31,7 +31,3 @@ pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -
     drive(&mut run, &mut Silent, &mut y).unwrap();
     (y, run.stats())
 }
-
-pub(crate) fn windows(windows: u64, nodes: usize) -> Pace {
-    Pace::Windows { windows, nodes, neighbours: true }
-}

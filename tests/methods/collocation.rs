@@ -1,6 +1,9 @@
 //! Contact collocation against independent runs, closed forms and its own orders.
 
-use crate::common::{collocated, distance, largest, truth, windows};
+use crate::{
+    common::{collocated, distance, largest, truth},
+    windows,
+};
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     experiments::{Records, generic_state, run, run_with_contacts},

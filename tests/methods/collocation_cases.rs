@@ -1,7 +1,10 @@
 //! Contact collocation where contacts are hard: ties, grazing, very short contacts, starts on the surface, contacts that never open,
 //! nothing at all; and where there is a closed form.
 
-use crate::common::{collocated, distance, largest, truth, windows};
+use crate::{
+    common::{collocated, distance, largest, truth},
+    windows,
+};
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     integrators::{Stepper, collocation::Pace},

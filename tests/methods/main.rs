@@ -10,3 +10,8 @@ mod main_job;
 mod order;
 mod splitting;
 mod tangent;
+
+/// Equal windows that know their neighbours.
+fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::Pace {
+    hertzchain::integrators::collocation::Pace::Windows { windows, nodes, neighbours: true }
+}
