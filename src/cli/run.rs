@@ -28,9 +28,9 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     }
     let how = How::new(args, &scene)?;
     let (name, wording) = how.words();
-    let reason = how.reason();
+    let reason = how.reason().map(str::to_owned);
+    let reason = reason.as_deref();
     let say = || reason.filter(|_| !args.json).iter().for_each(|why| eprintln!("{name}, {wording}: {why}"));
-    say();
     if args.plan {
         // What a run refuses is not planned.
         let plan = how.plan(&scene, args.events)?;
@@ -40,14 +40,18 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         } else {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
+        say();
         print(&text);
         return Ok(ExitCode::SUCCESS);
     }
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval)?;
-        return go_on(args, long, &Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?);
+        let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
+        say();
+        return go_on(args, long, &folder);
     }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    say();
     signals::ask()?;
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
