@@ -15,7 +15,7 @@ pub enum Error {
         rule: &'static str,
     },
     /// The state stopped being a number.
-    #[error("the state is not finite at t = {t} (step {step}, component {index})")]
+    #[error("the state is not finite at t = {} (step {step}, component {index})", brief(.t))]
     NotFinite {
         /// Time.
         t: f64,
@@ -25,7 +25,7 @@ pub enum Error {
         index: usize,
     },
     /// A conserved quantity left every bound that an accurate run could explain.
-    #[error("unstable: {quantity} went from {initial:e} to {value:e} by t = {t} (step {step}); take a smaller step")]
+    #[error("unstable: {quantity} went from {initial:e} to {value:e} by t = {} (step {step}); take a smaller step", brief(.t))]
     Unstable {
         /// Which quantity.
         quantity: &'static str,
@@ -39,7 +39,7 @@ pub enum Error {
         step: u64,
     },
     /// The step-size control asked for a step that no longer changes the time.
-    #[error("the step size underflowed at t = {t} (h = {h:e})")]
+    #[error("the step size underflowed at t = {} (h = {h:e})", brief(.t))]
     StepUnderflow {
         /// Time.
         t: f64,
@@ -47,7 +47,7 @@ pub enum Error {
         h: f64,
     },
     /// The allowed number of steps is used up.
-    #[error("{steps} steps were not enough: stopped at t = {t}")]
+    #[error("{steps} steps were not enough: stopped at t = {}", brief(.t))]
     TooManySteps {
         /// Time.
         t: f64,
@@ -55,7 +55,7 @@ pub enum Error {
         steps: u64,
     },
     /// The sweeps of contact collocation did not settle in any window, however short.
-    #[error("contact collocation did not settle at t = {t}: bond {bond}, window {h:e}, change of impulse {residual:e}")]
+    #[error("contact collocation did not settle at t = {}: bond {bond}, window {h:e}, change of impulse {residual:e}", brief(.t))]
     NoContraction {
         /// Time.
         t: f64,
@@ -67,14 +67,14 @@ pub enum Error {
         residual: f64,
     },
     /// Somebody outside asked it to end.
-    #[error("stopped by a signal at t = {t}")]
+    #[error("stopped by a signal at t = {}", brief(.t))]
     Stopped {
         /// Time.
         t: f64,
     },
     /// The stages of an implicit step did not settle.
     #[error(
-        "the stages of the step did not settle at t = {t}: step {h:e}, last change {residual:e}; take a smaller step"
+        "the stages of the step did not settle at t = {}: step {h:e}, last change {residual:e}; take a smaller step", brief(.t)
     )]
     NotSettled {
         /// Time.
@@ -84,4 +84,9 @@ pub enum Error {
         /// The last change of a stage that was a number.
         residual: f64,
     },
+}
+
+/// A time that is not told with a hundred zeros.
+fn brief(t: &f64) -> String {
+    if *t == 0.0 || (1e-5..1e16).contains(&t.abs()) { t.to_string() } else { format!("{t:e}") }
 }
