@@ -4,8 +4,8 @@ use super::{Exit, args::ReportArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
     experiments::{
-        Chart, ChartOptions, CompareOptions, PAPER, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
-        verify,
+        Chart, ChartOptions, CompareOptions, PAPER, PaperData, PaperFigure, Problem, RhoLaw, TheoremOptions, charts,
+        compare, order, theorem, verify,
     },
     method::Method,
     output::Folder,
@@ -134,35 +134,28 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
     let scene = Scene::load("tw-q15")?;
     let options = CompareOptions { methods: Method::all(), max_time: SHORT };
     let comparison = compare(&scene, &options, &|share, _| tell(share))?;
-    let mut blocks = Vec::new();
     #[cfg(feature = "plot")]
-    blocks.push(Block::Picture {
+    let pictures = vec![Block::Picture {
         title: "Error against run time".to_owned(),
         caption: scene.file().summary.clone(),
         png: report::comparison_png(&comparison)?,
-    });
-    blocks.push(Block::Table(report::comparison_table(&comparison)));
-    Ok(blocks)
+    }];
+    #[cfg(not(feature = "plot"))]
+    let pictures = vec![];
+    Ok([pictures, vec![Block::Table(report::comparison_table(&comparison))]].concat())
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
     let study = order(1.5, 6, tell)?;
-    let mut blocks = Vec::new();
     #[cfg(feature = "plot")]
-    for (name, png) in report::order_pictures(&study)? {
-        let of = if name.contains("tangent") {
-            "Error of the derivative by the initial state"
-        } else {
-            "Error of the state"
-        };
-        blocks.push(Block::Picture {
-            title: of.to_owned(),
-            caption: "Against the number of steps, α = 1.5.".to_owned(),
-            png,
-        });
-    }
-    blocks.push(Block::Table(report::order_table(&study)));
-    Ok(blocks)
+    let pictures = report::order_pictures(&study)?.into_iter().map(|(name, png)| {
+        let tangent = name.contains("tangent");
+        let of = if tangent { "Error of the derivative by the initial state" } else { "Error of the state" };
+        Block::Picture { title: of.to_owned(), caption: "Against the number of steps, α = 1.5.".to_owned(), png }
+    });
+    #[cfg(not(feature = "plot"))]
+    let pictures = std::iter::empty();
+    Ok(pictures.chain([Block::Table(report::order_table(&study))]).collect())
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -185,14 +178,14 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
         quick: true,
     };
     let study = charts(&Problem::built_in(), &options, None, &|done, total| tell(done as f64 / total as f64))?;
-    let mut blocks = vec![Block::Table(report::charts_table(&study))];
     #[cfg(feature = "plot")]
-    blocks.extend(report::charts_pictures(&study)?.into_iter().map(|(name, png)| Block::Picture {
-        title: name.trim_end_matches(".png").to_owned(),
-        caption: String::new(),
-        png,
-    }));
-    Ok(blocks)
+    let pictures = report::charts_pictures(&study)?.into_iter().map(|(name, png)| {
+        let title = name.trim_end_matches(".png").to_owned();
+        Block::Picture { title, caption: "The caption is in the picture.".to_owned(), png }
+    });
+    #[cfg(not(feature = "plot"))]
+    let pictures = std::iter::empty();
+    Ok(std::iter::once(Block::Table(report::charts_table(&study))).chain(pictures).collect())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -206,19 +199,22 @@ fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let block = |(k, figure): (usize, &'static crate::experiments::PaperFigure)| {
-        let made = figure.data(&|share| tell((k as f64 + share) / PAPER.len() as f64)).and_then(|data| {
-            let caption = report::paper_caption(figure, &data);
-            #[cfg(feature = "plot")]
-            return Ok(Block::Picture {
-                title: figure.title.to_owned(),
-                caption,
-                png: report::paper_png(figure, &data)?,
-            });
-            #[cfg(not(feature = "plot"))]
-            Ok(Block::Table(format!("{}. {caption}\n", figure.title)))
-        });
+    let block = |(k, figure): (usize, &'static PaperFigure)| {
+        let data = figure.data(&|share| tell((k as f64 + share) / PAPER.len() as f64));
+        let made = data.and_then(|data| shown(figure, &data));
         made.unwrap_or_else(|error| Block::Failure(format!("{}: {error}", figure.name)))
     };
     Ok(PAPER.iter().enumerate().map(block).collect())
+}
+
+#[cfg(feature = "plot")]
+fn shown(figure: &PaperFigure, data: &PaperData) -> Result<Block> {
+    let (title, caption) = (figure.title.to_owned(), report::paper_caption(figure, data));
+    Ok(Block::Picture { title, caption, png: report::paper_png(figure, data)? })
+}
+
+/// In words where nothing can be drawn.
+#[cfg(not(feature = "plot"))]
+fn shown(figure: &PaperFigure, data: &PaperData) -> Result<Block> {
+    Ok(Block::Table(format!("{}. {}\n", figure.title, report::paper_caption(figure, data))))
 }

@@ -10,8 +10,11 @@ use crate::{
     report::{branch_csv, evolution_csv, swing_csv},
 };
 
+/// Tables, `(file name, CSV)`.
+type Tables = Vec<(&'static str, Vec<u8>)>;
+
 /// Tables of a figure, `(what tells them apart, tables)`.
-pub(super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Vec<(&'static str, Vec<u8>)>)> {
+pub(super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
     let branch =
         |branch: &Branch| vec![("branch.csv", branch_csv(branch)), ("multipliers.csv", off_circle_csv(branch))];
     match data {
@@ -75,12 +78,12 @@ fn strains_csv(orbit: &Orbit, marks: &[&str], all: &[&[f64]]) -> Vec<u8> {
     csv(&names.iter().map(String::as_str).collect::<Vec<_>>(), sites(orbit).enumerate().map(row))
 }
 
-fn profile_csv(one: &ProfileData) -> Vec<(&'static str, Vec<u8>)> {
+fn profile_csv(one: &ProfileData) -> Tables {
     let orbit = &one.study.orbit;
     vec![("profile.csv", strains_csv(orbit, &["", "_after", "_dps"], &[&orbit.z, &one.after, &one.seed]))]
 }
 
-fn doubling_csv(one: &DoublingData) -> Vec<(&'static str, Vec<u8>)> {
+fn doubling_csv(one: &DoublingData) -> Tables {
     let all: [&[f64]; 3] = [&one.orbit.z, &one.seed, &one.birth.mode];
     vec![("profile.csv", strains_csv(&one.orbit, &["", "_seed", "_mode"], &all))]
 }
