@@ -68,7 +68,7 @@ impl<R: Real> Chain<R> {
     /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is an initial
     /// condition there) or on a strain ring (whose mean strain is an initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
-        if !(delta_0.is_finite() && delta_0 >= 0.0 && delta_0.is_sign_positive()) {
+        if !(delta_0.is_finite() && delta_0 >= 0.0) {
             return Err(Error::parameter("precompression", delta_0, "a finite overlap, at least zero"));
         }
         if delta_0 > 0.0 && !matches!(self.boundary, Boundary::Fixed | Boundary::Ring) {

@@ -55,10 +55,10 @@ impl Params {
         if !(self.alpha.is_finite() && self.alpha > 0.0) {
             return Err(Error::parameter("alpha", self.alpha, "the exponent is finite and positive"));
         }
-        if !(self.kappa.is_finite() && self.kappa >= 0.0 && self.kappa.is_sign_positive()) {
+        if !(self.kappa.is_finite() && self.kappa >= 0.0) {
             return Err(Error::parameter("kappa", self.kappa, "the spring constant is finite and at least zero"));
         }
-        if self.rho.is_nan() || self.rho < 0.0 || self.rho.is_sign_negative() {
+        if self.rho.is_nan() || self.rho < 0.0 {
             return Err(Error::parameter("rho", self.rho, "the mass ratio is in [0, inf]"));
         }
         if self.resonators() == Resonators::Moving && !(self.kappa / self.rho + self.rho.recip()).is_finite() {

@@ -796,7 +796,7 @@ pub(super) struct StabilityArgs {
 pub(super) struct FiguresArgs {
     #[arg(long, value_name = "A,B,..", value_delimiter = ',', help = figures_help())]
     pub(super) only: Vec<String>,
-    /// Folder for NAME.png and the tables NAME-….csv.
+    /// Folder for NAME.png, the tables NAME-….csv and NAME.json, which says what made them.
     #[arg(long, value_name = "DIR", default_value = "out/figures")]
     pub(super) out: PathBuf,
     /// Print JSON instead of the table: name, source, title, files, caption, wall time.

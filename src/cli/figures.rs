@@ -45,8 +45,11 @@ fn files(figure: &PaperFigure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> 
     let files = report::paper_tables(figure, &data);
     #[cfg(feature = "plot")]
     let files = [vec![(format!("{}.png", figure.name), report::paper_png(figure, &data)?)], files].concat();
+    let caption = report::paper_caption(figure, &data);
+    let origin = (format!("{}.json", figure.name), report::paper_origin(figure, &caption).into_bytes());
+    let files = [files, vec![origin]].concat();
     for (name, bytes) in &files {
         folder.write(name, bytes)?;
     }
-    Ok((report::paper_caption(figure, &data), files.into_iter().map(|(name, _)| name).collect()))
+    Ok((caption, files.into_iter().map(|(name, _)| name).collect()))
 }

@@ -104,7 +104,7 @@ pub(super) fn doubled(args: &DoubledArgs) -> Exit {
     let (breather, shooting) = (args.ring.breather(CenterArg::Bond, None, RANGE[0])?, args.ring.shooting());
     let most = args.most.unwrap_or(RANGE[1] * breather.params.omega());
     // Before the main branch, which takes its time.
-    for (name, value) in [("omega-b", args.omega_b), ("most", most)] {
+    for (name, value) in args.most.map(|most| ("most", most)).into_iter().chain([("omega-b", args.omega_b)]) {
         if !(value.is_finite() && value > 0.0) {
             return Err(Error::parameter(name, value, "a frequency is finite and positive"));
         }

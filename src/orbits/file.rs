@@ -25,6 +25,7 @@ const ZIP: &[u8] = b"PK\x03\x04";
 
 /// What a branch file begins with.
 #[derive(Deserialize)]
+#[serde(expecting = "the settings of a branch")]
 struct Stamp {
     format: String,
     version: u64,
@@ -32,7 +33,7 @@ struct Stamp {
 
 /// What holds for all of a branch.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "the settings of a branch")]
 struct Settings {
     format: String,
     version: u64,
@@ -55,6 +56,7 @@ pub(crate) const ORBIT_FORMAT: (&str, u64) = ("hertzchain orbit", 1);
 
 /// The keys of the JSON of an orbit that determine it.
 #[derive(Deserialize)]
+#[serde(expecting = "an orbit")]
 struct OrbitFile {
     #[serde(default = "orbit_format")]
     format: String,

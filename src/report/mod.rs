@@ -42,7 +42,7 @@ pub use orbits::{doubled_json, doubled_table};
 pub use order::{order_csv, order_json, order_table};
 #[cfg(feature = "cli")]
 pub use page::{Block, Page, Section};
-pub use paper::{Drawn, paper_caption, paper_json, paper_table, paper_tables};
+pub use paper::{Drawn, paper_caption, paper_json, paper_origin, paper_table, paper_tables};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
 pub use stability::{stability_csv, stability_json, stability_table, stability_tables};

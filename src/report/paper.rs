@@ -31,6 +31,17 @@ pub struct Drawn {
     pub wall: Duration,
 }
 
+/// What made a figure and its tables, as JSON: `name`, `source`, `title`, `caption` with all parameters, `version`.
+pub fn paper_origin(figure: &PaperFigure, caption: &str) -> String {
+    to_json(&json!({
+        "name": figure.name,
+        "source": figure.source,
+        "title": figure.title,
+        "caption": caption,
+        "version": env!("CARGO_PKG_VERSION"),
+    }))
+}
+
 /// The figures as JSON, an object each: `name`, `source`, `title`, `files`, `caption`, `wall_s`, `failure`.
 pub fn paper_json(drawn: &[Drawn]) -> String {
     let row = |Drawn { figure, outcome, wall }: &Drawn| {

@@ -106,6 +106,14 @@ impl Scene {
         if file.record.samples > MOST_SAMPLES {
             return Err(Error::parameter("samples", file.record.samples, "at most 10^6"));
         }
+        // To the chain -0 is zero; in a file it is a slip.
+        for (name, value) in
+            [("kappa", section.kappa), ("rho", section.rho), ("precompression", section.precompression)]
+        {
+            if value == 0.0 && value.is_sign_negative() {
+                return Err(Error::parameter(name, value, "at least zero, and written without a sign"));
+            }
+        }
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
         let (initial, theory) = initial_state(&chain, &file.initial)?;

@@ -32,9 +32,11 @@ fn rows(csv: &str) -> Vec<Vec<f64>> {
     csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
 
-/// Without pictures if there is nothing to draw them with.
+/// With what says where a picture comes from; without pictures if there is nothing to draw them with.
 fn expected(names: &[&str]) -> BTreeSet<String> {
-    names.iter().filter(|name| cfg!(feature = "plot") || !name.ends_with(".png")).map(|name| name.to_string()).collect()
+    let origins = names.iter().filter_map(|name| Some(format!("{}.json", name.strip_suffix(".png")?)));
+    let drawn = names.iter().filter(|name| cfg!(feature = "plot") || !name.ends_with(".png"));
+    drawn.map(|name| name.to_string()).chain(origins).collect()
 }
 
 #[test]
@@ -68,6 +70,8 @@ fn each_figure_has_its_picture_and_its_tables_and_the_same_bytes_twice() {
         assert!(!name.ends_with(".png") || first.starts_with(b"\x89PNG"));
     }
     let figure = &runs[0].0["figures"][0];
+    let origin: Value = serde_json::from_slice(&std::fs::read(one.join("tw-q15.json")).unwrap()).unwrap();
+    assert!(origin["version"] == env!("CARGO_PKG_VERSION") && origin["caption"] == figure["caption"], "{origin}");
     assert!(figure["failure"].is_null() && figure["wall_s"].as_f64().is_some_and(|wall| wall > 0.0));
     let caption = figure["caption"].as_str().unwrap();
     let told = [
