@@ -339,7 +339,7 @@ pub const PAPER: &[PaperFigure] = &[
         name: "site-error",
         source: "Sec. 7, fig:r03sc_relerr",
         title: "When site-centred dark breathers begin to leave themselves: ρ = 1/3",
-        claim: "What is left of an orbit after 1200 units of time jumps where the strong quartet is born; below, it is rounding, not yet grown to be seen.",
+        claim: "The return error after 1200 units of time is a rounding that has grown a little, up to where the strong quartet is born; there it jumps to the size of the orbit.",
         recipe: Recipe::Orbits(OrbitRecipe::ReturnErrors { omega_b: [2.003, 2.083], points: 80, until: 1200.0 }),
     },
     PaperFigure {
