@@ -449,3 +449,22 @@ fn figures_of_orbits_have_the_numbers_of_their_commands() {
         assert!(apart < 1e-12, "{apart:e}");
     }
 }
+
+#[test]
+fn a_report_is_one_page_that_fetches_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let output = hertzchain(&["report", "--only", "theorem", "--out", out.to_str().unwrap(), "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(files(&out), ["report.html", "report.json"].map(str::to_owned).into());
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["sections"][0]["name"], "theorem");
+    assert_eq!(report["sections"][0]["failures"], Value::Array(vec![]));
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    // Both laws are there, each with its verdict, and what looks like a tag is none.
+    assert!(page.contains("violated") && page.contains("bounded") && page.contains("0 &lt;= t"), "{page}");
+    assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script"));
+    let unknown = hertzchain(&["report", "--only", "theory", "--out", out.to_str().unwrap()]);
+    let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
+    assert!(!unknown.status.success() && message.contains("\"theory\"") && message.contains("theorem"), "{message}");
+}
