@@ -125,8 +125,8 @@ pub fn evolution_png(study: &Evolution) -> crate::error::Result<Vec<u8>> {
         let lines = vec![Line { name: label.to_owned(), points }];
         Panel { kind, x_label: "time t".into(), y_label: label.into(), lines, ..Panel::default() }
     };
-    // Of no use on a logarithmic axis where it is zero: the start.
-    let e_b: Vec<f64> = study.e_b.iter().map(|e_b| e_b.max(f64::MIN_POSITIVE)).collect();
+    // A zero has no place on a logarithmic axis: it is drawn below every rounding.
+    let e_b: Vec<f64> = study.e_b.iter().map(|e_b| e_b.max(1e-17)).collect();
     let lines = [time(Kind::LogTime, "return error E_b", &e_b), time(Kind::Time, "kink at n", &study.position)];
     let kick = study.kick.map_or(String::new(), |(kick, lambda)| {
         format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)

@@ -1,9 +1,9 @@
 //! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, `alpha = 3/2, kappa = 1`.
 
-use super::super::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled, evolve, go_on, orbit_study};
+use super::super::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study};
 use crate::{
     breathers::DarkBreather,
-    chain::{Params, max_norm},
+    chain::Params,
     dps::Center,
     error::{Error, Result},
     orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
@@ -212,7 +212,9 @@ fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting
         follow(start, &along(Parameter::Rho, to, (to - from) / f64::from(points)), None)
     };
     let mut branch = leg(start, from, near, points[0])?;
-    if let (End::Reached, Some(last)) = (branch.end, branch.points.pop()) {
+    // The last point of the first leg is the first one of the second.
+    if let (End::Reached, Some(last)) = (branch.end, branch.points.last().cloned()) {
+        branch.points.pop();
         let rest = leg(last.orbit, near, to, points[1])?;
         branch.points.extend(rest.points);
         (branch.continuation, branch.end) = (rest.continuation, rest.end);
@@ -257,14 +259,13 @@ impl OrbitRecipe {
                 };
                 Ok(OrbitData::Evolutions(each(runs, progress, run)?, profiles))
             }
-            Self::Doubling { omega_b } => Ok(OrbitData::Doubling(doubling(omega_b, &shooting)?)),
+            Self::Doubling { omega_b } => Ok(OrbitData::Doubling(doubling(&about_doubling()?, omega_b, &shooting)?)),
             Self::Doubled { omega_b, to } => {
-                let study = orbit_study(doubling(omega_b, &shooting)?.orbit, &shooting)?;
-                let later = [0.5, 1.0].map(|periods| strains_at(&study.orbit, periods));
-                let [half, whole] = later;
-                let tell = |share: f64, _: &str| progress(share);
-                let branch = doubled(&breather(THIRD, Center::Bond, 2.06), 2.065, to, 1e-3, &shooting, &tell)?;
-                Ok(OrbitData::Doubled(Box::new(study), [half?, whole?], Box::new(branch)))
+                let main = about_doubling()?;
+                let study = orbit_study(doubling(&main, omega_b, &shooting)?.orbit, &shooting)?;
+                let later = [strains_at(&study.orbit, 0.5)?, strains_at(&study.orbit, 1.0)?];
+                let branch = doubled_from(&main, to, 1e-3, &mut |_| {}, &|share, _| progress(share))?;
+                Ok(OrbitData::Doubled(Box::new(study), later, Box::new(branch)))
             }
             Self::MassRatios { omega_b, to, points } => {
                 let pairs: Vec<(f64, Center)> = omega_b.iter().flat_map(|&w| BOTH.map(|center| (w, center))).collect();
@@ -283,13 +284,17 @@ fn strains_at(orbit: &Orbit, periods: f64) -> Result<Vec<f64>> {
     Ok(states.remove(0)[..orbit.z.len()].to_vec())
 }
 
-/// The first period doubling at `rho = 1/3`, and the orbit of doubled period at `omega_b` from a push along its mode.
-fn doubling(omega_b: f64, shooting: &Shooting) -> Result<DoublingData> {
-    let main = family(THIRD, Center::Bond, [2.062, 2.064], 1, true)?;
-    let birth = main.bifurcations.into_iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
+/// The bond-centred family at `rho = 1/3` about its first period doubling.
+fn about_doubling() -> Result<Branch> {
+    family(THIRD, Center::Bond, [2.062, 2.064], 1, true)
+}
+
+/// The period doubling of a branch, and the orbit of doubled period at `omega_b` from a push along its mode.
+fn doubling(main: &Branch, omega_b: f64, shooting: &Shooting) -> Result<DoublingData> {
+    let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;
-    let amplitude = max_norm(birth.orbit.z.iter().copied());
-    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.mode).map(|(z, mode)| z + SEED * amplitude * mode).collect();
+    let by = SEED * birth.orbit.amplitude();
+    let seed: Vec<f64> = birth.orbit.z.iter().zip(&birth.mode).map(|(z, mode)| z + by * mode).collect();
     let orbit = shooting.solve(&Setting { omega_b, turns: 2, ..birth.orbit.setting }, &seed)?;
     Ok(DoublingData { birth, seed, orbit })
 }
