@@ -404,13 +404,6 @@ fn the_mode_at_minus_one_is_odd_about_the_kink_and_leads_to_another_orbit() {
     let reflected = |z: &[f64], k: usize| z[k / sites * sites + (2 * sites - k % sites) % sites];
     let largest = |z: &dyn Fn(usize) -> f64| (0..2 * sites).map(|k| z(k).abs()).fold(0.0, f64::max);
     let mode = &one.birth.mode;
-    eprintln!(
-        "MEASURE {:e} {:e} {:e} {:e}",
-        largest(&|k| mode[k] + reflected(mode, k)),
-        largest(&|k| if (k % sites).abs_diff(20) > 8 { mode[k] } else { 0.0 }),
-        largest(&|k| one.orbit.z[k] - reflected(&one.orbit.z, k)) / one.orbit.amplitude(),
-        one.orbit.residual
-    );
     assert!(largest(&|k| mode[k] + reflected(mode, k)) < 1e-12);
     assert!(largest(&|k| if (k % sites).abs_diff(20) > 8 { mode[k] } else { 0.0 }) < 2e-6);
     // An orbit of the main branch is even: this one is not.
