@@ -200,11 +200,17 @@ impl LongRun {
     /// The run in a checkpoint, or in the folder that holds one.
     ///
     /// # Errors
-    /// A file that cannot be read; [`Error::Content`], with key and rule, for one that is not as it was written, of another version of the program, or whose numbers
-    /// are outside their rules.
+    /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        let file = Archive::read(&path)?;
+        Self::from_archive(&Archive::read(&path)?)
+    }
+
+    /// The run in an archive.
+    ///
+    /// # Errors
+    /// [`Error::Content`], with key and rule, for one that is not as it was written, of another version of the program, or whose numbers are outside their rules.
+    pub fn from_archive(file: &Archive) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let text = file.text(SETTINGS)?;
@@ -226,7 +232,7 @@ impl LongRun {
         let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
-        let run = Self { done: settings.legs, kept: kept(&file, &settings, &new.scene)?, ..new };
+        let run = Self { done: settings.legs, kept: kept(file, &settings, &new.scene)?, ..new };
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
         }

@@ -1,0 +1,92 @@
+//! Checkpoints: any bytes are a run that can go on, or an error that names file, member and rule.
+//!
+//! A zip archive with one byte altered fails a checksum, and nothing behind that would ever be tried. So the first byte says what the others are: an
+//! archive; or the settings of one, a zero byte, and the doubles in it.
+
+#![no_main]
+
+use hertzchain::{
+    Error,
+    experiments::LongRun,
+    output::{Archive, Array, npz_with},
+    scene::{Initial, SceneFile},
+};
+use libfuzzer_sys::{Corpus, fuzz_target};
+use serde_json::Value;
+use std::path::Path;
+
+/// Longer chains cost time and find nothing more; as many samples and profiles are made up.
+const MOST: usize = 50;
+/// Numbers that a bead has at most: position and velocity, its own and its resonator's.
+const NUMBERS: u64 = 4;
+
+fn settings(bytes: &[u8]) -> (String, &[u8]) {
+    let cut = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    (String::from_utf8_lossy(&bytes[..cut]).into_owned(), bytes[cut..].get(1..).unwrap_or_default())
+}
+
+/// The scene in the settings, where there is one.
+fn scene(json: &Value) -> Option<SceneFile> {
+    SceneFile::parse(json.pointer("/scene")?.as_str()?, "fuzz").ok()
+}
+
+fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
+    let length = |pointer: &str| json.pointer(pointer).and_then(Value::as_u64).unwrap_or(1).min(MOST as u64);
+    let (samples, profiles) = (length("/samples"), length("/profiles"));
+    // As many as the scene asks for where it can be known, so that what lies behind the lengths is tried.
+    let (sites, light) = scene(json).map_or((1, false), |file| {
+        let rho = file.chain.rho;
+        (file.chain.sites as u64, rho == 0.0 || rho.is_infinite() || file.chain.kappa == 0.0)
+    });
+    let dim = sites.min(MOST as u64) * if light { NUMBERS / 2 } else { NUMBERS };
+    let mut doubles = doubles.chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().expect("eight bytes")));
+    let mut array = |name: &'static str, shape: &[u64]| {
+        let values = (0..shape.iter().product()).map(|_| doubles.next().unwrap_or(0.1)).collect();
+        Array { name, shape: shape.to_vec(), values }
+    };
+    let arrays = [
+        array("state", &[dim]),
+        array("largest", &[1]),
+        array("sample_t", &[samples]),
+        array("energies", &[4 * samples]),
+        array("profile_t", &[profiles]),
+        array("profiles", &[profiles, dim]),
+    ];
+    npz_with("settings.json", settings, &arrays).expect("an archive in memory")
+}
+
+fuzz_target!(|bytes: &[u8]| -> Corpus {
+    let made;
+    let bytes = match bytes.split_first() {
+        Some((b'P', _)) | None => bytes,
+        Some((_, rest)) => {
+            let (settings, doubles) = settings(rest);
+            let json: Value = serde_json::from_str(&settings).unwrap_or_default();
+            // Profiles of breathers are solved for, to many digits.
+            if scene(&json).is_some_and(|file| {
+                file.chain.sites > MOST && file.chain.sites < 100_000_000
+                    || matches!(file.initial, Initial::BrightBreather { .. })
+            }) {
+                return Corpus::Reject;
+            }
+            made = archive(&settings, &json, doubles);
+            &made
+        }
+    };
+    let path = Path::new("fuzz.npz");
+    match Archive::from_bytes(path, bytes).and_then(|archive| LongRun::from_archive(&archive)) {
+        Ok(run) => {
+            assert!(run.time() > 0.0 && run.time() <= run.scene().end());
+            // What is written of it is read as the same run.
+            let again = run.npz().expect("what was read can be written");
+            let again = Archive::from_bytes(path, &again).and_then(|archive| LongRun::from_archive(&archive));
+            assert_eq!(format!("{run:?}"), format!("{:?}", again.expect("a run")));
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(matches!(error, Error::Content { .. }), "{message}");
+            assert!(message.starts_with("fuzz.npz, ") && message.lines().count() == 1, "{message}");
+        }
+    }
+    Corpus::Keep
+});
