@@ -2,6 +2,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`instructions`] | the vector instructions that inner loops run with |
 //! | [`real`] | the scalar: `f64`, and double-double with the feature `twofloat` |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`system`] | what a method may ask of a problem |
@@ -20,6 +21,7 @@ pub mod drive;
 pub mod error;
 pub mod events;
 pub mod gauss;
+pub mod instructions;
 pub mod real;
 pub mod regularised;
 pub mod splitting;
@@ -33,6 +35,7 @@ pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
 pub use gauss::Gauss;
+pub use instructions::Instructions;
 pub use real::{Kernel, Real};
 pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};

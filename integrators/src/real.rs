@@ -1,5 +1,7 @@
 //! The scalar that every method is generic over.
 
+#[cfg(target_arch = "x86_64")]
+use crate::instructions::Instructions;
 use num_traits::{Float, FloatConst, NumAssign};
 
 /// A piece of work whose inner loops the compiler may vectorise.
@@ -28,9 +30,7 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
-    /// Runs a kernel with the widest vector instructions of this machine.
-    ///
-    /// The result has the same bits on every path: no instruction set contracts a multiplication and an addition here.
+    /// Runs a kernel with the vector [`Instructions`](crate::Instructions) in use: the same bits with all of them.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()
@@ -64,16 +64,11 @@ impl Real for f64 {
             fn avx2<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run()
             }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                // SAFETY: the features were just detected.
-                return unsafe { avx512(kernel) };
-            }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                // SAFETY: as above.
-                return unsafe { avx2(kernel) };
+            // SAFETY: only sets that the machine has are ever in use.
+            match Instructions::used() {
+                Instructions::Avx512 => return unsafe { avx512(kernel) },
+                Instructions::Avx2 => return unsafe { avx2(kernel) },
+                Instructions::Portable => {}
             }
         }
         kernel.run()

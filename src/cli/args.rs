@@ -2,6 +2,7 @@
 
 use crate::{chain::Boundary, dps::Center};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use hertzchain_integrators::Instructions;
 use std::path::PathBuf;
 
 /// Nonlinear waves in locally resonant Hertzian chains: which integrator buys which error for which run time.
@@ -10,8 +11,17 @@ use std::path::PathBuf;
 #[derive(Parser)]
 #[command(version, about, arg_required_else_help = true)]
 pub(super) struct Cli {
+    /// Vector instructions of inner loops: portable, avx2 or avx512 [default: the widest of this machine]. Loops have the same bits with each.
+    #[arg(long, global = true, value_name = "SET", value_parser = instructions, display_order = 1000)]
+    pub(super) instructions: Option<Instructions>,
     #[command(subcommand)]
     pub(super) command: Command,
+}
+
+fn instructions(text: &str) -> Result<Instructions, String> {
+    let named = Instructions::ALL.into_iter().find(|set| set.to_string() == text);
+    let set = named.ok_or_else(|| format!("one of {}", Instructions::ALL.map(|set| set.to_string()).join(", ")))?;
+    if set.available() { Ok(set) } else { Err("this machine does not have them".to_owned()) }
 }
 
 #[derive(Subcommand)]

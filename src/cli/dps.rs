@@ -48,8 +48,10 @@ fn dark(args: &DarkArgs) -> Exit {
 }
 
 fn integrals(args: &IntegralsArgs) -> Exit {
-    let values = Averages::new(args.alpha, args.kappa)?.checked(args.b, args.r)?;
-    print(&if args.json { report::averages_json(&values) + "\n" } else { report::averages_table(&values) });
+    let (averages, point) = (Averages::new(args.alpha, args.kappa)?, (args.b, args.r));
+    let values = averages.checked(args.b, args.r)?;
+    let json = || report::averages_json(&averages, point, &values) + "\n";
+    print(&if args.json { json() } else { report::averages_table(&values) });
     Ok(ExitCode::SUCCESS)
 }
 

@@ -30,6 +30,10 @@ use std::{io::Write, process::ExitCode};
 pub fn main() -> ExitCode {
     let matches = doubles_checked(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if let Some(set) = cli.instructions {
+        // Sets that the machine lacks are no argument.
+        let _ = set.select();
+    }
     let outcome = match cli.command {
         Command::Compare(args) => compare::main(&args),
         Command::Run(args) => run::main(&args),

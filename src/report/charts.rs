@@ -26,6 +26,7 @@ pub fn charts_json(study: &ChartStudy) -> String {
         "computed": study.points.len() + study.resonances.len() - study.resumed,
         "resumed": study.resumed,
         "wall_s": study.wall.as_secs_f64(),
+        "machine": super::machine::machine_json(),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

@@ -42,6 +42,7 @@ pub fn comparison_json(comparison: &Comparison) -> String {
         "rows": rows,
         "slopes": slopes,
         "scene_file": super::scene_json(&comparison.scene),
+        "machine": super::machine::machine_json(),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

@@ -2,17 +2,22 @@
 
 use super::table;
 use crate::{
-    dps::{Center, DarkProfile, Homoclinic, Values},
+    dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::Result,
     output::{csv, to_json},
 };
 use serde_json::{Value, json};
 
-/// The averages as JSON; infinite slopes, which JSON has no number for, as `"inf"` and `"-inf"`.
-pub fn averages_json(values: &Values) -> String {
+/// The averages at `(b, r)` as JSON; infinite slopes, which JSON has no number for, as `"inf"` and `"-inf"`.
+pub fn averages_json(averages: &Averages, (b, r): (f64, f64), values: &Values) -> String {
     let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
-    let fields = rows(values).map(|(name, _, value)| (name.to_owned(), number(value)));
-    to_json(&Value::Object(fields.into_iter().collect()))
+    let mut fields: serde_json::Map<String, Value> =
+        rows(values).map(|(name, _, value)| (name.to_owned(), number(value))).into_iter().collect();
+    for (name, value) in [("alpha", averages.alpha()), ("kappa", averages.kappa()), ("b", b), ("r", r)] {
+        fields.insert(name.to_owned(), json!(value));
+    }
+    fields.insert("version".to_owned(), json!(env!("CARGO_PKG_VERSION")));
+    to_json(&Value::Object(fields))
 }
 
 /// The averages as a table, all digits.

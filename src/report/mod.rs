@@ -8,6 +8,7 @@ mod dps;
 mod drift;
 mod evolve;
 mod lifetimes;
+mod machine;
 mod orbits;
 mod order;
 #[cfg(feature = "cli")]

@@ -1,5 +1,6 @@
 //! One self-contained HTML page of everything: tables and pictures inside, nothing fetched from elsewhere.
 
+use super::machine::{machine, machine_json};
 use crate::output::to_json;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -121,11 +122,9 @@ impl Page {
                 "failures": one.failures().collect::<Vec<_>>(),
             })
         };
-        let machine: serde_json::Map<String, serde_json::Value> =
-            machine().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
         to_json(&json!({
             "sections": self.sections.iter().map(section).collect::<Vec<_>>(),
-            "machine": machine,
+            "machine": machine_json(),
             "version": env!("CARGO_PKG_VERSION"),
         }))
     }
@@ -176,18 +175,6 @@ impl Block {
             },
         }
     }
-}
-
-/// What the numbers were made on.
-fn machine() -> Vec<(&'static str, String)> {
-    let cores = std::thread::available_parallelism().map_or_else(|_| "unknown".to_owned(), |n| n.to_string());
-    let mut machine =
-        vec![("system", format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)), ("cores", cores)];
-    // Where the system says what processor it is.
-    let about = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = about.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    machine.extend(model.map(|(_, name)| ("processor", name.to_owned())));
-    machine
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ pub fn scaling_json(study: &ScalingStudy) -> String {
         "seed": study.seed,
         "scene": study.scene,
         "rows": study.rows.iter().map(row).collect::<Vec<Value>>(),
+        "machine": super::machine::machine_json(),
         "version": env!("CARGO_PKG_VERSION"),
     }))
 }

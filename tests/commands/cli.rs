@@ -374,10 +374,11 @@ fn dps_integrals_keep_their_contract() {
     for (key, want) in want {
         assert!((closed[key].as_f64().unwrap() - want).abs() < 1e-14, "{key}: {}", closed[key]);
     }
-    assert!(
-        of("2", "2").as_object().unwrap().values().all(|value| value.as_f64() == Some(0.0)),
-        "no contact, no force"
-    );
+    let open = of("2", "2");
+    assert!(want.iter().all(|(key, _)| open[key] == 0.0), "no contact, no force: {open}");
+    let given = ["alpha", "kappa", "b", "r"].map(|key| open[key].as_f64());
+    assert_eq!(given, [2.0, 0.5, 2.0, 2.0].map(Some));
+    assert_eq!(open["version"], env!("CARGO_PKG_VERSION"));
     let singular = json(&["dps", "integrals", "--alpha", "0.5", "--b", "-2", "--r", "1", "--json"]);
     assert_eq!((&singular["dg_db"], &singular["dh_db"]), (&Value::from("-inf"), &Value::from("inf")));
     let text = stdout(&hertzchain(&["dps", "integrals", "--b", "0", "--r", "1"]));

@@ -4,6 +4,7 @@ mod bad_files;
 mod cli;
 mod figures;
 mod long_runs;
+mod machines;
 mod paper_figures;
 mod provenance;
 mod studies;
