@@ -27,6 +27,8 @@ const MOST_SWEEPS: u64 = 40;
 const LEVELS: usize = 5;
 /// Times that a window may turn out to be other than it was taken for.
 const MOST_ROUNDS: u32 = 10;
+/// Last terms of a force that is resolved at all, as a share of its largest value: measured, with `omega` from 0.01 to 10^4 times the frequency of contacts.
+const RESOLVED: f64 = 0.3;
 /// Times that panels may be halved.
 const MOST_HALVINGS: u32 = 4;
 
@@ -50,7 +52,19 @@ pub(crate) struct Goal {
     pub(crate) tail: f64,
     /// How many times those of a force that nearly goes out count.
     pub(crate) slow: f64,
+    /// An impulse that counts; what is smaller need not be resolved.
+    pub(crate) felt: f64,
     pub(crate) cuts: Cuts,
+}
+
+impl Goal {
+    /// How many times larger the last terms of an impulse are than allowed, from them and its largest value. Small beside the velocities is not enough: where
+    /// resonators are much faster than contacts, the force moves little in any one of many windows, and would be wrong in all of them.
+    #[inline(always)]
+    fn excess(&self, [last, largest]: [f64; 2]) -> f64 {
+        let [total, own] = [last / self.tail, last / (RESOLVED * largest)];
+        if largest > self.felt && own > total { own } else { total }
+    }
 }
 
 /// What a window leaves behind in a bond.
@@ -83,7 +97,7 @@ pub(crate) struct Verdict {
     pub(crate) work: u64,
     /// The largest `f'(g) h^2`.
     pub(crate) stiffness: f64,
-    /// The largest last terms of a series.
+    /// The largest last terms of a series, in units of those allowed.
     pub(crate) tail: f64,
     /// Bonds that touched, and those whose panels were halved.
     pub(crate) touching: usize,
@@ -350,11 +364,11 @@ fn unsettled<const M: usize>(
         }
         let mut tail = 0.0;
         for panel in me.panels.as_slice() {
-            let last = panel.tail(frame, goal.slow);
-            tail = if last > tail { last } else { tail };
+            let excess = goal.excess(panel.tail(frame, goal.slow));
+            tail = if excess > tail { excess } else { tail };
         }
         verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
-        if tail > goal.tail {
+        if tail > 1.0 {
             me.halvings += 1;
             (me.stale, anew) = (true, Some(b));
             if me.halvings > MOST_HALVINGS {

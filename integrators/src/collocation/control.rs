@@ -192,13 +192,13 @@ impl Control {
     }
 
     pub(crate) fn goal(&self, h: f64) -> Goal {
-        let (change, tail, slow) = match self.pace {
+        let (share, change, tail, slow) = match self.pace {
             // All that sweeps can do.
-            Pace::Windows { .. } => (0.0, f64::INFINITY, 1.0),
+            Pace::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(1e-6);
                 let tail = (TAIL * share).powf(POWER).max(ROUNDED_TAIL);
-                (UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
+                (share, UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
             }
         };
         let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
@@ -208,6 +208,7 @@ impl Control {
             rounded: 0.1 * ROUNDING * self.size,
             tail: tail * self.size,
             slow,
+            felt: share * self.size,
             cuts: Cuts {
                 neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
                 merge: lost(self.alpha + 3.0),
@@ -223,7 +224,7 @@ impl Control {
     }
 
     /// A window of this verdict is done; `last` if it reached the end.
-    pub(crate) fn accept(&mut self, verdict: &Verdict, goal: &Goal, h: f64, last: bool) {
+    pub(crate) fn accept(&mut self, verdict: &Verdict, h: f64, last: bool) {
         match self.pace {
             Pace::Windows { windows, .. } => {
                 self.rest -= h;
@@ -241,7 +242,7 @@ impl Control {
                 let halved = verdict.halved as f64 / verdict.touching.max(1) as f64;
                 self.halved += 0.2 * (halved - self.halved);
                 self.try_lengths(verdict, h);
-                self.choose_nodes(verdict.tail / goal.tail);
+                self.choose_nodes(verdict.tail);
                 let halved = self.halved;
                 self.h *= if verdict.touching == 0 {
                     2.0

@@ -249,7 +249,7 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
             self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
             let Some((bond, residual)) = verdict.failure else {
-                self.control.accept(&verdict, &goal, h, h >= left_to_go);
+                self.control.accept(&verdict, h, h >= left_to_go);
                 self.h = h;
                 self.stats.steps += 1;
                 return Ok(());

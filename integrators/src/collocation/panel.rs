@@ -282,9 +282,9 @@ impl<const M: usize> Panel<M> {
 
     /// The last terms of the series of the impulses that the free part and the oscillating part take: how well the nodes resolve
     /// the force, and the oscillation. They count `slow` times for a force that nearly goes out without an event, or does and comes back: its
-    /// terms fall slowly at last.
+    /// terms fall slowly at last. And the largest value of the series.
     #[inline(always)]
-    pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> f64 {
+    pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
         let last = |w: &[f64; M]| {
             let [a, b] = [&frame.rule.tail[0], &frame.rule.tail[1]].map(|row| dot(row, w).abs());
@@ -297,12 +297,13 @@ impl<const M: usize> Panel<M> {
                 tail = if other > tail { other } else { tail };
             }
         }
-        let (mut least, mut most) = (self.overlap[0], self.overlap[0]);
-        for g in self.overlap {
+        let (mut least, mut most, mut largest) = (self.overlap[0], self.overlap[0], 0.0);
+        for (&g, w) in self.overlap.iter().zip(w) {
             least = if g < least { g } else { least };
             most = if g > most { g } else { most };
+            largest = if w.abs() > largest { w.abs() } else { largest };
         }
-        if self.q < frame.q && least < FADING * most { slow * tail } else { tail }
+        [if self.q < frame.q && least < FADING * most { slow * tail } else { tail }, largest]
     }
 
     /// From the force at the nodes, what it moves: [`local`](Self::local), [`series`](Self::series), and the path that is left
