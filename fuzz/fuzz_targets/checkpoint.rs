@@ -20,6 +20,9 @@ const MOST: usize = 50;
 /// Numbers that a bead has at most: position and velocity, its own and its resonator's.
 const NUMBERS: u64 = 4;
 
+/// Numbers of a contact.
+const CONTACT: u64 = 7;
+
 fn settings(bytes: &[u8]) -> (String, &[u8]) {
     let cut = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     (String::from_utf8_lossy(&bytes[..cut]).into_owned(), bytes[cut..].get(1..).unwrap_or_default())
@@ -32,7 +35,7 @@ fn scene(json: &Value) -> Option<SceneFile> {
 
 fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
     let length = |pointer: &str| json.pointer(pointer).and_then(Value::as_u64).unwrap_or(1).min(MOST as u64);
-    let (samples, profiles) = (length("/samples"), length("/profiles"));
+    let (samples, profiles, contacts) = (length("/samples"), length("/profiles"), length("/contacts"));
     // As many as the scene asks for where it can be known, so that what lies behind the lengths is tried.
     let (sites, light) = scene(json).map_or((1, false), |file| {
         let rho = file.chain.rho;
@@ -51,6 +54,7 @@ fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
         array("energies", &[4 * samples]),
         array("profile_t", &[profiles]),
         array("profiles", &[profiles, dim]),
+        array("contacts", &[contacts, CONTACT]),
     ];
     npz_with("settings.json", settings, &arrays).expect("an archive in memory")
 }

@@ -76,6 +76,60 @@ pub struct Contact {
     pub impulse: f64,
 }
 
+impl Contact {
+    /// How many numbers say all of it.
+    pub(crate) const NUMBERS: usize = 7;
+
+    /// Bond, onset, release, approach, separation, largest overlap and impulse; NaN for what there is not.
+    pub(crate) fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { bond, onset, release, approach, separation, largest_overlap, impulse } = *self;
+        let [onset, release, approach, separation] =
+            [onset, release, approach, separation].map(|number| number.unwrap_or(f64::NAN));
+        [bond as f64, onset, release, approach, separation, largest_overlap, impulse]
+    }
+
+    /// The contact of these numbers; `None` if there is none.
+    pub(crate) fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
+        let [bond, times @ .., largest_overlap, impulse] = *numbers;
+        let sound = bond.fract() == 0.0 && bond >= 0.0 && largest_overlap.is_finite() && impulse.is_finite();
+        let [onset, release, approach, separation] = times.map(|number| (!number.is_nan()).then_some(number));
+        let finite = times.iter().all(|number| !number.is_infinite());
+        let bond = bond as usize;
+        (sound && finite).then_some(Self { bond, onset, release, approach, separation, largest_overlap, impulse })
+    }
+}
+
+/// The contacts of two runs, of which the second goes on at time `t` where the first ended: those that go on are joined. One that only the first has at `t`,
+/// or only the second, is on the surface there but for rounding, and ends or begins at `t` with no speed.
+pub fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
+    let (mut contacts, mut open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
+    for mut contact in after {
+        if contact.onset.is_none() {
+            let begun = open.iter().position(|begun| begun.bond == contact.bond).map(|k| open.swap_remove(k));
+            contact = match begun {
+                Some(Contact { onset, approach, largest_overlap, impulse, .. }) => Contact {
+                    onset,
+                    approach,
+                    largest_overlap: contact.largest_overlap.max(largest_overlap),
+                    impulse: contact.impulse + impulse,
+                    ..contact
+                },
+                None => Contact { onset: Some(t), ..contact },
+            };
+        }
+        contacts.push(contact);
+    }
+    contacts.extend(open.into_iter().map(|contact| Contact { release: Some(t), ..contact }));
+    in_order(contacts)
+}
+
+/// By onset; those that were there at the start come first, by bond.
+fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
+    let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
+    contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));
+    contacts
+}
+
 /// A part whose overlap at an end is below this share of its largest one ends with an event.
 const SINGULAR: f64 = 1e-6;
 
@@ -143,9 +197,7 @@ impl ContactLog {
         let mut contacts = self.ended;
         let open = self.open.into_iter().zip(self.faded);
         contacts.extend(open.filter_map(|(contact, faded)| Some(Contact { release: faded, ..contact? })));
-        let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
-        contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));
-        contacts
+        in_order(contacts)
     }
 
     /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g` vanishes.

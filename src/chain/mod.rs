@@ -24,7 +24,7 @@ mod state;
 mod sweep;
 
 pub use boundary::Boundary;
-pub use contacts::{Contact, ContactLog, Overlaps};
+pub use contacts::{Contact, ContactLog, Overlaps, join};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;

@@ -16,7 +16,7 @@ const DEFAULT_TOLERANCE: f64 = 1e-10;
 const DEFAULT_NODES: usize = 10;
 /// More steps than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
-const NO_EVENTS: &str = "contacts are not logged in a run with checkpoints: each leg starts anew, and would split those that go on at its end";
+const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(path) = &args.resume {
@@ -93,7 +93,7 @@ fn resume(args: &RunArgs, path: &Path) -> Exit {
     let long = LongRun::load(path)?;
     let scene = args.scene.as_deref().map(Scene::load).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
-    if args.events {
+    if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));
     }
     let beside = if path.is_dir() { path.to_owned() } else { folder_of(path) };
@@ -156,10 +156,10 @@ impl How {
     /// The same in legs that are kept.
     fn in_legs(self, scene: Scene, events: bool, interval: f64) -> Result<LongRun> {
         match self {
-            Self::Integrated(..) if events => Err(Error::parameter("events", true, NO_EVENTS)),
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
-                LongRun::new(scene, method, setting, wording, interval)
+                let long = LongRun::new(scene, method, setting, wording, interval)?;
+                Ok(if events { long.with_contacts() } else { long })
             }
             Self::ClosedForm => {
                 let rule =

@@ -6,14 +6,14 @@
 //!
 //! Each leg starts the method anew from the state there. So nothing of a method's inside is in a file, and a run with the same `D` has the same bits whether
 //! it was interrupted or not; a run with another `D` differs from it by as much as its error. Fixed steps are as long as asked for or shorter, as many in every
-//! whole leg; of a tolerance for the whole run each leg has its share.
+//! whole leg; of a tolerance for the whole run each leg has its share. Contacts that go on over the end of a leg are joined.
 //!
-//! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far, `sample_t`, `energies`, `profile_t`, `profiles`; `largest` is
+//! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far, `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is
 //! `max |E(t) - E(0)|`. Every member is checked by its CRC-32.
 
 use super::run::{Kept, Outcome, Profile, Recorder, Records, Sample};
 use crate::{
-    chain::Energy,
+    chain::{Contact, Energy},
     error::{Error, Result},
     method::{Method, Setting},
     output::{Archive, Array, Folder, npz_with, to_json},
@@ -74,6 +74,8 @@ struct Settings {
     taken: usize,
     samples: u64,
     profiles: u64,
+    /// `null` if they are not kept.
+    contacts: Option<u64>,
     steps: u64,
     rejected: u64,
     force_evaluations: u64,
@@ -95,6 +97,20 @@ impl LongRun {
         method.start(&scene, setting)?;
         let kept = Kept::new(&scene);
         Ok(Self { scene, method, setting, wording, interval, done: 0, kept })
+    }
+
+    /// The same, watched for contacts; one that has begun without is left as it is.
+    #[must_use]
+    pub fn with_contacts(mut self) -> Self {
+        if self.done == 0 {
+            self.kept = Kept::with_contacts(&self.scene);
+        }
+        self
+    }
+
+    /// Whether contacts are kept.
+    pub fn has_contacts(&self) -> bool {
+        self.kept.contacts.is_some()
     }
 
     /// The scene.
@@ -140,9 +156,8 @@ impl LongRun {
         while self.done < self.legs() {
             let (from, to) = (self.time(), self.start_of(self.done + 1));
             let setting = self.setting.of_leg(self.method, (to - from) / self.scene.end());
-            let mut stepper = self.method.start_leg(&self.scene, &self.kept.state, (from, to), setting)?;
             let mut recorder = Recorder::new(&self.scene, Records::Profiles, self.kept, progress);
-            let failure = recorder.leg(&mut stepper).err();
+            let failure = recorder.go_on(self.method, setting, to)?.err();
             if failure.is_some() {
                 return Ok(recorder.outcome(failure));
             }
@@ -158,7 +173,7 @@ impl LongRun {
     /// # Errors
     /// What the archive writer says.
     pub fn npz(&self) -> Result<Vec<u8>> {
-        let Kept { t, ref state, taken, largest, ref samples, ref profiles, stats, wall } = self.kept;
+        let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall } = self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
         let settings = Settings {
             format: FORMAT.to_owned(),
@@ -174,6 +189,7 @@ impl LongRun {
             taken,
             samples: samples.len() as u64,
             profiles: profiles.len() as u64,
+            contacts: contacts.as_ref().map(|contacts| contacts.len() as u64),
             steps,
             rejected,
             force_evaluations,
@@ -186,6 +202,7 @@ impl LongRun {
         let energies: Vec<f64> = energies.flatten().collect();
         let shape = [profiles.len() as u64, state.len() as u64];
         let states = profiles.iter().flat_map(|profile| &profile.state).copied();
+        let rows: Vec<_> = contacts.iter().flatten().map(Contact::numbers).collect();
         let arrays = [
             Array::vector("state", state.clone()),
             Array::vector("largest", vec![largest]),
@@ -193,6 +210,7 @@ impl LongRun {
             Array::vector("energies", energies),
             Array::vector("profile_t", profiles.iter().map(|profile| profile.t).collect()),
             Array { name: "profiles", shape: shape.to_vec(), values: states.collect() },
+            Array { name: "contacts", shape: vec![rows.len() as u64, Contact::NUMBERS as u64], values: rows.concat() },
         ];
         npz_with(SETTINGS, &to_json(&settings), &arrays)
     }
@@ -288,6 +306,16 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
         let &[beads, resonators, springs, contacts] = energies.get(4 * k..)?.first_chunk()?;
         Some(Energy { beads, resonators, springs, contacts })
     };
+    let touching = chain.touching();
+    let contacts = settings.contacts.map(|count| {
+        let numbers = file.array("contacts", &[count, Contact::NUMBERS as u64])?;
+        let contact = |(k, row): (usize, &[f64])| {
+            let row = row.first_chunk().filter(|row| touching.contains(&(row[0] as usize)));
+            let rule = || format!("row {k}: a bond that can close, and times, speeds, overlap and impulse that can be");
+            row.and_then(Contact::of_numbers).ok_or_else(|| file.refused("contacts", rule()))
+        };
+        numbers.chunks_exact(Contact::NUMBERS).enumerate().map(contact).collect()
+    });
     let profile_t = finite("profile_t", &[profiles])?;
     let states = finite("profiles", &[profiles, dim as u64])?;
     let profile = |(t, state): (&f64, &[f64])| Profile { t: *t, x: scene.strains(state), state: state.to_vec() };
@@ -298,6 +326,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
         largest,
         samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
         profiles: profile_t.iter().zip(states.chunks_exact(dim)).map(profile).collect(),
+        contacts: contacts.transpose()?,
         stats: Stats { steps, rejected, force_evaluations },
         wall,
     })

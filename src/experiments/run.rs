@@ -2,7 +2,7 @@
 
 use crate::{
     breathers::TrivialBreather,
-    chain::{Chain, Contact, ContactLog, Energy, Overlaps, max_norm},
+    chain::{Chain, Contact, ContactLog, Energy, Overlaps, join, max_norm},
     error::{Error, Failed, Result},
     interrupt,
     method::{Method, Setting, collocation},
@@ -89,7 +89,7 @@ pub fn run(
     records: Records,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
-    Ok(finish(&mut method.start(scene, setting)?, scene, records, progress))
+    whole(scene, method, setting, Kept::new(scene), records, progress)
 }
 
 /// The same run watched for contacts: every step is sampled eight times and searched; collocation knows them anyway.
@@ -103,17 +103,21 @@ pub fn run_with_contacts(
     records: Records,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome> {
-    let chain = scene.chain();
-    if method == Method::Collocation {
-        let run = collocation(scene, scene.initial().as_slice(), (0.0, scene.end()), setting)?.logged();
-        let mut logged = Logged { run, log: ContactLog::new(chain.clone()) };
-        let outcome = finish(&mut logged, scene, records, progress);
-        return Ok(Outcome { contacts: Some(logged.log.contacts()), ..outcome });
-    }
-    let stepper = method.start(scene, setting)?;
-    let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
-    let outcome = finish(&mut watch, scene, records, progress);
-    Ok(Outcome { contacts: Some(watch.into_listener().contacts()), ..outcome })
+    whole(scene, method, setting, Kept::with_contacts(scene), records, progress)
+}
+
+/// A run in one leg.
+fn whole(
+    scene: &Scene,
+    method: Method,
+    setting: Setting,
+    kept: Kept,
+    records: Records,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome> {
+    let mut recorder = Recorder::new(scene, records, kept, progress);
+    let failure = recorder.go_on(method, setting, scene.end())?.err();
+    Ok(recorder.outcome(failure))
 }
 
 /// The exact solution of a scene in place of a run: no integrator, no contacts.
@@ -125,7 +129,9 @@ pub fn run_in_closed_form(scene: &Scene, records: Records, progress: &mut dyn Fn
         let rule = "only a scene whose exact solution is known runs in closed form";
         return Err(Error::parameter("scene", scene.name(), rule));
     };
-    Ok(finish(&mut ClosedForm { breather, end: scene.end(), t: 0.0 }, scene, records, progress))
+    let mut recorder = Recorder::new(scene, records, Kept::new(scene), progress);
+    let failure = recorder.leg(&mut ClosedForm { breather, end: scene.end(), t: 0.0 }).err();
+    Ok(recorder.outcome(failure))
 }
 
 /// A solution that is known: one step goes to the end.
@@ -203,12 +209,6 @@ impl Stepper<f64> for Logged {
     }
 }
 
-fn finish(stepper: &mut impl Stepper<f64>, scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Outcome {
-    let mut recorder = Recorder::new(scene, records, Kept::new(scene), progress);
-    let failure = recorder.leg(stepper).err();
-    recorder.outcome(failure)
-}
-
 fn nonzero(energy: f64) -> f64 {
     if energy == 0.0 { 1.0 } else { energy.abs() }
 }
@@ -224,6 +224,8 @@ pub(super) struct Kept {
     pub(super) largest: f64,
     pub(super) samples: Vec<Sample>,
     pub(super) profiles: Vec<Profile>,
+    /// Contacts, if they are asked for.
+    pub(super) contacts: Option<Vec<Contact>>,
     pub(super) stats: Stats,
     pub(super) wall: Duration,
 }
@@ -238,9 +240,15 @@ impl Kept {
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
+            contacts: None,
             stats: Stats::default(),
             wall: Duration::ZERO,
         }
+    }
+
+    /// The start of a run that is watched for contacts.
+    pub(super) fn with_contacts(scene: &Scene) -> Self {
+        Self { contacts: Some(Vec::new()), ..Self::new(scene) }
     }
 }
 
@@ -273,8 +281,42 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Goes on by a method up to `end`, watched for contacts if they are kept.
+    ///
+    /// # Errors
+    /// A leg that cannot start; inside, why it stopped on the way.
+    pub(super) fn go_on(
+        &mut self,
+        method: Method,
+        setting: Setting,
+        end: f64,
+    ) -> Result<std::result::Result<(), Failed>> {
+        let (scene, state, start) = (self.scene, &self.kept.state, self.kept.t);
+        let span = (start, end);
+        if self.kept.contacts.is_none() {
+            let mut stepper = method.start_leg(scene, state, span, setting)?;
+            return Ok(self.leg(&mut stepper));
+        }
+        let chain = scene.chain();
+        let log = ContactLog::new(chain.clone());
+        let (result, log) = if method == Method::Collocation {
+            let run = collocation(scene, state, span, setting)?.logged();
+            let mut logged = Logged { run, log };
+            (self.leg(&mut logged), logged.log)
+        } else {
+            let stepper = method.start_leg(scene, state, span, setting)?;
+            let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), log);
+            (self.leg(&mut watch), watch.into_listener())
+        };
+        // Contacts that are there at the start of the run have no onset, those at the start of a later leg had theirs before.
+        let join =
+            |before: Vec<Contact>| if start > 0.0 { join(before, log.contacts(), start) } else { log.contacts() };
+        self.kept.contacts = self.kept.contacts.take().map(join);
+        Ok(result)
+    }
+
     /// Goes on with a stepper that starts from what is kept.
-    pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
+    fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
         let driven = drive(stepper, self, &mut state);
@@ -308,9 +350,9 @@ impl<'a> Recorder<'a> {
     /// What the run leaves behind.
     pub(super) fn outcome(self, failure: Option<Failed>) -> Outcome {
         let energy = self.energy(&self.kept.state);
-        let Kept { t, state, largest, samples, profiles, stats, wall, .. } = self.kept;
+        let Kept { t, state, largest, samples, profiles, contacts, stats, wall, .. } = self.kept;
         let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
-        Outcome { t, state, energy, energy_error, samples, profiles, contacts: None, stats, wall, failure }
+        Outcome { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, failure }
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {

@@ -8,22 +8,15 @@ use crate::{
 use serde::Serialize;
 
 /// The columns of the tables: the fields of a [`Contact`].
-const COLUMNS: [&str; 7] = ["bond", "onset", "release", "approach", "separation", "largest_overlap", "impulse"];
-
-/// The numbers of a row; what a contact does not have is not a number.
-fn row(contact: &Contact) -> [f64; COLUMNS.len()] {
-    let Contact { bond, onset, release, approach, separation, largest_overlap, impulse } = *contact;
-    let [onset, release, approach, separation] =
-        [onset, release, approach, separation].map(|number| number.unwrap_or(f64::NAN));
-    [bond as f64, onset, release, approach, separation, largest_overlap, impulse]
-}
+const COLUMNS: [&str; Contact::NUMBERS] =
+    ["bond", "onset", "release", "approach", "separation", "largest_overlap", "impulse"];
 
 /// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release after the end.
 pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
     let mut text = COLUMNS.join(",") + "\n";
     for contact in contacts {
-        let numbers: Vec<String> = row(contact)[1..].iter().map(number).collect();
+        let numbers: Vec<String> = contact.numbers()[1..].iter().map(number).collect();
         text += &format!("{},{}\n", contact.bond, numbers.join(","));
     }
     text.into_bytes()
@@ -34,7 +27,7 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
 /// # Errors
 /// What the archive writer says.
 pub fn contacts_npz(contacts: &[Contact], settings: &str) -> Result<Vec<u8>> {
-    let column = |k: usize| contacts.iter().map(|contact| row(contact)[k]).collect();
+    let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
     let arrays: Vec<Array<'_>> = COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
     npz_with(SETTINGS, settings, &arrays)
 }
@@ -167,7 +160,7 @@ mod tests {
         assert_eq!(lines.len(), 4);
         for (line, contact) in lines[1..].iter().zip(&three()) {
             let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-            assert_eq!(numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), row(contact).map(f64::to_bits));
+            assert_eq!(numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), contact.numbers().map(f64::to_bits));
         }
         assert_eq!(contacts_csv(&[]).iter().filter(|&&byte| byte == b'\n').count(), 1);
     }
@@ -179,7 +172,7 @@ mod tests {
             for (k, name) in COLUMNS.iter().enumerate() {
                 let file = archive.by_name(&format!("{name}.npy")).unwrap();
                 let column: Vec<f64> = npyz::NpyFile::new(file).unwrap().into_vec().unwrap();
-                let expected = contacts.iter().map(|contact| row(contact)[k].to_bits());
+                let expected = contacts.iter().map(|contact| contact.numbers()[k].to_bits());
                 assert!(column.iter().map(|x| x.to_bits()).eq(expected), "{name}");
             }
         }

@@ -3,7 +3,8 @@
 //! Every line is `CHECK JSON`, the check 16 hexadecimal digits of the FNV-1a hash of the JSON. The first line says whose points these are: study,
 //! program and settings; its check is the fingerprint of the study, and the checks of all other lines go on from it, so that a line of another study
 //! fits nowhere. A line is handed to the system in one piece. What a kill leaves of it has no end of line: it is dropped, and the point computed again. Anything else
-//! that is not as it was written is refused, and never written over. A store belongs to one run at a time.
+//! that is not as it was written is refused, and never written over. Lines are synced once a second: a failure of the power costs the points of about that time.
+//! A store belongs to one run at a time.
 
 use crate::{
     error::{Error, Result},
@@ -16,10 +17,13 @@ use std::{
     fs::{File, OpenOptions, TryLockError},
     io::{Read, Write},
     path::{Path, PathBuf},
+    time::{Duration, Instant},
 };
 
 /// The version of the format.
 const VERSION: u64 = 1;
+/// Lines are brought to the disk so often.
+const SYNC: Duration = Duration::from_secs(1);
 /// The basis of FNV-1a, 64 bits.
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 /// Its prime.
@@ -31,6 +35,8 @@ pub struct Store {
     folder: Folder,
     name: String,
     file: File,
+    /// When it was last brought to the disk.
+    synced: Instant,
     /// Bytes that are whole lines.
     length: u64,
     header: String,
@@ -76,6 +82,7 @@ impl Store {
             folder: folder.clone(),
             name: name.to_owned(),
             file,
+            synced: Instant::now(),
             length: 0,
             header,
             lines: Vec::new(),
@@ -179,13 +186,17 @@ impl Store {
     }
 
     fn write(&mut self, line: &str) -> Result<()> {
-        let written = self.file.write_all(line.as_bytes());
-        match written {
-            Ok(()) => self.length += line.len() as u64,
+        if let Err(source) = self.file.write_all(line.as_bytes()) {
             // What a full disk took of the line is none: the next one must not go on from there.
-            Err(_) => drop(self.file.set_len(self.length)),
+            drop(self.file.set_len(self.length));
+            return Err(self.fail(source));
         }
-        written.map_err(|source| self.fail(source))
+        self.length += line.len() as u64;
+        if self.synced.elapsed() > SYNC {
+            self.file.sync_data().map_err(|source| self.fail(source))?;
+            self.synced = Instant::now();
+        }
+        Ok(())
     }
 }
 
