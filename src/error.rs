@@ -3,6 +3,9 @@
 use crate::orbits::{Orbit, Setting};
 use std::path::PathBuf;
 
+/// So much of a text that is not ours is shown in a message.
+const MOST_SHOWN: usize = 300;
+
 /// What can go wrong, always with the value and the rule it broke.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -72,7 +75,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file that is there but does not hold what it must: broken, altered, of another study or version.
-    #[error("{}, {place}: {rule}", path.display())]
+    #[error("{}, {place}: {}", path.display(), one_line(rule))]
     Content {
         /// The file.
         path: PathBuf,
@@ -103,6 +106,12 @@ fn beside(h: &Option<f64>, place: &Option<String>) -> String {
     let h = h.map(|h| format!("; steps of {h:.6e}"));
     let place = place.as_ref().map(|place| format!("; {place}"));
     h.into_iter().chain(place).collect()
+}
+
+/// What may hold words of a file, fit for one line of a message.
+pub(crate) fn one_line(text: &str) -> String {
+    let shown = text.chars().take(MOST_SHOWN).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
+    shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
 }
 
 /// The result of whatever may end in an [`Error`].

@@ -12,7 +12,7 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    output::{Archive, Array, SETTINGS, npz_with, to_json},
+    output::{Archive, Array, SETTINGS, npz_with, read, to_json},
 };
 use serde::{Deserialize, Serialize};
 use std::{fs::File, io::Read, path::Path};
@@ -20,6 +20,8 @@ use std::{fs::File, io::Read, path::Path};
 /// What the first settings of a branch file must be.
 const FORMAT: &str = "hertzchain branch";
 const VERSION: u64 = 1;
+/// Longest file of one orbit.
+const MOST_BYTES: u64 = 1 << 26;
 /// What a zip archive with a member begins with.
 const ZIP: &[u8] = b"PK\x03\x04";
 
@@ -242,20 +244,17 @@ impl Orbit {
     /// a branch without a pick, or a pick that is not there.
     pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
         let fail = |source| Error::File { path: path.to_owned(), source };
-        let (mut file, mut text) = (File::open(path).map_err(fail)?, Vec::new());
-        (&mut file).take(ZIP.len() as u64).read_to_end(&mut text).map_err(fail)?;
-        let rule = match (text == ZIP, pick) {
+        let mut start = Vec::new();
+        File::open(path).map_err(fail)?.take(ZIP.len() as u64).read_to_end(&mut start).map_err(fail)?;
+        let rule = match (start == ZIP, pick) {
             (true, Some(pick)) => return Trail::load(path)?.pick(pick).cloned(),
             (true, None) => "it is a branch: say which of its orbits, by --point or --at".to_owned(),
             (false, Some(_)) => "it is no branch.npz: only a branch has points".to_owned(),
-            (false, None) => {
-                file.read_to_end(&mut text).map_err(fail)?;
-                match Self::from_json(&text).map(|orbit| orbit.measured(shooting)) {
-                    Ok(Ok(orbit)) => return Ok(orbit),
-                    Ok(Err(rule)) => rule.to_string(),
-                    Err(rule) => rule,
-                }
-            }
+            (false, None) => match Self::from_json(&read(path, MOST_BYTES)?).map(|orbit| orbit.measured(shooting)) {
+                Ok(Ok(orbit)) => return Ok(orbit),
+                Ok(Err(rule)) => rule.to_string(),
+                Err(rule) => rule,
+            },
         };
         Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
     }

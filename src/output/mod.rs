@@ -8,6 +8,24 @@ pub use folder::Folder;
 pub use json::to_json;
 pub use npz::{Archive, Array, SETTINGS, npz, npz_with};
 
+use crate::error::{Error, Result};
+use std::{fs::File, io::Read, path::Path};
+
+/// The bytes of a file that is no longer than it may be: a device, or the wrong file, is refused before it fills the memory.
+///
+/// # Errors
+/// What the system says; [`Error::Content`] for one that is too long.
+pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let fail = |source| Error::File { path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    let length = File::open(path).map_err(fail)?.take(most + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if length as u64 > most {
+        let rule = format!("longer than {} MiB, which it may have at most", most >> 20);
+        return Err(Error::Content { path: path.to_owned(), place: "size".to_owned(), rule });
+    }
+    Ok(bytes)
+}
+
 /// Rows of numbers as CSV with a line of names; every number so that it reads back exactly.
 pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {
     let mut text = names.join(",");

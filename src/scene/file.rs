@@ -3,7 +3,7 @@
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, nearest},
+    error::{Error, Result, nearest, one_line},
     number::double,
 };
 use serde::{Deserialize, Serialize};
@@ -290,7 +290,7 @@ fn explain(error: &toml::de::Error, text: &str, leaves: &[Leaf<'_>]) -> String {
             format!("line {}: {place}{message}{hint}", line + 1)
         }
     };
-    message.replace(char::is_control, "\u{fffd}")
+    one_line(&message)
 }
 
 /// The key of `[initial]` that a message is about: the first with which it appears. A table of one kind or another is read as a whole, and of an error in it

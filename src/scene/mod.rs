@@ -9,6 +9,7 @@ use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Resonators, Site, State, max_norm},
     error::{Error, Result},
+    output::read,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -16,6 +17,8 @@ use std::{f64::consts::PI, path::Path};
 
 /// More sites than any machine's memory holds states of.
 const MOST_SITES: usize = 100_000_000;
+/// Longest scene file: states of millions of sites have room.
+const MOST_BYTES: u64 = 1 << 28;
 /// More samples than a figure can show or a file should hold.
 const MOST_SAMPLES: usize = 1_000_000;
 
@@ -72,7 +75,10 @@ impl Scene {
         }
         let path = Path::new(name_or_file);
         if path.extension().is_some() || path.components().count() > 1 || path.exists() {
-            return std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source });
+            return String::from_utf8(read(path, MOST_BYTES)?).map_err(|why| {
+                let message = format!("not valid UTF-8: {why}");
+                Error::Scene { file: name_or_file.to_owned(), message }
+            });
         }
         Err(Error::unknown("scene", name_or_file, BUILTIN.iter().map(|(name, _)| *name)))
     }

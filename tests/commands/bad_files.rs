@@ -6,8 +6,8 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::orbit_study,
-    orbits::{Orbit, Pick, Shooting},
+    experiments::{LongRun, orbit_study},
+    orbits::{Orbit, Pick, Shooting, Trail},
     output::{Archive, Array, npz},
     report::dark_breather_json,
     scene::{Initial, Scene, SceneFile},
@@ -229,6 +229,23 @@ fn what_is_no_text_is_refused_and_line_ends_and_byte_order_marks_are_not() {
         let name = path.display().to_string();
         let error = Scene::load(&name).unwrap_err().to_string();
         assert!(error.contains(&name) && error.contains(rule), "{error}");
+    }
+}
+
+/// A file without an end.
+#[cfg(unix)]
+#[test]
+fn a_device_is_refused_before_it_fills_the_memory() {
+    let path = Path::new("/dev/zero");
+    let refusals = [
+        at_once("a device", || Scene::load("/dev/zero")).map(|_| ()),
+        at_once("a device", || Orbit::load(path, None, &Shooting::default())).map(|_| ()),
+        at_once("a device", || Trail::load(path)).map(|_| ()),
+        at_once("a device", || LongRun::load(path)).map(|_| ()),
+    ];
+    for (refusal, rule) in refusals.into_iter().zip(["256 MiB", "64 MiB", "not an NPZ file", "not an NPZ file"]) {
+        let error = refusal.unwrap_err().to_string();
+        assert!(error.starts_with("/dev/zero, ") && error.contains(rule), "{error}");
     }
 }
 

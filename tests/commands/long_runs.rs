@@ -148,6 +148,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         ("\"version\": 1", "\"version\": 2", "version", "read is hertzchain checkpoint, version 1"),
         ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 1"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
+        // Found by fuzzing: lines that a file brings along are not those of a message.
+        ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),
         ("\"dop853\"", "\"dop854\"", "integrator", "unknown integrator"),
         ("\"legs\": 4", "\"legs\": 5", "legs", "5 of 4"),
         ("\"legs\": 4", "\"legs\": 0", "legs", "0 of 4"),
@@ -159,6 +161,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         assert!(text.contains(from), "{from}: {text}");
         fs::write(&path, npz_with("settings.json", &text.replace(from, to), &[]).unwrap()).unwrap();
         let message = LongRun::load(&path).map(|_| ()).unwrap_err().to_string();
+        assert_eq!(message.lines().count(), 1, "{message}");
         let place = format!("{}, settings.json, {key}: ", path.display());
         // Without arrays what comes after the settings is missing.
         let arrays = ["samples", "legs"].contains(&key);
