@@ -527,7 +527,9 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                 Trial::Smaller(h) => *pace.of(&self.leg) = h * self.leg.map.unit(),
                 Trial::Land(landing) => {
                     retry += 1;
-                    if retry >= MOST_RETRIES {
+                    // One that is here and has fired already is an error of the polynomial.
+                    let again = !landing.here && landing.tau <= self.leg.tau();
+                    if retry >= MOST_RETRIES || again {
                         self.give_up(&mut pace)?;
                     } else if landing.here {
                         self.fire()?;
