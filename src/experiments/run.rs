@@ -309,9 +309,8 @@ impl<'a> Recorder<'a> {
             (self.leg(&mut watch), watch.into_listener())
         };
         // Contacts that are there at the start of the run have no onset, those at the start of a later leg had theirs before.
-        let join =
-            |before: Vec<Contact>| if start > 0.0 { join(before, log.contacts(), start) } else { log.contacts() };
-        self.kept.contacts = self.kept.contacts.take().map(join);
+        let (before, after) = (self.kept.contacts.take().unwrap_or_default(), log.contacts());
+        self.kept.contacts = Some(if start > 0.0 { join(before, after, start) } else { after });
         Ok(result)
     }
 
