@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 /// So much of a text that is not ours is shown in a message.
 const MOST_SHOWN: usize = 300;
+/// So many names are all listed to somebody who gives another.
+const MOST_LISTED: usize = 16;
 
 /// What can go wrong, always with the value and the rule it broke.
 #[derive(Debug, thiserror::Error)]
@@ -21,14 +23,14 @@ pub enum Error {
         rule: &'static str,
     },
     /// A name nobody knows.
-    #[error("unknown {kind} \"{name}\"{}", nearest_hint(.nearest))]
+    #[error("unknown {kind} \"{name}\"{hint}")]
     Unknown {
         /// Kind of thing that was named.
         kind: &'static str,
         /// The name.
         name: String,
-        /// The known name most like it.
-        nearest: Option<String>,
+        /// The known name most like it; if there is none, and names are few, all of them.
+        hint: String,
     },
     /// A scene file that does not say what a scene must say.
     #[error("scene {file}: {message}")]
@@ -117,10 +119,6 @@ pub(crate) fn one_line(text: &str) -> String {
 /// The result of whatever may end in an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-fn nearest_hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default()
-}
-
 fn best_residual(best: Option<&Orbit>) -> String {
     best.map_or("it broke down".to_owned(), |orbit| {
         let Setting { omega_b, params, .. } = orbit.setting;
@@ -142,9 +140,15 @@ impl Error {
         Self::Parameter { name, value, rule }
     }
 
-    /// An unknown name, with the nearest of the `known` ones.
+    /// An unknown name, with the nearest of the `known` ones, or all of them where they are few.
     pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
-        Self::Unknown { kind, name: name.to_owned(), nearest: nearest(name, known) }
+        let known: Vec<&str> = known.into_iter().collect();
+        let hint = match nearest(name, known.iter().copied()) {
+            Some(nearest) => format!("; did you mean \"{nearest}\"?"),
+            None if known.len() <= MOST_LISTED => format!("; one of {}", known.join(", ")),
+            None => String::new(),
+        };
+        Self::Unknown { kind, name: one_line(name), hint }
     }
 }
 

@@ -226,6 +226,7 @@ mod command {
         }
         for (args, message) in [
             (vec!["stability", "--charts", "lihgt"], "did you mean \"light\"?"),
+            (vec!["stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),
             (vec!["stability", "--sites", "0"], "sites = 0 is not valid"),
             (vec!["stability", "--periods", "1e7"], "from 1 to 10^6 contact periods"),
             (vec!["stability", "--work", "1"], "work = 1 is not valid"),
