@@ -80,8 +80,17 @@ fn numbers_have_seventeen_significant_digits() {
 }
 
 #[test]
-fn order_json_keeps_its_contract() {
-    let study = json(&["order", "--alpha", "2", "--beads", "3", "--json"]);
+fn order_keeps_its_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let table = stdout(&hertzchain(&["order", "--alpha", "2", "--beads", "3", "--out", out]));
+    assert!(table.contains("regularised") && table.contains("theory"), "{table}");
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let study: Value = serde_json::from_slice(&read("order.json")).unwrap();
+    assert!(read("order.csv").starts_with(b"method,"));
+    for picture in ["order-state.png", "order-tangent.png"] {
+        assert!(!cfg!(feature = "plot") || read(picture).starts_with(b"\x89PNG"), "{picture}");
+    }
     assert_eq!((study["alpha"].as_f64(), study["beads"].as_u64()), (Some(2.0), Some(3)));
     assert!(study["events"].as_u64().unwrap() > 0);
     let rows = study["rows"].as_array().unwrap();
@@ -353,6 +362,23 @@ fn chains_of_one_and_two_beads_run_with_every_method() {
             }
         }
     }
+}
+
+/// What people see instead of JSON. Truth: the names in the JSON.
+#[test]
+fn tables_name_what_the_json_names() {
+    for (command, list, name) in [("integrators", "integrators", "name"), ("scenes", "scenes", "name")] {
+        let (table, json) = (stdout(&hertzchain(&[command])), json(&[command, "--json"]));
+        let rows = json[list].as_array().unwrap();
+        assert!(rows.len() > 10 && rows.iter().all(|row| table.contains(row[name].as_str().unwrap())), "{table}");
+    }
+    let homoclinic = ["dps", "homoclinic", "--alpha", "1.5", "--center", "site"];
+    let (table, json) = (stdout(&hertzchain(&homoclinic)), json(&[&homoclinic[..], &["--json"]].concat()));
+    for a in json["a"].as_array().unwrap() {
+        assert!(table.contains(&format!("{:e}", a.as_f64().unwrap())), "{a}: {table}");
+    }
+    let table = stdout(&hertzchain(&["verify", "--section", "3"]));
+    assert!(table.contains("holds") && table.contains("all as known"), "{table}");
 }
 
 #[test]

@@ -199,12 +199,14 @@ mod command {
         let args = [
             "stability",
             "--charts",
-            "alpha,length",
+            "light,stiffness,alpha,length,time,resonances",
             "--integrators",
             "strang-linear,collocation",
             "--work",
-            "1e5",
+            "1e4",
             "--sites",
+            "10",
+            "--periods",
             "10",
             "--quick",
             "--json",
@@ -213,17 +215,28 @@ mod command {
         ];
         let first: serde_json::Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
         let second: serde_json::Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
-        assert_eq!((first["computed"].as_u64(), second["computed"].as_u64()), (Some(10), Some(0)));
+        assert_eq!((first["computed"].as_u64(), second["computed"].as_u64()), (Some(68), Some(0)));
         assert_eq!(first["points"], second["points"]);
+        let mut points = first["points"].as_array().unwrap().iter();
+        let point = points.find(|point| point["chart"] == "alpha").unwrap();
         for key in ["chart", "integrator", "alpha", "verdict", "energy_error", "limits", "ladder"] {
-            assert!(!first["points"][0][key].is_null(), "{key}");
+            assert!(!point[key].is_null(), "{key}");
         }
-        for file in ["stability.json", "alpha.csv", "alpha-ladder.csv", "length.csv", "charts.store"] {
-            assert!(folder.path().join(file).exists(), "{file}");
+        let charts = ["light", "stiffness", "alpha", "length", "time"];
+        let tables = charts.iter().flat_map(|chart| [format!("{chart}.csv"), format!("{chart}-ladder.csv")]);
+        let maps = ["light-strang-linear", "stiffness-strang-linear", "stiffness-collocation", "resonances"];
+        let pictures = charts.iter().chain(&maps).map(|name| format!("{name}.png"));
+        let others = ["stability.json", "resonances.csv", "charts.store", "resonances.store"].map(str::to_owned);
+        let files = tables.chain(pictures.filter(|_| cfg!(feature = "plot"))).chain(others);
+        for file in files {
+            let bytes = std::fs::read(folder.path().join(&file)).unwrap();
+            assert!(bytes.len() > 60 && (!file.ends_with("png") || bytes.starts_with(b"\x89PNG")), "{file}");
         }
-        if cfg!(feature = "plot") {
-            assert!(folder.path().join("alpha.png").exists());
-        }
+        // The table of what is there already.
+        let people: Vec<&str> = args.into_iter().filter(|arg| *arg != "--json").collect();
+        let table = String::from_utf8(hertzchain(&people).stdout).unwrap();
+        let told = ["0 points computed, 68 resumed", "strang-linear", "collocation"];
+        assert!(told.iter().all(|words| table.contains(words)), "{table}");
         for (args, message) in [
             (vec!["stability", "--charts", "lihgt"], "did you mean \"light\"?"),
             (vec!["stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),

@@ -14,8 +14,8 @@
 //! would take more work than it may says so. Resonances of steps with periods, which a ladder may step over, have a chart of their own.
 //!
 //! Measured on the built-in problem: kinetic splits lose stability where the oscillator says (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
-//! collocation at tolerance 10^-9 is stable at all points, with an error of at most `5 10^-10`, at `A = 10^-12`, `kappa = 10^8`. Looser tolerances it does not keep where
-//! `omega` is above `100 Omega_c`: errors are there up to 3400 times the tolerance.
+//! collocation at tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`, at `A = 10^-12`, `kappa = 10^8`; of the looser tolerances from 0.1 on it exceeds
+//! one at one point, `10^-7` by 3.4 times.
 
 mod measure;
 mod problem;
