@@ -77,7 +77,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file that is there but does not hold what it must: broken, altered, of another study or version.
-    #[error("{}, {place}: {}", path.display(), one_line(rule))]
+    #[error("{}, {}: {}", path.display(), one_line(place), one_line(rule))]
     Content {
         /// The file.
         path: PathBuf,

@@ -30,7 +30,7 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
-    /// Runs a kernel with the vector [`Instructions`](crate::Instructions) in use: the same bits with all of them.
+    /// Runs a kernel with the vector instructions in use, [`crate::Instructions`]: the same bits with all of them.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()

@@ -101,7 +101,7 @@ impl Contact {
 
 /// The contacts of two runs, of which the second goes on at time `t` where the first ended: those that go on are joined. One that only the first has at `t`,
 /// or only the second, is on the surface there but for rounding, and ends or begins at `t` with no speed.
-pub fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
+pub(crate) fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
     let (mut contacts, mut open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
     for mut contact in after {
         if contact.onset.is_none() {

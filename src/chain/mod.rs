@@ -24,7 +24,8 @@ mod state;
 mod sweep;
 
 pub use boundary::Boundary;
-pub use contacts::{Contact, ContactLog, Overlaps, join};
+pub(crate) use contacts::join;
+pub use contacts::{Contact, ContactLog, Overlaps};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;

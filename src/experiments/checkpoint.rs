@@ -254,6 +254,9 @@ impl LongRun {
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
         }
+        if run.kept.t != run.time() {
+            return Err(refused("t", &format!("{} after {} legs, which end at {}", run.kept.t, run.done, run.time())));
+        }
         Ok(run)
     }
 

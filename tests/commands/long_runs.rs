@@ -153,6 +153,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         ("\"dop853\"", "\"dop854\"", "integrator", "unknown integrator"),
         ("\"legs\": 4", "\"legs\": 5", "legs", "5 of 4"),
         ("\"legs\": 4", "\"legs\": 0", "legs", "0 of 4"),
+        ("\"legs\": 4", "\"legs\": 3", "t", "16 after 3 legs"),
         ("\"interval\": 4", "\"interval\": -4", "setting", "checkpoint = -4"),
         ("\"interval\": 4", "\"more\": 1, \"interval\": 4", "keys", "unknown field `more`"),
         ("\"taken\": ", "\"taken\": 1", "samples", "kept"),
@@ -164,7 +165,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         assert_eq!(message.lines().count(), 1, "{message}");
         let place = format!("{}, settings.json, {key}: ", path.display());
         // Without arrays what comes after the settings is missing.
-        let arrays = ["samples", "legs"].contains(&key);
+        let arrays = ["samples", "legs", "t"].contains(&key);
         assert!(
             message.starts_with(&place) && message.contains(rule) || arrays && message.contains("missing"),
             "{message}"

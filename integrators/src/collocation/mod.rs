@@ -55,7 +55,8 @@
 //! the last terms are far below what is asked two less. Windows are as long as they are cheapest: `f'(g) h^2` is moved up and down, whichever
 //! way the work for a unit of time falls, and work is counted, not timed, so that a run has the same bits every time. Local errors go
 //! with a power 5/4 of the last terms, which was measured. An overlap that falls to almost nothing without an event makes a force whose terms
-//! fall slowly at last; there the error is taken to be proportional to them. A tolerance is
+//! fall slowly at last; there the error is taken to be proportional to them. Last terms above 0.3 of the largest value resolve nothing, however small they are beside
+//! the velocities: where resonators are much faster than contacts, each of thousands of windows moves little, and would be wrong by most of it to the same side. A tolerance is
 //! for the sum over the run, relative to the size of the state. What the dynamics makes of local errors is not in it.
 //!
 //! A sweep is the last when what the next would change is less than a hundredth of that. An error that grows like `t^{2n}`, as it does
@@ -71,8 +72,6 @@
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor, windows short, and tangent maps do not exist.
 //! - Resonators so light that they turn many times in a window are resolved where contacts excite them: the cost then grows with `omega`.
-//! - Tolerances above 1e-9 are not kept where resonators are much faster than contacts, `omega` above a hundred times `sqrt(2 alpha g^{alpha-1})`: what few nodes leave of many turns
-//!   is small and of one sign, and adds up. Measured: energy errors of up to 3400 times the tolerance; at 1e-9 half of it.
 //! - Overlaps whose force over a window would change no digit that the tolerance asks for count as none, also for the log of contacts.
 //! - It is no symplectic method: it is one that makes no error to speak of.
 //!

@@ -282,7 +282,7 @@ impl<const M: usize> Panel<M> {
 
     /// The last terms of the series of the impulses that the free part and the oscillating part take: how well the nodes resolve
     /// the force, and the oscillation. They count `slow` times for a force that nearly goes out without an event, or does and comes back: its
-    /// terms fall slowly at last. And the largest value of the series.
+    /// terms fall slowly at last. And the largest value at a node.
     #[inline(always)]
     pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
