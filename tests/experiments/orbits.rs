@@ -53,6 +53,26 @@ fn defect_by_dop853(orbit: &Orbit) -> f64 {
     start.iter().zip(&end).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / orbit.amplitude()
 }
 
+/// Truth: the branch followed in other steps from an orbit that its seed leads to, and DOP853.
+#[test]
+fn an_orbit_that_its_seed_does_not_lead_to_is_found_along_the_branch() {
+    let shooting = Shooting::default();
+    let short = |omega_b: f64| DarkBreather { sites: 7, ..breather(Center::Bond, omega_b) };
+    let far = short(2.7);
+    let alone = shooting.solve(&far.setting(), &far.seed().unwrap());
+    assert!(matches!(alone, Err(Error::Stalled { .. })), "Newton's method from the seed");
+    let found = far.orbit(&shooting).unwrap();
+    let near = short(2.3);
+    let start = shooting.solve(&near.setting(), &near.seed().unwrap()).unwrap();
+    let along =
+        Continuation { parameter: Parameter::OmegaB, to: 2.7, step: 0.02, most_points: 100, natural: false, shooting };
+    let (orbits, _) = along.follow(start, |_| {}).unwrap();
+    let last = orbits.last().unwrap();
+    let apart = found.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(last.setting.omega_b == 2.7 && apart < 1e-13 * found.amplitude(), "{apart:e}");
+    assert!(found.residual < 1e-14 && defect_by_dop853(&found) < 1e-10, "{:e}", defect_by_dop853(&found));
+}
+
 #[test]
 fn profiles_are_periodic_for_two_integrators() {
     // Measured: E_b 7e-16 by collocation, 1.5e-12 by DOP853, whose own error that is.
