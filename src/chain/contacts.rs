@@ -16,7 +16,7 @@ use hertzchain_integrators::{
     events::{Listener, Part},
     regularised::{TimeMap, power},
 };
-use std::ops::ControlFlow;
+use std::{collections::BTreeMap, ops::ControlFlow};
 
 /// The overlaps of all bonds that can close, as event functions.
 #[derive(Clone, Debug)]
@@ -102,11 +102,12 @@ impl Contact {
 /// The contacts of two runs, of which the second goes on at time `t` where the first ended: those that go on are joined. One that only the first has at `t`,
 /// or only the second, is on the surface there but for rounding, and ends or begins at `t` with no speed.
 pub(crate) fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
-    let (mut contacts, mut open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
+    let (mut contacts, open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
+    // A bond is in one contact at a time.
+    let mut open: BTreeMap<usize, Contact> = open.into_iter().map(|contact| (contact.bond, contact)).collect();
     for mut contact in after {
         if contact.onset.is_none() {
-            let begun = open.iter().position(|begun| begun.bond == contact.bond).map(|k| open.swap_remove(k));
-            contact = match begun {
+            contact = match open.remove(&contact.bond) {
                 Some(Contact { onset, approach, largest_overlap, impulse, .. }) => Contact {
                     onset,
                     approach,
@@ -119,7 +120,7 @@ pub(crate) fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Con
         }
         contacts.push(contact);
     }
-    contacts.extend(open.into_iter().map(|contact| Contact { release: Some(t), ..contact }));
+    contacts.extend(open.into_values().map(|contact| Contact { release: Some(t), ..contact }));
     in_order(contacts)
 }
 
