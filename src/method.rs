@@ -1,18 +1,20 @@
 //! The integrators by name: the one place that knows all of them.
 
 use crate::{
-    chain::{Chain, Field, KineticFlow, LinearFlow, Overlaps, max_norm},
+    chain::{Bonded, Chain, Field, KineticFlow, LinearFlow, Overlaps, SiteFlow, max_norm},
     error::{Error, Result},
     scene::Scene,
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
-    collocation::Pace,
+    collocation::{ContactStepper, Pace},
     dop853::Options,
     regularised::power,
-    splitting::{First, Landed, tables},
+    splitting::{Corrected, First, Landed, Parts, tables},
 };
 use serde::{Deserialize, Serialize};
+
+mod tolerance;
 
 /// How the chain is split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +32,8 @@ pub enum Method {
     Splitting(&'static Scheme, Split),
     /// A splitting scheme on the exact linear flow whose steps end on contacts that begin or end.
     Landed(&'static Scheme),
+    /// One kick a step, processed, and corrected at contacts that begin or end.
+    Corrected(Parts, Split),
     /// The adaptive 8(5,3) pair.
     Dop853(Contacts),
     /// Every contact resolved where it happens, at a cost linear in the chain.
@@ -55,8 +59,8 @@ const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::
 pub enum Setting {
     /// This many equal steps over the whole span.
     Steps(u64),
-    /// Tolerance: of a step (relative, and absolute in units of the largest entry of the initial state); for collocation of the
-    /// whole run.
+    /// Tolerance: of a step (relative, and absolute in units of the largest entry of the initial state); for collocation and
+    /// contact-corrected splitting of the whole run.
     Tolerance(f64),
     /// This many equal windows over the whole span, each panel with so many nodes.
     Windows(u64, usize),
@@ -71,9 +75,7 @@ impl Setting {
             Self::Steps(steps) => Self::Steps(part(steps)),
             Self::Windows(windows, nodes) => Self::Windows(part(windows), nodes),
             // No finer than collocation takes, unless it was asked for what it refuses.
-            Self::Tolerance(tol) if method == Method::Collocation => {
-                Self::Tolerance((tol * share).max(tol.min(LEAST_TOLERANCE)))
-            }
+            Self::Tolerance(tol) if method.of_the_run() => Self::Tolerance((tol * share).max(tol.min(LEAST_TOLERANCE))),
             Self::Tolerance(_) => self,
         }
     }
@@ -83,13 +85,22 @@ impl Setting {
 const LEAST_TOLERANCE: f64 = 1e-15;
 
 impl Method {
-    /// All methods: kinetic splits, linear splits, the one that lands, the adaptive ones, then collocation.
+    /// Contact-corrected splitting on the exact linear flow.
+    pub const CORRECTED: Self = Self::Corrected(Parts::ALL, Split::Linear);
+    /// Contact-corrected splitting on the kinetic split.
+    pub const CORRECTED_KINETIC: Self = Self::Corrected(Parts::ALL, Split::Kinetic);
+    /// The processed kernel of Takahashi and Imada on the exact linear flow.
+    pub const TAKAHASHI_IMADA: Self = Self::Corrected(Parts::PROCESSED, Split::Linear);
+
+    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
+        let processed = [Self::CORRECTED, Self::CORRECTED_KINETIC, Self::TAKAHASHI_IMADA];
         on(Split::Kinetic)
             .chain(on(Split::Linear))
             .chain([landed])
+            .chain(processed)
             .chain(ADAPTIVE.map(Self::Dop853))
             .chain([Self::Collocation])
             .collect()
@@ -115,6 +126,9 @@ impl Method {
             Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
             Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
             Self::Landed(scheme) => format!("{}-linear-landed", scheme.name),
+            Self::Corrected(Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
+            Self::Corrected(_, Split::Linear) => "corrected".to_owned(),
+            Self::Corrected(_, Split::Kinetic) => "corrected-kinetic".to_owned(),
             Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
             Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
             Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
@@ -126,6 +140,7 @@ impl Method {
     pub fn order(&self) -> u32 {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
+            Self::Corrected(..) => 4,
             Self::Dop853(_) => 8,
             // Gauss nodes: twice as many as a panel has at the middle of the range.
             Self::Collocation => 16,
@@ -136,20 +151,35 @@ impl Method {
     pub fn stages(&self) -> usize {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
+            Self::Corrected(..) => 1,
             Self::Dop853(_) => 12,
             Self::Collocation => 8,
         }
     }
 
-    /// Whether it takes a tolerance; the others take steps.
+    /// Whether it chooses its steps on the way, by a tolerance; the others take steps.
     pub fn adaptive(&self) -> bool {
         matches!(self, Self::Dop853(_) | Self::Collocation)
+    }
+
+    /// Whether it takes a tolerance.
+    pub fn tolerant(&self) -> bool {
+        self.adaptive() || matches!(self, Self::Corrected(Parts { corrected: true, .. }, _))
+    }
+
+    /// Whether its tolerance is one of the whole run.
+    pub fn of_the_run(&self) -> bool {
+        self.tolerant() && !matches!(self, Self::Dop853(_))
     }
 
     /// Article that the coefficients come from.
     pub fn source(&self) -> &'static str {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
+            Self::Corrected(Parts { corrected: false, .. }, _) => {
+                "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235"
+            }
+            Self::Corrected(..) => "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271",
             Self::Collocation => "this software; Gauss collocation after Hairer, Lubich & Wanner 2006, Sec. II.1",
             Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
         }
@@ -161,6 +191,7 @@ impl Method {
             Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
             Self::Landed(_) => "exact linear flow, landed",
+            Self::Corrected(..) => "processed, one kick a step",
             Self::Dop853(_) => "adaptive",
             Self::Collocation => "contact collocation",
         }
@@ -199,6 +230,16 @@ impl Method {
                 let flow = loaded(LinearFlow::new(chain), y);
                 Ok(Box::new(Landed::new(scheme, First::Drift, flow, span, steps)?))
             }
+            (Self::Corrected(parts, Split::Kinetic), Setting::Steps(steps)) => {
+                Ok(Box::new(corrected(KineticFlow::new(chain), y, span, steps, *parts)?))
+            }
+            (Self::Corrected(parts, Split::Linear), Setting::Steps(steps)) => {
+                Ok(Box::new(corrected(LinearFlow::new(chain), y, span, steps, *parts)?))
+            }
+            (Self::Corrected(Parts { corrected: true, .. }, _), Setting::Tolerance(tol)) => {
+                let steps = tolerance::steps(scene, *self, y, span, tol)?;
+                self.start_leg(scene, y, span, Setting::Steps(steps))
+            }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
                 // Absolute errors are counted in units of the first state, so that small waves are not waved through.
@@ -219,7 +260,7 @@ impl Method {
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
             }
-            (Self::Splitting(..) | Self::Landed(_), Setting::Tolerance(tol)) => {
+            (Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..), Setting::Tolerance(tol)) => {
                 Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
             }
             (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {
@@ -227,6 +268,48 @@ impl Method {
             }
         }
     }
+}
+
+/// A method at work on a leg of a scene that logs contacts by itself; `None` for one that must be watched for them.
+///
+/// # Errors
+/// As [`Method::start_leg`].
+pub(crate) fn start_logged(
+    method: Method,
+    scene: &Scene,
+    y: &[f64],
+    span: (f64, f64),
+    setting: Setting,
+) -> Result<Option<Box<dyn ContactStepper + Send>>> {
+    match (method, setting) {
+        (Method::Collocation, _) => Ok(Some(Box::new(collocation(scene, y, span, setting)?.logged()))),
+        (
+            Method::Corrected(parts @ Parts { corrected: true, .. }, split),
+            Setting::Steps(_) | Setting::Tolerance(_),
+        ) => {
+            let steps = match setting {
+                Setting::Tolerance(tol) => tolerance::steps(scene, method, y, span, tol)?,
+                Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
+            };
+            let chain = scene.chain().clone();
+            Ok(Some(match split {
+                Split::Kinetic => Box::new(corrected(KineticFlow::new(chain), y, span, steps, parts)?.logged()),
+                Split::Linear => Box::new(corrected(LinearFlow::new(chain), y, span, steps, parts)?.logged()),
+            }))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Contact-corrected splitting of a split of the chain.
+fn corrected<F: SiteFlow>(
+    flow: F,
+    y: &[f64],
+    span: (f64, f64),
+    steps: u64,
+    parts: Parts,
+) -> Result<Corrected<Bonded<F>>> {
+    Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
 }
 
 /// Collocation at work on a leg of a scene.

@@ -10,8 +10,8 @@ use hertzchain_integrators::{Real, SplitFlow, Twofold};
 ///
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
 pub struct KineticFlow<R> {
-    chain: Chain<R>,
-    y: Vec<R>,
+    pub(super) chain: Chain<R>,
+    pub(super) y: Vec<R>,
 }
 
 impl<R: Real> KineticFlow<R> {

@@ -5,10 +5,16 @@
 
 use hertzchain_integrators::{Real, Twofold};
 
+/// Numbers that are worked on side by side: those of one register, or of two or four.
+pub(crate) const LANES: usize = 8;
+pub(crate) type Lanes<R> = [R; LANES];
+
 /// A power `g^alpha` that a sweep is compiled for.
 pub(crate) trait Power<R>: Copy {
     /// `g^alpha` for `g >= 0`.
     fn raise(self, g: R) -> R;
+    /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
+    fn raise_with_slope(self, g: R) -> (R, R);
 }
 
 /// `g sqrt(g)`.
@@ -32,12 +38,25 @@ impl<R: Real> Power<R> for ThreeHalves {
     fn raise(self, g: R) -> R {
         g * g.sqrt()
     }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let root = g.sqrt();
+        (g * root, R::of(1.5) * root)
+    }
 }
 
 impl<R: Real, const K: u32> Power<R> for Monomial<K> {
     #[inline(always)]
     fn raise(self, g: R) -> R {
         (1..K).fold(g, |power, _| power * g)
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let one = if g > R::zero() { R::one() } else { R::zero() };
+        let lower = (1..K).fold(one, |power, _| power * g);
+        (lower * g, R::of(f64::from(K)) * lower)
     }
 }
 
@@ -46,6 +65,12 @@ impl<R: Real> Power<R> for Integer {
     fn raise(self, g: R) -> R {
         num_traits::pow(g, self.0 as usize)
     }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let lower = num_traits::pow(g, self.0 as usize - 1);
+        (lower * g, R::of(f64::from(self.0)) * lower)
+    }
 }
 
 impl<R: Real> Power<R> for HalfInteger {
@@ -53,12 +78,24 @@ impl<R: Real> Power<R> for HalfInteger {
     fn raise(self, g: R) -> R {
         num_traits::pow(g, self.0 as usize) * g.sqrt()
     }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let lower = num_traits::pow(g, self.0 as usize - 1) * g.sqrt();
+        (lower * g, (R::of(f64::from(self.0)) + R::of(0.5)) * lower)
+    }
 }
 
 impl<R: Real> Power<R> for General<R> {
     #[inline(always)]
     fn raise(self, g: R) -> R {
         if g > R::zero() { g.powf(self.0) } else { R::zero() }
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let power = self.raise(g);
+        (power, if g > R::zero() { self.0 * (power / g) } else { R::zero() })
     }
 }
 
@@ -168,6 +205,23 @@ impl<R: Real> ContactLaw<R> {
     /// The force `(g)_+^alpha`.
     pub fn force(&self, g: R) -> R {
         with_power!(self, power => power.raise(self.positive_part(g)))
+    }
+
+    /// The force and its derivative `alpha (g)_+^{alpha-1}`.
+    pub(crate) fn force_with_slope(&self, g: R) -> (R, R) {
+        with_power!(self, power => power.raise_with_slope(self.positive_part(g)))
+    }
+
+    /// The force and its derivative `alpha (g)_+^{alpha-1}`, for many overlaps at once.
+    #[inline(always)]
+    pub(crate) fn forces_with_slopes(&self, overlaps: &[Lanes<R>], forces: &mut [Lanes<R>], slopes: &mut [Lanes<R>]) {
+        with_power!(self, power => {
+            for ((g, f), slope) in overlaps.iter().zip(forces).zip(slopes) {
+                let both: [(R, R); LANES] = std::array::from_fn(|k| power.raise_with_slope(self.positive_part(g[k])));
+                *f = both.map(|(force, _)| force);
+                *slope = both.map(|(_, slope)| slope);
+            }
+        });
     }
 
     /// The potential `(g)_+^{alpha+1} / (alpha+1)`.

@@ -40,6 +40,8 @@ pub struct LinearFlow<R> {
     two_pi: Twofold<R>,
     pub(super) theta: Twofold<R>,
     pub(super) tau: R,
+    /// Sine and cosine of `theta`, where bonds are asked for.
+    pub(super) phase: (R, R),
     kicks: u32,
     /// What averaged kicks work with; empty until there is one.
     pub(super) bonds: Bonds<R>,
@@ -70,6 +72,7 @@ impl<R: Real> LinearFlow<R> {
             two_pi: Twofold::two_pi(),
             theta: Twofold::zero(),
             tau: R::zero(),
+            phase: (R::zero(), R::one()),
             kicks: 0,
             bonds: Bonds::new(),
             chain,
@@ -85,6 +88,11 @@ impl<R: Real> LinearFlow<R> {
         }
         self.tau = R::zero();
         self.kicks = 0;
+    }
+
+    /// `mu`.
+    pub(super) fn mu(&self) -> R {
+        self.mu
     }
 
     /// Moves `R0` along when it is time to.
@@ -119,6 +127,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         let omega = self.omega.value();
         (self.theta, self.tau, self.kicks) = (Twofold::zero(), R::zero(), 0);
+        self.phase = (R::zero(), R::one());
         match (layout.v(y), layout.v_dot(y)) {
             (Some(v), Some(v_dot)) => {
                 let (m, mu) = (self.m, self.mu);
@@ -170,6 +179,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
             to.copy_from_slice(from);
         }
         (self.theta, self.tau, self.kicks) = (other.theta, other.tau, other.kicks);
+        self.phase = other.phase;
     }
 
     fn drift(&mut self, dt: Twofold<R>) {

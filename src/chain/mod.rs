@@ -9,6 +9,7 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod averaged;
+mod bonds;
 mod boundary;
 mod contact_chain;
 mod contacts;
@@ -23,6 +24,7 @@ mod params;
 mod state;
 mod sweep;
 
+pub use bonds::{Bonded, SiteFlow};
 pub use boundary::Boundary;
 pub(crate) use contacts::join;
 pub use contacts::{Contact, ContactLog, Overlaps};

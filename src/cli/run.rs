@@ -212,7 +212,7 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
             format!("{windows} windows ({:.6} a period), {nodes} nodes", windows * scene.period() / scene.end());
         return Ok((Setting::Windows(windows as u64, nodes), words));
     }
-    if method.adaptive() {
+    if method.adaptive() || method.tolerant() && args.tol.is_some() {
         if let Some(value) = args.step.or(args.steps_per_period) {
             return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
         }

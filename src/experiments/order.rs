@@ -314,7 +314,9 @@ impl Problem {
                 finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
             }
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
-            (Method::Landed(_) | Method::Collocation, _) => unreachable!("not a method of this study"),
+            (Method::Landed(_) | Method::Corrected(..) | Method::Collocation, _) => {
+                unreachable!("not a method of this study")
+            }
         }?;
         Ok((y, steps))
     }

@@ -2,13 +2,13 @@
 
 use crate::{
     breathers::TrivialBreather,
-    chain::{Chain, Contact, ContactLog, Energy, Overlaps, join, max_norm},
+    chain::{Contact, ContactLog, Energy, Overlaps, join, max_norm},
     error::{Error, Failed, Result},
     interrupt,
-    method::{Method, Setting, collocation},
+    method::{Method, Setting, start_logged},
     scene::Scene,
 };
-use hertzchain_integrators::{Collocation, Error as Failure, Observer, Stats, Stepper, Watch, drive};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, Stepper, Watch, collocation::ContactStepper, drive};
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
@@ -172,9 +172,9 @@ impl Stepper<f64> for ClosedForm<'_> {
     }
 }
 
-/// Collocation that hands what contacts do to a log.
+/// A method that knows its contacts, and hands what they do to a log.
 struct Logged {
-    run: Collocation<Chain<f64>>,
+    run: Box<dyn ContactStepper + Send>,
     log: ContactLog,
 }
 
@@ -193,10 +193,8 @@ impl Stepper<f64> for Logged {
 
     fn step(&mut self) -> std::result::Result<(), Failure> {
         self.run.step()?;
-        let (start, pieces) = self.run.pieces();
-        for piece in pieces {
-            self.log.take(piece, start);
-        }
+        let log = &mut self.log;
+        self.run.tell(&mut |piece, start| log.take(piece, start));
         Ok(())
     }
 
@@ -299,8 +297,7 @@ impl<'a> Recorder<'a> {
         }
         let chain = scene.chain();
         let log = ContactLog::new(chain.clone());
-        let (result, log) = if method == Method::Collocation {
-            let run = collocation(scene, state, span, setting)?.logged();
+        let (result, log) = if let Some(run) = start_logged(method, scene, state, span, setting)? {
             let mut logged = Logged { run, log };
             (self.leg(&mut logged), logged.log)
         } else {

@@ -108,6 +108,19 @@ use solver::Solver;
 /// Parts that a window is cut into at most, to show the state inside it.
 const MOST_PARTS: u32 = 1 << 10;
 
+/// A stepper that logs what contacts do.
+pub trait ContactStepper: Stepper<f64> {
+    /// Tells of every contact in the last step, and the time that those of a piece count from.
+    fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
+}
+
+impl<C: ContactChain> ContactStepper for Collocation<C> {
+    fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
+        let (start, pieces) = self.pieces();
+        pieces.for_each(|piece| told(piece, start));
+    }
+}
+
 /// What moves: sites, the contacts that bonds are in, and the time.
 #[derive(Clone)]
 struct State {

@@ -13,12 +13,14 @@
 //! the force instead of sampling it.
 
 mod averaged;
+pub mod corrected;
 mod landed;
 mod scheme;
 mod stepper;
 pub mod tables;
 
 pub use averaged::Averaged;
+pub use corrected::{Corrected, Parts, hurwitz};
 pub use landed::Landed;
 pub use scheme::{Coefficients, First, Scheme};
 pub use stepper::Splitting;

@@ -1,0 +1,57 @@
+//! What contact-corrected splitting asks of a problem.
+
+use super::{ends::Side, path::BondPath};
+use crate::system::SplitFlow;
+
+/// A bond between two kicks, seen without its own force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondView {
+    /// The overlap near the second kick.
+    pub path: BondPath,
+    /// The acceleration of the overlap by a unit of its own force, reversed in sign: 2 between beads, 1 at a wall.
+    pub mobility: f64,
+}
+
+/// What a bond is given at an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// Impulse: a contact force times time.
+    pub impulse: f64,
+    /// Displacement in the direction of the force.
+    pub displacement: f64,
+    /// When, relative to the kick.
+    pub at: f64,
+    /// Rate of the overlap there.
+    pub rate: f64,
+}
+
+/// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift moves exactly.
+pub trait BondFlow: SplitFlow<f64> {
+    /// The exponent `alpha`.
+    fn exponent(&self) -> f64;
+    /// Told the step before the first survey.
+    fn prepare(&mut self, _h: f64) {}
+    /// Number of bonds that can ever touch.
+    fn bonds(&self) -> usize;
+    /// Computes overlaps and forces of now; those of the survey before are kept as well.
+    fn survey(&mut self);
+    /// Appends the bonds whose side is not that of the survey before, and whether they are closed now. A bond with overlap zero is open.
+    fn changed(&mut self, out: &mut Vec<(usize, bool)>);
+    /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
+    fn force(&self, bond: usize) -> (f64, f64);
+    /// The overlap from the surveyed state on, under the forces of all other bonds as they are now.
+    fn path(&self, bond: usize) -> BondPath;
+    /// The bond between the surveys before and now, a step `h` apart, before the kick of now.
+    ///
+    /// Its path is that of the processed solution, `g + (h^2/12) s` with the mean `s` of what all other forces of the kick did at both.
+    fn view(&self, bond: usize, h: f64) -> BondView;
+    /// Gives a bond a correction, and surveys again what that moves.
+    fn correct(&mut self, bond: usize, correction: &Correction);
+    /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by `F`.
+    fn kick(&mut self, kick: f64, c: f64);
+    /// The flow of the processor: positions move by `share` times their accelerations by the forces of the kick, velocities by `-share`
+    /// times the rates of these; the rates of the forces of bonds that are [`Near`](Side::Near) count as none.
+    fn process(&mut self, share: f64, sides: &[Side]);
+    /// Leads the solution `y` back in time by `by`, a part of a step, as exactly as the method or better.
+    fn back(&self, y: &mut [f64], by: f64);
+}

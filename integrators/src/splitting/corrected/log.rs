@@ -1,0 +1,117 @@
+//! What contacts do, for those who want to know.
+
+use super::bonds::{BondFlow, Correction};
+use crate::collocation::Piece;
+
+/// One bond on its way.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    /// Overlap, rate and force at the last kick; the force is zero where the bond is open.
+    overlap: f64,
+    rate: f64,
+    force: f64,
+    /// The sum of kicks with half of the last one, and corrections.
+    sum: f64,
+    /// The part of it that pieces have told.
+    told: f64,
+    /// Event of this step, relative to its end, with the rate.
+    onset: Option<(f64, f64)>,
+    release: Option<(f64, f64)>,
+}
+
+/// A log of contacts, step by step.
+///
+/// The impulse of a contact is the sum of its kicks and corrections: the quadrature that moves the chain. Of one that goes on, half of the last kick counts, less
+/// `(h^2/12) f'`, the term of Euler and Maclaurin. The largest overlap is that of the cubics through overlaps and rates at the kicks.
+#[derive(Clone, Debug)]
+pub(super) struct Log {
+    entries: Vec<Entry>,
+    pieces: Vec<Piece>,
+    h: f64,
+    alpha: f64,
+}
+
+impl Log {
+    /// Of a flow after its first half kick.
+    pub(super) fn new<S: BondFlow>(flow: &S, h: f64) -> Self {
+        let mut log = Self {
+            entries: vec![Entry::default(); flow.bonds()],
+            pieces: Vec::with_capacity(flow.bonds()),
+            h,
+            alpha: flow.exponent(),
+        };
+        for bond in 0..log.entries.len() {
+            log.look(flow, bond, 0.0);
+            let entry = &mut log.entries[bond];
+            entry.sum = log.alpha * entry.force / entry.overlap.max(f64::MIN_POSITIVE) * entry.rate * h * h / 12.0;
+            entry.told = 0.0;
+        }
+        log
+    }
+
+    pub(super) fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.pieces.iter()
+    }
+
+    /// Takes over the bond at the kick, which began `half` a step of kick ago.
+    fn look<S: BondFlow>(&mut self, flow: &S, bond: usize, kick: f64) {
+        let path = flow.path(bond);
+        let (force, acceleration) = flow.force(bond);
+        let entry = &mut self.entries[bond];
+        // The middle of the kick.
+        (entry.overlap, entry.rate, entry.force) = (path.overlap, path.rate - 0.5 * kick * acceleration, force);
+    }
+
+    pub(super) fn event(&mut self, bond: usize, onset: bool, correction: Option<Correction>) {
+        let entry = &mut self.entries[bond];
+        let (at, rate, impulse) = correction.map_or((0.0, 0.0, 0.0), |c| (c.at, c.rate, c.impulse));
+        entry.sum += impulse;
+        *(if onset { &mut entry.onset } else { &mut entry.release }) = Some((at, rate));
+    }
+
+    /// After a kick at `time`.
+    pub(super) fn step<S: BondFlow>(&mut self, flow: &S, time: f64) {
+        self.pieces.clear();
+        for bond in 0..self.entries.len() {
+            let before = self.entries[bond];
+            self.look(flow, bond, self.h);
+            let entry = &mut self.entries[bond];
+            if before.force == 0.0 && entry.force == 0.0 && entry.release.is_none() {
+                continue;
+            }
+            entry.sum += 0.5 * self.h * (before.force + entry.force);
+            let closed = entry.overlap > 0.0 && entry.force > 0.0;
+            let end = if closed {
+                self.alpha * entry.force / entry.overlap * entry.rate * self.h * self.h / 12.0
+            } else {
+                0.0
+            };
+            let largest = cubic_maximum((before.overlap, before.rate), (entry.overlap, entry.rate), self.h);
+            let at = |event: Option<(f64, f64)>| event.map(|(at, rate)| (time + at, rate));
+            self.pieces.push(Piece {
+                bond,
+                onset: at(entry.onset.take()),
+                release: at(entry.release.take()),
+                largest,
+                impulse: entry.sum - end - entry.told,
+            });
+            entry.told = entry.sum - end;
+            if !closed {
+                (entry.sum, entry.told) = (0.0, 0.0);
+            }
+        }
+    }
+}
+
+/// The largest value, at least zero, on an interval of length `h` of the cubic with these values and slopes at its ends.
+fn cubic_maximum((g0, r0): (f64, f64), (g1, r1): (f64, f64), h: f64) -> f64 {
+    let ends = g0.max(g1).max(0.0);
+    if !(r0 > 0.0 && r1 < 0.0) {
+        return ends;
+    }
+    let (r0, r1, rise) = (r0 * h, r1 * h, g1 - g0);
+    let (b, c) = (3.0 * rise - 2.0 * r0 - r1, r0 + r1 - 2.0 * rise);
+    // The zero of r0 + 2 b s + 3 c s^2 between two slopes of different sign.
+    let s = r0 / (-b + (b * b - 3.0 * c * r0).max(0.0).sqrt());
+    if (0.0..=1.0).contains(&s) { ends.max(g0 + s * (r0 + s * (b + s * c))) } else { ends }
+}
