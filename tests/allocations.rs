@@ -1,10 +1,10 @@
 //! No step allocates. A binary of its own, for its counting allocator.
 
-use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
+use hertzchain::chain::{Bonded, Boundary, Chain, KineticFlow, LinearFlow, Params};
 use hertzchain::integrators::{
     SplitFlow, Splitting, Stepper,
     collocation::Pace,
-    splitting::{First, tables::ALL},
+    splitting::{Corrected, First, Parts, tables::ALL},
 };
 use hertzchain::scene::Scene;
 use std::{
@@ -86,6 +86,16 @@ fn a_thousand_steps_allocate_nothing() {
             assert_steps_allocate_nothing(&chain, LinearFlow::new(chain.clone()), "linear");
         }
     }
+}
+
+#[test]
+fn corrected_steps_allocate_nothing() {
+    // Truth: a count of all calls of the allocator. Contacts begin and end all the time.
+    let scene = Scene::load("tw-q15").unwrap();
+    let mut flow = LinearFlow::new(scene.chain().clone());
+    flow.load(scene.initial().as_slice());
+    let mut run = Corrected::new(Bonded::new(flow), (0.0, 100.0), 4000, Parts::ALL).unwrap();
+    assert_eq!(allocations(|| (0..4000).for_each(|_| run.step().unwrap())), 0);
 }
 
 #[test]

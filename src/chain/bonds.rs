@@ -12,7 +12,7 @@ use super::{
     law::{LANES, Lanes},
 };
 use hertzchain_integrators::{
-    Kernel, Real, SplitFlow, Stepper, Twofold,
+    Error, Kernel, Real, SplitFlow, Stepper, Twofold,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -21,8 +21,9 @@ use hertzchain_integrators::{
 const PAD: usize = LANES;
 /// Bonds in a piece that is searched for changes at once.
 const PIECE: usize = 16;
-/// Tolerance of the run that leads back inside a step.
-const INSIDE: f64 = 1e-13;
+/// Nodes of the window that leads back inside a step, and the tolerance where one window does not do.
+const INSIDE: usize = 12;
+const TOLERANCE: f64 = 1e-13;
 
 /// Sites that the drift of a split moves exactly, one by one.
 pub trait SiteFlow: SplitFlow<f64> {
@@ -60,9 +61,9 @@ pub struct Bonded<F> {
     slope: Vec<f64>,
     /// Forces at the survey before.
     force_before: Vec<f64>,
-    /// `0 - overlap` as surveyed: the sign bit says that a bond is closed. Then the same at the survey before.
+    /// `0 - overlap` as surveyed: the sign bit says that a bond is closed. Then the same when changes were last told.
     open: Vec<f64>,
-    open_before: Vec<f64>,
+    told: Vec<f64>,
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
     spring: Vec<f64>,
     spring_before: Vec<f64>,
@@ -90,7 +91,7 @@ impl<F: SiteFlow> Bonded<F> {
             slope: padded(),
             force_before: padded(),
             open: zeros(),
-            open_before: zeros(),
+            told: zeros(),
             spring: if springs { padded() } else { Vec::new() },
             spring_before: if springs { padded() } else { Vec::new() },
             a: zeros(),
@@ -176,22 +177,32 @@ impl<F: SiteFlow> Bonded<F> {
         if spring.is_empty() { contacts } else { contacts + self.chain().across(b, |i| spring[PAD + i]) }
     }
 
-    /// The path of a bond under such a pull, if kicks of the last `h` acted as they do.
-    fn along(&self, b: usize, pull: f64, h: f64) -> BondPath {
+    /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its places at both ends of the step, and moved by processing.
+    ///
+    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
+    fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
         let [rate, p, p_dot] = self.across(b, |i| self.flow.motion(i));
-        let overlap = self.overlap[b] + h * h / 12.0 * pull;
-        let half = 0.5 * h * pull;
+        let change = if h > 0.0 { (now - before) / h } else { 0.0 };
+        let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
+        // Of the chord's rate the bends add s h/2 + s' h^2/12, and processing s' h^2/12.
+        let (overlap, bend) = (self.overlap[b] + share * now, 2.0 * share * change);
         if omega == 0.0 {
-            return BondPath { overlap, rate: rate + half, acceleration: [pull, 0.0], jerk: [0.0; 2], omega };
+            return BondPath {
+                overlap,
+                rate: rate + (half + bend),
+                acceleration: [now, 0.0],
+                jerk: [change, 0.0],
+                omega,
+            };
         }
-        let swung = if h == self.swung.0 { self.swung.1 } else { swung(omega, h) } * (mu * half);
+        let swung = mu * (if h == self.swung.0 { self.swung.1 } else { swung(omega, h) } * half + bend);
         let stiffness = omega * omega;
         BondPath {
             overlap,
-            rate: rate + (m * half + swung),
-            acceleration: [m * pull, mu * pull - stiffness * p],
-            jerk: [0.0, -stiffness * (p_dot + swung)],
+            rate: rate + (m * (half + bend) + swung),
+            acceleration: [m * now, mu * now - stiffness * p],
+            jerk: [m * change, mu * change - stiffness * (p_dot + swung)],
             omega,
         }
     }
@@ -403,7 +414,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
             (&mut self.slope, &other.slope),
             (&mut self.force_before, &other.force_before),
             (&mut self.open, &other.open),
-            (&mut self.open_before, &other.open_before),
+            (&mut self.told, &other.told),
             (&mut self.spring, &other.spring),
             (&mut self.spring_before, &other.spring_before),
         ] {
@@ -437,7 +448,6 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     fn survey(&mut self) {
         std::mem::swap(&mut self.force, &mut self.force_before);
-        std::mem::swap(&mut self.open, &mut self.open_before);
         std::mem::swap(&mut self.spring, &mut self.spring_before);
         let n = self.sites;
         self.flow.positions(&mut self.q[PAD..PAD + n]);
@@ -457,7 +467,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
         let touching = self.chain().touching();
-        let (now, before) = (&self.open[touching.clone()], &self.open_before[touching]);
+        let (now, before) = (&self.open[touching.clone()], &self.told[touching]);
         let stretches = now.chunks(64 * PIECE).zip(before.chunks(64 * PIECE));
         for (stretch, (now, before)) in stretches.enumerate() {
             let mut found = f64::run(Changes { now, before });
@@ -471,6 +481,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 }
             }
         }
+        std::mem::swap(&mut self.open, &mut self.told);
     }
 
     fn force(&self, bond: usize) -> (f64, f64) {
@@ -481,7 +492,8 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     fn path(&self, bond: usize) -> BondPath {
         let b = self.bond(bond);
-        self.along(b, self.pull(b, &self.force, &self.spring), 0.0)
+        let pull = self.pull(b, &self.force, &self.spring);
+        self.along(b, [pull; 2], 0.0)
     }
 
     fn view(&self, bond: usize, h: f64) -> BondView {
@@ -489,7 +501,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         let (_, mobility) = self.neighbours(b);
         let now = self.pull(b, &self.force, &self.spring);
         let before = self.pull(b, &self.force_before, &self.spring_before);
-        BondView { path: self.along(b, 0.5 * (now + before), h), mobility }
+        BondView { path: self.along(b, [before, now], h), mobility }
     }
 
     fn correct(&mut self, bond: usize, correction: &Correction) {
@@ -531,22 +543,31 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.shift(-0.5 * share, &start);
     }
 
+    /// By contact collocation: the equations are the same backwards, with velocities reversed.
     fn back(&self, y: &mut [f64], by: f64) {
         let half = y.len() / 2;
         let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
         turn(y);
-        let end = self.chain().collocation(y, (0.0, by), Pace::Tolerance(INSIDE)).and_then(|mut run| {
-            while !run.done() {
-                run.step()?;
-            }
-            run.sample(by, y);
-            Ok(())
-        });
-        if end.is_err() {
+        let window = Pace::Windows { windows: 1, nodes: INSIDE, neighbours: true };
+        // A window too long for the stiffness of its contacts does not settle; the tolerance makes it shorter.
+        let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, Pace::Tolerance(TOLERANCE)));
+        if settled.is_err() {
             // No state is better than a wrong one.
             y.fill(f64::NAN);
         }
         turn(y);
+    }
+}
+
+impl<F: SiteFlow> Bonded<F> {
+    /// Moves a state on by contact collocation.
+    fn run_on(&self, y: &mut [f64], by: f64, pace: Pace) -> Result<(), Error> {
+        let mut run = self.chain().collocation(y, (0.0, by), pace)?;
+        while !run.done() {
+            run.step()?;
+        }
+        run.sample(by, y);
+        Ok(())
     }
 }
 

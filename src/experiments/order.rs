@@ -8,11 +8,12 @@
 //!
 //! A step that crosses the beginning or the end of a contact errs by `O(h^{alpha+1})` in the state and by `O(h^alpha)` in
 //! its derivative by the initial state, the tangent, whatever `p` is. Landing on the event leaves the force
-//! `(t - t_e)^alpha` just beside it: a smaller constant and the same order, unless `alpha` is an integer.
+//! `(t - t_e)^alpha` just beside it: a smaller constant and the same order, unless `alpha` is an integer. Contact-corrected splitting takes the error of
+//! an event back: `min(4, alpha + 3, 2 alpha + 2)` in the state, which is 4 for its exponents, and one less than the terms of events in the tangent.
 
 use super::fit_line;
 use crate::{
-    chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
+    chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
     method::{Contacts, Method, Split, loaded},
     sweep::Tally,
@@ -22,7 +23,7 @@ use hertzchain_integrators::{
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
-    splitting::{Averaged, Coefficients, First, Landed},
+    splitting::{Averaged, Coefficients, Corrected, First, Landed, Parts},
 };
 
 /// Exponents that the ladders are made for.
@@ -36,8 +37,10 @@ const KAPPA: f64 = 1.0;
 const RHO: f64 = 1.0 / 3.0;
 /// Force evaluations on the rungs of the ladder, over the whole run.
 const EVALUATIONS: [f64; 8] = [480.0, 960.0, 1920.0, 3840.0, 7680.0, 15_360.0, 30_720.0, 61_440.0];
+/// The same for corrected kicks, which are at the floor of the tangent before others begin.
+const CORRECTED_EVALUATIONS: [f64; 8] = [60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0, 7680.0];
 /// Each rung is the root mean square over runs with these shares of steps more: where a step happens to cross an event is
-/// chance, and a slope should not depend on it.
+/// chance, and a slope should not depend on it. For corrected kicks it is the median.
 const NEIGHBOURS: [f64; 7] = [1.0, 1.015, 1.031, 1.046, 1.062, 1.079, 1.095];
 /// Steps a leg, where legs are regularised.
 const STEPS_A_LEG: [u64; 11] = [2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
@@ -59,13 +62,15 @@ pub enum Mode {
     Landed,
     /// Kicks integrate the contact force along the exact linear flow instead of sampling it.
     Averaged,
+    /// Kicks sample the contact force, and what they miss at events is taken back.
+    Corrected,
     /// Steps start anew at events, in a variable in which the solution is smooth.
     Regularised,
 }
 
 impl Mode {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Plain, Self::Landed, Self::Averaged, Self::Regularised];
+    pub const ALL: [Self; 5] = [Self::Plain, Self::Landed, Self::Averaged, Self::Corrected, Self::Regularised];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -73,6 +78,7 @@ impl Mode {
             Self::Plain => "plain",
             Self::Landed => "landed",
             Self::Averaged => "averaged",
+            Self::Corrected => "corrected",
             Self::Regularised => "regularised",
         }
     }
@@ -140,8 +146,8 @@ pub struct OrderStudy {
 /// The order that theory gives a method of order `p`.
 ///
 /// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed; the same when they are
-/// landed on, unless `alpha` is an integer and the force analytic on either side; one more when kicks are averaged; `p` when
-/// regularised.
+/// landed on, unless `alpha` is an integer and the force analytic on either side; one more when kicks are averaged; two more when they are corrected, or
+/// `alpha + 1` if that is less; `p` when regularised.
 pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
     let p = f64::from(p);
     let limit = if quantity == Quantity::State { alpha + 1.0 } else { alpha };
@@ -149,6 +155,8 @@ pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
         Mode::Regularised => p,
         Mode::Landed if alpha.fract() == 0.0 => p,
         Mode::Averaged => p.min(limit + 1.0),
+        // The next terms of an event are of order alpha + 3 and 2 alpha + 2.
+        Mode::Corrected => p.min(limit + 2.0).min(limit + alpha + 1.0),
         Mode::Plain | Mode::Landed => p.min(limit),
     }
 }
@@ -160,7 +168,7 @@ pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
 pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
     let problem = Problem::new(alpha, beads)?;
     let truth = problem.truth()?;
-    let cases = cases();
+    let cases = cases(alpha);
     let tell = |done, total| progress(done as f64 / total as f64);
     let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
     Ok(OrderStudy {
@@ -176,7 +184,7 @@ pub fn order(alpha: f64, beads: usize, progress: &(dyn Fn(f64) + Sync)) -> Resul
 }
 
 /// The methods and the modes each can be run in, mode by mode.
-fn cases() -> Vec<(Method, Mode)> {
+fn cases(alpha: f64) -> Vec<(Method, Mode)> {
     let dop853 = Method::Dop853(Contacts::Crossed);
     let all = || Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
     let linear = || all().filter(|method| matches!(method, Method::Splitting(_, Split::Linear)));
@@ -188,7 +196,15 @@ fn cases() -> Vec<(Method, Mode)> {
     let plain = all().chain([dop853]).map(mode(Mode::Plain));
     let landed = linear().chain([dop853]).map(mode(Mode::Landed));
     let averaged = linear().filter(composed).map(mode(Mode::Averaged));
-    plain.chain(landed).chain(averaged).chain([(dop853, Mode::Regularised)]).collect()
+    // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
+    let corrected = [
+        (Method::TAKAHASHI_IMADA, Mode::Plain),
+        (Method::Corrected(Parts::CORRECTED, Split::Linear), Mode::Corrected),
+        (Method::CORRECTED, Mode::Corrected),
+        (Method::CORRECTED_KINETIC, Mode::Corrected),
+    ];
+    let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
+    plain.chain(landed).chain(averaged).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
 }
 
 /// A chain with generic contacts, its initial state, and a direction in the space of those.
@@ -314,7 +330,15 @@ impl Problem {
                 finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
             }
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
-            (Method::Landed(_) | Method::Corrected(..) | Method::Collocation, _) => {
+            (Method::Corrected(parts, Split::Kinetic), _) => {
+                let flow = Bonded::new(loaded(KineticFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
+            }
+            (Method::Corrected(parts, Split::Linear), _) => {
+                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
+            }
+            (Method::Landed(_) | Method::Collocation, _) => {
                 unreachable!("not a method of this study")
             }
         }?;
@@ -347,8 +371,8 @@ impl Problem {
         for rung in self.rungs(method, mode) {
             let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
             for (k, row) in rows.iter_mut().enumerate() {
-                let mean_square = runs.iter().map(|(errors, _)| errors[k] * errors[k]).sum::<f64>() / runs.len() as f64;
-                row.errors.push(mean_square.sqrt());
+                let errors: Vec<f64> = runs.iter().map(|(errors, _)| errors[k]).collect();
+                row.errors.push(if mode == Mode::Corrected { median(errors) } else { root_mean_square(&errors) });
                 row.steps.push(runs[0].1);
             }
         }
@@ -373,8 +397,20 @@ impl Problem {
         // Averaged kicks cost a hundred times more, and do not care where a step crosses.
         let (rungs, shares) = if mode == Mode::Averaged { (5, 1) } else { (EVALUATIONS.len(), NEIGHBOURS.len()) };
         let rung = |rung: f64| NEIGHBOURS[..shares].iter().map(|&share| work(steps(rung, share))).collect();
-        EVALUATIONS[..rungs].iter().map(|&evaluations| rung(evaluations)).collect()
+        let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
+        ladder[..rungs].iter().map(|&evaluations| rung(evaluations)).collect()
     }
+}
+
+fn root_mean_square(errors: &[f64]) -> f64 {
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Corrected kicks are no continuous function of the start: where an event meets a kick they jump by what corrections leave. A difference across a jump
+/// is no derivative, and the median passes over it.
+fn median(mut errors: Vec<f64>) -> f64 {
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
 }
 
 /// How finely a run goes.

@@ -586,7 +586,9 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         points: vec![(first, height), (last, height)],
     };
     let lines = match method {
-        Method::Splitting(_, crate::method::Split::Kinetic) => vec![line("2", 2.0)],
+        Method::Splitting(_, crate::method::Split::Kinetic) | Method::Corrected(_, crate::method::Split::Kinetic) => {
+            vec![line("2", 2.0)]
+        }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],
     };
     let map = crate::figures::CellMap {

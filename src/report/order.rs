@@ -92,8 +92,8 @@ pub fn order_table(study: &OrderStudy) -> String {
 
 /// The methods in the picture: more curves would hide each other.
 #[cfg(feature = "plot")]
-const PICTURED: [&str; 6] =
-    ["verlet", "strang-linear", "yoshida4-linear", "aba1064-linear", "kahan-li8-linear", "dop853"];
+const PICTURED: [&str; 7] =
+    ["verlet", "strang-linear", "yoshida4-linear", "aba1064-linear", "kahan-li8-linear", "corrected", "dop853"];
 
 /// The pictures of the study, `(file name, PNG)`: errors of the state and of the tangent against steps.
 ///

@@ -6,6 +6,7 @@ mod common;
 mod collocation;
 mod collocation_cases;
 mod contacts;
+mod corrected;
 mod main_job;
 mod order;
 mod splitting;

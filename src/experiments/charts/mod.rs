@@ -276,9 +276,9 @@ pub fn charts(
     }
     let mut pressed = Vec::new();
     if options.charts.contains(&Chart::Resonances) {
-        for (&method, integrator) in
-            methods().filter(|(method, _)| matches!(method, Method::Splitting(_, Split::Linear)))
-        {
+        for (&method, integrator) in methods().filter(|(method, _)| {
+            matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear))
+        }) {
             for k in MULTIPLES {
                 pressed.extend(PRESSED.map(|amplitude| ResonancePlace { integrator, k, amplitude, method }));
             }

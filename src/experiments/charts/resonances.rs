@@ -98,28 +98,50 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
 }
 
 /// Growth a step of length `h` of the bead between walls, `ln` of the spectral radius of the step's matrix.
+///
+/// One step and two have the matrices `P K Q` and `P K^2 Q` where a kernel `K` is processed by `Q` before and by `P` after: the second over the first has
+/// the spectrum of the kernel.
 fn growth(problem: &Problem, method: Method, delta: f64, h: f64) -> Result<f64> {
-    let dim = problem.pressed(1, delta, 0, 0.0, h)?.initial().as_slice().len();
+    let one = step_matrix(problem, method, delta, h, 1)?;
+    let matrix = match method {
+        Method::Corrected(..) => {
+            let two = step_matrix(problem, method, delta, h, 2)?;
+            one.transpose().lu().solve(&two.transpose()).map_or(one, |kernel| kernel.transpose())
+        }
+        _ => one,
+    };
+    let radius = matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+    Ok(radius.ln())
+}
+
+/// The derivative of so many steps of length `h`, by central differences.
+fn step_matrix(problem: &Problem, method: Method, delta: f64, h: f64, steps: u64) -> Result<DMatrix<f64>> {
+    let span = steps as f64 * h;
+    let dim = problem.pressed(1, delta, 0, 0.0, span)?.initial().as_slice().len();
     let mut y = vec![0.0; dim];
     let mut matrix = DMatrix::zeros(dim, dim);
     for entry in 0..dim {
         for sign in [1.0, -1.0] {
             let shift = sign * SHIFT * delta;
-            let scene = problem.pressed(1, delta, entry, shift, h)?;
-            let mut run = method.start(&scene, Setting::Steps(1))?;
-            run.step()?;
+            let scene = problem.pressed(1, delta, entry, shift, span)?;
+            let mut run = method.start(&scene, Setting::Steps(steps))?;
+            while !run.done() {
+                run.step()?;
+            }
             run.sample(run.time(), &mut y);
             for (row, value) in y.iter().enumerate() {
                 matrix[(row, entry)] += value / (2.0 * shift);
             }
         }
     }
-    let radius = matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
-    Ok(radius.ln())
+    Ok(matrix)
 }
 
 /// `|S_k| = |sum_j b_j e^{2 pi i k c_j}|` of a scheme on the exact linear flow, kicks `b_j h` at times `c_j h`; `None` for other methods.
 pub fn kick_sum(method: &Method, k: u32) -> Option<f64> {
+    if let Method::Corrected(_, Split::Linear) = method {
+        return Some(1.0);
+    }
     let Method::Splitting(scheme, Split::Linear) = method else { return None };
     let (first, drifts, kicks) = scheme.flows::<f64>(First::Drift);
     let mut time = 0.0;

@@ -35,7 +35,7 @@ pub trait BondFlow: SplitFlow<f64> {
     fn bonds(&self) -> usize;
     /// Computes overlaps and forces of now; those of the survey before are kept as well.
     fn survey(&mut self);
-    /// Appends the bonds whose side is not that of the survey before, and whether they are closed now. A bond with overlap zero is open.
+    /// Appends the bonds whose side is not that of the last call, and whether they are closed now. A bond with overlap zero is open.
     fn changed(&mut self, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
@@ -43,7 +43,7 @@ pub trait BondFlow: SplitFlow<f64> {
     fn path(&self, bond: usize) -> BondPath;
     /// The bond between the surveys before and now, a step `h` apart, before the kick of now.
     ///
-    /// Its path is that of the processed solution, `g + (h^2/12) s` with the mean `s` of what all other forces of the kick did at both.
+    /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear between what all other forces of the kick do at both.
     fn view(&self, bond: usize, h: f64) -> BondView;
     /// Gives a bond a correction, and surveys again what that moves.
     fn correct(&mut self, bond: usize, correction: &Correction);

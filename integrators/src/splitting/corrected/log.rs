@@ -6,7 +6,7 @@ use crate::collocation::Piece;
 /// One bond on its way.
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
-    /// Overlap, rate and force at the last kick; the force is zero where the bond is open.
+    /// Overlap, rate and modified force at the last kick; the force is zero where the bond is open.
     overlap: f64,
     rate: f64,
     force: f64,
@@ -53,13 +53,14 @@ impl Log {
         self.pieces.iter()
     }
 
-    /// Takes over the bond at the kick, which began `half` a step of kick ago.
+    /// Takes over the bond at the middle of a kick, of which `kick` has passed by half: as processing leaves it.
     fn look<S: BondFlow>(&mut self, flow: &S, bond: usize, kick: f64) {
         let path = flow.path(bond);
         let (force, acceleration) = flow.force(bond);
+        let moved = self.h * self.h / 12.0 * acceleration;
         let entry = &mut self.entries[bond];
-        // The middle of the kick.
-        (entry.overlap, entry.rate, entry.force) = (path.overlap, path.rate - 0.5 * kick * acceleration, force);
+        entry.force = force + if force > 0.0 { self.alpha * force / path.overlap * moved } else { 0.0 };
+        (entry.overlap, entry.rate) = (path.overlap + moved, path.rate - 0.5 * kick * acceleration);
     }
 
     pub(super) fn event(&mut self, bond: usize, onset: bool, correction: Option<Correction>) {
@@ -80,9 +81,9 @@ impl Log {
                 continue;
             }
             entry.sum += 0.5 * self.h * (before.force + entry.force);
-            let closed = entry.overlap > 0.0 && entry.force > 0.0;
+            let closed = entry.force != 0.0;
             let end = if closed {
-                self.alpha * entry.force / entry.overlap * entry.rate * self.h * self.h / 12.0
+                self.alpha * entry.force / entry.overlap.max(f64::MIN_POSITIVE) * entry.rate * self.h * self.h / 12.0
             } else {
                 0.0
             };

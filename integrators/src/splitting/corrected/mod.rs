@@ -60,11 +60,11 @@
 //! # Which path
 //!
 //! `theta` must be right to `O(h^2)`, hence `t_e` to `O(h^3)`. Between two kicks the kernel moves along the exact flow of the drift, a chord of the smooth path through
-//! its positions at the kicks. That path differs from the chord by the motion under a constant acceleration `s` which vanishes at both kicks. `s` is the mean of
-//! those at the two kicks, without the bond's own force: that is `O(tau^alpha)` near the event, and moves the path by `O(h^{alpha+2})`. So the path is that of
-//! [`BondPath`]: rate at the later kick plus `s h/2`, acceleration by `s` and by springs, and the exact oscillation of resonators. `omega h` need not be small for it.
-//! The mean, the chord and the midpoint rule make the correction of a step its own reverse, as the kernel is. With the one-sided `s` at the later kick instead the order
-//! is the same, and the energy of a random ring drifts in proportion to time (measured); with the mean it does not.
+//! its positions at the kicks. That path differs from the chord by the motion under an acceleration `s(t)` which vanishes at both kicks, where `s` is linear between
+//! what all other bonds do at the two. The bond's own force is left out: it is `O(tau^alpha)` near the event, and moves the path by `O(h^{alpha+2})`. So the path
+//! is that of [`BondPath`]: right to `O(h^4)` in `t_e`, with the exact oscillation of resonators, so that `omega h` need not be small for it.
+//! Both kicks, the chord and the midpoint rule make the correction of a step its own reverse, as the kernel is. With a constant `s` from the later kick instead
+//! the order is the same, and the energy of a random ring drifts in proportion to time (measured); so it does not.
 //!
 //! # What is left
 //!
@@ -198,6 +198,8 @@ impl<S: BondFlow> Corrected<S> {
             total,
             flow,
         };
+        // Whether a bond is open at the start is asked of the solution, not of the kernel.
+        new.flow.changed(&mut new.changed);
         if parts.processed && total > 0 {
             ends::to_kernel(&mut new.flow, h.value(), parts.corrected, &mut new.sides);
         }
