@@ -3,7 +3,9 @@
 //!
 //! What is timed is checked first; errors are printed.
 
-use criterion::{Criterion, Throughput};
+mod common;
+
+use common::Bench;
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     experiments::generic_state,
@@ -13,7 +15,7 @@ use hertzchain::{
     method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
 };
-use std::{f64::consts::PI, hint::black_box, time::Duration};
+use std::{f64::consts::PI, hint::black_box};
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |a, b| b.abs().max(a))
@@ -44,7 +46,7 @@ fn rungs() -> [([(Method, Setting); 3], f64); 3] {
     [(rung(1e-6, 4e-11, 6_000), 3e-7), (rung(1e-9, 1e-13, 70_000), 4.2e-10), (rung(1e-11, 1e-15, 350_000), 6.2e-12)]
 }
 
-fn at_equal_error(criterion: &mut Criterion) {
+fn at_equal_error(bench: &Bench) {
     let scene = Scene::load("tw-q15").unwrap();
     let amplitude = scene.amplitude().unwrap();
     let (y0, chain, alpha) = (scene.initial().as_slice(), scene.chain(), scene.chain().params().alpha);
@@ -54,15 +56,13 @@ fn at_equal_error(criterion: &mut Criterion) {
         end(Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, scene.end()), options).unwrap())
     };
     for (methods, bound) in rungs() {
-        let mut group = criterion.benchmark_group(format!("tw-q15, 100 periods, errors below {bound:e}"));
         for (method, setting) in methods {
             let run = || end(method.start(&scene, setting).unwrap());
             let error = distance(&scene.strains(&run()), &scene.strains(&truth)) / amplitude;
             println!("{}, {setting:?}: {error:.1e}", method.name());
             assert!(error < bound, "{}, {setting:?}: {error:e}", method.name());
-            group.bench_function(method.name(), |bencher| bencher.iter(run));
+            bench.time(&format!("tw-q15, 100 periods, errors below {bound:e}: {}", method.name()), 100, run);
         }
-        group.finish();
     }
 }
 
@@ -88,9 +88,8 @@ fn perturbed(sites: usize) -> Scene {
     Scene::build(file).unwrap().until(3.0 * wave.period()).unwrap()
 }
 
-/// Throughput is in bonds and periods.
-fn against_length(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("three periods at 1e-9");
+/// Times are for each bond and period.
+fn against_length(bench: &Bench) {
     for sites in [50, 500, 5000] {
         let scene = perturbed(sites);
         let (chain, y0) = (scene.chain(), scene.initial().as_slice());
@@ -98,14 +97,12 @@ fn against_length(criterion: &mut Criterion) {
         let drift = (chain.energy(&run()).total() / chain.energy(y0).total() - 1.0).abs();
         println!("{sites} sites: energy off by {drift:.1e}");
         assert!(drift < 2.5e-14, "{sites} sites: {drift:e}");
-        group.throughput(Throughput::Elements(3 * sites as u64));
-        group.bench_function(format!("{sites} sites"), |bencher| bencher.iter(run));
+        bench.time(&format!("three periods at 1e-9: {sites} sites"), 3 * sites, run);
     }
-    group.finish();
 }
 
 /// All 84 columns of 21 beads that collide, beside the run alone.
-fn tangent_map(criterion: &mut Criterion) {
+fn tangent_map(bench: &Bench) {
     let chain: Chain<f64> = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 21).unwrap();
     let start = generic_state(&chain).unwrap();
     let (y0, span) = (start.as_slice(), (0.0, PI));
@@ -129,22 +126,15 @@ fn tangent_map(criterion: &mut Criterion) {
     println!("monodromy: off differences by {error:.1e}");
     assert!(error < 4e-9, "{error:e}");
 
-    let mut group = criterion.benchmark_group("20 bonds, one period");
-    group.bench_function("run", |bencher| bencher.iter(|| run(black_box(y0))));
-    group.bench_function("monodromy", |bencher| bencher.iter(monodromy));
-    group.finish();
+    bench.time("20 bonds, one period: run", 20, || run(black_box(y0)));
+    bench.time("20 bonds, one period: monodromy", 20, monodromy);
 }
 
 fn main() {
-    let mut criterion = Criterion::default()
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(1))
-        .sample_size(10)
-        .configure_from_args();
+    let bench = Bench::from_args();
     #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
-    at_equal_error(&mut criterion);
-    against_length(&mut criterion);
-    tangent_map(&mut criterion);
-    criterion.final_summary();
+    at_equal_error(&bench);
+    against_length(&bench);
+    tangent_map(&bench);
 }

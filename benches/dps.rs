@@ -1,6 +1,8 @@
 //! Time of the averages of the modulation equations: inputs at random over all regimes.
 
-use criterion::{Criterion, Throughput};
+mod common;
+
+use common::Bench;
 use hertzchain::dps::Averages;
 use std::hint::black_box;
 
@@ -26,9 +28,7 @@ fn bonds(kappa: f64, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
         .collect()
 }
 
-fn averages(c: &mut Criterion) {
-    let mut group = c.benchmark_group("averages");
-    group.throughput(Throughput::Elements(COUNT as u64));
+fn averages(bench: &Bench) {
     for alpha in [1.5, 1.7] {
         let averages = Averages::new(alpha, 0.7).unwrap();
         for (regime, ends) in
@@ -39,28 +39,21 @@ fn averages(c: &mut Criterion) {
             let (b, r) = bonds[COUNT / 3];
             let v = averages.values(b, r);
             assert!(((b * v.dg_db + r * v.dg_dr) / (alpha * v.g) - 1.0).abs() < 1e-13);
-            group.bench_function(format!("g and r h, alpha = {alpha}, {regime}"), |bench| {
-                bench.iter(|| {
-                    bonds.iter().map(|&(b, r)| averages.force(black_box(b), r)).fold(0.0, |sum, (g, rh)| sum + g + rh)
-                });
+            bench.time(&format!("g and r h, alpha = {alpha}, {regime}"), COUNT, || {
+                bonds.iter().map(|&(b, r)| averages.force(black_box(b), r)).fold(0.0, |sum, (g, rh)| sum + g + rh)
             });
-            group.bench_function(format!("values, alpha = {alpha}, {regime}"), |bench| {
-                bench.iter(|| {
-                    bonds.iter().map(|&(b, r)| averages.values(black_box(b), r)).fold(0.0, |sum, v| sum + v.g + v.dh_dr)
-                });
+            bench.time(&format!("values, alpha = {alpha}, {regime}"), COUNT, || {
+                bonds.iter().map(|&(b, r)| averages.values(black_box(b), r)).fold(0.0, |sum, v| sum + v.g + v.dh_dr)
             });
-            group.bench_function(format!("mean strain, alpha = {alpha}, {regime}"), |bench| {
-                let targets: Vec<_> = bonds.iter().map(|&(b, r)| (averages.g(b, r), r)).collect();
-                bench.iter(|| targets.iter().map(|&(g, r)| averages.mean_strain(black_box(g), r)).sum::<f64>());
+            let targets: Vec<_> = bonds.iter().map(|&(b, r)| (averages.g(b, r), r)).collect();
+            bench.time(&format!("mean strain, alpha = {alpha}, {regime}"), COUNT, || {
+                targets.iter().map(|&(g, r)| averages.mean_strain(black_box(g), r)).sum::<f64>()
             });
         }
     }
-    group.bench_function("tables", |bench| bench.iter(|| Averages::new(black_box(1.5), 0.7).unwrap()));
-    group.finish();
+    bench.time("tables", 1, || Averages::new(black_box(1.5), 0.7).unwrap());
 }
 
 fn main() {
-    let mut criterion = Criterion::default().configure_from_args();
-    averages(&mut criterion);
-    criterion.final_summary();
+    averages(&Bench::from_args());
 }

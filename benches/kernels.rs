@@ -1,18 +1,17 @@
 //! Time of one step per site, against the bare loop that a step cannot do without: `x sqrt(max(x, 0))`.
 //!
-//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then criterion's
-//! groups.
+//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then each
+//! by itself.
 
-use criterion::{Criterion, Throughput};
+mod common;
+
+use common::Bench;
 use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
     Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
     splitting::{First, tables::STRANG},
 };
-use std::{
-    hint::black_box,
-    time::{Duration, Instant},
-};
+use std::{hint::black_box, time::Instant};
 
 const SIZES: [usize; 3] = [1_000, 100_000, 1_000_000];
 const STEP: f64 = 0.01;
@@ -182,29 +181,21 @@ fn table() {
     }
 }
 
-fn bench(criterion: &mut Criterion, group: &str, works: Vec<Work>) {
-    let mut group = criterion.benchmark_group(group);
+fn time(bench: &Bench, group: &str, works: Vec<Work>) {
     for mut work in works {
-        group.throughput(Throughput::Elements(work.sites as u64));
-        group.bench_function(&work.name, |bencher| bencher.iter(|| (work.once)()));
+        bench.time(&format!("{group}: {}", work.name), work.sites, || (work.once)());
         (work.check)();
     }
-    group.finish();
 }
 
 fn main() {
-    if !std::env::args().any(|argument| ["--test", "--list"].contains(&argument.as_str())) {
+    let bench = Bench::from_args();
+    if !std::env::args().any(|argument| argument == "--test") {
         table();
     }
-    let mut criterion = Criterion::default()
-        .warm_up_time(Duration::from_secs(1))
-        .measurement_time(Duration::from_secs(2))
-        .sample_size(20)
-        .configure_from_args();
     for sites in SIZES {
-        bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
+        time(&bench, &format!("{sites} sites"), kernels(sites));
     }
-    bench(&mut criterion, "contact log", contact_logs());
-    bench(&mut criterion, "subnormals", subnormals());
-    criterion.final_summary();
+    time(&bench, "contact log", contact_logs());
+    time(&bench, "subnormals", subnormals());
 }
