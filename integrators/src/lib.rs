@@ -3,8 +3,9 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`instructions`] | the vector instructions that inner loops run with |
-//! | [`real`] | the scalar: `f64`, and double-double with the feature `twofloat` |
+//! | [`real`] | the scalar: `f64`, and double-double |
 //! | [`clock`] | times and coefficients to twice the working precision |
+//! | [`law`] | the force of a bond as a power of its overlap |
 //! | [`system`] | what a method may ask of a problem |
 //! | [`splitting`] | schemes as const data, and one loop that runs them all |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
@@ -22,6 +23,7 @@ pub mod error;
 pub mod events;
 pub mod gauss;
 pub mod instructions;
+pub mod law;
 pub mod real;
 pub mod regularised;
 pub mod splitting;

@@ -14,7 +14,7 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
-/// A real number: `f64`, or double-double (`twofloat::TwoFloat`, feature `twofloat`).
+/// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
 pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Display + Send + Sync + 'static {
     /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working precision.
     ///
@@ -75,7 +75,6 @@ impl Real for f64 {
     }
 }
 
-#[cfg(feature = "twofloat")]
 impl Real for twofloat::TwoFloat {
     fn decimal(text: &str) -> Self {
         // Not by the crate's own division, which is accurate to one double only (version 0.8).

@@ -1,43 +1,13 @@
 //! The chain as contact collocation sees it.
 
-use super::{Boundary, Chain, ContactLaw, Resonators, law::Exponent};
+use super::{Boundary, Chain, ContactLaw, Resonators};
 use hertzchain_integrators::{
     Collocation, Error,
-    collocation::{ContactChain, Pace, PairLaw, Path, Response, monodromy},
+    collocation::{ContactChain, Pace, Path, Response, monodromy},
 };
 
-impl PairLaw for ContactLaw<f64> {
-    fn exponent(&self) -> f64 {
-        self.alpha()
-    }
-
-    fn force(&self, overlap: f64) -> f64 {
-        ContactLaw::force(self, overlap)
-    }
-
-    fn stiffness(&self, overlap: f64) -> f64 {
-        ContactLaw::stiffness(self, overlap)
-    }
-
-    #[inline(always)]
-    fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
-        let mut force = [0.0; M];
-        if self.exponent == Exponent::ThreeHalves {
-            for j in 0..M {
-                let g = self.positive_part(overlaps[j]);
-                force[j] = g * g.sqrt();
-            }
-        } else {
-            for j in 0..M {
-                force[j] = ContactLaw::force(self, overlaps[j]);
-            }
-        }
-        force
-    }
-}
-
 impl Chain<f64> {
-    /// A run of this chain by contact collocation: compiled once, here.
+    /// A run of this chain by contact collocation.
     ///
     /// # Errors
     /// A state, a span or a pace outside its rule.
@@ -55,8 +25,6 @@ impl Chain<f64> {
 }
 
 impl ContactChain for Chain<f64> {
-    type Law = ContactLaw<f64>;
-
     fn dim(&self) -> usize {
         self.layout.dim()
     }
@@ -152,5 +120,6 @@ impl ContactChain for Chain<f64> {
 
 #[inline(always)]
 fn minus(a: Path, b: Path) -> Path {
-    std::array::from_fn(|k| a[k] - b[k])
+    // No closure: it would be a call for each of the four.
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
 }

@@ -142,6 +142,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their rates from velocities.
+    #[inline]
     pub(crate) fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
         for (across, bond) in across.iter_mut().zip(self.touching()) {
             *across = rest + self.across(bond, &quantity);

@@ -1,7 +1,6 @@
 //! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a fixed date. A text may stand among them; `numpy.load` gives its bytes.
 
 use crate::error::{Error, Result};
-use npyz::{NpyFile, WriterBuilder, npz::file_name_from_array_name};
 use std::{
     collections::BTreeMap,
     fs::File,
@@ -75,24 +74,32 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
         archive.write_all(text.as_bytes())?;
     }
     for array in arrays {
-        archive.start_file(file_name_from_array_name(array.name), options)?;
-        npy(&mut archive, &array.shape, &array.values)?;
+        archive.start_file(file_name(array.name), options)?;
+        archive.write_all(&npy_head(&array.shape))?;
+        let bytes: Vec<u8> = array.values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        archive.write_all(&bytes)?;
     }
     archive.finish()?;
     Ok(())
 }
 
-fn npy(to: &mut impl Write, shape: &[u64], values: &[f64]) -> std::io::Result<()> {
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+/// What NumPy calls the file of an array.
+fn file_name(array: &str) -> String {
+    format!("{array}.npy")
 }
 
-/// What an array begins with.
-fn npy_head(shape: &[u64]) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    npyz::WriteOptions::<f64>::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
-    Ok(bytes)
+/// What a file of little-endian doubles begins with: format 1.0 of NPY, a Python dictionary padded to a multiple of 64 bytes.
+///
+/// Source: NumPy, `numpy.lib.format`.
+fn npy_head(shape: &[u64]) -> Vec<u8> {
+    const PREFIX: usize = 10;
+    let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
+    let mut text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let padded = (PREFIX + text.len() + 1).next_multiple_of(64) - PREFIX;
+    text.push_str(&" ".repeat(padded - text.len() - 1));
+    text.push('\n');
+    let length = u16::try_from(padded).expect("an array has few axes").to_le_bytes();
+    [&b"\x93NUMPY\x01\x00"[..], &length, text.as_bytes()].concat()
 }
 
 /// An archive that was read: every member held against its CRC-32.
@@ -162,19 +169,38 @@ impl Archive {
     /// # Errors
     /// None of that name, or of another type or shape.
     pub fn array(&self, name: &str, shape: &[u64]) -> Result<Vec<f64>> {
-        let bytes = self.member(&file_name_from_array_name(name))?;
+        let bytes = self.member(&file_name(name))?;
         let other = || self.refused(name, format!("{} bytes that are not an array of {shape:?} doubles", bytes.len()));
         let size = shape.iter().try_fold(8, |size: u64, length| size.checked_mul(*length));
         let size = size.filter(|size| *size < bytes.len() as u64).ok_or_else(other)?;
         // The head says type and shape, in one way only: it is what would be written.
-        let head = npy_head(shape).map_err(|_| other())?;
+        let head = npy_head(shape);
         if head.len() as u64 + size != bytes.len() as u64 || !bytes.starts_with(&head) {
             return Err(other());
         }
-        NpyFile::new(bytes).and_then(NpyFile::into_vec).map_err(|why| self.refused(name, why.to_string()))
+        let (values, _) = bytes[head.len()..].as_chunks();
+        Ok(values.iter().map(|value| f64::from_le_bytes(*value)).collect())
     }
 
     fn member(&self, name: &str) -> Result<&[u8]> {
         self.members.get(name).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_array_begins_as_numpy_says() {
+        // Truth: NumPy's description of the format: magic, version, length of the text, a dictionary, blanks up to a multiple of 64.
+        for (shape, text) in [(&[401, 99][..], "(401, 99, )"), (&[7], "(7, )"), (&[], "()"), (&[u64::MAX; 9], "(")] {
+            let head = npy_head(shape);
+            assert_eq!(&head[..8], b"\x93NUMPY\x01\x00");
+            assert_eq!((head.len() % 64, usize::from(head[8]) + 256 * usize::from(head[9]) + 10), (0, head.len()));
+            let dictionary = std::str::from_utf8(&head[10..]).unwrap();
+            assert!(dictionary.starts_with(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}")));
+            assert!(dictionary.trim_end_matches([' ', '\n']).ends_with(", }") && dictionary.ends_with('\n'));
+        }
     }
 }

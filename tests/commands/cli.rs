@@ -1,6 +1,7 @@
 //! The program as people and machines use it: what it prints, writes and refuses.
 #![cfg(feature = "cli")]
 
+use hertzchain::output::Archive;
 use serde_json::Value;
 use std::{
     path::Path,
@@ -182,11 +183,8 @@ fn run_writes_files_that_read_back() {
     let first: Vec<f64> = lines.next().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
     assert_eq!((first[1], first[2]), (run["u"][0].as_f64().unwrap(), run["pu"][0].as_f64().unwrap()));
     // NPZ: the last profile is the final state.
-    let file = std::fs::File::open(folder.path().join("profiles.npz")).unwrap();
-    let mut archive = zip::ZipArchive::new(file).unwrap();
-    let u = npyz::NpyFile::new(archive.by_name("u.npy").unwrap()).unwrap();
-    assert_eq!(u.shape(), [401, 100]);
-    let u: Vec<f64> = u.into_vec().unwrap();
+    let archive = Archive::read(&folder.path().join("profiles.npz")).unwrap();
+    let u = archive.array("u", &[401, 100]).unwrap();
     assert_eq!(u[400 * 100], first[1]);
     // The scene that was written is the scene that ran.
     let again = folder.path().join("scene.toml");
@@ -279,12 +277,9 @@ fn bad_numbers_are_refused_by_name_and_rule() {
     }
     let message = refusal(&["run", "tw-q15", "--integrator", "verlet", "--tol", "1e-9"]);
     assert!(message.contains("splitting schemes take"), "{message}");
-    for nodes in ["0", "2", "7", "18"] {
+    for nodes in ["0", "2", "7", "14", "18"] {
         let message = refusal(&["run", "tw-q15", "--windows-per-period", "10", "--nodes", nodes]);
-        assert!(
-            message.contains(&format!("nodes = {nodes}")) && message.contains("an even number from 4 to 16"),
-            "{message}"
-        );
+        assert!(message.contains(&format!("nodes = {nodes}")) && message.contains("4, 6, 8, 10 or 12"), "{message}");
     }
     for nodes in ["-4", "99999999999999999999", "1e3"] {
         let message = refusal(&["run", "tw-q15", "--windows-per-period", "10", &format!("--nodes={nodes}")]);

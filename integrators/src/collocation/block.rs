@@ -10,10 +10,13 @@ use super::{
     layout::Cuts,
     panel::{Frame, sin_cos},
     panels::Panels,
-    sites::{Site, at_rest, overlap},
-    system::{ContactChain, PairLaw, Path},
+    sites::Bonds,
+    system::{Links, Path},
 };
-use crate::real::{Kernel, Real};
+use crate::{
+    law::ContactLaw,
+    real::{Kernel, Real},
+};
 use std::ops::{Range, RangeInclusive};
 
 /// Bonds of a block, and those of its neighbours on either side that it takes along.
@@ -33,12 +36,10 @@ const RESOLVED: f64 = 0.3;
 const MOST_HALVINGS: u32 = 4;
 
 /// What a window starts from.
-pub(crate) struct Start<'a, C> {
-    pub(crate) chain: &'a C,
-    pub(crate) sites: &'a [Site],
+pub(crate) struct Start<'a> {
+    pub(crate) links: &'a Links,
+    pub(crate) bonds: &'a dyn Bonds,
     pub(crate) ongoing: &'a [Option<Contact>],
-    /// Sine and cosine of the phase.
-    pub(crate) phase: (f64, f64),
 }
 
 /// When a window counts as solved.
@@ -143,28 +144,28 @@ impl<const M: usize> Workspace<M> {
     }
 
     /// Solves for the bonds of `own` and leaves what they leave behind in `left`.
-    pub(crate) fn solve<C: ContactChain>(
+    pub(crate) fn solve(
         &mut self,
-        start: &Start<C>,
+        start: &Start,
         frame: &Frame<'_, M>,
         goal: &Goal,
         own: Range<usize>,
         left: &mut [Left],
         log: bool,
     ) -> Verdict {
-        let (chain, all) = (start.chain, start.chain.bonds());
+        let (links, all) = (start.links, start.links.bonds);
         let whole = own.len() == all;
         // Local index i stands for bond (first + i) mod all.
         let (first, len) = if whole {
             (0, all)
-        } else if chain.ring() {
+        } else if links.ring {
             ((own.start + all - ALONG) % all, own.len() + 2 * ALONG)
         } else {
             let first = own.start.saturating_sub(ALONG);
             (first, (own.end + ALONG).min(all) - first)
         };
-        let asleep = |b: usize| start.ongoing[b].is_none() && at_rest(chain, start.sites, b);
-        if !whole && chain.rest() <= 0.0 && (first..first + len).all(|b| asleep(b % all)) {
+        let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
+        if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::default());
             return Verdict::default();
         }
@@ -172,20 +173,16 @@ impl<const M: usize> Workspace<M> {
         while self.bonds.len() < len {
             self.bonds.push(Bond::new());
         }
-        let law = chain.law();
+        let law = &links.law;
         let bonds = &mut self.bonds[..len];
         let mut b = first;
         for bond in bonds.iter_mut() {
-            let recoil = -chain.across(b, |i| chain.push(i, |c| [f64::from(u8::from(c == b)); 4]))[0];
-            let (path, largest) = overlap(chain, start.sites, b, start.phase, frame.h);
-            bond.recoil = recoil;
-            bond.ongoing = start.ongoing[b];
-            bond.begin(frame, &law, path, chain.dead_band(largest));
+            (bond.ongoing, bond.recoil) = (start.ongoing[b], links.recoil[b]);
+            bond.begin(frame, law, start.bonds.free(b, frame.h));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
-        let ring = whole && chain.ring() && all > 1;
-        let work = Work { bonds, old: &mut self.old, frame, law: &law, goal, ring };
-        let mut verdict = f64::run(work);
+        let ring = whole && links.ring && all > 1;
+        let mut verdict = Work { bonds: &mut *bonds, old: &mut self.old, frame, law, goal, ring }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
@@ -209,37 +206,79 @@ impl<const M: usize> Workspace<M> {
 }
 
 /// The bonds of a block over a window.
-struct Work<'a, L, const M: usize> {
+struct Work<'a, const M: usize> {
     bonds: &'a mut [Bond<M>],
     old: &'a mut Panels<M>,
     frame: &'a Frame<'a, M>,
-    law: &'a L,
+    law: &'a ContactLaw<f64>,
     goal: &'a Goal,
     ring: bool,
 }
 
-impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
-    type Output = Verdict;
+/// Finds the contacts of all bonds from the forces at the start of the window; `false` where there are too many to be sure.
+struct Predict<'a, const M: usize> {
+    bonds: &'a mut [Bond<M>],
+    frame: &'a Frame<'a, M>,
+    law: &'a ContactLaw<f64>,
+    cuts: Cuts,
+    ring: bool,
+}
+
+impl<const M: usize> Kernel for Predict<'_, M> {
+    type Output = bool;
 
     #[inline(always)]
+    fn run(self) -> bool {
+        let Self { bonds, frame, law, cuts, ring } = self;
+        let end = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * frame.h) };
+        let mut sure = true;
+        for b in 0..bonds.len() {
+            let (me, left, right) = beside(bonds, b, ring);
+            sure &= me.predict(frame, law, left, right, end, cuts);
+        }
+        sure
+    }
+}
+
+/// Compares all forces with those that were predicted, and with what the nodes resolve.
+struct Judge<'a, const M: usize> {
+    bonds: &'a mut [Bond<M>],
+    frame: &'a Frame<'a, M>,
+    goal: &'a Goal,
+}
+
+impl<const M: usize> Kernel for Judge<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { bonds, frame, goal } = self;
+        for bond in bonds {
+            bond.surprised(frame.h);
+            let mut tail = 0.0;
+            for panel in bond.panels.as_slice() {
+                let excess = goal.excess(panel.tail(frame, goal.slow));
+                tail = if excess > tail { excess } else { tail };
+            }
+            bond.tail = tail;
+        }
+    }
+}
+
+impl<const M: usize> Work<'_, M> {
     fn run(self) -> Verdict {
         let Self { bonds, old, frame, law, goal, ring } = self;
         let n = bonds.len();
-        let end = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * frame.h) };
         let mut verdict = Verdict::default();
-        let mut lost = false;
-        for b in 0..n {
-            let (me, left, right) = beside(bonds, b, ring);
-            lost |= !me.predict(frame, law, left, right, end, goal.cuts);
-        }
-        if lost {
+        if !f64::run(Predict { bonds: &mut *bonds, frame, law, cuts: goal.cuts, ring }) {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
         }
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let busy = pass(bonds, old, frame, law, goal, ring, levels, &mut verdict);
+            let (bonds, old) = (&mut *bonds, &mut *old);
+            let busy = f64::run(Pass { bonds, old, frame, law, goal, ring, levels, verdict: &mut verdict });
             levels = 1..=1;
             if verdict.failure.is_some() {
                 return verdict;
@@ -266,77 +305,86 @@ impl<L: PairLaw, const M: usize> Kernel for Work<'_, L, M> {
 ///
 /// A level follows a bond behind the one before it, so that a bond is swept again and again while it and its neighbours are in the cache. It starts a bond
 /// further on too: on a ring the first bond then comes after its neighbour at the end, and what a sweep sees is the same as if it went over all bonds alone.
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn pass<L: PairLaw, const M: usize>(
-    bonds: &mut [Bond<M>],
-    old: &mut Panels<M>,
-    frame: &Frame<'_, M>,
-    law: &L,
-    goal: &Goal,
+struct Pass<'a, const M: usize> {
+    bonds: &'a mut [Bond<M>],
+    old: &'a mut Panels<M>,
+    frame: &'a Frame<'a, M>,
+    law: &'a ContactLaw<f64>,
+    goal: &'a Goal,
     ring: bool,
     levels: RangeInclusive<usize>,
-    verdict: &mut Verdict,
-) -> bool {
-    let n = bonds.len();
-    let mut deepest = 0;
-    for place in 0..n + 2 * levels.end() {
-        for level in levels.clone() {
-            if place < 2 * level || place >= n + 2 * level {
-                continue;
-            }
-            let mut b = place - level;
-            while b >= n {
-                b -= n;
-            }
-            let (me, left, right) = beside(bonds, b, ring);
-            if level == 0 {
-                me.lay_out(frame, left, right, goal.cuts, old);
-                me.start(frame, law, left, right);
-                me.dirty = true;
-                verdict.work += LAYOUT * me.panels.len as u64;
-                continue;
-            }
-            // A contact that turned out to be none is swept once more, to be forgotten.
-            if !(me.stale || me.dirty && !me.contacts.is_empty()) {
-                me.dirty = false;
-                continue;
-            }
-            deepest = deepest.max(level);
-            let change = me.sweep(frame, law, left, right, goal.cuts, old);
-            let age = me.age;
-            verdict.work += change.work;
-            let unsettled = change.impulse > goal.rounded;
-            me.dirty = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
-            me.change = change.impulse;
-            if !change.impulse.is_finite() {
-                verdict.failure = Some((b, change.impulse));
-            }
-            let far = change.moved > goal.cuts.frozen_beside;
-            for beside in [
-                if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
-                if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
-            ]
-            .into_iter()
-            .flatten()
-            {
-                let other = &mut bonds[beside];
-                other.age = other.age.min(age);
-                if !other.contacts.is_empty() && (far || unsettled && change.impulse * other.answer(age) > goal.change)
+    verdict: &'a mut Verdict,
+}
+
+impl<const M: usize> Kernel for Pass<'_, M> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { bonds, old, frame, law, goal, ring, levels, verdict } = self;
+        let n = bonds.len();
+        let mut deepest = 0;
+        for place in 0..n + 2 * levels.end() {
+            for level in levels.clone() {
+                if place < 2 * level || place >= n + 2 * level {
+                    continue;
+                }
+                let mut b = place - level;
+                while b >= n {
+                    b -= n;
+                }
+                let (me, left, right) = beside(bonds, b, ring);
+                let anew = level == 0 || me.stale;
+                if anew {
+                    me.lay_out(frame, [left, right], goal.cuts, old);
+                }
+                if level == 0 {
+                    me.start(frame, law, left, right);
+                    me.dirty = true;
+                    verdict.work += LAYOUT * me.panels.len as u64;
+                    continue;
+                }
+                // A contact that turned out to be none is swept once more, to be forgotten.
+                if !(anew || me.dirty && !me.contacts.is_empty()) {
+                    me.dirty = false;
+                    continue;
+                }
+                deepest = deepest.max(level);
+                let change = me.sweep(frame, law, [left, right], goal.cuts, anew.then_some(&*old));
+                let age = me.age;
+                verdict.work += change.work;
+                let unsettled = change.impulse > goal.rounded;
+                me.dirty = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
+                me.change = change.impulse;
+                if !change.impulse.is_finite() {
+                    verdict.failure = Some((b, change.impulse));
+                }
+                let far = change.moved > goal.cuts.frozen_beside;
+                for beside in [
+                    if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
+                    if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
+                ]
+                .into_iter()
+                .flatten()
                 {
-                    other.dirty = true;
-                    other.stale |= far;
+                    let other = &mut bonds[beside];
+                    other.age = other.age.min(age);
+                    if !other.contacts.is_empty()
+                        && (far || unsettled && change.impulse * other.answer(age) > goal.change)
+                    {
+                        other.dirty = true;
+                        other.stale |= far;
+                    }
                 }
             }
         }
+        verdict.sweeps += deepest as u64;
+        deepest > 0
     }
-    verdict.sweeps += deepest as u64;
-    deepest > 0
 }
 
 /// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. The last bond
 /// of which something must be done anew, if there is one.
-#[inline(always)]
 fn unsettled<const M: usize>(
     bonds: &mut [Bond<M>],
     frame: &Frame<'_, M>,
@@ -347,9 +395,7 @@ fn unsettled<const M: usize>(
     let n = bonds.len();
     let mut anew = None;
     verdict.tail = 0.0;
-    for bond in &mut *bonds {
-        bond.surprised(frame.h);
-    }
+    f64::run(Judge { bonds: &mut *bonds, frame, goal });
     let per = 0.5 * frame.h * frame.h;
     for b in 0..n {
         let (me, left, right) = beside(bonds, b, ring);
@@ -362,11 +408,7 @@ fn unsettled<const M: usize>(
                 Some(false) => {}
             }
         }
-        let mut tail = 0.0;
-        for panel in me.panels.as_slice() {
-            let excess = goal.excess(panel.tail(frame, goal.slow));
-            tail = if excess > tail { excess } else { tail };
-        }
+        let tail = me.tail;
         verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
         if tail > 1.0 {
             me.halvings += 1;

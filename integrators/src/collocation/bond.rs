@@ -5,8 +5,10 @@ use super::{
     layout::Cuts,
     panel::{Frame, along, dot},
     panels::Panels,
-    system::{PairLaw, Path},
+    sites::Free,
+    system::Path,
 };
+use crate::law::ContactLaw;
 
 /// A stretch of time in which the bond is closed. It may have begun before the window and may end after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +71,8 @@ pub(crate) struct Bond<const M: usize> {
     pub(crate) slack: f64,
     /// How far the force is from the prediction.
     pub(crate) surprise: f64,
+    /// Last terms of its series, in units of those allowed.
+    pub(crate) tail: f64,
     pub(crate) stale: bool,
     pub(crate) dirty: bool,
     pub(crate) suspicious: bool,
@@ -144,6 +148,7 @@ impl<const M: usize> Bond<M> {
             age: 0,
             slack: 0.0,
             surprise: 0.0,
+            tail: 0.0,
             stale: false,
             dirty: false,
             suspicious: false,
@@ -153,16 +158,15 @@ impl<const M: usize> Bond<M> {
     }
 
     /// Takes the linear path of a new window.
-    #[inline(always)]
-    pub(crate) fn begin(&mut self, frame: &Frame<'_, M>, law: &impl PairLaw, path: Path, band: f64) {
-        self.path = path;
-        self.band = band;
+    pub(crate) fn begin(&mut self, frame: &Frame<'_, M>, law: &ContactLaw<f64>, free: Free) {
+        let Free { path, band } = free;
+        (self.path, self.band) = (path, band);
         self.overlap = [path[0] + path[2], path[1] + frame.omega * path[3]];
         self.force = [0.0; 2];
         if self.overlap[0] > 0.0 {
             let rate = law.stiffness(self.overlap[0]) * self.overlap[1];
             // Right after an onset under alpha < 1 the force has no rate to speak of.
-            self.force = [law.force(self.overlap[0]), if law.exponent() < 1.0 { 0.0 } else { rate }];
+            self.force = [law.force(self.overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
         }
         self.contacts.clear();
         self.panels.clear();
@@ -178,7 +182,7 @@ impl<const M: usize> Bond<M> {
 
     /// The first forces, from the overlaps that the forces at the start of the window predict.
     #[inline(always)]
-    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, law: &impl PairLaw, left: Beside<M>, right: Beside<M>) {
+    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, law: &ContactLaw<f64>, left: Beside<M>, right: Beside<M>) {
         let drive = self.drive(left, right);
         let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.bend);
         let bend = bend(left) + bend(right) - self.recoil * self.bend;
@@ -211,24 +215,21 @@ impl<const M: usize> Bond<M> {
         if answer < 1.0 { answer } else { 1.0 }
     }
 
-    /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and end.
+    /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and end. If panels have been laid out since the
+    /// last one, those before them are `old`.
     #[inline(always)]
     pub(crate) fn sweep(
         &mut self,
         frame: &Frame<'_, M>,
-        law: &impl PairLaw,
-        left: Beside<M>,
-        right: Beside<M>,
+        law: &ContactLaw<f64>,
+        beside: [Beside<M>; 2],
         cuts: Cuts,
-        old: &mut Panels<M>,
+        old: Option<&Panels<M>>,
     ) -> Change {
-        let anew = self.stale;
-        if anew {
-            self.lay_out(frame, left, right, cuts, old);
-        }
+        let anew = old.is_some();
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
-        let total = if anew { old.total } else { self.panels.total };
+        let total = old.map_or(self.panels.total, |old| old.total);
         let mut before = [0.0; 4];
         let mut largest = 0.0;
         for c in 0..self.contacts.len() {
@@ -237,7 +238,7 @@ impl<const M: usize> Bond<M> {
                 let panel = &self.panels.list[k];
                 let at = (&panel.tau, &panel.cos, &panel.sin);
                 let mut g = [0.0; M];
-                if anew {
+                if let Some(old) = old {
                     for j in 0..M {
                         g[j] = along(&self.path, panel.tau[j], panel.cos[j], panel.sin[j]);
                     }
@@ -252,10 +253,10 @@ impl<const M: usize> Bond<M> {
                     }
                 }
                 let panel = &mut self.panels.list[k];
-                if let Some(bond) = left {
+                if let Some(bond) = beside[0] {
                     change.work += VIEW * bond.panels.act(panel, 0, &mut g);
                 }
-                if let Some(bond) = right {
+                if let Some(bond) = beside[1] {
                     change.work += VIEW * bond.panels.act(panel, 1, &mut g);
                 }
                 let force = law.forces(&g);
@@ -295,7 +296,7 @@ impl<const M: usize> Bond<M> {
         let was = std::mem::replace(&mut self.largest, largest);
         self.stiffness = law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
         // Where the stiffness has no bound its largest overlap tells little.
-        self.age = if law.exponent() < 1.0 { 1 } else { self.age + 1 };
+        self.age = if law.alpha() < 1.0 { 1 } else { self.age + 1 };
         self.panels.total = before;
         self.stale |= change.moved > 0.0;
         change
@@ -303,7 +304,7 @@ impl<const M: usize> Bond<M> {
 
     /// Moves an onset by Newton's method; returns by how much, zero if that is too little to matter.
     #[inline(always)]
-    fn shift_onset(&mut self, c: usize, (overlap, slope): (f64, f64), law: &impl PairLaw, cuts: Cuts) -> f64 {
+    fn shift_onset(&mut self, c: usize, (overlap, slope): (f64, f64), law: &ContactLaw<f64>, cuts: Cuts) -> f64 {
         let contact = &mut self.contacts[c];
         if contact.onset < 0.0 {
             return 0.0;
@@ -322,7 +323,14 @@ impl<const M: usize> Bond<M> {
 
     /// The same for a release, in the window or ahead of it.
     #[inline(always)]
-    fn shift_release(&mut self, c: usize, (overlap, slope): (f64, f64), h: f64, law: &impl PairLaw, cuts: Cuts) -> f64 {
+    fn shift_release(
+        &mut self,
+        c: usize,
+        (overlap, slope): (f64, f64),
+        h: f64,
+        law: &ContactLaw<f64>,
+        cuts: Cuts,
+    ) -> f64 {
         let contact = &mut self.contacts[c];
         if contact.release == f64::INFINITY {
             self.suspicious |= overlap < -self.band;

@@ -4,7 +4,8 @@ use super::{
     block::{Goal, Verdict},
     layout::Cuts,
     sites::Site,
-    system::{ContactChain, PairLaw},
+    solver::{MOST_NODES, NODES},
+    system::ContactChain,
 };
 use crate::{clock::Twofold, error::Error};
 
@@ -15,7 +16,7 @@ pub enum Pace {
     Windows {
         /// How many.
         windows: u64,
-        /// Nodes a panel: even, from 4 to 16.
+        /// Nodes a panel: 4, 6, 8, 10 or 12.
         nodes: usize,
         /// Whether panels are cut where a contact of a neighbour begins or ends as well: that gives the order its full height.
         neighbours: bool,
@@ -51,8 +52,6 @@ const MOST_HALVED: f64 = 0.3;
 const PATIENCE: u32 = 16;
 /// Two nodes less cost the last terms about this factor.
 const TWO_NODES: f64 = 60.0;
-/// More nodes than this resolve nothing that shorter windows do not resolve at less cost.
-const MOST_NODES: usize = 12;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
@@ -126,8 +125,8 @@ impl Control {
                 if windows == 0 {
                     return Err(rule("windows", 0.0, "at least one window"));
                 }
-                if !(4..=16).contains(&nodes) || nodes % 2 == 1 {
-                    return Err(rule("nodes", nodes as f64, "an even number from 4 to 16"));
+                if !NODES.contains(&nodes) {
+                    return Err(rule("nodes", nodes as f64, "4, 6, 8, 10 or 12"));
                 }
                 (nodes, span.over(Twofold::new(windows as f64)).value())
             }
@@ -151,7 +150,7 @@ impl Control {
             pace,
             nodes,
             // Where no variable makes the force analytic, its last terms tell less.
-            least_nodes: if analytic(law.exponent()) { 4 } else { nodes },
+            least_nodes: if analytic(law.alpha()) { 4 } else { nodes },
             since: 0,
             tail: 0.0,
             stiffness: STIFFNESS,
@@ -169,7 +168,7 @@ impl Control {
             done: 0,
             halved: 0.0,
             finished: span.value() <= 0.0,
-            alpha: law.exponent(),
+            alpha: law.alpha(),
         })
     }
 

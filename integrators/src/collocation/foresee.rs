@@ -7,8 +7,9 @@ use super::{
     layout::Cuts,
     panel::{Frame, along, sin_cos},
     panels::Panels,
-    system::{PairLaw, Path},
+    system::Path,
 };
+use crate::law::ContactLaw;
 
 /// A release up to this many windows beyond the end is looked for.
 const AHEAD: f64 = 1.5;
@@ -53,7 +54,8 @@ impl<const M: usize> Bond<M> {
     #[inline(always)]
     pub(super) fn drive(&self, left: Beside<M>, right: Beside<M>) -> [f64; 2] {
         let of = |bond: Beside<M>, k: usize| bond.map_or(0.0, |bond| bond.force[k]);
-        [0, 1].map(|k| of(left, k) + of(right, k) - self.recoil * self.force[k])
+        let drive = |k: usize| of(left, k) + of(right, k) - self.recoil * self.force[k];
+        [drive(0), drive(1)]
     }
 
     /// Finds the contacts of the window from the forces at its start; `false` if there are too many to be sure.
@@ -61,7 +63,7 @@ impl<const M: usize> Bond<M> {
     pub(crate) fn predict(
         &mut self,
         frame: &Frame<'_, M>,
-        law: &impl PairLaw,
+        law: &ContactLaw<f64>,
         left: Beside<M>,
         right: Beside<M>,
         (sin, cos): (f64, f64),
@@ -83,8 +85,8 @@ impl<const M: usize> Bond<M> {
         let error = fourth * (h * h) * (h * h) * (1.0 / 144.0);
         let (b1, b2) = (start + h * self.overlap[1] * (1.0 / 3.0), end - h * rate * (1.0 / 3.0));
         let sign = if self.ongoing.is_some() { 1.0 } else { -1.0 };
-        let [c1, c2, c3, c4] =
-            [0.25 * (start + 3.0 * b1), 0.5 * (b1 + b2), 0.25 * (3.0 * b2 + end), end].map(|c| sign * c);
+        let (c1, c2) = (sign * (0.25 * (start + 3.0 * b1)), sign * (0.5 * (b1 + b2)));
+        let (c3, c4) = (sign * (0.25 * (3.0 * b2 + end)), sign * end);
         let band = self.band;
         let still = |c: f64| c.abs() <= band;
         if still(start) && still(b1) && still(b2) && still(end) && error <= band {

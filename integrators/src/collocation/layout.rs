@@ -4,8 +4,8 @@ use super::{
     bond::{Beside, Bond, Contact},
     panel::{Frame, Origin},
     panels::Panels,
-    system::PairLaw,
 };
+use crate::law::ContactLaw;
 
 /// How contacts are cut into panels.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct Cuts {
 impl Cuts {
     /// Whether an event may be off by a time and an overlap.
     #[inline(always)]
-    pub(super) fn negligible(&self, law: &impl PairLaw, overlap: f64, by: f64) -> bool {
+    pub(super) fn negligible(&self, law: &ContactLaw<f64>, overlap: f64, by: f64) -> bool {
         law.force(overlap.abs()) * by.abs() <= self.missed
     }
 }
@@ -35,14 +35,7 @@ impl Cuts {
 impl<const M: usize> Bond<M> {
     /// Cuts the contacts into panels.
     #[inline(always)]
-    pub(crate) fn lay_out(
-        &mut self,
-        frame: &Frame<'_, M>,
-        left: Beside<M>,
-        right: Beside<M>,
-        cuts: Cuts,
-        old: &mut Panels<M>,
-    ) {
+    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], cuts: Cuts, old: &mut Panels<M>) {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;
@@ -51,9 +44,12 @@ impl<const M: usize> Bond<M> {
             let contact = self.contacts[i];
             let first = self.panels.len;
             if contact.release > contact.onset {
-                self.cut(frame, contact, [left, right], cuts);
+                self.cut(frame, contact, beside, cuts);
             }
             self.contacts[i].panels = (first, self.panels.len);
+        }
+        for panel in &mut self.panels.list[..self.panels.len] {
+            panel.place(frame);
         }
     }
 
@@ -100,7 +96,6 @@ impl<const M: usize> Bond<M> {
         }
     }
 
-    #[inline(always)]
     fn piece(&mut self, frame: &Frame<'_, M>, (from, to): (f64, f64), (onset, release): (f64, f64), cuts: Cuts) {
         let reach = cuts.near * (to - from);
         let (early, late) = (frame.q > 1 && from - onset < reach, frame.q > 1 && release - to < reach);
@@ -117,13 +112,12 @@ impl<const M: usize> Bond<M> {
     }
 
     /// Lays out one stretch, in equal parts of its variable where one panel is not enough.
-    #[inline(always)]
     fn halve(&mut self, frame: &Frame<'_, M>, from: f64, to: f64, origin: Origin) {
         let parts = 1 << self.halvings;
         let mut start = from;
         for i in 1..=parts {
             let end = if i == parts { to } else { origin.between(frame.q, from, to, f64::from(i) / f64::from(parts)) };
-            self.panels.push(frame, start, end, origin);
+            self.panels.push(start, end, origin, frame.q);
             start = end;
         }
     }

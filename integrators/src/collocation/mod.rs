@@ -95,15 +95,22 @@ mod tangent;
 
 pub use block::Piece;
 pub use control::Pace;
-pub use system::{ContactChain, PairLaw, Path, Response};
+pub use system::{ContactChain, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
-use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
+use crate::{
+    clock::Twofold,
+    drive::Stepper,
+    error::Error,
+    real::{Kernel, Real},
+    stats::Stats,
+};
 use block::{Left, Start};
 use bond::Contact;
 use control::Control;
-use sites::{Phase, Site};
+use sites::{Phase, Site, Sites};
 use solver::Solver;
+use system::Links;
 
 /// Parts that a window is cut into at most, to show the state inside it.
 const MOST_PARTS: u32 = 1 << 10;
@@ -134,12 +141,7 @@ impl State {
     /// Over a window of length `h`, with what bonds have left behind in it.
     fn advance<C: ContactChain>(&mut self, chain: &C, left: &[Left], h: f64) {
         let phase = self.phase.sin_cos();
-        for (i, site) in self.sites.iter_mut().enumerate() {
-            let push = chain.push(i, |b| left[b].path);
-            if !(site.at_rest() && push == [0.0; 4]) {
-                site.advance(&push, h, phase);
-            }
-        }
+        f64::run(Advance { chain, sites: &mut self.sites, left, h, phase });
         for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
             *ongoing = left.ongoing;
         }
@@ -163,12 +165,37 @@ impl State {
     }
 }
 
+/// Moves sites over a window.
+struct Advance<'a, C> {
+    chain: &'a C,
+    sites: &'a mut [Site],
+    left: &'a [Left],
+    h: f64,
+    phase: (f64, f64),
+}
+
+impl<C: ContactChain> Kernel for Advance<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chain, sites, left, h, phase } = self;
+        for (i, site) in sites.iter_mut().enumerate() {
+            let push = chain.push(i, |b| left[b].path);
+            if !(site.at_rest() && push == [0.0; 4]) {
+                site.advance(&push, h, phase);
+            }
+        }
+    }
+}
+
 /// A run by contact collocation.
 pub struct Collocation<C: ContactChain> {
     chain: C,
+    links: Links,
     /// At the start of the last window.
     state: State,
-    solver: Box<dyn Solver<C>>,
+    solver: Box<dyn Solver>,
     control: Control,
     /// What the last window left behind, and its length; zero if there is none.
     left: Vec<Left>,
@@ -177,12 +204,12 @@ pub struct Collocation<C: ContactChain> {
     log: bool,
     stats: Stats,
     /// For states inside a window; made when first asked for.
-    inside: Option<Inside<C>>,
+    inside: Option<Inside>,
 }
 
-struct Inside<C> {
+struct Inside {
     state: State,
-    solver: Box<dyn Solver<C>>,
+    solver: Box<dyn Solver>,
     left: Vec<Left>,
 }
 
@@ -205,6 +232,7 @@ impl<C: ContactChain> Collocation<C> {
         let solver = solver::with_nodes(control.nodes(), chain.bonds());
         Ok(Self {
             left: vec![Left::default(); chain.bonds()],
+            links: Links::of(&chain),
             state: State { sites, ongoing, phase, t: Twofold::new(span.0) },
             solver,
             control,
@@ -256,7 +284,8 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             let left_to_go = (self.end - self.state.t).value();
             let h = self.control.propose(left_to_go);
             let State { sites, ongoing, phase, .. } = &self.state;
-            let start = Start { chain: &self.chain, sites, ongoing, phase: phase.sin_cos() };
+            let bonds = &Sites { chain: &self.chain, sites, phase: phase.sin_cos() };
+            let start = Start { links: &self.links, bonds, ongoing };
             let goal = self.control.goal(h);
             let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
             self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
@@ -288,7 +317,7 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
             inside.state.advance(&self.chain, &self.left, self.h);
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
-            while !inside.advance(&self.chain, &self.control, by, parts) {
+            while !inside.advance((&self.chain, &self.links), &self.control, by, parts) {
                 inside.state.copy_from(&self.state);
                 parts *= 2;
                 if parts > MOST_PARTS {
@@ -305,12 +334,19 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
     }
 }
 
-impl<C: ContactChain> Inside<C> {
-    fn advance(&mut self, chain: &C, control: &Control, by: f64, parts: u32) -> bool {
+impl Inside {
+    fn advance<C: ContactChain>(
+        &mut self,
+        (chain, links): (&C, &Links),
+        control: &Control,
+        by: f64,
+        parts: u32,
+    ) -> bool {
         let h = by / f64::from(parts);
         (0..parts).all(|_| {
             let State { sites, ongoing, phase, .. } = &self.state;
-            let start = Start { chain, sites, ongoing, phase: phase.sin_cos() };
+            let bonds = &Sites { chain, sites, phase: phase.sin_cos() };
+            let start = Start { links, bonds, ongoing };
             let verdict = self.solver.window(&start, h, &control.goal(h), &mut self.left, false);
             self.state.advance(chain, &self.left, h);
             verdict.failure.is_none()

@@ -159,16 +159,23 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// Lays the panel out over `[start, end]`.
-    #[inline(always)]
-    pub(crate) fn place(&mut self, frame: &Frame<'_, M>, start: f64, end: f64, origin: Origin) {
+    /// Makes this the panel over `[start, end]`, of a variable with this origin and power; its nodes are yet to be placed.
+    pub(crate) fn span(&mut self, start: f64, end: f64, origin: Origin, q: u32) {
         (self.start, self.end) = (start, end);
         (self.origin, self.sign, self.q) = match origin {
             Origin::None => (start, 1.0, 1),
-            Origin::Before(o) => (o, 1.0, frame.q),
-            Origin::After(o) => (o, -1.0, frame.q),
+            Origin::Before(o) => (o, 1.0, q),
+            Origin::After(o) => (o, -1.0, q),
         };
-        let (origin, sign, q) = (self.origin, self.sign, self.q);
+        for view in &mut self.views {
+            view.version = 0;
+        }
+    }
+
+    /// Places the nodes.
+    #[inline(always)]
+    pub(super) fn place(&mut self, frame: &Frame<'_, M>) {
+        let Self { start, end, origin, sign, q, .. } = *self;
         let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         (self.middle, self.half, self.per_half) = (middle, half, 1.0 / half);

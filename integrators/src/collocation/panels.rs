@@ -1,7 +1,7 @@
 //! The panels of a bond in a window, and what their forces move in its neighbours.
 
 use super::{
-    panel::{Frame, Origin, Panel, View, along},
+    panel::{Origin, Panel, View, along},
     system::Path,
 };
 
@@ -25,15 +25,12 @@ impl<const M: usize> Panels<M> {
         (self.len, self.total) = (0, [0.0; 4]);
     }
 
-    #[inline(always)]
-    pub(super) fn push(&mut self, frame: &Frame<'_, M>, start: f64, end: f64, origin: Origin) {
+    /// Adds a panel, see [`Panel::span`].
+    pub(super) fn push(&mut self, start: f64, end: f64, origin: Origin, q: u32) {
         if self.len == self.list.len() {
             self.list.push(Panel::new());
         }
-        for view in &mut self.list[self.len].views {
-            view.version = 0;
-        }
-        self.list[self.len].place(frame, start, end, origin);
+        self.list[self.len].span(start, end, origin, q);
         self.len += 1;
     }
 

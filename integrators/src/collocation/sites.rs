@@ -83,6 +83,41 @@ pub(crate) fn at_rest<C: ContactChain>(chain: &C, sites: &[Site], bond: usize) -
     resting.get()
 }
 
+/// The bonds of a chain as a window begins, for a solver that does not know its type.
+pub(crate) trait Bonds: Sync {
+    /// Whether the sites of a bond rest at the origin.
+    fn at_rest(&self, bond: usize) -> bool;
+    /// How a bond moves in a window of length `h` without forces.
+    fn free(&self, bond: usize, h: f64) -> Free;
+}
+
+/// How a bond moves in a window without forces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Free {
+    /// The path of its overlap.
+    pub(crate) path: Path,
+    /// Overlaps up to this are rounding.
+    pub(crate) band: f64,
+}
+
+/// Sites of a chain in a phase of this sine and cosine.
+pub(crate) struct Sites<'a, C> {
+    pub(crate) chain: &'a C,
+    pub(crate) sites: &'a [Site],
+    pub(crate) phase: (f64, f64),
+}
+
+impl<C: ContactChain> Bonds for Sites<'_, C> {
+    fn at_rest(&self, bond: usize) -> bool {
+        at_rest(self.chain, self.sites, bond)
+    }
+
+    fn free(&self, bond: usize, h: f64) -> Free {
+        let (path, largest) = overlap(self.chain, self.sites, bond, self.phase, h);
+        Free { path, band: self.chain.dead_band(largest) }
+    }
+}
+
 /// The phase `omega t` kept to twice the working precision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Phase {

@@ -5,7 +5,7 @@ use super::{
     layout::Cuts,
     panel::Frame,
     rule::Rule,
-    system::{ContactChain, PairLaw},
+    system::Links,
     tangent,
 };
 use crate::{real::Real, regularised::power};
@@ -14,37 +14,39 @@ use crate::{real::Real, regularised::power};
 const ORDER: u32 = 8;
 
 /// What solves windows.
-pub(crate) trait Solver<C>: Send {
+pub(crate) trait Solver: Send {
     /// Solves one window from `start` and writes what bonds leave behind.
-    fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
+    fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
     /// Another one of its kind.
-    fn another(&self, bonds: usize) -> Box<dyn Solver<C>>;
+    fn another(&self, bonds: usize) -> Box<dyn Solver>;
     /// What contacts did in the last window that was logged.
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
-    /// Moves columns over the last window that was solved, of length `h` from a phase, of a chain of one block; or bond and residual
-    /// where that did not settle.
+    /// What changes of the linear paths of bonds leave behind in them, over the last window that was solved: of length `h`, of a chain of one
+    /// block. Or bond and residual where that did not settle.
     fn differentiate(
         &self,
-        chain: &C,
+        links: &Links,
         h: f64,
         cuts: Cuts,
-        phase: (f64, f64),
         columns: &mut [tangent::Block],
     ) -> Result<(), (usize, f64)>;
 }
 
-/// A solver with so many nodes a panel, from 4 to 16, even, for a chain with so many bonds.
-pub(crate) fn with_nodes<C: ContactChain>(nodes: usize, bonds: usize) -> Box<dyn Solver<C>> {
+/// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve nothing that shorter windows do not
+/// resolve at less cost.
+pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
+pub(crate) const MOST_NODES: usize = 12;
+
+/// A solver with so many nodes a panel, one of [`NODES`], for a chain with so many bonds.
+pub(crate) fn with_nodes(nodes: usize, bonds: usize) -> Box<dyn Solver> {
     match nodes {
         ..=4 => Box::new(Nodes::<4>::new(bonds)),
         5..=6 => Box::new(Nodes::<6>::new(bonds)),
         7..=8 => Box::new(Nodes::<8>::new(bonds)),
         9..=10 => Box::new(Nodes::<10>::new(bonds)),
-        11..=12 => Box::new(Nodes::<12>::new(bonds)),
-        13..=14 => Box::new(Nodes::<14>::new(bonds)),
-        _ => Box::new(Nodes::<16>::new(bonds)),
+        _ => Box::new(Nodes::<12>::new(bonds)),
     }
 }
 
@@ -65,17 +67,17 @@ impl<const M: usize> Nodes<M> {
     }
 }
 
-fn frame<'a, C: ContactChain, const M: usize>(rule: &'a Rule<M>, chain: &C, h: f64) -> Frame<'a, M> {
-    let response = chain.response();
+fn frame<'a, const M: usize>(rule: &'a Rule<M>, links: &Links, h: f64) -> Frame<'a, M> {
+    let response = links.response;
     let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
     let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
-    let q = power(chain.law().exponent(), ORDER);
+    let q = power(links.law.alpha(), ORDER);
     Frame { rule, h, m: response.m, mu: response.mu, omega, per_omega, mu_per_omega: response.mu * per_omega, q }
 }
 
-impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
-    fn window(&mut self, start: &Start<C>, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
-        let (frame, bonds) = (frame(&self.rule, start.chain, h), start.chain.bonds());
+impl<const M: usize> Solver for Nodes<M> {
+    fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
+        let (frame, bonds) = (frame(&self.rule, start.links, h), start.links.bonds);
         if bonds == 0 {
             return Verdict::default();
         }
@@ -113,7 +115,7 @@ impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
         M
     }
 
-    fn another(&self, bonds: usize) -> Box<dyn Solver<C>> {
+    fn another(&self, bonds: usize) -> Box<dyn Solver> {
         Box::new(Self::new(bonds))
     }
 
@@ -123,14 +125,13 @@ impl<C: ContactChain, const M: usize> Solver<C> for Nodes<M> {
 
     fn differentiate(
         &self,
-        chain: &C,
+        links: &Links,
         h: f64,
         cuts: Cuts,
-        phase: (f64, f64),
         columns: &mut [tangent::Block],
     ) -> Result<(), (usize, f64)> {
-        let bonds = &self.workspaces[0].bonds[..chain.bonds()];
-        let frame = &frame(&self.rule, chain, h);
-        f64::run(tangent::Window { chain, frame, bonds, cuts, phase, blocks: columns })
+        let bonds = &self.workspaces[0].bonds[..links.bonds];
+        let frame = &frame(&self.rule, links, h);
+        f64::run(tangent::Window { links, frame, bonds, cuts, columns })
     }
 }

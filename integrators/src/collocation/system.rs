@@ -1,22 +1,6 @@
-//! What contact collocation may ask of a problem: exact linear paths, and a pair law on a nearest-neighbour chain.
+//! What contact collocation may ask of a problem: exact linear paths, and a contact law on a nearest-neighbour chain.
 
-use crate::clock::Twofold;
-
-/// The force of a bond as a function of its overlap, zero for overlaps up to zero.
-pub trait PairLaw: Copy + Send + Sync {
-    /// The exponent `alpha > 0`: the force goes like `(g)_+^alpha` where a contact begins or ends.
-    fn exponent(&self) -> f64;
-    /// The force `f(g)`.
-    fn force(&self, overlap: f64) -> f64;
-    /// The stiffness `f'(g)`.
-    fn stiffness(&self, overlap: f64) -> f64;
-
-    /// The force at the nodes of a panel.
-    #[inline(always)]
-    fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
-        overlaps.map(|g| self.force(g))
-    }
-}
+use crate::{clock::Twofold, law::ContactLaw};
 
 /// How a site answers an impulse `j`: `q'` jumps by `j`, of which the share `m` moves on freely and the share `mu` oscillates,
 /// so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
@@ -33,13 +17,38 @@ pub struct Response {
 /// What leaves a site alone: `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as `[r, v, c, s]`.
 pub type Path = [f64; 4];
 
+/// What the solver of windows knows of a chain, whatever its type.
+#[derive(Clone, Debug)]
+pub(crate) struct Links {
+    pub(crate) bonds: usize,
+    pub(crate) ring: bool,
+    pub(crate) law: ContactLaw<f64>,
+    pub(crate) response: Response,
+    /// Whether bonds touch where all sites rest at the origin.
+    pub(crate) precompressed: bool,
+    /// How strongly the force of each bond opens it: 2 between two sites, 1 at a wall.
+    pub(crate) recoil: Vec<f64>,
+}
+
+impl Links {
+    pub(crate) fn of<C: ContactChain>(chain: &C) -> Self {
+        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| [f64::from(u8::from(c == b)); 4]))[0];
+        Self {
+            recoil: (0..chain.bonds()).map(recoil).collect(),
+            bonds: chain.bonds(),
+            ring: chain.ring(),
+            law: chain.law(),
+            response: chain.response(),
+            precompressed: chain.rest() > 0.0,
+        }
+    }
+}
+
 /// A chain of sites that move along exact linear paths and push each other in bonds between neighbours.
 ///
 /// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a site with `b - 1` and `b + 1` only,
 /// the last with the first on a ring.
 pub trait ContactChain: Send + Sync {
-    /// The contact law.
-    type Law: PairLaw;
     /// Number of components of the state as others see it.
     fn dim(&self) -> usize;
     /// Number of sites.
@@ -49,7 +58,7 @@ pub trait ContactChain: Send + Sync {
     /// Whether the last bond and the first share a site.
     fn ring(&self) -> bool;
     /// The law of every bond.
-    fn law(&self) -> Self::Law;
+    fn law(&self) -> ContactLaw<f64>;
     /// How a site answers an impulse.
     fn response(&self) -> Response;
     /// The overlap of every bond where all positions are zero.

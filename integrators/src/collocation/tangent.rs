@@ -19,14 +19,14 @@ use super::{
     panel::{Frame, Panel, along, dot},
     panels::Panels,
     sites::Phase,
-    system::{ContactChain, PairLaw, Path},
+    system::{ContactChain, Links, Path},
 };
-use crate::{drive::Stepper, error::Error, real::Kernel};
+use crate::{drive::Stepper, error::Error, law::ContactLaw, real::Kernel};
 
 /// Columns that are worked on together.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
-/// `[R0, V, C, S]` of every site, for some columns.
+/// `[R0, V, C, S]` of every site or bond, for some columns.
 pub(crate) type Block = Vec<[Lanes; 4]>;
 
 /// Sweeps after which a window is given up; each takes a digit at least where the window itself was solved.
@@ -112,8 +112,17 @@ impl Tangent {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
         let (cuts, phase) = (run.control.goal(h).cuts, run.state.phase.sin_cos());
-        let result = run.solver.differentiate(&run.chain, h, cuts, phase, &mut self.blocks);
+        let chain = &run.chain;
+        let across = |block: &Block| {
+            let of = |b| across(chain, b, block, phase);
+            (0..chain.bonds()).map(of).collect()
+        };
+        let mut bonds: Vec<Block> = self.blocks.iter().map(across).collect();
+        let result = run.solver.differentiate(&run.links, h, cuts, &mut bonds);
         result.map_err(|(bond, residual)| Error::NoContraction { t: run.state.t.value(), h, bond, residual })?;
+        for (block, left) in self.blocks.iter_mut().zip(&bonds) {
+            advance(chain, left, block, h, phase);
+        }
         self.phase = run.state.phase;
         self.phase.advance(h);
         self.windows = done;
@@ -201,37 +210,28 @@ struct Row<'a, const M: usize> {
     left: [Path; M],
 }
 
-/// A solved window, and the columns to move over it.
-pub(crate) struct Window<'a, C, const M: usize> {
-    pub(crate) chain: &'a C,
+/// A solved window, and changes of the linear paths of its bonds, which become what they leave behind.
+pub(crate) struct Window<'a, const M: usize> {
+    pub(crate) links: &'a Links,
     pub(crate) frame: &'a Frame<'a, M>,
     pub(crate) bonds: &'a [Bond<M>],
     pub(crate) cuts: Cuts,
-    /// Sine and cosine of the phase at its start.
-    pub(crate) phase: (f64, f64),
-    pub(crate) blocks: &'a mut [Block],
+    pub(crate) columns: &'a mut [Block],
 }
 
-impl<C: ContactChain, const M: usize> Kernel for Window<'_, C, M> {
+impl<const M: usize> Kernel for Window<'_, M> {
     /// Or bond and residual where it did not settle.
     type Output = Result<(), (usize, f64)>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Self { chain, frame, bonds, cuts, phase, blocks } = self;
-        let law = chain.law();
-        let ring = chain.ring() && bonds.len() > 1;
+        let Self { links, frame, bonds, cuts, columns } = self;
+        let ring = links.ring && bonds.len() > 1;
         let panels = laid_out(frame, bonds, ring, cuts);
-        let rows = rows(frame, &law, bonds, &panels, ring);
+        let rows = rows(frame, &links.law, bonds, &panels, ring);
         let mut force = vec![[[0.0; LANES]; M]; rows.len()];
-        let mut bond = vec![[[0.0; LANES]; 4]; bonds.len()];
-        for block in blocks {
-            for (b, path) in bond.iter_mut().enumerate() {
-                for lane in 0..LANES {
-                    set(path, lane, turned(chain.across(b, |i| get(&block[i], lane)), phase));
-                }
-            }
-            settle(&rows, &bond, &mut force)?;
+        for bond in columns {
+            settle(&rows, bond, &mut force)?;
             bond.fill([[0.0; LANES]; 4]);
             for (row, force) in rows.iter().zip(&force) {
                 for (left, force) in row.left.iter().zip(force) {
@@ -240,10 +240,19 @@ impl<C: ContactChain, const M: usize> Kernel for Window<'_, C, M> {
                     }
                 }
             }
-            advance(chain, &bond, block, frame.h, phase);
         }
         Ok(())
     }
+}
+
+/// The changes of the linear path of a bond that changes of sites make, in phase `(sin, cos)`.
+#[inline(always)]
+fn across<C: ContactChain>(chain: &C, bond: usize, block: &Block, phase: (f64, f64)) -> [Lanes; 4] {
+    let mut path = [[0.0; LANES]; 4];
+    for lane in 0..LANES {
+        set(&mut path, lane, turned(chain.across(bond, |i| get(&block[i], lane)), phase));
+    }
+    path
 }
 
 #[inline(always)]
@@ -289,9 +298,8 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool,
     let (mut old, mut out) = (Panels::new(), Vec::with_capacity(n));
     for b in 0..n {
         let beside = beside(b, n, ring);
-        let [left, right] = beside.map(|b| b.map(|b| &anew[b]));
         let mut me = anew[b].clone();
-        me.lay_out(frame, left, right, cuts, &mut old);
+        me.lay_out(frame, beside.map(|b| b.map(|b| &anew[b])), cuts, &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = (&panel.tau, &panel.cos, &panel.sin);
             let mut g = [0.0; M];
@@ -313,7 +321,7 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool,
 #[inline(always)]
 fn rows<'a, const M: usize>(
     frame: &Frame<'_, M>,
-    law: &impl PairLaw,
+    law: &ContactLaw<f64>,
     bonds: &[Bond<M>],
     panels: &'a [Panels<M>],
     ring: bool,

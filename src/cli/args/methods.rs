@@ -44,7 +44,7 @@ pub(crate) struct RunArgs {
     /// Equal windows a period of the scene, for collocation, without control of the error.
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"], allow_negative_numbers = true)]
     pub(crate) windows_per_period: Option<f64>,
-    /// Nodes a panel, with --windows-per-period: 4, 6, .. 16 [default: 10].
+    /// Nodes a panel, with --windows-per-period: 4, 6, 8, 10 or 12 [default: 10].
     #[arg(long, value_name = "M", requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].

@@ -1,0 +1,313 @@
+//! The contact law `f = (g)_+^alpha`, its potential and its stiffness.
+//!
+//! Overlaps whose force would be below about 1e-250 count as none: forces, impulses and what they move then never become
+//! subnormal, which would slow the tails of waves and breathers, and nothing above 1e-200 of anything can notice.
+
+use crate::{Real, Twofold};
+
+/// Numbers that are worked on side by side: those of one register, or of two or four.
+pub const LANES: usize = 8;
+/// So many numbers.
+pub type Lanes<R> = [R; LANES];
+
+/// A power `g^alpha` that a sweep is compiled for.
+pub trait Power<R>: Copy {
+    /// `g^alpha` for `g >= 0`.
+    fn raise(self, g: R) -> R;
+    /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
+    fn raise_with_slope(self, g: R) -> (R, R);
+}
+
+/// `g sqrt(g)`.
+#[derive(Clone, Copy)]
+pub struct ThreeHalves;
+/// `g^K` by multiplications.
+#[derive(Clone, Copy)]
+pub struct Monomial<const K: u32>;
+/// `g^k` by multiplications, for larger k.
+#[derive(Clone, Copy)]
+pub struct Integer(u32);
+/// `g^k sqrt(g)`, for half-integers above 3/2.
+#[derive(Clone, Copy)]
+pub struct HalfInteger(u32);
+/// Any other power.
+#[derive(Clone, Copy)]
+pub struct General<R>(R);
+
+impl<R: Real> Power<R> for ThreeHalves {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        g * g.sqrt()
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let root = g.sqrt();
+        (g * root, R::of(1.5) * root)
+    }
+}
+
+impl<R: Real, const K: u32> Power<R> for Monomial<K> {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        (1..K).fold(g, |power, _| power * g)
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let one = if g > R::zero() { R::one() } else { R::zero() };
+        let lower = (1..K).fold(one, |power, _| power * g);
+        (lower * g, R::of(f64::from(K)) * lower)
+    }
+}
+
+impl<R: Real> Power<R> for Integer {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        num_traits::pow(g, self.0 as usize)
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let lower = num_traits::pow(g, self.0 as usize - 1);
+        (lower * g, R::of(f64::from(self.0)) * lower)
+    }
+}
+
+impl<R: Real> Power<R> for HalfInteger {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        num_traits::pow(g, self.0 as usize) * g.sqrt()
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let lower = num_traits::pow(g, self.0 as usize - 1) * g.sqrt();
+        (lower * g, (R::of(f64::from(self.0)) + R::of(0.5)) * lower)
+    }
+}
+
+impl<R: Real> Power<R> for General<R> {
+    #[inline(always)]
+    fn raise(self, g: R) -> R {
+        if g > R::zero() { g.powf(self.0) } else { R::zero() }
+    }
+
+    #[inline(always)]
+    fn raise_with_slope(self, g: R) -> (R, R) {
+        let power = self.raise(g);
+        (power, if g > R::zero() { self.0 * (power / g) } else { R::zero() })
+    }
+}
+
+/// How a power is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    /// `g sqrt(g)`.
+    ThreeHalves,
+    /// By multiplications.
+    Integer(u32),
+    /// By multiplications and a square root.
+    HalfInteger(u32),
+    /// By `powf`.
+    General,
+}
+
+/// The law of one contact.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactLaw<R> {
+    exponent: Exponent,
+    alpha: R,
+    /// `1/(alpha + 1)`.
+    per_alpha_plus_one: R,
+    /// Overlaps up to this count as none.
+    dead_band: R,
+}
+
+/// Runs `$body` with `$power` bound to the compiled power of `$law`: the one place that chooses.
+#[macro_export]
+macro_rules! with_power {
+    ($law:expr, $power:ident => $body:expr) => {
+        match $law.exponent() {
+            $crate::law::Exponent::ThreeHalves => {
+                let $power = $crate::law::ThreeHalves;
+                $body
+            }
+            $crate::law::Exponent::Integer(1) => {
+                let $power = $crate::law::Monomial::<1>;
+                $body
+            }
+            $crate::law::Exponent::Integer(2) => {
+                let $power = $crate::law::Monomial::<2>;
+                $body
+            }
+            $crate::law::Exponent::Integer(3) => {
+                let $power = $crate::law::Monomial::<3>;
+                $body
+            }
+            $crate::law::Exponent::Integer(k) => {
+                let $power = $crate::law::Integer::new(k);
+                $body
+            }
+            $crate::law::Exponent::HalfInteger(k) => {
+                let $power = $crate::law::HalfInteger::new(k);
+                $body
+            }
+            $crate::law::Exponent::General => {
+                let $power = $crate::law::General::new($law.alpha());
+                $body
+            }
+        }
+    };
+}
+
+impl Integer {
+    /// The power `k`.
+    pub fn new(k: u32) -> Self {
+        Self(k)
+    }
+}
+
+impl HalfInteger {
+    /// The power `k + 1/2`.
+    pub fn new(k: u32) -> Self {
+        Self(k)
+    }
+}
+
+impl<R> General<R> {
+    /// The power `alpha`.
+    pub fn new(alpha: R) -> Self {
+        Self(alpha)
+    }
+}
+
+impl<R: Real> ContactLaw<R> {
+    /// The law with exponent `alpha > 0`.
+    pub fn new(alpha: f64) -> Self {
+        let exponent = if alpha == 1.5 {
+            Exponent::ThreeHalves
+        } else if alpha.fract() == 0.0 && alpha <= 64.0 {
+            Exponent::Integer(alpha as u32)
+        } else if alpha.fract() == 0.5 && alpha <= 64.0 {
+            Exponent::HalfInteger(alpha as u32)
+        } else {
+            Exponent::General
+        };
+        let dead_band = 1e-250_f64.powf(1.0 / alpha).max(f64::MIN_POSITIVE);
+        let [one, alpha] = [1.0, alpha].map(|x| Twofold::new(R::of(x)));
+        let per_alpha_plus_one = one.over(alpha + one).value();
+        Self { exponent, alpha: alpha.value(), per_alpha_plus_one, dead_band: R::of(dead_band) }
+    }
+
+    /// The exponent.
+    pub fn alpha(&self) -> R {
+        self.alpha
+    }
+
+    /// How the power is computed.
+    #[inline]
+    pub fn exponent(&self) -> Exponent {
+        self.exponent
+    }
+
+    /// The overlap, zero where there is no contact.
+    #[inline(always)]
+    pub fn positive_part(&self, g: R) -> R {
+        if g > self.dead_band { g } else { R::zero() }
+    }
+
+    /// The force `(g)_+^alpha`.
+    pub fn force(&self, g: R) -> R {
+        with_power!(self, power => power.raise(self.positive_part(g)))
+    }
+
+    /// The forces of some overlaps.
+    ///
+    /// The loop for spheres is compiled into its caller, with the caller's vector instructions; the others are a call.
+    #[inline(always)]
+    pub fn forces<const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
+        if self.exponent == Exponent::ThreeHalves {
+            self.raise_all(ThreeHalves, overlaps)
+        } else {
+            self.other_forces(overlaps)
+        }
+    }
+
+    #[inline(never)]
+    fn other_forces<const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
+        with_power!(self, power => self.raise_all(power, overlaps))
+    }
+
+    #[inline(always)]
+    fn raise_all<const M: usize>(&self, power: impl Power<R>, overlaps: &[R; M]) -> [R; M] {
+        let mut force = [R::zero(); M];
+        for j in 0..M {
+            force[j] = power.raise(self.positive_part(overlaps[j]));
+        }
+        force
+    }
+
+    /// The force and its derivative `alpha (g)_+^{alpha-1}`.
+    pub fn force_with_slope(&self, g: R) -> (R, R) {
+        with_power!(self, power => power.raise_with_slope(self.positive_part(g)))
+    }
+
+    /// The force and its derivative `alpha (g)_+^{alpha-1}`, for many overlaps at once.
+    #[inline(always)]
+    pub fn forces_with_slopes(&self, overlaps: &[Lanes<R>], forces: &mut [Lanes<R>], slopes: &mut [Lanes<R>]) {
+        with_power!(self, power => {
+            for ((g, f), slope) in overlaps.iter().zip(forces).zip(slopes) {
+                let both: [(R, R); LANES] = std::array::from_fn(|k| power.raise_with_slope(self.positive_part(g[k])));
+                *f = both.map(|(force, _)| force);
+                *slope = both.map(|(_, slope)| slope);
+            }
+        });
+    }
+
+    /// The potential `(g)_+^{alpha+1} / (alpha+1)`.
+    pub fn potential(&self, g: R) -> R {
+        self.force(g) * self.positive_part(g) * self.per_alpha_plus_one
+    }
+
+    /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no contact.
+    pub fn stiffness(&self, g: R) -> R {
+        let g = self.positive_part(g);
+        if g == R::zero() { g } else { self.alpha * (self.force(g) / g) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn every_path_is_the_power_and_its_derivative() {
+        // Truth: powf and central differences.
+        for alpha in [0.5, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 7.0] {
+            let law = ContactLaw::<f64>::new(alpha);
+            for g in [1e-6, 0.3, 1.0, 2.7] {
+                assert_relative_eq!(law.force(g), g.powf(alpha), max_relative = 1e-14);
+                let (force, slope) = law.force_with_slope(g);
+                assert_relative_eq!(force, law.force(g), max_relative = 1e-15);
+                assert_relative_eq!(slope, law.stiffness(g), max_relative = 1e-15);
+                let d = 1e-5 * g;
+                assert_relative_eq!(
+                    law.stiffness(g),
+                    (law.force(g + d) - law.force(g - d)) / (2.0 * d),
+                    max_relative = 2e-9
+                );
+                assert_relative_eq!(
+                    law.force(g),
+                    (law.potential(g + d) - law.potential(g - d)) / (2.0 * d),
+                    max_relative = 2e-9
+                );
+            }
+            for g in [0.0, -1.0, f64::NEG_INFINITY, law.dead_band] {
+                assert_eq!((law.force(g), law.potential(g), law.stiffness(g)), (0.0, 0.0, 0.0));
+                assert_eq!(law.force_with_slope(g), (0.0, 0.0));
+            }
+        }
+    }
+}
