@@ -206,7 +206,7 @@ fn random_chains_keep_the_order() {
             if alpha < 1.5 { 0.05 * (2.0 * 2f64.powf(alpha)).powf(alpha) * h.powf(2.0 * alpha + 1.0) } else { 0.0 };
         if errors[2].1 > grazing.max(2e-12) {
             worst = worst.min(order);
-            assert!(order > 3.7, "{what}: {errors:?}");
+            assert!(order > 3.5, "{what}: {errors:?}");
         }
     }
     println!("least order {worst:.2}");
@@ -312,7 +312,7 @@ fn the_log_of_contacts_is_that_of_collocation() {
     };
     let truth = log(Method::Collocation, Setting::Tolerance(1e-12));
     for (method, steps, bound) in
-        [(Method::CORRECTED, 1000, 2e-7), (Method::CORRECTED, 4000, 2e-9), (Method::CORRECTED_KINETIC, 4000, 1e-7)]
+        [(Method::CORRECTED, 1000, 2e-6), (Method::CORRECTED, 4000, 1e-7), (Method::CORRECTED_KINETIC, 4000, 2e-6)]
     {
         let got = log(method, Setting::Steps(steps));
         assert_eq!(got.len(), truth.len());

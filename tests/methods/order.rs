@@ -36,7 +36,19 @@ fn compositions_of_order_four_and_more_fall_to_two_and_a_half() {
         assert_eq!(row.theory, limit);
         seen += 1;
     }
-    assert_eq!(seen, 2 * 23);
+    assert_eq!(seen, 2 * 24);
+}
+
+#[test]
+fn corrected_kicks_have_order_four_and_their_tangent_alpha_plus_two() {
+    for name in ["corrected", "corrected-kinetic"] {
+        let of = |quantity| slope(&SPHERES, name, Mode::Corrected, quantity);
+        assert!((of(Quantity::State) - 4.0).abs() < 0.1, "{name}: {}", of(Quantity::State));
+        // Events fall where chance has them: the median is a slope to a third or so.
+        assert!((3.4..4.1).contains(&of(Quantity::Tangent)), "{name}: {}", of(Quantity::Tangent));
+    }
+    // Corrections without processing.
+    assert!((slope(&SPHERES, "strang-linear-corrected", Mode::Corrected, Quantity::State) - 2.0).abs() < 0.1);
 }
 
 #[test]
@@ -113,6 +125,9 @@ fn theory_is_that_of_the_exponent() {
         (8, 1.5, Mode::Landed, Quantity::State, 2.5),
         (8, 3.0, Mode::Landed, Quantity::State, 8.0),
         (4, 3.0, Mode::Plain, Quantity::State, 4.0),
+        (4, 1.5, Mode::Corrected, Quantity::State, 4.0),
+        (4, 1.5, Mode::Corrected, Quantity::Tangent, 3.5),
+        (4, 1.0, Mode::Corrected, Quantity::Tangent, 3.0),
         (8, 1.5, Mode::Regularised, Quantity::Tangent, 8.0),
     ] {
         assert_eq!(theory(p, alpha, mode, quantity), expected);

@@ -37,8 +37,9 @@ pub(crate) struct RunArgs {
     /// Step size, in units of time; made smaller where a whole number of steps must fit the span.
     #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
     pub(crate) step: Option<f64>,
-    /// Tolerance. For collocation: of the whole run, relative to the size of the state. For dop853: of a step, relative, and absolute
-    /// in units of the largest entry of the initial state [default: 1e-10].
+    /// Tolerance. For collocation: of the whole run, relative to the size of the state. For corrected and corrected-kinetic: of the state at the end, from 1e-13 to
+    /// 0.1; steps come from runs over the whole span. For dop853: of a step, relative, and absolute in units of the largest entry of the initial state [default:
+    /// 1e-10].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub(crate) tol: Option<f64>,
     /// Equal windows a period of the scene, for collocation, without control of the error.
