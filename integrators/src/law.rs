@@ -255,12 +255,16 @@ impl<R: Real> ContactLaw<R> {
 
     /// The force and its derivative `alpha (g)_+^{alpha-1}`, for many overlaps at once.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     pub fn forces_with_slopes(&self, overlaps: &[Lanes<R>], forces: &mut [Lanes<R>], slopes: &mut [Lanes<R>]) {
         with_power!(self, power => {
             for ((g, f), slope) in overlaps.iter().zip(forces).zip(slopes) {
-                let both: [(R, R); LANES] = std::array::from_fn(|k| power.raise_with_slope(self.positive_part(g[k])));
-                *f = both.map(|(force, _)| force);
-                *slope = both.map(|(_, slope)| slope);
+                // Not by maps of arrays: those are calls, out of the vector code.
+                let mut both = [[R::zero(); LANES]; 2];
+                for k in 0..LANES {
+                    (both[0][k], both[1][k]) = power.raise_with_slope(self.positive_part(g[k]));
+                }
+                [*f, *slope] = both;
             }
         });
     }

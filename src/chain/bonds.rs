@@ -267,7 +267,7 @@ impl<F: SiteFlow> Bonded<F> {
 /// springs. 1 where steps are too long for that.
 fn swung(omega: f64, h: f64) -> f64 {
     let turn = 0.5 * omega * h;
-    if turn < 1e-4 || turn >= 1.0 { 1.0 } else { turn.tan() / turn }
+    if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
 }
 
 /// Eight numbers from `i` on.

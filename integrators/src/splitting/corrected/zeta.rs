@@ -72,8 +72,8 @@ impl ZetaTable {
         for k in 0..Self::COUNT {
             let z = alpha + k as f64 - 1.0;
             let series = chebyshev(|x| hurwitz(z, 1.5 + 0.5 * x));
-            for (degree, coefficient) in to_powers(&series).into_iter().enumerate() {
-                powers[degree][k] = coefficient;
+            for (power, coefficient) in powers.iter_mut().zip(to_powers(&series)) {
+                power[k] = coefficient;
             }
         }
         Self { powers }
@@ -81,6 +81,7 @@ impl ZetaTable {
 
     /// `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, `theta` in `[0, 1]`.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     pub(super) fn beyond(&self, theta: f64) -> [f64; Self::COUNT] {
         let x = 2.0 * theta - 1.0;
         let y = x * x;
@@ -92,7 +93,10 @@ impl ZetaTable {
                 odd[k] = odd[k] * y + pair[1][k];
             }
         }
-        std::array::from_fn(|k| even[k] + x * odd[k])
+        for k in 0..Self::COUNT {
+            even[k] += x * odd[k];
+        }
+        even
     }
 }
 
@@ -109,18 +113,16 @@ fn chebyshev(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
 
 /// The same polynomial in powers: the coefficients fall faster than the change of basis grows.
 fn to_powers(series: &[f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
-    let (mut before, mut now) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
+    // T_0 and T_1, then T_{k+1} = 2 x T_k - T_{k-1}.
+    let (mut now, mut next) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
+    (now[0], next[1]) = (1.0, 1.0);
     let mut sum = [0.0; DEGREE + 1];
-    now[0] = 1.0;
-    for (k, coefficient) in series.iter().enumerate() {
+    for coefficient in series {
         for (sum, t) in sum.iter_mut().zip(now) {
             *sum += coefficient * t;
         }
-        let factor = if k == 0 { 1.0 } else { 2.0 };
-        let next: [f64; DEGREE + 1] = std::array::from_fn(|j| {
-            factor * (if j > 0 { now[j - 1] } else { 0.0 }) - if k == 0 { 0.0 } else { before[j] }
-        });
-        (before, now) = (now, next);
+        let after = std::array::from_fn(|j| if j > 0 { 2.0 * next[j - 1] } else { 0.0 } - now[j]);
+        (now, next) = (next, after);
     }
     sum
 }
