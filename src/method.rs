@@ -127,7 +127,6 @@ impl Method {
             Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
             Self::Landed(scheme) => format!("{}-linear-landed", scheme.name),
             Self::Corrected(Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
-            Self::Corrected(Parts { processed: false, .. }, _) => "strang-linear-corrected".to_owned(),
             Self::Corrected(_, Split::Linear) => "corrected".to_owned(),
             Self::Corrected(_, Split::Kinetic) => "corrected-kinetic".to_owned(),
             Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
@@ -141,13 +140,7 @@ impl Method {
     pub fn order(&self) -> u32 {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
-            Self::Corrected(parts, _) => {
-                if parts.processed {
-                    4
-                } else {
-                    2
-                }
-            }
+            Self::Corrected(..) => 4,
             Self::Dop853(_) => 8,
             // Gauss nodes: twice as many as a panel has at the middle of the range.
             Self::Collocation => 16,

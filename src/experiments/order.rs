@@ -23,7 +23,7 @@ use hertzchain_integrators::{
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
-    splitting::{Averaged, Coefficients, Corrected, First, Landed, Parts},
+    splitting::{Averaged, Coefficients, Corrected, First, Landed, Parts, tables},
 };
 
 /// Exponents that the ladders are made for.
@@ -199,7 +199,7 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
     // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
     let corrected = [
         (Method::TAKAHASHI_IMADA, Mode::Plain),
-        (Method::Corrected(Parts::CORRECTED, Split::Linear), Mode::Corrected),
+        (Method::Splitting(&tables::STRANG, Split::Linear), Mode::Corrected),
         (Method::CORRECTED, Mode::Corrected),
         (Method::CORRECTED_KINETIC, Mode::Corrected),
     ];
@@ -320,6 +320,11 @@ impl Problem {
             (Method::Splitting(scheme, Split::Linear), Mode::Landed) => {
                 let flow = loaded(LinearFlow::new(chain), y0);
                 finish(&mut Landed::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            // Corrections without processing.
+            (Method::Splitting(_, Split::Linear), Mode::Corrected) => {
+                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, Parts::CORRECTED)?, &mut y)
             }
             (Method::Splitting(scheme, Split::Linear), Mode::Averaged) => {
                 let flow = loaded(Averaged::new(LinearFlow::new(chain)), y0);
