@@ -250,6 +250,7 @@ impl<R: Real> ContactLaw<R> {
     }
 
     /// The force and its derivative `alpha (g)_+^{alpha-1}`.
+    #[inline]
     pub fn force_with_slope(&self, g: R) -> (R, R) {
         with_power!(self, power => power.raise_with_slope(self.positive_part(g)))
     }

@@ -9,6 +9,7 @@
 
 use super::{
     Boundary, Chain, ContactLaw, KineticFlow, LinearFlow,
+    aligned::Aligned,
     law::{LANES, Lanes},
 };
 use hertzchain_integrators::{
@@ -19,8 +20,8 @@ use hertzchain_integrators::{
 
 /// Numbers before the first of an array, so that what lies before it can be loaded too.
 const PAD: usize = LANES;
-/// Bonds in a piece that is searched for changes at once.
-const PIECE: usize = 16;
+/// Bonds in a word of bits.
+const WORD: usize = 64;
 /// Nodes of the window that leads back inside a step, and the tolerance where one window does not do.
 const INSIDE: usize = 12;
 const TOLERANCE: f64 = 1e-13;
@@ -29,8 +30,8 @@ const TOLERANCE: f64 = 1e-13;
 pub trait SiteFlow: SplitFlow<f64> {
     /// The chain.
     fn chain(&self) -> &Chain<f64>;
-    /// Writes the positions of all beads.
-    fn positions(&mut self, u: &mut [f64]);
+    /// Writes positions, and computes forces from them.
+    fn survey(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
     /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of that.
@@ -39,12 +40,14 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn response(&self) -> (f64, f64, f64);
     /// The force of the spring on a bead, where it is part of the kick, and its rate.
     fn spring(&self, site: usize) -> (f64, f64);
-    /// Gives beads an impulse and a displacement, each so many times as it says, at a time relative to now.
-    fn give(&mut self, beads: &[(usize, f64)], impulse: f64, displacement: f64, at: f64);
+    /// How far a correction moves a bead, now.
+    fn shift(&self, correction: &Correction) -> f64;
+    /// Gives beads a correction, each so many times as it says.
+    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction);
     /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an impulse over the mass, and a displacement.
     fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
-    /// Kicks beads by `kick` times `push`, and by springs where these kick: `-kappa (d + c d'')`, with the accelerations `a` of beads.
-    fn push(&mut self, kick: f64, c: f64, push: &[f64], a: &[f64]);
+    /// Kicks beads by `kick` times modified forces, and by springs where these kick: `-kappa (d + c d'')`, with the accelerations `a` of beads.
+    fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
@@ -54,22 +57,24 @@ pub struct Bonded<F> {
     flow: F,
     sites: usize,
     /// Positions, from `PAD` on, with one of a neighbour on either side.
-    q: Vec<f64>,
-    overlap: Vec<f64>,
+    q: Aligned<f64>,
+    overlap: Aligned<f64>,
     /// Forces and derivatives, from `PAD` on, with those of neighbours on either side.
-    force: Vec<f64>,
-    slope: Vec<f64>,
+    force: Aligned<f64>,
+    slope: Aligned<f64>,
     /// Forces at the survey before.
-    force_before: Vec<f64>,
-    /// `0 - overlap` as surveyed: the sign bit says that a bond is closed. Then the same when changes were last told.
-    open: Vec<f64>,
-    told: Vec<f64>,
+    force_before: Aligned<f64>,
+    /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
+    closed: Vec<u64>,
+    told: Vec<u64>,
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
-    spring: Vec<f64>,
-    spring_before: Vec<f64>,
+    spring: Aligned<f64>,
+    spring_before: Aligned<f64>,
+    /// Modified forces, from `PAD` on.
+    modified: Aligned<f64>,
     /// Accelerations of sites, for springs that kick.
-    a: Vec<f64>,
-    push: Vec<f64>,
+    a: Aligned<f64>,
+    push: Aligned<f64>,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
 }
@@ -80,81 +85,73 @@ impl<F: SiteFlow> Bonded<F> {
         let sites = flow.chain().sites();
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
-        let zeros = || vec![0.0; (sites + 1).next_multiple_of(LANES) + LANES];
-        let padded = || vec![0.0; PAD + (sites + 1).next_multiple_of(LANES) + LANES];
+        let padded = || Aligned::zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
         Self {
             flow,
             sites,
             q: padded(),
-            overlap: zeros(),
+            overlap: Aligned::zeros(sites + 1),
             force: padded(),
             slope: padded(),
             force_before: padded(),
-            open: zeros(),
-            told: zeros(),
-            spring: if springs { padded() } else { Vec::new() },
-            spring_before: if springs { padded() } else { Vec::new() },
-            a: zeros(),
-            push: zeros(),
+            closed: vec![0; (sites + 1).div_ceil(WORD)],
+            told: vec![0; (sites + 1).div_ceil(WORD)],
+            spring: if springs { padded() } else { Aligned::zeros(0) },
+            spring_before: if springs { padded() } else { Aligned::zeros(0) },
+            modified: padded(),
+            a: Aligned::zeros(sites),
+            push: Aligned::zeros(sites),
             swung: (0.0, 1.0),
         }
     }
 
+    #[inline]
     fn chain(&self) -> &Chain<f64> {
         self.flow.chain()
     }
 
+    #[inline]
     fn strain(&self) -> bool {
         self.chain().boundary() == Boundary::StrainRing
     }
 
+    #[inline]
     fn ring(&self) -> bool {
         matches!(self.chain().boundary(), Boundary::Ring | Boundary::StrainRing)
     }
 
     /// The bond that number `index` among those that can touch is.
+    #[inline]
     fn bond(&self, index: usize) -> usize {
         self.chain().touching().start + index
     }
 
     /// What stands for forces beyond the ends, so that the accelerations of sites there are those of neighbours, or none.
     fn close(&mut self) {
+        let (n, ring) = (self.sites, self.ring());
+        let f = &mut self.force[PAD - 1..];
+        (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
+    }
+
+    /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    fn refresh(&mut self, b: usize) {
         let n = self.sites;
-        let (ring, f) = (self.ring(), &mut self.force[PAD - 2..]);
-        for (beyond, inside) in [(0, n as isize - 2), (1, n as isize - 1), (n + 3, 1), (n + 4, 2)] {
-            let clamped = if beyond < 2 { 0 } else { n };
-            f[beyond] = f[2 + if ring { inside.rem_euclid(n as isize) as usize } else { clamped }];
+        if b <= 3 || b + 3 >= n {
+            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().boundary().ghosts(self.q[PAD], self.q[PAD + n - 1]);
+            // A ring's first bond is its last.
+            for b in [0, 1, n - 1, n] {
+                self.refresh_bond(b);
+            }
         }
-        if ring {
-            self.slope[PAD - 1] = self.slope[PAD + n - 1];
+        for b in b.saturating_sub(1)..(b + 2).min(n + 1) {
+            self.refresh_bond(b);
+        }
+        if b <= 3 || b + 3 >= n {
+            self.close();
         }
     }
 
-    /// What stands for positions beyond the ends.
-    fn close_positions(&mut self) {
-        let n = self.sites;
-        let ghosts = self.chain().boundary().ghosts(self.q[PAD], self.q[PAD + n - 1]);
-        (self.q[PAD - 1], self.q[PAD + n]) = ghosts;
-    }
-
-    /// Position, overlaps and forces around a site that has moved.
-    fn refresh(&mut self, site: usize) {
-        let n = self.sites;
-        self.q[PAD + site] = self.flow.bead(site).0;
-        if site == 0 || site + 1 == n {
-            self.close_positions();
-        }
-        self.refresh_bond(site);
-        if !self.strain() {
-            self.refresh_bond(site + 1);
-        }
-        // A ring's first bond is its last.
-        if self.ring() && (site == 0 || site + 1 == n) {
-            self.refresh_bond(0);
-            self.refresh_bond(n);
-        }
-    }
-
+    #[inline]
     fn refresh_bond(&mut self, b: usize) {
         let (law, q) = (self.chain().law(), &self.q[PAD - 1..]);
         let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
@@ -163,6 +160,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 
     /// The bonds on the sides of a bond, and how many of its sides are beads.
+    #[inline]
     fn neighbours(&self, b: usize) -> ([Option<usize>; 2], f64) {
         let n = self.sites;
         let left = if b > 0 { Some(b - 1) } else { self.ring().then_some(n - 1) };
@@ -171,6 +169,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
+    #[inline]
     fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
         let ([left, right], _) = self.neighbours(b);
         let contacts = left.map_or(0.0, |b| force[PAD + b]) + right.map_or(0.0, |b| force[PAD + b]);
@@ -180,6 +179,7 @@ impl<F: SiteFlow> Bonded<F> {
     /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its places at both ends of the step, and moved by processing.
     ///
     /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
+    #[inline]
     fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
         let [rate, p, p_dot] = self.across(b, |i| self.flow.motion(i));
@@ -211,15 +211,16 @@ impl<F: SiteFlow> Bonded<F> {
     #[inline]
     fn across(&self, b: usize, of: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let n = self.sites;
+        let minus = |x: [f64; 3]| [-x[0], -x[1], -x[2]];
         let (before, behind) = match self.chain().boundary() {
-            Boundary::StrainRing => return of(b).map(|x| -x),
+            Boundary::StrainRing => return minus(of(b)),
             Boundary::Ring => (if b > 0 { b - 1 } else { n - 1 }, b),
-            _ if b == 0 => return of(0).map(|x| -x),
+            _ if b == 0 => return minus(of(0)),
             _ if b == n => return of(n - 1),
             _ => (b - 1, b),
         };
-        let (x, y) = (of(before), of(behind));
-        std::array::from_fn(|k| x[k] - y[k])
+        let ([x, x_dot, x_second], y) = (of(before), of(behind));
+        [x - y[0], x_dot - y[1], x_second - y[2]]
     }
 
     /// Accelerations of beads by the kick and their rates, and the same of resonators; bonds that are near an event without rates.
@@ -255,7 +256,9 @@ impl<F: SiteFlow> Bonded<F> {
 
     fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
         for (i, &[a, da, b, db]) in jet.iter().enumerate() {
-            self.flow.give(&[(i, 1.0)], -share * da, share * a, 0.0);
+            let (impulse, displacement) = (-share * da, share * a);
+            let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
+            self.flow.give(&[(i, 1.0)], &now);
             if b != 0.0 || db != 0.0 {
                 self.flow.give_resonator(i, -share * db, share * b);
             }
@@ -270,118 +273,145 @@ fn swung(omega: f64, h: f64) -> f64 {
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
 }
 
-/// Eight numbers from `i` on.
-#[inline(always)]
-fn lanes(x: &[f64], i: usize) -> Lanes<f64> {
-    let mut out = [0.0; LANES];
-    out.copy_from_slice(&x[i..i + LANES]);
-    out
-}
-
-/// Writes eight numbers, once all are known: the compiler then keeps them in one register.
-#[inline(always)]
-fn put(x: &mut [f64], i: usize, number: impl Fn(usize) -> f64) {
-    let mut out = [0.0; LANES];
-    for (k, out) in out.iter_mut().enumerate() {
-        *out = number(k);
-    }
-    x[i..i + LANES].copy_from_slice(&out);
-}
-
-/// Overlaps, forces and derivatives from positions, and which bonds are open.
-struct Forces<'a> {
+/// Overlaps, forces and derivatives, and which bonds are closed, from positions.
+pub struct Forces<'a> {
     strain: bool,
     rest: f64,
     law: &'a ContactLaw<f64>,
-    q: &'a [f64],
-    overlap: &'a mut [f64],
-    force: &'a mut [f64],
-    slope: &'a mut [f64],
-    open: &'a mut [f64],
+    boundary: Boundary,
+    sites: usize,
+    /// From `PAD` on; the others from the first bond on.
+    q: &'a mut [f64],
+    overlap: &'a mut [Lanes<f64>],
+    force: &'a mut [Lanes<f64>],
+    slope: &'a mut [Lanes<f64>],
+    closed: &'a mut [u64],
 }
 
-impl Kernel for Forces<'_> {
-    type Output = ();
-
+impl Forces<'_> {
+    /// After positions are written.
     #[inline(always)]
-    fn run(self) {
-        let Self { strain, rest, law, q, overlap, force, slope, open } = self;
-        let whole = overlap.len() - LANES;
-        for i in (0..whole).step_by(LANES) {
-            let (left, right) = (lanes(q, i + PAD - 1), lanes(q, i + PAD));
-            if strain {
-                put(overlap, i, |k| -right[k]);
-            } else {
-                put(overlap, i, |k| rest + (left[k] - right[k]));
-            }
-            let g = lanes(overlap, i);
-            put(open, i, |k| 0.0 - g[k]);
+    fn compute(self) {
+        let Self { strain, rest, law, boundary, sites, q, overlap, force, slope, closed } = self;
+        (q[PAD - 1], q[PAD + sites]) = boundary.ghosts(q[PAD], q[PAD + sites - 1]);
+        let g = overlap.as_flattened_mut();
+        if strain {
+            reversed(&q[PAD..], g);
+        } else {
+            overlaps(rest, &q[PAD - 1..], &q[PAD..], g);
         }
-        let [force, slope] = [force, slope].map(|x| x[PAD..PAD + whole].as_chunks_mut::<LANES>().0);
-        law.forces_with_slopes(overlap[..whole].as_chunks::<LANES>().0, force, slope);
+        law.forces_with_slopes(overlap, force, slope);
+        for (closed, overlaps) in closed.iter_mut().zip(overlap.chunks(WORD / LANES)) {
+            *closed = 0;
+            for (block, g) in overlaps.iter().enumerate() {
+                let mut bits = [0; LANES];
+                for k in 0..LANES {
+                    bits[k] = ((0.0 - g[k]).to_bits() >> (u64::BITS - 1)) << k;
+                }
+                *closed |= bits.iter().fold(0, |all, bit| all | bit) << (block * LANES);
+            }
+        }
     }
 }
 
-/// What modified forces give to sites, from forces in one pass: what a load across two stores waits for has long been written.
-struct Pushes<'a> {
+// Loops over slices that are arguments, so that the compiler knows them to be apart.
+
+#[inline(always)]
+fn reversed(q: &[f64], g: &mut [f64]) {
+    for (g, q) in g.iter_mut().zip(q) {
+        *g = -q;
+    }
+}
+
+#[inline(always)]
+fn overlaps(rest: f64, left: &[f64], right: &[f64], g: &mut [f64]) {
+    for ((g, left), right) in g.iter_mut().zip(left).zip(right) {
+        *g = rest + (left - right);
+    }
+}
+
+/// Modified forces `F = f + c f' s` of bonds, and what they give to sites.
+pub struct Modified<'a> {
     c: f64,
     strain: bool,
+    ring: bool,
+    sites: usize,
+    /// From `PAD` on, as `springs` and `modified`.
     force: &'a [f64],
     slope: &'a [f64],
     spring: &'a [f64],
+    modified: &'a mut [f64],
+    /// On sites.
     push: &'a mut [f64],
 }
 
-impl Kernel for Pushes<'_> {
-    type Output = ();
-
+impl Modified<'_> {
     #[inline(always)]
-    fn run(self) {
-        let Self { c, strain, force, slope, spring, push } = self;
-        let zeros = [0.0; LANES];
-        for i in (0..push.len() - LANES).step_by(LANES) {
-            // From two bonds before to two after.
-            let f = |k: usize| lanes(force, i + PAD - 2 + k);
-            let stiff = |k: usize| lanes(slope, i + PAD - 2 + k);
-            let springs = |k: usize| if spring.is_empty() { zeros } else { lanes(spring, i + PAD - 2 + k) };
-            let (f0, f1, f2, f3) = (f(1), f(2), f(3), f(4));
-            let (s1, s2) = (stiff(2), stiff(3));
-            let (p0, p1, p2) = (springs(1), springs(2), springs(3));
-            if strain {
-                // The springs of a strain ring act on strains, not on sites.
-                let (e, s0) = (f(0), stiff(1));
-                put(push, i, |k| {
-                    let m0 = f0[k] + c * s0[k] * (((e[k] - f0[k]) - (f0[k] - f1[k])) - p0[k]);
-                    let m1 = f1[k] + c * s1[k] * (((f0[k] - f1[k]) - (f1[k] - f2[k])) - p1[k]);
-                    let m2 = f2[k] + c * s2[k] * (((f1[k] - f2[k]) - (f2[k] - f3[k])) - p2[k]);
-                    (m1 - m2) - (m0 - m1)
-                });
-            } else {
-                put(push, i, |k| {
-                    let (a0, a1, a2) = ((f0[k] - f1[k]) + p0[k], (f1[k] - f2[k]) + p1[k], (f2[k] - f3[k]) + p2[k]);
-                    (f1[k] + c * s1[k] * (a0 - a1)) - (f2[k] + c * s2[k] * (a1 - a2))
-                });
-            }
+    fn compute(&mut self) {
+        let &mut Self { c, strain, ring, sites: n, force, slope, spring, ref mut modified, ref mut push } = self;
+        let f = [&force[PAD - 1..][..n + 1], &force[PAD..][..n + 1], &force[PAD + 1..][..n + 1]];
+        let (slope, to) = (&slope[PAD..][..n + 1], &mut modified[PAD..][..n + 1]);
+        if spring.is_empty() {
+            modify(c, f, slope, to);
+        } else {
+            modify_with_springs(c, strain, f, slope, [&spring[PAD - 1..][..n + 1], &spring[PAD..][..n + 1]], to);
+        }
+        if ring {
+            modified[PAD - 1] = modified[PAD + n - 1];
+        }
+        if strain {
+            on_strains([&modified[PAD - 1..], &modified[PAD..], &modified[PAD + 1..]], push);
+        } else {
+            on_sites([&modified[PAD..], &modified[PAD + 1..]], push);
         }
     }
 }
 
-/// Whether any bond of a piece has changed its side, as a bit a piece; for 64 pieces at most.
-struct Changes<'a> {
-    now: &'a [f64],
-    before: &'a [f64],
+#[inline(always)]
+fn modify(c: f64, [f0, f1, f2]: [&[f64]; 3], slope: &[f64], to: &mut [f64]) {
+    let n = to.len();
+    let (f0, f1, f2, slope) = (&f0[..n], &f1[..n], &f2[..n], &slope[..n]);
+    for i in 0..n {
+        to[i] = f1[i] + c * slope[i] * ((f0[i] - f1[i]) - (f1[i] - f2[i]));
+    }
 }
 
-impl Kernel for Changes<'_> {
-    type Output = u64;
+/// The springs of a strain ring act on strains, not on sites.
+#[inline(always)]
+fn modify_with_springs(
+    c: f64,
+    strain: bool,
+    [f0, f1, f2]: [&[f64]; 3],
+    slope: &[f64],
+    [p0, p1]: [&[f64]; 2],
+    to: &mut [f64],
+) {
+    let n = to.len();
+    let (f0, f1, f2, slope, p0, p1) = (&f0[..n], &f1[..n], &f2[..n], &slope[..n], &p0[..n], &p1[..n]);
+    for i in 0..n {
+        let across = if strain { -p1[i] } else { p0[i] - p1[i] };
+        to[i] = f1[i] + c * slope[i] * (((f0[i] - f1[i]) - (f1[i] - f2[i])) + across);
+    }
+}
 
-    #[inline(always)]
-    fn run(self) -> u64 {
-        let pieces = self.now.chunks(PIECE).zip(self.before.chunks(PIECE));
-        pieces.enumerate().fold(0, |found, (piece, (now, before))| {
-            let bits = now.iter().zip(before).fold(0, |bits, (x, y)| bits | (x.to_bits() ^ y.to_bits()));
-            found | (bits >> 63) << piece
-        })
+#[inline(always)]
+fn on_sites([here, after]: [&[f64]; 2], push: &mut [f64]) {
+    for ((push, here), after) in push.iter_mut().zip(here).zip(after) {
+        *push = here - after;
+    }
+}
+
+#[inline(always)]
+fn on_strains([before, here, after]: [&[f64]; 3], push: &mut [f64]) {
+    for (((push, before), here), after) in push.iter_mut().zip(before).zip(here).zip(after) {
+        *push = (here - after) - (before - here);
+    }
+}
+
+#[inline(always)]
+fn add(by: f64, push: &[f64], to: &mut [f64]) {
+    for (to, push) in to.iter_mut().zip(push) {
+        *to += by * push;
     }
 }
 
@@ -413,13 +443,13 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
             (&mut self.force, &other.force),
             (&mut self.slope, &other.slope),
             (&mut self.force_before, &other.force_before),
-            (&mut self.open, &other.open),
-            (&mut self.told, &other.told),
             (&mut self.spring, &other.spring),
             (&mut self.spring_before, &other.spring_before),
         ] {
             to.copy_from_slice(from);
         }
+        self.closed.copy_from_slice(&other.closed);
+        self.told.copy_from_slice(&other.told);
     }
 
     fn drift(&mut self, dt: Twofold<f64>) {
@@ -450,7 +480,6 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         std::mem::swap(&mut self.force, &mut self.force_before);
         std::mem::swap(&mut self.spring, &mut self.spring_before);
         let n = self.sites;
-        self.flow.positions(&mut self.q[PAD..PAD + n]);
         if !self.spring.is_empty() {
             for i in 0..n {
                 self.spring[PAD + i] = self.flow.spring(i).0;
@@ -459,29 +488,32 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
             }
         }
-        self.close_positions();
         let (rest, law, strain) = (self.chain().precompression(), self.chain().law(), self.strain());
-        let Self { q, overlap, force, slope, open, .. } = self;
-        f64::run(Forces { strain, rest, law: &law, q, overlap, force, slope, open });
+        let (boundary, end) = (self.chain().boundary(), self.chain().touching().end);
+        let Self { flow, q, overlap, force, slope, closed, .. } = self;
+        let overlap = overlap.blocks_mut();
+        let bonds = PAD..PAD + overlap.len() * LANES;
+        let (force, slope) = (force[bonds.clone()].as_chunks_mut().0, slope[bonds].as_chunks_mut().0);
+        flow.survey(Forces { strain, rest, law: &law, boundary, sites: n, q, overlap, force, slope, closed });
+        // What lies behind the last bond; on a ring that is the first once more.
+        if let Some(word) = closed.get_mut(end / WORD) {
+            *word &= (1 << (end % WORD)) - 1;
+        }
+        self.close();
     }
 
+    #[inline]
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
-        let touching = self.chain().touching();
-        let (now, before) = (&self.open[touching.clone()], &self.told[touching]);
-        let stretches = now.chunks(64 * PIECE).zip(before.chunks(64 * PIECE));
-        for (stretch, (now, before)) in stretches.enumerate() {
-            let mut found = f64::run(Changes { now, before });
-            while found != 0 {
-                let first = found.trailing_zeros() as usize * PIECE;
-                found &= found - 1;
-                for i in first..now.len().min(first + PIECE) {
-                    if now[i].is_sign_negative() != before[i].is_sign_negative() {
-                        out.push((stretch * 64 * PIECE + i, now[i].is_sign_negative()));
-                    }
-                }
+        let first = self.chain().touching().start;
+        for (word, (&now, before)) in self.closed.iter().zip(&mut self.told).enumerate() {
+            let mut changes = now ^ *before;
+            while changes != 0 {
+                let k = changes.trailing_zeros() as usize;
+                changes &= changes - 1;
+                out.push((word * WORD + k - first, now >> k & 1 == 1));
             }
+            *before = now;
         }
-        std::mem::swap(&mut self.open, &mut self.told);
     }
 
     fn force(&self, bond: usize) -> (f64, f64) {
@@ -496,6 +528,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.along(b, [pull; 2], 0.0)
     }
 
+    #[inline]
     fn view(&self, bond: usize, h: f64) -> BondView {
         let b = self.bond(bond);
         let (_, mobility) = self.neighbours(b);
@@ -504,9 +537,10 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         BondView { path: self.along(b, [before, now], h), mobility }
     }
 
+    #[inline]
     fn correct(&mut self, bond: usize, correction: &Correction) {
-        let &Correction { impulse, displacement, at, .. } = correction;
         let (b, n) = (self.bond(bond), self.sites);
+        let shift = self.flow.shift(correction);
         let previous = |b: usize| if b > 0 { b - 1 } else { n - 1 };
         let beads: &[(usize, f64)] = match self.chain().boundary() {
             Boundary::StrainRing => &[(b, 2.0), ((b + 1) % n, -1.0), (previous(b), -1.0)],
@@ -514,25 +548,24 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
             Boundary::Fixed if b == n => &[(n - 1, -1.0)],
             _ => &[(previous(b), -1.0), (b, 1.0)],
         };
-        self.flow.give(beads, impulse, displacement, at);
-        for &(site, _) in beads {
-            self.refresh(site);
+        self.flow.give(beads, correction);
+        for &(site, weight) in beads {
+            self.q[PAD + site] += weight * shift;
         }
+        self.refresh(b);
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        self.close();
-        let (strain, n) = (self.strain(), self.sites);
-        let Self { flow, force, slope, spring, a, push, .. } = self;
-        f64::run(Pushes { c, strain, force, slope, spring, push });
+        let (strain, ring, sites) = (self.strain(), self.ring(), self.sites);
+        let Self { flow, force, slope, spring, modified, a, push, .. } = self;
         if !spring.is_empty() {
             // Springs that kick want the accelerations of what they hold.
             let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
-            for i in 0..n {
+            for i in 0..sites {
                 a[i] = if strain { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
             }
         }
-        flow.push(kick, c, &push[..n], a);
+        flow.push(kick, Modified { c, strain, ring, sites, force, slope, spring, modified, push }, a);
     }
 
     fn process(&mut self, share: f64, sides: &[Side]) {
@@ -576,9 +609,9 @@ impl SiteFlow for LinearFlow<f64> {
         &self.chain
     }
 
-    fn positions(&mut self, u: &mut [f64]) {
+    fn survey(&mut self, forces: Forces<'_>) {
         self.phase = self.theta.sin_cos();
-        f64::run(Positions { flow: self, u });
+        f64::run(Survey { flow: self, forces });
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -586,6 +619,7 @@ impl SiteFlow for LinearFlow<f64> {
         (r + p, r_dot + p_dot)
     }
 
+    #[inline]
     fn motion(&self, site: usize) -> [f64; 3] {
         let (_, r_dot, p, p_dot) = self.modes(site, self.phase);
         [r_dot + p_dot, p, p_dot]
@@ -599,8 +633,15 @@ impl SiteFlow for LinearFlow<f64> {
         (0.0, 0.0)
     }
 
-    fn give(&mut self, beads: &[(usize, f64)], impulse: f64, displacement: f64, at: f64) {
-        let (m, mu, omega) = self.response();
+    fn shift(&self, correction: &Correction) -> f64 {
+        let &Correction { impulse, displacement, at, turn: [sin, cos], .. } = correction;
+        self.m * (displacement - impulse * at)
+            + (self.mu() * (displacement * cos) - self.mu_over_omega * (impulse * sin))
+    }
+
+    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
+        let &Correction { impulse, displacement, at, turn, .. } = correction;
+        let (m, mu) = (self.m, self.mu());
         if let [r0, v] = &mut self.centre
             && !v.is_empty()
         {
@@ -614,7 +655,7 @@ impl SiteFlow for LinearFlow<f64> {
             && !s.is_empty()
         {
             let (sin, cos) = self.phase;
-            let (turn_sin, turn_cos) = (omega * at).sin_cos();
+            let [turn_sin, turn_cos] = turn;
             let (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
             let by_c = mu * (displacement * cos) - self.mu_over_omega * (impulse * sin);
             let by_s = mu * (displacement * sin) + self.mu_over_omega * (impulse * cos);
@@ -627,85 +668,71 @@ impl SiteFlow for LinearFlow<f64> {
 
     fn give_resonator(&mut self, _site: usize, _impulse: f64, _displacement: f64) {}
 
-    fn push(&mut self, kick: f64, _c: f64, push: &[f64], _a: &[f64]) {
+    fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
-        f64::run(Impulses { flow: self, kick, push });
+        f64::run(Push { flow: self, kick, forces });
     }
 }
 
-struct Positions<'a> {
+struct Survey<'a> {
     flow: &'a LinearFlow<f64>,
-    u: &'a mut [f64],
+    forces: Forces<'a>,
 }
 
-impl Kernel for Positions<'_> {
+impl Kernel for Survey<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { flow, u } = self;
+        let Self { flow, forces } = self;
         let ([r0, v], [c, s]) = (&flow.centre, &flow.oscillation);
         let ((sin, cos), tau) = (flow.phase, flow.tau);
-        let n = u.len();
-        let whole = n - n % LANES;
-        // Register by register, then one by one: the same sums.
-        if !c.is_empty() && !r0.is_empty() {
-            let at = |i: usize| (r0[i] + v[i] * tau) + (c[i] * cos + s[i] * sin);
-            for i in (0..whole).step_by(LANES) {
-                let (r0, v, c, s) = (lanes(r0, i), lanes(v, i), lanes(c, i), lanes(s, i));
-                put(u, i, |k| (r0[k] + v[k] * tau) + (c[k] * cos + s[k] * sin));
-            }
-            (whole..n).for_each(|i| u[i] = at(i));
-        } else {
-            let ((x, y), (by_x, by_y)) = if c.is_empty() { ((r0, v), (1.0, tau)) } else { ((c, s), (cos, sin)) };
-            for i in (0..whole).step_by(LANES) {
-                let (x, y) = (lanes(x, i), lanes(y, i));
-                put(u, i, |k| x[k] * by_x + y[k] * by_y);
-            }
-            (whole..n).for_each(|i| u[i] = x[i] * by_x + y[i] * by_y);
+        let u = &mut forces.q[PAD..][..forces.sites];
+        match (r0.is_empty(), c.is_empty()) {
+            (false, false) => sums_of_four([r0, v, c, s], [tau, cos, sin], u),
+            (false, true) => sums_of_two([r0, v], [1.0, tau], u),
+            _ => sums_of_two([c, s], [cos, sin], u),
         }
+        forces.compute();
     }
 }
 
-struct Impulses<'a> {
-    flow: &'a mut LinearFlow<f64>,
-    kick: f64,
-    push: &'a [f64],
+#[inline(always)]
+fn sums_of_four([r0, v, c, s]: [&[f64]; 4], [tau, cos, sin]: [f64; 3], u: &mut [f64]) {
+    let n = u.len();
+    let (r0, v, c, s) = (&r0[..n], &v[..n], &c[..n], &s[..n]);
+    for i in 0..n {
+        u[i] = (r0[i] + v[i] * tau) + (c[i] * cos + s[i] * sin);
+    }
 }
 
-impl Kernel for Impulses<'_> {
+#[inline(always)]
+fn sums_of_two([x, y]: [&[f64]; 2], [by_x, by_y]: [f64; 2], u: &mut [f64]) {
+    for ((u, x), y) in u.iter_mut().zip(x).zip(y) {
+        *u = x * by_x + y * by_y;
+    }
+}
+
+struct Push<'a> {
+    flow: &'a mut LinearFlow<f64>,
+    kick: f64,
+    forces: Modified<'a>,
+}
+
+impl Kernel for Push<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { flow, kick, push } = self;
+        let Self { flow, kick, mut forces } = self;
+        forces.compute();
         let (sin, cos) = flow.phase;
         let (kick_v, per_omega) = (kick * flow.m, kick * flow.mu_over_omega);
-        let (kick_r0, kick_c, kick_s) = (-(kick_v * flow.tau), -(per_omega * sin), per_omega * cos);
-        let [r0, v] = &mut flow.centre;
-        add(push, [(r0, kick_r0), (v, kick_v)]);
-        let [c, s] = &mut flow.oscillation;
-        add(push, [(c, kick_c), (s, kick_s)]);
-    }
-}
-
-/// Adds multiples of `push` to two arrays, if they are there.
-#[inline(always)]
-fn add(push: &[f64], [(x, by_x), (y, by_y)]: [(&mut Vec<f64>, f64); 2]) {
-    if x.is_empty() {
-        return;
-    }
-    let n = push.len();
-    let (x, y) = (&mut x[..n], &mut y[..n]);
-    let whole = n - n % LANES;
-    for i in (0..whole).step_by(LANES) {
-        let (j, x_was, y_was) = (lanes(push, i), lanes(x, i), lanes(y, i));
-        put(x, i, |k| x_was[k] + by_x * j[k]);
-        put(y, i, |k| y_was[k] + by_y * j[k]);
-    }
-    for i in whole..n {
-        x[i] += by_x * push[i];
-        y[i] += by_y * push[i];
+        let ([r0, v], [c, s]) = (&mut flow.centre, &mut flow.oscillation);
+        add(-(kick_v * flow.tau), forces.push, r0);
+        add(kick_v, forces.push, v);
+        add(-(per_omega * sin), forces.push, c);
+        add(per_omega * cos, forces.push, s);
     }
 }
 
@@ -714,8 +741,9 @@ impl SiteFlow for KineticFlow<f64> {
         &self.chain
     }
 
-    fn positions(&mut self, u: &mut [f64]) {
-        u.copy_from_slice(&self.y[..u.len()]);
+    fn survey(&mut self, forces: Forces<'_>) {
+        forces.q[PAD..][..forces.sites].copy_from_slice(&self.y[..forces.sites]);
+        f64::run(forces);
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -736,7 +764,12 @@ impl SiteFlow for KineticFlow<f64> {
         (-(kappa * d), -(kappa * d_dot))
     }
 
-    fn give(&mut self, beads: &[(usize, f64)], impulse: f64, displacement: f64, at: f64) {
+    fn shift(&self, correction: &Correction) -> f64 {
+        correction.displacement - correction.impulse * correction.at
+    }
+
+    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
+        let &Correction { impulse, displacement, at, .. } = correction;
         let half = self.y.len() / 2;
         for &(site, weight) in beads {
             self.y[site] += weight * (displacement - impulse * at);
@@ -752,23 +785,48 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
-    fn push(&mut self, kick: f64, c: f64, push: &[f64], a: &[f64]) {
-        let (n, half, params) = (self.chain.sites(), self.y.len() / 2, self.chain.params());
+    fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]) {
+        let (n, half, params, c) = (self.chain.sites(), self.y.len() / 2, self.chain.params(), forces.c);
+        f64::run(Kicks { kick, velocities: &mut self.y[half..half + n], forces });
         let moving = self.chain.layout().resonators();
         let per_rho = if moving { params.kappa / params.rho } else { 0.0 };
-        let springs = params.omega() > 0.0;
+        if params.omega() == 0.0 {
+            return;
+        }
         for i in 0..n {
-            if !springs {
-                self.y[half + i] += kick * push[i];
-                continue;
-            }
             let d = self.stretch(i).0;
             let d = d + c * (a[i] - per_rho * d);
-            self.y[half + i] += kick * (push[i] - params.kappa * d);
+            self.y[half + i] -= kick * (params.kappa * d);
             if moving {
                 self.y[half + n + i] += kick * (per_rho * d);
             }
         }
+    }
+}
+
+/// Forces times `kick`, added to velocities.
+struct Kicks<'a> {
+    kick: f64,
+    velocities: &'a mut [f64],
+    forces: Modified<'a>,
+}
+
+impl Kernel for Kicks<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        self.forces.compute();
+        add(self.kick, self.forces.push, self.velocities);
+    }
+}
+
+impl Kernel for Forces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.compute();
     }
 }
 

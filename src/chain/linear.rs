@@ -17,6 +17,7 @@
 
 use super::{
     Chain, Resonators,
+    aligned::Aligned,
     averaged::Bonds,
     sweep::{Sites, sweep},
 };
@@ -29,15 +30,17 @@ const KICKS_BETWEEN_ANCHORS: u32 = 64;
 pub struct LinearFlow<R> {
     pub(super) chain: Chain<R>,
     /// `[R0, V]`, without the cradle's.
-    pub(super) centre: [Vec<R>; 2],
+    pub(super) centre: [Aligned<R>; 2],
     /// `[C, S]`, without the plain chain's.
-    pub(super) oscillation: [Vec<R>; 2],
+    pub(super) oscillation: [Aligned<R>; 2],
     /// `m, mu`: the shares of an impulse that go to `R'` and to `P'`.
     pub(super) m: R,
     mu: R,
     pub(super) mu_over_omega: R,
     pub(super) omega: Twofold<R>,
     two_pi: Twofold<R>,
+    /// The last drift, and by how much it turned the phase.
+    turn: (Twofold<R>, Twofold<R>),
     pub(super) theta: Twofold<R>,
     pub(super) tau: R,
     /// Sine and cosine of `theta`, where bonds are asked for.
@@ -53,7 +56,7 @@ impl<R: Real> LinearFlow<R> {
         let n = chain.sites();
         let arrays = |needed: bool| {
             let len = if needed { n } else { 0 };
-            [vec![R::zero(); len], vec![R::zero(); len]]
+            [Aligned::zeros(len), Aligned::zeros(len)]
         };
         let params = chain.params();
         let (one, rho, omega) = (R::one(), R::of(params.rho), params.omega_twofold());
@@ -70,6 +73,7 @@ impl<R: Real> LinearFlow<R> {
             mu_over_omega: if params.resonators() == Resonators::None { mu } else { mu / omega.value() },
             omega,
             two_pi: Twofold::two_pi(),
+            turn: (Twofold::zero(), Twofold::zero()),
             theta: Twofold::zero(),
             tau: R::zero(),
             phase: (R::zero(), R::one()),
@@ -104,6 +108,7 @@ impl<R: Real> LinearFlow<R> {
     }
 
     /// `(R, R', P, P')` of site `i`, now.
+    #[inline]
     pub(super) fn modes(&self, i: usize, (sin, cos): (R, R)) -> (R, R, R, R) {
         let omega = self.omega.value();
         let (r, v) = match &self.centre {
@@ -183,7 +188,10 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        self.theta = (self.theta + self.omega * dt).reduced(self.two_pi);
+        if self.turn.0 != dt {
+            self.turn = (dt, self.omega * dt);
+        }
+        self.theta = (self.theta + self.turn.1).reduced(self.two_pi);
         self.tau += dt.value();
     }
 

@@ -8,6 +8,7 @@
 //! | `alpha, kappa, rho` | exponent, spring constant, mass ratio |
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
+mod aligned;
 mod averaged;
 mod bonds;
 mod boundary;

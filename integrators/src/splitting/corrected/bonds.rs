@@ -23,6 +23,8 @@ pub struct Correction {
     pub at: f64,
     /// Rate of the overlap there.
     pub rate: f64,
+    /// Sine and cosine of `omega` times `at`.
+    pub turn: [f64; 2],
 }
 
 /// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift moves exactly.

@@ -84,6 +84,7 @@ fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
                     displacement: sign * displacement,
                     at: 0.0,
                     rate: path.rate,
+                    turn: [0.0, 1.0],
                 };
                 flow.correct(bond, &correction);
             }

@@ -2,9 +2,21 @@
 
 use super::{
     bonds::{BondView, Correction},
+    pack::Pack,
+    path::{Paths, Zero},
     zeta::ZetaTable,
 };
 use crate::real::{Kernel, Real};
+
+/// Events that are worked on side by side.
+const SOME: usize = 4;
+
+/// A bond that has changed its side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event {
+    pub(super) view: BondView,
+    pub(super) onset: bool,
+}
 
 /// What corrections need to know of the law and the step.
 #[derive(Clone, Debug)]
@@ -16,28 +28,28 @@ pub(super) struct Corrector {
     h2: f64,
 }
 
-struct Event<'a> {
+/// Corrections of up to `M` events at a time.
+struct Events<'a, const M: usize> {
     corrector: &'a Corrector,
-    view: &'a BondView,
-    onset: bool,
+    events: &'a [Event],
+    out: &'a mut Vec<Option<Correction>>,
 }
 
-impl Kernel for Event<'_> {
-    type Output = Option<Correction>;
+impl<const M: usize> Kernel for Events<'_, M> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Option<Correction> {
-        self.corrector.correction(self.view, self.onset)
+    fn run(self) {
+        for events in self.events.chunks(M) {
+            // The last is worked on again where there are fewer.
+            let mut some = [events[0]; M];
+            for k in 1..M {
+                some[k] = events[k.min(events.len() - 1)];
+            }
+            let corrections = self.corrector.corrections(&some);
+            self.out.extend_from_slice(&corrections[..events.len()]);
+        }
     }
-}
-
-/// A path near its zero, in time that runs into the contact.
-struct Local {
-    /// Rate at the zero, positive.
-    rate: f64,
-    acceleration: f64,
-    /// Steps from the zero to the nearest kick inside.
-    theta: f64,
 }
 
 impl Corrector {
@@ -45,63 +57,97 @@ impl Corrector {
         Self { alpha, table: ZetaTable::new(alpha), h, h2: h.powf(alpha + 2.0) }
     }
 
-    /// The correction of a bond that has changed its side since the kick before; `None` where the path is too flat to have a time of change.
-    pub(super) fn event(&self, view: &BondView, onset: bool) -> Option<Correction> {
-        f64::run(Event { corrector: self, view, onset })
+    /// Appends the corrections of bonds that have changed their side since the kick before; `None` where a path is too flat to have a time of change.
+    ///
+    /// Events have the same bits alone and among others.
+    pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
+        if events.len() == 1 {
+            f64::run(Events::<1> { corrector: self, events, out });
+        } else {
+            f64::run(Events::<SOME> { corrector: self, events, out });
+        }
     }
 
     #[inline(always)]
-    fn correction(&self, view: &BondView, onset: bool) -> Option<Correction> {
-        let (at, rate, acceleration) = view.path.zero(self.h, onset)?;
-        let sign = if onset { 1.0 } else { -1.0 };
-        let theta = if onset { -at / self.h } else { 1.0 + at / self.h };
-        let local = Local { rate: sign * rate, acceleration, theta: theta.clamp(0.0, 1.0) };
-        let mut z = self.zeta(local.theta);
-        let start = self.gradient(&local, 0.0, 0.0, &mut z);
+    fn corrections<const M: usize>(&self, events: &[Event; M]) -> [Option<Correction>; M] {
+        let (mut views, mut onsets) = ([events[0].view.path; M], [false; M]);
+        for k in 0..M {
+            (views[k], onsets[k]) = (events[k].view.path, events[k].onset);
+        }
+        let paths = Paths::new(&views);
+        let Zero { at, rate, acceleration } = paths.zeros(self.h, &onsets);
+        let turn = paths.turn(at);
+        let sign = Pack::of(&onsets, |&onset| if onset { 1.0 } else { -1.0 });
+        // -at/h for an onset, 1 + at/h for a release.
+        let theta = (Pack::of(&onsets, |&onset| if onset { 0.0 } else { 1.0 }) - sign * (at / self.h)).clamped();
+        // In time that runs into the contact.
+        let local = (sign * rate, acceleration);
+        let mut z = self.zeta(theta);
+        let start = self.gradient(local, None, &mut z);
         // One iteration of the implicit midpoint rule: the next would change it by a factor of the size of f' h^2 less.
-        let half = 0.5 * view.mobility;
-        let (by_overlap, by_rate) = self.gradient(&local, -half * sign * start.1, half * sign * start.0, &mut z);
+        let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
+        let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
         let (impulse, displacement) = (-by_overlap, sign * by_rate);
-        let correction = Correction { impulse, displacement, at, rate };
-        (impulse.is_finite() && displacement.is_finite()).then_some(correction)
+        let mut out = [None; M];
+        for k in 0..M {
+            let correction = Correction {
+                impulse: impulse.0[k],
+                displacement: displacement.0[k],
+                at: at.0[k],
+                rate: rate.0[k],
+                turn: [turn[0].0[k], turn[1].0[k]],
+            };
+            if correction.impulse.is_finite() && correction.displacement.is_finite() {
+                out[k] = Some(correction);
+            }
+        }
+        out
     }
 
-    /// `dW/dg` and `dW/dr` where overlap and rate at the time of `local` differ by `overlap` and `rate` from those of `local`; `z` are the zeta functions
-    /// at `local.theta`, and are moved along.
+    /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta functions `z` there. If overlap and rate at that time are
+    /// moved, zeros and zeta functions are moved along.
     #[inline(always)]
-    fn gradient(&self, local: &Local, overlap: f64, rate: f64, z: &mut [f64; ZetaTable::COUNT]) -> (f64, f64) {
+    fn gradient<const M: usize>(
+        &self,
+        (rate, a): (Pack<M>, Pack<M>),
+        moved: Option<(Pack<M>, Pack<M>)>,
+        z: &mut [Pack<M>; ZetaTable::COUNT],
+    ) -> (Pack<M>, Pack<M>) {
         let Self { alpha, h, .. } = *self;
-        let a = local.acceleration;
-        let r = local.rate + rate;
-        // The zero moves by delta, theta by `moved`.
-        let delta =
-            if overlap == 0.0 { 0.0 } else { -2.0 * overlap / (r + (r * r - 2.0 * a * overlap).max(0.0).sqrt()) };
-        let moved = -delta / h;
-        for k in (1..ZetaTable::COUNT).rev() {
-            z[k] += moved * (alpha + k as f64 - 1.0) * z[k - 1];
+        let (mut c, mut delta) = (rate, Pack::all(0.0));
+        if let Some((overlap, change)) = moved {
+            let r = rate + change;
+            // The zero moves by delta, and c to the rate there.
+            let root = (r * r - a * overlap * 2.0).each(|x| x.max(0.0)).sqrt();
+            delta = -(overlap * 2.0) / (r + root);
+            c = r + a * delta;
+            let steps = -delta / h;
+            for k in (1..ZetaTable::COUNT).rev() {
+                z[k] = z[k] + steps * (alpha + k as f64 - 1.0) * z[k - 1];
+            }
         }
         let [_, z0, z1, z2] = *z;
-        let c = r + a * delta;
-        let per_c = 1.0 / c;
+        let one = Pack::all(1.0);
+        let per_c = one / c;
         let force = c * slope(alpha, c);
         let turn = a * h * per_c;
-        let fade = 1.0 / (1.0 + turn * turn);
+        let fade = one / (turn * turn + 1.0);
         // W = h^{alpha+2} [ c^{alpha+1} z1/(alpha+1) + fade c^alpha (a h/2) z2 ]
-        let first = 0.5 * fade * force * turn;
-        let by_c = self.h2 * (force * z1 + first * z2 * (alpha + 2.0 * fade * turn * turn));
-        let by_theta = self.h2 * c * (force * z0 + (alpha + 2.0) * first * z1);
-        let by_zero = (by_c * a - by_theta / h) * per_c;
+        let first = fade * force * turn * 0.5;
+        let by_c = (force * z1 + first * z2 * (fade * turn * turn * 2.0 + alpha)) * self.h2;
+        let by_theta = c * (force * z0 + first * z1 * (alpha + 2.0)) * self.h2;
+        let by_zero = (by_c * a - by_theta * (1.0 / h)) * per_c;
         (-by_zero, by_c - by_zero * delta)
     }
 
     /// `zeta(-alpha - k, theta)` for `k = -1 .. 2`.
     #[inline(always)]
-    fn zeta(&self, theta: f64) -> [f64; ZetaTable::COUNT] {
+    fn zeta<const M: usize>(&self, theta: Pack<M>) -> [Pack<M>; ZetaTable::COUNT] {
         let mut z = self.table.beyond(theta);
         let mut power = slope(self.alpha, theta);
         for z in &mut z {
-            *z += power;
-            power *= theta;
+            *z = *z + power;
+            power = power * theta;
         }
         z
     }
@@ -109,13 +155,19 @@ impl Corrector {
 
 /// `x^{alpha-1}`.
 #[inline(always)]
-fn slope(alpha: f64, x: f64) -> f64 {
-    if alpha == 1.5 { x.sqrt() } else { x.powf(alpha - 1.0) }
+fn slope<const M: usize>(alpha: f64, x: Pack<M>) -> Pack<M> {
+    if alpha == 1.5 { x.sqrt() } else { x.each(|x| x.powf(alpha - 1.0)) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{super::path::BondPath, *};
+
+    fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
+        let mut out = Vec::new();
+        corrector.events(&[Event { view: *view, onset }], &mut out);
+        out[0]
+    }
 
     /// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with the end terms of Euler and Maclaurin where the force
     /// is smooth.
@@ -151,7 +203,7 @@ mod tests {
             for theta in [0.05, 0.3, 0.5, 0.9, 1.0] {
                 let force = |tau: f64| (c * tau).powf(alpha);
                 let scale = c.powf(alpha) * h.powf(alpha + 1.0);
-                let onset = corrector.event(&view(c, 0.0, c * theta * h), true).unwrap();
+                let onset = event(&corrector, &view(c, 0.0, c * theta * h), true).unwrap();
                 assert!((onset.at + theta * h).abs() < 1e-15 && (onset.rate - c).abs() < 1e-15);
                 let (missed, moment) =
                     (quadrature_error(force, theta, h), quadrature_error(|tau| tau * force(tau), theta, h));
@@ -167,7 +219,7 @@ mod tests {
                     moment / (scale * h)
                 );
                 // A release is the mirror image.
-                let release = corrector.event(&view(-c, 0.0, -c * (1.0 - theta) * h), false).unwrap();
+                let release = event(&corrector, &view(-c, 0.0, -c * (1.0 - theta) * h), false).unwrap();
                 assert!((release.impulse - onset.impulse).abs() < 1e-12 * scale);
                 assert!((release.displacement + onset.displacement).abs() < 1e-12 * scale * h);
             }
@@ -182,7 +234,7 @@ mod tests {
                 let theta = 0.4;
                 let tau = theta * h;
                 let path = view(c + a * tau, a, tau * (c + 0.5 * a * tau));
-                let got = Corrector::new(alpha, h).event(&path, true).unwrap();
+                let got = event(&Corrector::new(alpha, h), &path, true).unwrap();
                 // Sums to the same distance whatever the step, so that only the onset is in it.
                 let force = |tau: f64| (tau * (c + 0.5 * a * tau)).max(0.0).powf(alpha);
                 (got.impulse + quadrature_error(force, theta, h)).abs() / h.powf(alpha + 1.0)
@@ -198,9 +250,16 @@ mod tests {
         // Mixed derivatives of W agree: -d(impulse)/dg' = d(displacement)/dg.
         let corrector = Corrector::new(1.5, 0.2);
         for (rate, acceleration, theta) in [(1.0, 0.5, 0.3), (0.4, -0.9, 0.8), (0.1, 2.0, 0.5)] {
-            let local = Local { rate, acceleration, theta };
+            let by = |overlap, change| {
+                let z = &mut corrector.zeta(Pack([theta]));
+                let (by_overlap, by_rate) = corrector.gradient(
+                    (Pack([rate]), Pack([acceleration])),
+                    Some((Pack([overlap]), Pack([change]))),
+                    z,
+                );
+                (by_overlap.0[0], by_rate.0[0])
+            };
             let d = 1e-6;
-            let by = |overlap, rate| corrector.gradient(&local, overlap, rate, &mut corrector.zeta(theta));
             let mixed = (by(0.0, d).0 - by(0.0, -d).0) / (2.0 * d);
             let other = (by(d, 0.0).1 - by(-d, 0.0).1) / (2.0 * d);
             assert!((mixed - other).abs() < 1e-10, "{mixed} {other}");
@@ -208,15 +267,32 @@ mod tests {
     }
 
     #[test]
+    fn events_have_the_same_bits_alone_and_among_others() {
+        let corrector = Corrector::new(1.5, 0.1);
+        let views = [
+            view(1.3, -0.4, 0.05),
+            view(0.2, 3.0, 1e-3),
+            view(1.0, 0.0, 0.0),
+            view(0.0, 0.0, 1e-3),
+            view(0.7, 0.1, 0.01),
+        ];
+        let alone = views.map(|view| event(&corrector, &view, true));
+        let mut among = Vec::new();
+        corrector.events(&views.map(|view| Event { view, onset: true }), &mut among);
+        assert_eq!(among, alone);
+        assert!(alone[3].is_none() && alone[4].is_some());
+    }
+
+    #[test]
     fn paths_without_a_time_of_change_are_left_alone() {
         let corrector = Corrector::new(1.5, 0.1);
         for path in [view(0.0, 0.0, 1e-3), view(f64::NAN, 0.0, 1e-3), view(-1.0, 0.0, 1e-3), view(1e-200, 0.0, 1e-200)]
         {
-            let correction = corrector.event(&path, true);
+            let correction = event(&corrector, &path, true);
             assert!(correction.is_none_or(|c| c.impulse.abs() < 1e-200), "{correction:?}");
         }
         // A grazing path bends back at once: what it gets stays of the size of what it does.
-        let grazing = corrector.event(&view(-1e-6, -1.0, 5e-10), true).unwrap();
+        let grazing = event(&corrector, &view(-1e-6, -1.0, 5e-10), true).unwrap();
         assert!(grazing.impulse.abs() < 1e-6, "{grazing:?}");
     }
 }

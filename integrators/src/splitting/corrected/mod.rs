@@ -108,6 +108,7 @@ mod bonds;
 mod ends;
 mod event;
 mod log;
+mod pack;
 mod path;
 mod zeta;
 
@@ -124,7 +125,7 @@ use crate::{
     error::Error,
     stats::Stats,
 };
-use event::Corrector;
+use event::{Corrector, Event};
 use log::Log;
 
 /// Exponents that corrections are made for.
@@ -158,6 +159,9 @@ pub struct Corrected<S> {
     parts: Parts,
     corrector: Corrector,
     changed: Vec<(usize, bool)>,
+    /// What has changed, as it is before corrections, and these.
+    events: Vec<Event>,
+    corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
     log: Option<Log>,
     start: Twofold<f64>,
@@ -189,6 +193,8 @@ impl<S: BondFlow> Corrected<S> {
             parts,
             corrector: Corrector::new(alpha, h.value()),
             changed: Vec::with_capacity(flow.bonds()),
+            events: Vec::with_capacity(flow.bonds()),
+            corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
             log: None,
             start: Twofold::new(start),
@@ -235,13 +241,17 @@ impl<S: BondFlow> Corrected<S> {
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
         let h = self.h.value();
-        for &(bond, onset) in &self.changed {
-            let correction = self.corrector.event(&self.flow.view(bond, h), onset);
-            if let Some(correction) = &correction {
-                self.flow.correct(bond, correction);
+        self.events.clear();
+        let Self { flow, changed, events, corrections, .. } = self;
+        events.extend(changed.iter().map(|&(bond, onset)| Event { view: flow.view(bond, h), onset }));
+        corrections.clear();
+        self.corrector.events(events, corrections);
+        for (&(bond, onset), correction) in changed.iter().zip(corrections) {
+            if let Some(correction) = correction {
+                flow.correct(bond, correction);
             }
             if let Some(log) = &mut self.log {
-                log.event(bond, onset, correction);
+                log.event(bond, onset, *correction);
             }
         }
     }

@@ -1,10 +1,12 @@
 //! The path of one overlap near a kick.
 
+use super::pack::Pack;
+
 /// Turns `omega h` up to which the functions of the path are summed as series.
 const SERIES: f64 = 0.5;
 /// Steps of Halley's method before bisection takes over, and the change, in steps of a run, that is the last: the next is of the size of its third power.
 const HALLEY: u32 = 6;
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 1e-2;
 const HALVINGS: u32 = 53;
 /// Share of a step by which processing may move an event across an end.
 const MOVED: f64 = 0.25;
@@ -32,50 +34,31 @@ pub struct BondPath {
 
 /// Value and derivatives of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Jet {
-    pub(super) value: f64,
-    pub(super) rate: f64,
-    pub(super) acceleration: f64,
+pub(super) struct Jet<T = f64> {
+    pub(super) value: T,
+    pub(super) rate: T,
+    pub(super) acceleration: T,
+}
+
+/// Where a path is zero.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Zero<const M: usize> {
+    /// When; NaN where there is none.
+    pub(super) at: Pack<M>,
+    pub(super) rate: Pack<M>,
+    pub(super) acceleration: Pack<M>,
 }
 
 impl BondPath {
     /// Value and derivatives at `t`.
-    #[inline(always)]
     pub(super) fn at(&self, t: f64) -> Jet {
-        let ([a, b], [j, k]) = (self.acceleration, self.jerk);
-        let (cos, sinc, c2, s3) = oscillation(self.omega * t);
-        Jet {
-            value: self.overlap + t * (self.rate + t * ((0.5 * a + b * c2) + t * (j / 6.0 + k * s3))),
-            rate: self.rate + t * ((a + b * sinc) + t * (0.5 * j + k * c2)),
-            acceleration: (a + b * cos) + t * (j + k * sinc),
-        }
+        let jet = Paths::new(&[*self]).at(Pack([t]));
+        Jet { value: jet.value.0[0], rate: jet.rate.0[0], acceleration: jet.acceleration.0[0] }
     }
 
-    /// The zero of the step that ends now, `[-h, 0]` but for what processing moves, and rate and acceleration there: Halley's method from the
-    /// zero of the parabola. `None` where there is none.
-    #[inline(always)]
-    pub(super) fn zero(&self, h: f64, rising: bool) -> Option<(f64, f64, f64)> {
-        let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
-        let root = (r * r - 2.0 * a * g).sqrt();
-        let mut t = -2.0 * g / (r + if rising { root } else { -root });
-        for _ in 0..HALLEY {
-            let jet = self.at(t);
-            // Halley's method: the bend is at hand.
-            let newton = -jet.value / jet.rate;
-            let change = newton * (1.0 - 0.5 * newton * jet.acceleration / jet.rate);
-            t += change;
-            if change.abs() <= ENOUGH * h {
-                let rate = jet.rate + jet.acceleration * change;
-                let inside = -(1.0 + MOVED) * h <= t && t <= MOVED * h && (rate > 0.0) == rising;
-                return if inside { Some((t, rate, jet.acceleration)) } else { self.bracketed(h, rising) };
-            }
-        }
-        self.bracketed(h, rising)
-    }
-
-    /// The same by bisection, where Halley's method has led away.
+    /// The zero in `[-h, 0]` with rate and acceleration there, by bisection.
     #[cold]
-    fn bracketed(&self, h: f64, rising: bool) -> Option<(f64, f64, f64)> {
+    fn bracketed(&self, h: f64, rising: bool) -> Option<Jet> {
         let inside = |t: f64| (self.at(t).value > 0.0) == rising;
         let (mut lo, mut hi) = (-h, 0.0);
         if inside(lo) || !inside(hi) {
@@ -85,32 +68,118 @@ impl BondPath {
             let middle = 0.5 * (lo + hi);
             *(if inside(middle) { &mut hi } else { &mut lo }) = middle;
         }
-        let Jet { rate, acceleration, .. } = self.at(hi);
-        ((rate > 0.0) == rising).then_some((hi, rate, acceleration))
+        let jet = self.at(hi);
+        ((jet.rate > 0.0) == rising).then_some(Jet { value: hi, ..jet })
+    }
+}
+
+/// Some paths side by side.
+pub(super) struct Paths<'a, const M: usize> {
+    paths: &'a [BondPath; M],
+    overlap: Pack<M>,
+    rate: Pack<M>,
+    acceleration: [Pack<M>; 2],
+    jerk: [Pack<M>; 2],
+    omega: Pack<M>,
+}
+
+impl<'a, const M: usize> Paths<'a, M> {
+    #[inline(always)]
+    pub(super) fn new(paths: &'a [BondPath; M]) -> Self {
+        Self {
+            overlap: Pack::of(paths, |path| path.overlap),
+            rate: Pack::of(paths, |path| path.rate),
+            acceleration: [Pack::of(paths, |path| path.acceleration[0]), Pack::of(paths, |path| path.acceleration[1])],
+            jerk: [Pack::of(paths, |path| path.jerk[0]), Pack::of(paths, |path| path.jerk[1])],
+            omega: Pack::of(paths, |path| path.omega),
+            paths,
+        }
+    }
+
+    /// Values and derivatives at `t`.
+    #[inline(always)]
+    pub(super) fn at(&self, t: Pack<M>) -> Jet<Pack<M>> {
+        let ([a, b], [j, k]) = (self.acceleration, self.jerk);
+        let Oscillation { cos, sinc, c2, s3 } = oscillation(self.omega * t);
+        Jet {
+            value: self.overlap + t * (self.rate + t * ((a * 0.5 + b * c2) + t * (j * (1.0 / 6.0) + k * s3))),
+            rate: self.rate + t * ((a + b * sinc) + t * (j * 0.5 + k * c2)),
+            acceleration: (a + b * cos) + t * (j + k * sinc),
+        }
+    }
+
+    /// Sine and cosine of the phase at `t`.
+    #[inline(always)]
+    pub(super) fn turn(&self, t: Pack<M>) -> [Pack<M>; 2] {
+        let x = self.omega * t;
+        let Oscillation { cos, sinc, .. } = oscillation(x);
+        [x * sinc, cos]
+    }
+
+    /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's method from the zero of the parabola.
+    #[inline(always)]
+    pub(super) fn zeros(&self, h: f64, rising: &[bool; M]) -> Zero<M> {
+        let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
+        let sign = Pack::of(rising, |&rising| if rising { 1.0 } else { -1.0 });
+        let root = (r * r - a * g * 2.0).sqrt();
+        let mut found = Zero { at: -(g * 2.0) / (r + sign * root), rate: r, acceleration: a };
+        let mut done = Pack([false; M]);
+        for _ in 0..HALLEY {
+            let jet = self.at(found.at);
+            // The bend is at hand.
+            let per_rate = Pack::all(1.0) / jet.rate;
+            let newton = -jet.value * per_rate;
+            let change = newton * (Pack::all(1.0) - newton * 0.5 * (jet.acceleration * per_rate));
+            found.at = found.at.or(done, found.at + change);
+            found.rate = found.rate.or(done, jet.rate + jet.acceleration * change);
+            found.acceleration = found.acceleration.or(done, jet.acceleration);
+            let settled = change.abs().at_most(ENOUGH * h);
+            for k in 0..M {
+                done.0[k] |= settled.0[k];
+            }
+            if done.0 == [true; M] {
+                break;
+            }
+        }
+        for k in 0..M {
+            let t = found.at.0[k];
+            let inside = -(1.0 + MOVED) * h <= t && t <= MOVED * h && (found.rate.0[k] > 0.0) == rising[k];
+            if !(done.0[k] && inside) {
+                // Halley's method has led away.
+                let jet = self.paths[k].bracketed(h, rising[k]);
+                let Jet { value, rate, acceleration } =
+                    jet.unwrap_or(Jet { value: f64::NAN, rate: f64::NAN, acceleration: f64::NAN });
+                (found.at.0[k], found.rate.0[k], found.acceleration.0[k]) = (value, rate, acceleration);
+            }
+        }
+        found
     }
 }
 
 /// `cos x, sin x / x, (1 - cos x)/x^2, (x - sin x)/x^3`.
+struct Oscillation<const M: usize> {
+    cos: Pack<M>,
+    sinc: Pack<M>,
+    c2: Pack<M>,
+    s3: Pack<M>,
+}
+
 #[inline(always)]
-fn oscillation(x: f64) -> (f64, f64, f64, f64) {
-    if x == 0.0 {
-        return (1.0, 1.0, 0.5, 1.0 / 6.0);
-    }
+fn oscillation<const M: usize>(x: Pack<M>) -> Oscillation<M> {
+    let one = Pack::all(1.0);
     let y = x * x;
-    if x.abs() > SERIES {
-        let (sin, cos) = x.sin_cos();
-        return (cos, sin / x, (1.0 - cos) / y, (x - sin) / (x * y));
+    let (mut c2, mut s3) = (y.polynomial(&C2), y.polynomial(&S3));
+    for k in 0..M {
+        let (x, y) = (x.0[k], y.0[k]);
+        if y > SERIES * SERIES {
+            (c2.0[k], s3.0[k]) = ((1.0 - x.cos()) / y, (x - x.sin()) / (x * y));
+        }
     }
-    let (c2, s3) = (horner(y, &C2), horner(y, &S3));
-    (1.0 - y * c2, 1.0 - y * s3, c2, s3)
+    Oscillation { cos: one - y * c2, sinc: one - y * s3, c2, s3 }
 }
 
-/// `(-1)^k/(2k+2)!` and `(-1)^k/(2k+3)!`: enough terms for a rounding at `x = 1/2`.
-const C2: [f64; 6] = [1.0 / 2.0, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
-const S3: [f64; 6] =
-    [1.0 / 6.0, -1.0 / 120.0, 1.0 / 5040.0, -1.0 / 362_880.0, 1.0 / 39_916_800.0, -1.0 / 6_227_020_800.0];
-
-#[inline(always)]
-fn horner<const K: usize>(y: f64, coefficients: &[f64; K]) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * y + coefficient)
-}
+/// `(-1)^k/(2k+2)!` and `(-1)^k/(2k+3)!`, in pairs: enough terms for a rounding at `x = 1/2`.
+const C2: [[f64; 2]; 3] =
+    [[1.0 / 2.0, -1.0 / 24.0], [1.0 / 720.0, -1.0 / 40_320.0], [1.0 / 3_628_800.0, -1.0 / 479_001_600.0]];
+const S3: [[f64; 2]; 3] =
+    [[1.0 / 6.0, -1.0 / 120.0], [1.0 / 5040.0, -1.0 / 362_880.0], [1.0 / 39_916_800.0, -1.0 / 6_227_020_800.0]];

@@ -1,5 +1,7 @@
 //! Hurwitz' zeta function `zeta(-z, theta)` for `z >= 0`, and tables of it for one exponent.
 
+use super::pack::Pack;
+
 /// `B_2, B_4, ..` over `2!, 4!, ..`: the coefficients of the formula of Euler and Maclaurin.
 const BERNOULLI: [f64; 12] = [
     1.0 / 12.0,
@@ -81,22 +83,25 @@ impl ZetaTable {
 
     /// `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, `theta` in `[0, 1]`.
     #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
-    pub(super) fn beyond(&self, theta: f64) -> [f64; Self::COUNT] {
-        let x = 2.0 * theta - 1.0;
-        let y = x * x;
-        // Even and odd powers apart: two shorter chains.
-        let (mut even, mut odd) = ([0.0; Self::COUNT], [0.0; Self::COUNT]);
-        for pair in self.powers.chunks_exact(2).rev() {
-            for k in 0..Self::COUNT {
-                even[k] = even[k] * y + pair[0][k];
-                odd[k] = odd[k] * y + pair[1][k];
+    pub(super) fn beyond<const M: usize>(&self, theta: Pack<M>) -> [Pack<M>; Self::COUNT] {
+        let x = theta * 2.0 - 1.0;
+        let square = x * x;
+        let fourth = square * square;
+        let (quads, _) = self.powers.as_chunks::<4>();
+        // Every fourth power: four sums that do not wait for each other.
+        let mut sums = quads[quads.len() - 1].map(|row| row.map(Pack::all));
+        for quad in quads[..quads.len() - 1].iter().rev() {
+            for (sums, row) in sums.iter_mut().zip(quad) {
+                for (sum, &coefficient) in sums.iter_mut().zip(row) {
+                    *sum = *sum * fourth + coefficient;
+                }
             }
         }
+        let [mut zeta, first, second, third] = sums;
         for k in 0..Self::COUNT {
-            even[k] += x * odd[k];
+            zeta[k] = (zeta[k] + x * first[k]) + square * (second[k] + x * third[k]);
         }
-        even
+        zeta
     }
 }
 
@@ -163,7 +168,7 @@ mod tests {
             let table = ZetaTable::new(alpha);
             for i in 0..=100 {
                 let theta = f64::from(i) / 100.0;
-                for (k, value) in table.beyond(theta).into_iter().enumerate() {
+                for (k, value) in table.beyond(Pack([theta])).map(|z| z.0[0]).into_iter().enumerate() {
                     let want = hurwitz(alpha + k as f64 - 1.0, 1.0 + theta);
                     let z = alpha + k as f64 - 1.0;
                     assert!(
