@@ -79,9 +79,14 @@ pub struct ScalingStudy {
 }
 
 impl ScalingStudy {
-    /// The methods of the study: collocation, and two that step the whole chain.
-    pub fn methods() -> [Method; 3] {
-        [Method::Collocation, Method::Dop853(Contacts::Crossed), Method::Dop853(Contacts::Regularised)]
+    /// The methods of the study: collocation, contact-corrected splitting, whose equal steps are those of the whole chain, and two adaptive ones that step the whole chain.
+    pub fn methods() -> [Method; 4] {
+        [
+            Method::Collocation,
+            Method::CORRECTED,
+            Method::Dop853(Contacts::Crossed),
+            Method::Dop853(Contacts::Regularised),
+        ]
     }
 
     /// The rows of one method.
@@ -207,9 +212,9 @@ impl<'a> Studied<'a> {
 /// stops at each pays with the whole chain; any other slows down where its state no longer fits the cache.
 fn growth(method: &Method) -> f64 {
     match method {
-        Method::Dop853(Contacts::Crossed) => 1.25,
-        Method::Dop853(_) => 2.0,
-        _ => 1.0,
+        Method::Collocation => 1.0,
+        Method::Dop853(Contacts::Landed | Contacts::Regularised) => 2.0,
+        _ => 1.25,
     }
 }
 

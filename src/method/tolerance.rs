@@ -50,17 +50,26 @@ pub(super) fn steps(scene: &Scene, method: Method, y: &[f64], span: (f64, f64), 
         let error = distance(layout, &end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
         if factor <= FARTHEST {
-            return Ok((finer * factor.max(0.5)).ceil() as u64);
+            return Ok(at_samples(scene, span, (finer * factor.max(0.5)).ceil() as u64));
         }
         // Below the tolerance, finer steps only add roundings.
         if error > last && error < tol {
-            return Ok(finer as u64);
+            return Ok(at_samples(scene, span, finer as u64));
         }
         last = if error.is_finite() { error } else { last };
         steps = (finer * if factor.is_finite() { (factor / FARTHEST).clamp(SQRT_2, FASTEST) } else { FASTEST }).ceil();
         if steps > MOST_STEPS {
             return Err(Error::parameter("tol", tol, "no number of steps up to 1e12 reaches this tolerance"));
         }
+    }
+}
+
+/// As many steps or more, so that the samples of a whole run are at ends of steps: one inside a step costs as much as many steps.
+fn at_samples(scene: &Scene, span: (f64, f64), steps: u64) -> u64 {
+    let whole = span == (0.0, scene.end());
+    match scene.file().record.samples as u64 {
+        samples @ 1.. if whole => steps.next_multiple_of(samples),
+        _ => steps,
     }
 }
 

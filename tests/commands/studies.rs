@@ -48,7 +48,7 @@ fn scaling_json_keeps_its_contract_and_collocation_works_no_more_a_bond_on_a_lon
     let rows = study["rows"].as_array().unwrap();
     let order: Vec<(&str, u64)> =
         rows.iter().map(|row| (row["integrator"].as_str().unwrap(), row["sites"].as_u64().unwrap())).collect();
-    let methods = ["collocation", "dop853", "dop853-regularised"];
+    let methods = ["collocation", "corrected", "dop853", "dop853-regularised"];
     assert_eq!(order, methods.map(|method| [10, 50, 500].map(|sites| (method, sites))).concat());
     for row in rows {
         assert!(row["steps"].is_u64() && row["rejected"].is_u64());
@@ -76,7 +76,7 @@ fn scaling_writes_table_csv_json_and_png() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("ns/bond/period") && text.contains("one thread"), "{text}");
     let csv = std::fs::read_to_string(out.join("scaling.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 7);
+    assert_eq!(csv.lines().count(), 9);
     let columns = csv.lines().next().unwrap().split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
     let study: Value = serde_json::from_slice(&std::fs::read(out.join("scaling.json")).unwrap()).unwrap();
@@ -92,7 +92,7 @@ fn drift_json_keeps_its_contract() {
     let period = study["period"].as_f64().unwrap();
     let rows = study["rows"].as_array().unwrap();
     let names: Vec<&str> = rows.iter().map(|row| row["integrator"].as_str().unwrap()).collect();
-    assert_eq!(names, ["collocation", "strang-linear", "yoshida4-linear"]);
+    assert_eq!(names, ["collocation", "corrected", "strang-linear", "yoshida4-linear"]);
     for row in rows {
         let (t, errors) = (numbers(&row["t"]), numbers(&row["energy_error"]));
         assert_eq!((t.len(), errors.len()), (40, 40));

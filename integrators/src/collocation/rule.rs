@@ -1,6 +1,7 @@
 //! The fixed numbers of a panel: Gauss nodes, weights, and the matrices that integrate and interpolate between them.
 
-use super::panel::MONOMIAL;
+use super::{panel::MONOMIAL, solver::MOST_NODES};
+use std::{any::Any, sync::OnceLock};
 
 /// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of the nodes.
 ///
@@ -32,6 +33,15 @@ fn legendre(n: usize, x: f64) -> Vec<f64> {
 }
 
 impl<const M: usize> Rule<M> {
+    /// The rule, computed when somebody first asks for it: short runs by the thousand share it.
+    pub(crate) fn shared() -> &'static Self {
+        // A static cannot be generic: one place for each number of nodes.
+        static RULES: [OnceLock<Box<dyn Any + Send + Sync>>; MOST_NODES + 1] =
+            [const { OnceLock::new() }; MOST_NODES + 1];
+        let rule = RULES[M].get_or_init(|| Box::new(Self::new()));
+        rule.downcast_ref().expect("a rule is kept by its number of nodes")
+    }
+
     pub(crate) fn new() -> Self {
         let nodes: [f64; M] = std::array::from_fn(node::<M>);
         // Discrete orthogonality: l_k = sum_i (2 i + 1)/2 w_k P_i(x_k) P_i.

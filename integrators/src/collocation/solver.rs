@@ -51,7 +51,7 @@ pub(crate) fn with_nodes(nodes: usize, bonds: usize) -> Box<dyn Solver> {
 }
 
 struct Nodes<const M: usize> {
-    rule: Rule<M>,
+    rule: &'static Rule<M>,
     /// One for each thread.
     workspaces: Vec<Workspace<M>>,
 }
@@ -63,7 +63,7 @@ impl<const M: usize> Nodes<M> {
         #[cfg(not(feature = "parallel"))]
         let threads = 1;
         let count = blocks(bonds).min(threads).max(1);
-        Self { rule: Rule::new(), workspaces: (0..count).map(|_| Workspace::new()).collect() }
+        Self { rule: Rule::shared(), workspaces: (0..count).map(|_| Workspace::new()).collect() }
     }
 }
 
@@ -77,7 +77,7 @@ fn frame<'a, const M: usize>(rule: &'a Rule<M>, links: &Links, h: f64) -> Frame<
 
 impl<const M: usize> Solver for Nodes<M> {
     fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
-        let (frame, bonds) = (frame(&self.rule, start.links, h), start.links.bonds);
+        let (frame, bonds) = (frame(self.rule, start.links, h), start.links.bonds);
         if bonds == 0 {
             return Verdict::default();
         }
@@ -131,7 +131,7 @@ impl<const M: usize> Solver for Nodes<M> {
         columns: &mut [tangent::Block],
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
-        let frame = &frame(&self.rule, links, h);
+        let frame = &frame(self.rule, links, h);
         f64::run(tangent::Window { links, frame, bonds, cuts, columns })
     }
 }

@@ -121,7 +121,7 @@ pub(crate) struct DriftArgs {
     pub(crate) periods: f64,
     /// Integrators, separated by commas.
     #[arg(long, value_name = "A,B,..", value_delimiter = ',',
-        default_values_t = ["collocation", "strang-linear", "yoshida4-linear"].map(str::to_owned))]
+        default_values_t = ["collocation", "corrected", "strang-linear", "yoshida4-linear"].map(str::to_owned))]
     pub(crate) integrators: Vec<String>,
     /// Times that are kept, spaced evenly in their logarithm, from 2 to 10^5.
     #[arg(long, value_name = "K", default_value_t = 200, allow_negative_numbers = true)]
