@@ -10,7 +10,7 @@ use hertzchain::{
     integrators::{
         Regularised, Silent, Stepper, collocation::Pace, dop853::Options, drive, regularised::power, splitting::tables,
     },
-    method::{Contacts, Method, Setting},
+    run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
 };
 use std::{f64::consts::PI, hint::black_box, time::Duration};
@@ -56,7 +56,7 @@ fn at_equal_error(criterion: &mut Criterion) {
     for (methods, bound) in rungs() {
         let mut group = criterion.benchmark_group(format!("tw-q15, 100 periods, errors below {bound:e}"));
         for (method, setting) in methods {
-            let run = || end(method.start(&scene, setting).unwrap());
+            let run = || end(scene.run().method(method).setting(setting).stepper().unwrap());
             let error = distance(&scene.strains(&run()), &scene.strains(&truth)) / amplitude;
             println!("{}, {setting:?}: {error:.1e}", method.name());
             assert!(error < bound, "{}, {setting:?}: {error:e}", method.name());

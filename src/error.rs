@@ -1,6 +1,5 @@
 //! The one error type of the library.
 
-use crate::orbits::{Orbit, Setting};
 use std::path::PathBuf;
 
 /// So much of a text that is not ours is shown in a message.
@@ -66,7 +65,7 @@ pub enum Error {
         /// Steps taken.
         steps: usize,
         /// The iterate with the smallest residual, if one could be integrated.
-        best: Option<Box<Orbit>>,
+        best: Option<Box<Iterate>>,
     },
     /// A file that could not be read or written.
     #[error("{}: {source}", path.display())]
@@ -90,6 +89,17 @@ pub enum Error {
     #[cfg(feature = "plot")]
     #[error("figure: {0}")]
     Figure(#[from] crate::figures::Error),
+}
+
+/// An iterate of Newton's method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Iterate {
+    /// The unknowns, `[x(0), y(0)]` of an orbit.
+    pub z: Vec<f64>,
+    /// Its residual.
+    pub residual: f64,
+    /// The parameters it is for, in words.
+    pub place: String,
 }
 
 /// Why a run could not go on, and where.
@@ -119,13 +129,9 @@ pub(crate) fn one_line(text: &str) -> String {
 /// The result of whatever may end in an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-fn best_residual(best: Option<&Orbit>) -> String {
-    best.map_or("it broke down".to_owned(), |orbit| {
-        let Setting { omega_b, params, .. } = orbit.setting;
-        format!(
-            "the smallest residual is {:.1e} at omega_b = {omega_b}, rho = {}; it must be 1e-12",
-            orbit.residual, params.rho
-        )
+fn best_residual(best: Option<&Iterate>) -> String {
+    best.map_or("it broke down".to_owned(), |Iterate { residual, place, .. }| {
+        format!("the smallest residual is {residual:.1e} at {place}; it must be 1e-12")
     })
 }
 

@@ -10,7 +10,7 @@
 //! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
 //! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
-//! | [`method`] | the integrators by name |
+//! | [`run`] | the one door: a chain, a state, a span, a method; the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`experiments`] | data in, data out: one run; error against run time |
 //! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
@@ -30,18 +30,21 @@ pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
 pub mod interrupt;
-pub mod method;
 mod number;
 pub mod orbits;
 pub mod output;
 mod random;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod sweep;
 pub mod waves;
 
+pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;
+pub use run::{Method, Run, Setting, Trajectory};
+pub use scene::Scene;
 
 /// The example of the README, run as a test.
 #[cfg(doctest)]

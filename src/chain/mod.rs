@@ -178,6 +178,17 @@ impl<R: Real> Chain<R> {
         g
     }
 
+    /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond that can close, those with
+    /// walls included. A single free bead has none: its displacement stands in.
+    pub fn strains(&self, y: &[R]) -> Vec<R> {
+        let u = self.layout.u(y);
+        let strains: Vec<R> = match self.boundary {
+            Boundary::StrainRing => u.to_vec(),
+            _ => self.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| self.precompression - g).collect(),
+        };
+        if strains.is_empty() { u.to_vec() } else { strains }
+    }
+
     /// Total momentum `sum u' + rho v'` of a state (eq:Hertz); conserved on a free chain and on a ring, unless the
     /// resonators are fixed.
     pub fn momentum(&self, y: &[R]) -> R {

@@ -102,6 +102,38 @@ impl<R: Real> State<R> {
         self.layout
     }
 
+    /// Displacements of the beads (strains, on a strain ring).
+    pub fn u(&self) -> &[R] {
+        self.layout.u(&self.y)
+    }
+
+    /// Displacements of the resonators, if they move.
+    pub fn v(&self) -> Option<&[R]> {
+        self.layout.v(&self.y)
+    }
+
+    /// Velocities of the beads.
+    pub fn u_dot(&self) -> &[R] {
+        self.layout.u_dot(&self.y)
+    }
+
+    /// Velocities of the resonators, if they move.
+    pub fn v_dot(&self) -> Option<&[R]> {
+        self.layout.v_dot(&self.y)
+    }
+
+    /// Displacements of the beads, to be changed.
+    pub fn u_mut(&mut self) -> &mut [R] {
+        let n = self.layout.sites;
+        &mut self.y[..n]
+    }
+
+    /// Velocities of the beads, to be changed.
+    pub fn u_dot_mut(&mut self) -> &mut [R] {
+        let (n, half) = (self.layout.sites, self.layout.dim() / 2);
+        &mut self.y[half..half + n]
+    }
+
     /// All entries.
     pub fn as_slice(&self) -> &[R] {
         &self.y

@@ -10,9 +10,9 @@ use crate::{
     chain::Params,
     error::{Error, Result},
     experiments::{BreatherOptions, bright_breather, trivial_breather},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
 };
 use std::process::ExitCode;

@@ -4,9 +4,9 @@ use super::{Exit, args::CompareArgs, default_folder, print, progress_bar, signal
 use crate::{
     error::Result,
     experiments::{CompareOptions, compare},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
     scene::Scene,
 };
 use std::process::ExitCode;

@@ -4,9 +4,9 @@ use super::{Exit, args::DriftArgs, default_folder, print, progress_bar};
 use crate::{
     error::Result,
     experiments::{DriftOptions, drift},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
     scene::Scene,
 };
 use std::process::ExitCode;

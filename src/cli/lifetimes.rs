@@ -8,9 +8,9 @@ use super::{
 use crate::{
     dps::Center,
     experiments::{Criterion, LifetimeOptions, lifetimes},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
 };
 use std::process::ExitCode;
 

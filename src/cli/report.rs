@@ -7,9 +7,9 @@ use crate::{
         Chart, ChartOptions, CompareOptions, PAPER, PaperData, PaperFigure, Problem, RhoLaw, TheoremOptions, charts,
         compare, order, theorem, verify,
     },
-    method::Method,
     output::Folder,
     report::{self, Block, Page, Section},
+    run::method::Method,
     scene::Scene,
 };
 use std::{process::ExitCode, time::Instant};

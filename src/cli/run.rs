@@ -2,11 +2,12 @@
 
 use super::{Exit, args::RunArgs, orbits::folder_of, print, progress_bar, signals};
 use crate::{
+    breathers::TrivialBreather,
     error::{Error, Result},
-    experiments::{LongRun, Outcome, Records, Regime, regime, run, run_in_closed_form, run_with_contacts},
-    method::{Method, Setting},
+    experiments::LongRun,
     output::{Folder, to_json},
     report,
+    run::{Method, Records, Regime, Setting, Trajectory, regime},
     scene::Scene,
 };
 use std::{path::Path, process::ExitCode};
@@ -66,7 +67,7 @@ fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    outcome: Outcome,
+    outcome: Trajectory,
     folder: Option<&Folder>,
 ) -> Exit {
     let json = report::run_json(scene, name, wording, reason, &outcome);
@@ -115,7 +116,7 @@ enum How {
     /// By an integrator, with the setting in words, and why it is this one where nobody asked for it.
     Integrated(Method, Setting, String, Option<String>),
     /// By its exact solution.
-    ClosedForm,
+    ClosedForm(TrivialBreather),
 }
 
 impl How {
@@ -124,11 +125,11 @@ impl How {
         // A tolerance asks for the method that keeps it best.
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
         let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
-        if scene.exact().is_some() && !asked {
-            return Ok(Self::ClosedForm);
+        if let (Some(exact), false) = (scene.exact(), asked) {
+            return Ok(Self::ClosedForm(exact.clone()));
         }
         if !asked {
-            let Regime { method, setting, wording, reason } = regime(scene);
+            let Regime { method, setting, wording, reason } = regime(&scene.run())?;
             return Ok(Self::Integrated(method, setting, wording, Some(reason)));
         }
         let default = if adaptive { "collocation" } else { "strang-linear" };
@@ -141,7 +142,7 @@ impl How {
     fn words(&self) -> (String, String) {
         match self {
             Self::Integrated(method, _, wording, _) => (method.name(), wording.clone()),
-            Self::ClosedForm => ("closed-form".to_owned(), "exact solution (uncpl), no integrator".to_owned()),
+            Self::ClosedForm(_) => ("closed-form".to_owned(), "exact solution (uncpl), no integrator".to_owned()),
         }
     }
 
@@ -149,7 +150,7 @@ impl How {
     fn reason(&self) -> Option<&str> {
         match self {
             Self::Integrated(.., reason) => reason.as_deref(),
-            Self::ClosedForm => None,
+            Self::ClosedForm(_) => None,
         }
     }
 
@@ -161,7 +162,7 @@ impl How {
                 let long = LongRun::new(scene, method, setting, wording, interval)?;
                 Ok(if events { long.with_contacts() } else { long })
             }
-            Self::ClosedForm => {
+            Self::ClosedForm(_) => {
                 let rule =
                     "an exact solution is evaluated at once and needs none: name an --integrator to run it in legs";
                 Err(Error::parameter("checkpoint", interval, rule))
@@ -172,22 +173,23 @@ impl How {
     fn plan(&self, scene: &Scene, events: bool) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                method.start(scene, *setting)?;
+                scene.run().method(*method).setting(*setting).stepper()?;
                 Ok(scene.plan(events))
             }
-            Self::ClosedForm => Ok(scene.plan_in_closed_form()),
+            Self::ClosedForm(_) => Ok(scene.plan_in_closed_form()),
         }
     }
 
-    fn run(&self, scene: &Scene, events: bool, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+    fn run(&self, scene: &Scene, events: bool, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                let run = if events { run_with_contacts } else { run };
-                run(scene, *method, *setting, records, progress)
+                let run = scene.run().method(*method).setting(*setting).records(records);
+                if events { run.contacts() } else { run }.start_with(progress)
             }
-            Self::ClosedForm => {
-                let outcome = run_in_closed_form(scene, records, progress)?;
-                Ok(Outcome { contacts: events.then(Vec::new), ..outcome })
+            Self::ClosedForm(exact) => {
+                let run = scene.run().records(records);
+                let run = if events { run.contacts() } else { run };
+                run.start_in_closed_form(exact, progress)
             }
         }
     }

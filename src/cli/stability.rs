@@ -4,9 +4,9 @@ use super::{Exit, args::StabilityChartsArgs, print, progress_bar};
 use crate::{
     error::Result,
     experiments::{Chart, ChartOptions, Problem, charts},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
     scene::Scene,
 };
 use std::process::ExitCode;

@@ -4,9 +4,9 @@ use super::{Exit, args::WaveArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
     experiments::{WaveOptions, wave},
-    method::Method,
     output::Folder,
     report,
+    run::method::Method,
     scene::{Scene, Theory},
 };
 use std::process::ExitCode;

@@ -8,12 +8,12 @@
 //! | share | energy of the core, the sites that hold the breather at first, over the energy of the chain |
 //! | `Fbar_n` | mean contact force over a period (Theorem nobreath) |
 
-use super::wave::state_at;
 use crate::{
     breathers::{BrightBreather, Norms, TrivialBreather},
     chain::{Chain, Layout, MeanForces, max_norm},
     error::{Error, Result},
-    method::{Method, Setting},
+    run::method::Method,
+    run::state_at,
     scene::{Scene, Theory},
 };
 use hertzchain_integrators::{Stats, collocation::Pace};
@@ -152,17 +152,17 @@ pub fn bright_breather(
     let times = bright_times(breather, scene.end(), samples_per_period)?;
     let shown_times = [0.0, SHOWN_PERIOD * breather.period(), scene.end()];
     let chain = scene.chain();
-    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&times)?;
     let (mut samples, mut profiles) = (Vec::with_capacity(times.len()), Vec::new());
-    for t in times {
-        let y = state_at(&mut run, t)?;
+    for (t, state) in times.into_iter().zip(states.by_ref()) {
+        let y = state?.as_slice().to_vec();
         samples.push(bright_sample(breather, chain, t, &y));
         if shown_times.contains(&t) {
             profiles.push(Shown { t, state: y });
         }
         progress(t / scene.end());
     }
-    let stats = run.stats();
+    let stats = states.stats();
     let last = &profiles[profiles.len() - 1].state;
     let initial = samples[0].energy;
     let pace = Pace::Tolerance(options.tolerance);
@@ -216,7 +216,7 @@ pub fn bright_history(
     if !(1.0..=MOST_SAMPLES).contains(&periods) {
         return Err(Error::parameter("until", scene.end(), "from one to 10^7 periods of the breather"));
     }
-    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
     let (mut t, mut swing, mut mean) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..periods as u64 {
         let (mut low, mut high) = (vec![f64::INFINITY; sites], vec![f64::NEG_INFINITY; sites]);
@@ -366,10 +366,11 @@ pub fn trivial_breather(
     let swing = max_norm((0..chain.sites()).map(|n| breather.swing(n)));
     let scale = if swing > 0.0 { swing } else { 1.0 };
     let positions = 2 * chain.sites();
-    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&t)?;
     let (mut deviation, mut energies) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
-    for &t in &t {
-        let (y, exact) = (state_at(&mut run, t)?, exact(t));
+    for (&t, state) in t.iter().zip(states.by_ref()) {
+        let (state, exact) = (state?, exact(t));
+        let y = state.as_slice();
         energies.push(chain.energy(&exact).total());
         deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
         progress(t / scene.end());
@@ -387,7 +388,7 @@ pub fn trivial_breather(
             scene.period(),
             Pace::Tolerance(options.tolerance),
         )?,
-        stats: run.stats(),
+        stats: states.stats(),
         t,
         deviation,
         wall: clock.elapsed(),

@@ -11,12 +11,12 @@
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far, `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is
 //! `max |E(t) - E(0)|`. Every member is checked by its CRC-32.
 
-use super::run::{Kept, Outcome, Profile, Recorder, Records, Sample};
 use crate::{
     chain::{Contact, Energy},
     error::{Error, Result},
-    method::{Method, Setting},
     output::{Archive, Array, Folder, npz_with, to_json},
+    run::method::{Method, Setting},
+    run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
     scene::{Scene, SceneFile},
 };
 use hertzchain_integrators::Stats;
@@ -39,6 +39,7 @@ const MOST_LEGS: f64 = 1e6;
 #[derive(Clone, Debug)]
 pub struct LongRun {
     scene: Scene,
+    run: Run,
     method: Method,
     setting: Setting,
     wording: String,
@@ -86,7 +87,7 @@ impl LongRun {
     /// A run of a scene in legs of length `interval`, not begun; `wording`: the setting in words.
     ///
     /// # Errors
-    /// An interval outside its rule; what [`Method::start`] refuses.
+    /// An interval outside its rule; what [`Run::stepper`] refuses.
     pub fn new(scene: Scene, method: Method, setting: Setting, wording: String, interval: f64) -> Result<Self> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("checkpoint", interval, "an interval of time, finite and positive"));
@@ -94,16 +95,18 @@ impl LongRun {
         if scene.end() / interval > MOST_LEGS {
             return Err(Error::parameter("checkpoint", interval, "a run has at most 10^6 intervals"));
         }
-        method.start(&scene, setting)?;
-        let kept = Kept::new(&scene);
-        Ok(Self { scene, method, setting, wording, interval, done: 0, kept })
+        let run = scene.run().method(method).setting(setting).records(Records::Profiles);
+        run.stepper()?;
+        let kept = Kept::new(&run);
+        Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
     }
 
     /// The same, watched for contacts; one that has begun without is left as it is.
     #[must_use]
     pub fn with_contacts(mut self) -> Self {
         if self.done == 0 {
-            self.kept = Kept::with_contacts(&self.scene);
+            self.run = self.run.contacts();
+            self.kept = Kept::new(&self.run);
         }
         self
     }
@@ -152,20 +155,20 @@ impl LongRun {
     ///
     /// # Errors
     /// A checkpoint that cannot be written: the last one is then as it was.
-    pub fn run(mut self, folder: &Folder, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
+    pub fn run(mut self, folder: &Folder, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
         while self.done < self.legs() {
             let (from, to) = (self.time(), self.start_of(self.done + 1));
             let setting = self.setting.of_leg(self.method, (to - from) / self.scene.end());
-            let mut recorder = Recorder::new(&self.scene, Records::Profiles, self.kept, progress);
+            let mut recorder = Recorder::new(&self.run, self.kept, progress);
             let failure = recorder.go_on(self.method, setting, to)?.err();
             if failure.is_some() {
-                return Ok(recorder.outcome(failure));
+                return Ok(recorder.trajectory(failure));
             }
             self.kept = recorder.kept;
             self.done += 1;
             folder.write(FILE, &self.npz()?)?;
         }
-        Ok(Recorder::new(&self.scene, Records::Profiles, self.kept, progress).outcome(None))
+        Ok(Recorder::new(&self.run, self.kept, progress).trajectory(None))
     }
 
     /// The bytes of its checkpoint.
@@ -321,7 +324,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     });
     let profile_t = finite("profile_t", &[profiles])?;
     let states = finite("profiles", &[profiles, dim as u64])?;
-    let profile = |(t, state): (&f64, &[f64])| Profile { t: *t, x: scene.strains(state), state: state.to_vec() };
+    let profile = |(t, state): (&f64, &[f64])| Profile { t: *t, x: chain.strains(state), state: state.to_vec() };
     Ok(Kept {
         t,
         state,

@@ -1,14 +1,12 @@
 //! Error against run time: every integrator over a ladder of steps or tolerances on one scene.
 
-use super::{
-    fit_line,
-    run::{Outcome, Records, run},
-};
+use super::fit_line;
 use crate::{
     chain::{State, max_norm},
     error::{Error, Result},
     interrupt,
-    method::{Method, Setting},
+    run::method::{Method, Setting},
+    run::{Records, Trajectory},
     scene::{Scene, Theory},
     sweep::map,
 };
@@ -233,7 +231,7 @@ pub(super) fn time(scene: &Scene, method: Method, setting: Setting, left: f64) -
     let mut walls = Vec::new();
     let mut y = scene.initial().as_slice().to_vec();
     loop {
-        let mut stepper = method.start(scene, setting)?;
+        let mut stepper = scene.run().method(method).setting(setting).stepper()?;
         let clock = Instant::now();
         drive(&mut *stepper, &mut Silent, &mut y)?;
         walls.push(clock.elapsed().as_secs_f64());
@@ -292,11 +290,12 @@ impl Truth {
 
     /// The row of a method, also of one that cannot even start.
     fn error_row(&self, scene: &Scene, method: Method, rung: usize) -> Row {
-        let outcome = match run(scene, method, setting(scene, &method, rung), Records::Energy, &mut |_| ()) {
+        let run = scene.run().method(method).setting(setting(scene, &method, rung));
+        let outcome = match run.start() {
             Ok(outcome) => outcome,
             Err(why) => return Row::failed(method, wording(&method, rung), why.to_string()),
         };
-        let Outcome { t, state, energy_error, stats, failure, .. } = outcome;
+        let Trajectory { t, state, energy_error, stats, failure, .. } = outcome;
         let name = method.name();
         let reference = self.strains.iter().find(|(other, _)| *other != name).unwrap_or(&self.strains[0]);
         let error = distance(&scene.strains(&state), &reference.1) / self.amplitude;
@@ -320,8 +319,7 @@ fn named(names: [&str; 2]) -> Result<[Method; 2]> {
 }
 
 fn end(scene: &Scene, method: &Method, setting: Setting) -> Result<End> {
-    let outcome = run(scene, *method, setting, Records::End, &mut |_| ())?;
-    outcome.failure.map_or(Ok(()), Err)?;
+    let outcome = scene.run().method(*method).setting(setting).records(Records::End).start()?.complete()?;
     Ok((method.name(), scene.strains(&outcome.state)))
 }
 
@@ -338,7 +336,7 @@ fn resolved(scene: &Scene, budget: f64) -> Result<Option<Vec<End>>> {
         return Ok(None);
     }
     let short = scene.clone().until(TRIAL_SHARE * scene.end())?;
-    let trial = run(&short, methods[1], tolerance, Records::End, &mut |_| ())?;
+    let trial = short.run().method(methods[1]).setting(tolerance).records(Records::End).start()?;
     if trial.failure.is_some() || trial.wall.as_secs_f64() > TRIAL_SHARE * budget {
         return Ok(None);
     }
@@ -359,7 +357,7 @@ fn affordable_kicks(scene: &Scene, methods: &[Method], budget: f64) -> Result<f6
     let mut wall = Duration::ZERO;
     for method in methods {
         let steps = Setting::Steps(steps_for_kicks(scene, method, trial));
-        wall += run(scene, *method, steps, Records::End, &mut |_| ())?.wall;
+        wall += scene.run().method(*method).setting(steps).records(Records::End).start()?.wall;
     }
     let affordable = trial * budget / wall.as_secs_f64().max(1e-9);
     let kicks = (affordable / KICKS[0]).log2().floor().exp2() * KICKS[0];

@@ -7,7 +7,7 @@ use super::{compare::steps_for_kicks, fit_line};
 use crate::{
     chain::Chain,
     error::{Error, Result},
-    method::{Method, Setting},
+    run::method::{Method, Setting},
     scene::Scene,
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, Twofold, drive};
@@ -118,7 +118,7 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
 
 fn row(scene: &Scene, method: Method, times: &[f64], progress: &mut dyn FnMut(f64)) -> Result<DriftRow> {
     let (setting, words) = setting(scene, &method);
-    let mut stepper = method.start(scene, setting)?;
+    let mut stepper = scene.run().method(method).setting(setting).stepper()?;
     let mut state = scene.initial().as_slice().to_vec();
     let mut look = Look::new(scene, times, progress);
     let clock = Instant::now();

@@ -27,8 +27,8 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
-    method::{Method, Setting},
     output::Folder,
+    run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
     sweep::{Row, Store, Threads, sweep},
 };
@@ -346,7 +346,7 @@ impl Place {
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
         let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
-        let mut run = options.method.start(&scene, Setting::Tolerance(options.tolerance))?;
+        let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
         let mut watch = Watch::new(&breather, scene.chain());
         while !run.done() && !watch.finished() {
             if may_grow && watch.ends_felt() {

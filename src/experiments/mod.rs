@@ -10,7 +10,6 @@ mod lifetimes;
 mod orbits;
 mod order;
 mod paper;
-mod run;
 mod scaling;
 mod stability;
 mod theorem;
@@ -22,8 +21,8 @@ pub use breather::{
     bright_history, trivial_breather,
 };
 pub use charts::{
-    BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Limit, Measured, Problem, Regime, Resonance, ResonancePoint,
-    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, regime, resonance,
+    BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Limit, Measured, Problem, Resonance, ResonancePoint, Trial,
+    Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
 };
 pub use checkpoint::LongRun;
 pub use compare::{CompareOptions, Comparison, Reference, Row, compare};
@@ -37,7 +36,6 @@ pub use paper::{
     DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, PAPER, PaperData, PaperFigure,
     ProfileData, Recipe, WaveColumn, WavePanel, WaveRun,
 };
-pub use run::{Outcome, Profile, Records, Sample, run, run_in_closed_form, run_with_contacts};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
 pub use theorem::{

@@ -15,7 +15,7 @@ use super::fit_line;
 use crate::{
     chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
-    method::{Contacts, Method, Split, loaded},
+    run::method::{Contacts, Method, Split, loaded},
     sweep::Tally,
 };
 use hertzchain_integrators::{

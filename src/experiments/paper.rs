@@ -15,7 +15,7 @@ use crate::{
     chain::Params,
     dps::{Center, DarkProfile, Homoclinic},
     error::{Error, Result},
-    method::Method,
+    run::method::Method,
     scene::Scene,
     waves::Shape,
 };

@@ -7,8 +7,8 @@
 use super::compare::time;
 use crate::{
     error::{Error, Result},
-    method::{Contacts, Method, Setting},
     random::uniform,
+    run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
     sweep::on_one_thread,
 };

@@ -12,13 +12,13 @@ use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
-    interrupt,
-    method::{Method, Setting},
+    run::method::Method,
+    run::state_at,
     scene::{Scene, Theory},
     sweep::Tally,
     waves::{PerturbedWave, TravellingWave},
 };
-use hertzchain_integrators::{Dop853, Error as Failure, Stats, Stepper, dop853::Options};
+use hertzchain_integrators::{Dop853, Stats, dop853::Options};
 use std::{
     f64::consts::PI,
     time::{Duration, Instant},
@@ -287,26 +287,10 @@ impl Track {
     }
 }
 
-/// The state at time `t` of a run that has not gone beyond the step that holds it.
-pub(super) fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
-    while run.time() < t && !run.done() {
-        if interrupt::asked() {
-            return Err(Failure::Stopped { t: run.time() });
-        }
-        run.step()?;
-    }
-    let mut y = vec![0.0; run.dim()];
-    run.sample(t.min(run.time()), &mut y);
-    match y.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(Failure::NotFinite { t, step: run.stats().steps, index }),
-        None => Ok(y),
-    }
-}
-
 fn track(scene: &Scene, options: &WaveOptions, times: &[f64]) -> Result<Track> {
-    let mut run = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
-    let strains = times.iter().map(|&t| Ok(strains(&state_at(&mut run, t)?))).collect::<Result<_>>()?;
-    Ok(Track { strains, stats: run.stats() })
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(times)?;
+    let strains = states.by_ref().map(|state| Ok(strains(state?.as_slice()))).collect::<Result<_>>()?;
+    Ok(Track { strains, stats: states.stats() })
 }
 
 fn strains(y: &[f64]) -> Strains {
@@ -370,7 +354,7 @@ fn perturbed_run(
     let envelopes = if t < period {
         None
     } else {
-        let mut again = options.method.start(scene, Setting::Tolerance(options.tolerance))?;
+        let mut again = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
         let chain = project(params, wave.epsilon(), t, |t| Ok(state_at(&mut again, t)?))?;
         let amplitudes = state_at(&mut flow()?, wave.slow_time(t))?;
         let means = dps.mean_strains(&amplitudes).to_vec();

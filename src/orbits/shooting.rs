@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     chain::{Chain, max_norm},
-    error::{Error, Result},
+    error::{Error, Iterate, Result},
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::{DMatrix, DVector, DVectorView};
@@ -179,9 +179,14 @@ impl Shooting {
         };
         match keep(&z, last, &newton) {
             Some(orbit) if orbit.residual <= SOLVED => Ok(Orbit { newton, ..orbit }),
-            best => Err(Error::Stalled { steps: newton.len(), best: best.map(Box::new) }),
+            best => Err(Error::Stalled { steps: newton.len(), best: best.map(|orbit| Box::new(iterate(orbit))) }),
         }
     }
+}
+
+fn iterate(Orbit { setting, z, residual, .. }: Orbit) -> Iterate {
+    let Setting { omega_b, params, .. } = setting;
+    Iterate { z, residual, place: format!("omega_b = {omega_b}, rho = {}", params.rho) }
 }
 
 /// The vector that makes `|matrix x - right|` least; `None` where the matrix has not full rank.

@@ -5,8 +5,8 @@ use crate::{
     experiments::{
         BOUNDS, Chart, ChartPoint, ChartStudy, ChartVerdict, Limit, Measured, ResonancePoint, Trial, Variant, kick_sum,
     },
-    method::Method,
     output::to_json,
+    run::method::Method,
 };
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -586,7 +586,8 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         points: vec![(first, height), (last, height)],
     };
     let lines = match method {
-        Method::Splitting(_, crate::method::Split::Kinetic) | Method::Corrected(_, crate::method::Split::Kinetic) => {
+        Method::Splitting(_, crate::run::method::Split::Kinetic)
+        | Method::Corrected(_, crate::run::method::Split::Kinetic) => {
             vec![line("2", 2.0)]
         }
         _ => vec![line("π", PI), line("2π", 2.0 * PI), line("3π", 3.0 * PI)],

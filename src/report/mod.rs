@@ -98,9 +98,9 @@ fn provenance(scene: &crate::scene::Scene, how: &str) -> String {
 
 /// The families of some methods, each once, and the index of that of each method: colours and headings of a legend.
 #[cfg(feature = "plot")]
-fn families(methods: &[crate::method::Method]) -> (Vec<String>, Vec<usize>) {
+fn families(methods: &[crate::run::method::Method]) -> (Vec<String>, Vec<usize>) {
     let mut names: Vec<String> = Vec::new();
-    let index = |method: &crate::method::Method| {
+    let index = |method: &crate::run::method::Method| {
         names.iter().position(|name| name == method.family()).unwrap_or_else(|| {
             names.push(method.family().to_owned());
             names.len() - 1

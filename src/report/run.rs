@@ -6,8 +6,8 @@ use crate::chain::Overlaps;
 use crate::{
     chain::{Boundary, Energy},
     error::Result,
-    experiments::{Outcome, Profile},
     output::{Array, Folder, SETTINGS, csv, npz_with, to_json},
+    run::{Profile, Trajectory},
     scene::{Scene, Theory},
 };
 use serde_json::{Map, Value, json};
@@ -29,7 +29,7 @@ fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
 }
 
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
-fn wave_errors(scene: &Scene, outcome: &Outcome) -> Option<(f64, f64)> {
+fn wave_errors(scene: &Scene, outcome: &Trajectory) -> Option<(f64, f64)> {
     let layout = scene.chain().layout();
     match (scene.theory(), layout.v(&outcome.state)) {
         (Some(Theory::Wave(wave)), Some(y)) => Some(wave.errors(outcome.t, layout.u(&outcome.state), y)),
@@ -47,7 +47,7 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy; `reason` is there where nobody named the integrator.
-pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Outcome) -> String {
+pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> String {
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
     put("scene", json!(scene.name()));
@@ -87,7 +87,7 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
 }
 
 /// The run in a few readable lines.
-pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Outcome) -> String {
+pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Trajectory) -> String {
     let mut lines = vec![
         format!("scene       {} ({})", scene.name(), scene.file().summary),
         format!("integrator  {integrator}, {setting}"),
@@ -127,7 +127,7 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Out
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Outcome, json: &str) -> Result<()> {
+pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &str) -> Result<()> {
     folder.write("summary.json", json.as_bytes())?;
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
     let arrays = state_arrays(scene, &outcome.state);
@@ -183,7 +183,7 @@ pub fn run_pictures(
     scene: &Scene,
     integrator: &str,
     setting: &str,
-    outcome: &Outcome,
+    outcome: &Trajectory,
 ) -> Result<Vec<(&'static str, Vec<u8>)>> {
     use crate::figures;
     let how = format!("Integrator {integrator}, {setting}.");
@@ -234,7 +234,7 @@ fn first_bond(scene: &Scene) -> f64 {
 /// The range of colours, and whether it clips: all strains, but gaps only up to three times the largest overlap, so that
 /// contacts stay visible.
 #[cfg(feature = "plot")]
-fn strain_range(outcome: &Outcome) -> (f64, bool) {
+fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
     let range = if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) };
@@ -243,7 +243,7 @@ fn strain_range(outcome: &Outcome) -> (f64, bool) {
 
 /// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.
 #[cfg(feature = "plot")]
-fn energy_errors(outcome: &Outcome) -> Vec<(f64, f64)> {
+fn energy_errors(outcome: &Trajectory) -> Vec<(f64, f64)> {
     let totals: Vec<(f64, f64)> =
         outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.total()))).collect();
     let Some(&(_, initial)) = totals.first().filter(|(_, energy)| *energy != 0.0) else { return Vec::new() };
@@ -251,7 +251,7 @@ fn energy_errors(outcome: &Outcome) -> Vec<(f64, f64)> {
 }
 
 #[cfg(feature = "plot")]
-fn profile_figure(scene: &Scene, outcome: &Outcome, caption: &dyn Fn(&str) -> String) -> crate::figures::Panels {
+fn profile_figure(scene: &Scene, outcome: &Trajectory, caption: &dyn Fn(&str) -> String) -> crate::figures::Panels {
     use crate::figures::{Line, Panel, Panels};
     let layout = scene.chain().layout();
     let ring = scene.chain().boundary() == Boundary::StrainRing;

@@ -105,7 +105,7 @@ pub fn scaling_png(study: &ScalingStudy) -> crate::error::Result<Vec<u8>> {
         Some(Point { work: row.sites as f64, error: 1e9 * time, below_reference: false })
     };
     let (families, family_of) = super::families(&methods);
-    let curve = |(nth, method): (usize, &crate::method::Method)| Curve {
+    let curve = |(nth, method): (usize, &crate::run::method::Method)| Curve {
         name: method.name(),
         family: family_of[nth],
         points: study.rows_of(method).into_iter().filter_map(point).collect(),

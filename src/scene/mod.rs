@@ -10,6 +10,7 @@ use crate::{
     chain::{Boundary, Chain, Resonators, Site, State, max_norm},
     error::{Error, Result},
     output::read,
+    run::Run,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -246,18 +247,16 @@ impl Scene {
         }
     }
 
-    /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond that can close, those with
-    /// walls included. A single free bead has none: its displacement stands in.
+    /// The strains of a state, see [`Chain::strains`].
     pub fn strains(&self, y: &[f64]) -> Vec<f64> {
-        let u = self.chain.layout().u(y);
-        let strains: Vec<f64> = match self.chain.boundary() {
-            Boundary::StrainRing => u.to_vec(),
-            _ => {
-                let rest = self.chain.precompression();
-                self.chain.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| rest - g).collect()
-            }
-        };
-        if strains.is_empty() { u.to_vec() } else { strains }
+        self.chain.strains(y)
+    }
+
+    /// The scene as a run, by the method that its chain asks for unless another is named.
+    pub fn run(&self) -> Run {
+        let run = Run::new(self.chain.clone(), self.initial.clone()).with_period(self.period);
+        let checked = run.until(self.end).and_then(|run| run.samples(self.file.record.samples));
+        checked.expect("end and samples of a scene are checked when it is built")
     }
 
     /// What is evaluated and what is left out where the scene has an [exact](Self::exact) solution and nobody asks for an integrator.

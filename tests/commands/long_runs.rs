@@ -3,9 +3,10 @@
 use hertzchain::{
     Error,
     chain::Contact,
-    experiments::{LongRun, Outcome, Records, run, run_with_contacts},
-    method::{Method, Setting},
+    experiments::LongRun,
     output::{Archive, Folder, npz_with},
+    run::method::{Method, Setting},
+    run::{Records, Trajectory},
     scene::Scene,
 };
 use std::{
@@ -31,7 +32,7 @@ fn long(method: &str, setting: Setting, interval: f64) -> LongRun {
     LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval).unwrap()
 }
 
-fn same(a: &Outcome, b: &Outcome) -> bool {
+fn same(a: &Trajectory, b: &Trajectory) -> bool {
     (a.t, &a.state, &a.samples, &a.profiles, &a.contacts) == (b.t, &b.state, &b.samples, &b.profiles, &b.contacts)
         && (a.energy_error, a.stats) == (b.energy_error, b.stats)
 }
@@ -72,7 +73,9 @@ fn contacts_are_joined_over_legs() {
             contacts.unwrap().into_iter().filter(|contact| contact.largest_overlap > 1e-9).collect::<Vec<_>>()
         };
         let method = Method::named(name).unwrap();
-        let whole = felt(run_with_contacts(&scene, method, setting, Records::End, &mut |_| ()).unwrap().contacts);
+        let whole = felt(
+            scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap().contacts,
+        );
         let over = |t: f64| whole.iter().any(|contact| contact.onset < Some(t) && contact.release > Some(t));
         assert!(over(8.0) && whole.len() > 12, "contacts go on over the end of a leg");
         for interval in [2.0, 0.1] {
@@ -104,8 +107,12 @@ fn contacts_are_joined_over_legs() {
 #[test]
 fn legs_cost_no_accuracy() {
     let scene = cradle();
-    let reference =
-        run(&scene, Method::named("dop853-regularised").unwrap(), Setting::Tolerance(1e-13), Records::End, &mut |_| ());
+    let reference = scene
+        .run()
+        .method(Method::named("dop853-regularised").unwrap())
+        .setting(Setting::Tolerance(1e-13))
+        .records(Records::End)
+        .start();
     let reference = reference.unwrap().state;
     let folder = tempfile::tempdir().unwrap();
     let folder = Folder::create(folder.path()).unwrap();

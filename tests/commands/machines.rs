@@ -1,6 +1,6 @@
 //! What another machine changes: vector instructions nothing, the system's `sin`, `cos` and `powf` the last bits.
 
-use hertzchain::method::Method;
+use hertzchain::run::method::Method;
 use hertzchain_integrators::Instructions;
 use std::{fs, path::Path, process::Command};
 

@@ -4,9 +4,10 @@ use hertzchain::{
     breathers::{BrightBreather, Norms, TrivialBreather},
     chain::{Boundary, Chain, Field, Params, Site, State},
     dps::{Averages, Center},
-    experiments::{BreatherOptions, BrightStudy, Records, bright_breather, run, run_in_closed_form},
+    experiments::{BreatherOptions, BrightStudy, bright_breather},
     integrators::{Stepper, VectorField, collocation::Pace},
-    method::{Method, Setting},
+    run::Records,
+    run::method::{Method, Setting},
     scene::{Initial, Scene, Theory},
 };
 use proptest::prelude::*;
@@ -117,7 +118,7 @@ fn the_breather_about_a_bond_stays_odd_about_its_centre() {
     let defect = |name: &str| {
         let scene = Scene::load(name).unwrap();
         let n = scene.chain().sites();
-        let mut run = Method::Collocation.start(&scene, Setting::Tolerance(1e-12)).unwrap();
+        let mut run = scene.run().method(Method::Collocation).setting(Setting::Tolerance(1e-12)).stepper().unwrap();
         let mut y = vec![0.0; run.dim()];
         let mut worst: f64 = 0.0;
         while !run.done() {
@@ -360,7 +361,8 @@ fn a_state_that_is_a_trivial_breather_is_known_as_one() {
 #[test]
 fn a_scene_in_closed_form_needs_no_steps() {
     let scene = Scene::load("trivial-breather").unwrap().until(1e9).unwrap();
-    let outcome = run_in_closed_form(&scene, Records::Profiles, &mut |_| ()).unwrap();
+    let outcome =
+        scene.run().records(Records::Profiles).start_in_closed_form(scene.exact().unwrap(), &mut |_| ()).unwrap();
     assert_eq!((outcome.t, outcome.failure.clone()), (1e9, None));
     assert_eq!((outcome.stats.steps, outcome.stats.force_evaluations), (0, 0));
     assert_eq!((outcome.profiles.len(), outcome.samples.len()), (401, 401));
@@ -373,13 +375,17 @@ fn a_scene_in_closed_form_needs_no_steps() {
             [layout.u(state)[n], layout.v(state).unwrap()[n], layout.u_dot(state)[n], layout.v_dot(state).unwrap()[n]];
         assert_eq!(all, [site.u, site.v, site.u_dot, site.v_dot]);
     }
-    let integrated =
-        run(&scene, Method::named("strang-linear").unwrap(), Setting::Steps(1000), Records::End, &mut |_| ()).unwrap();
+    let integrated = scene
+        .run()
+        .method(Method::named("strang-linear").unwrap())
+        .setting(Setting::Steps(1000))
+        .records(Records::End)
+        .start()
+        .unwrap();
     assert!(distance(&integrated.state, &outcome.state) < 1e-15);
     assert!(scene.plan_in_closed_form().iter().any(|line| line.contains("no integrator")));
     let bright = Scene::load("bright-breather").unwrap();
-    let message = run_in_closed_form(&bright, Records::End, &mut |_| ()).unwrap_err().to_string();
-    assert!(message.contains("only a scene whose exact solution is known"), "{message}");
+    assert!(bright.exact().is_none());
 }
 
 /// `-sum_{k < n} (p_k(T) - p_k(0)) / T`: the mean force of bond `n` of a free chain, from a run by dop853-regularised.

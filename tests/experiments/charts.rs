@@ -2,11 +2,11 @@
 
 use hertzchain::{
     experiments::{
-        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Records, Regime, Variant, charts, kick_sum,
-        regime, resonance, run,
+        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance,
     },
     integrators::splitting::First,
-    method::{Method, Split},
+    run::method::{Method, Split},
+    run::{Records, Regime, regime},
     scene::{Scene, SceneFile},
 };
 use std::f64::consts::PI;
@@ -163,15 +163,15 @@ fn four(amplitude: f64, kappa: f64, rho: f64, radians: f64) -> Scene {
 #[test]
 fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_says() {
     let energy_error = |scene: &Scene| {
-        let Regime { method, setting, .. } = regime(scene);
-        run(scene, method, setting, Records::Energy, &mut |_| ()).unwrap().energy_error.unwrap()
+        let Regime { method, setting, .. } = regime(&scene.run()).unwrap();
+        scene.run().method(method).setting(setting).records(Records::Energy).start().unwrap().energy_error.unwrap()
     };
-    assert_eq!(regime(&Scene::load("tw-q15").unwrap()).method, Method::Collocation);
+    assert_eq!(regime(&Scene::load("tw-q15").unwrap().run()).unwrap().method, Method::Collocation);
     for (amplitude, kappa, rho) in
         [(1.0, 1.0, 1e-9), (1e-12, 1e4, 1.0 / 3.0), (1e-6, 1e8, 1.0 / 3.0), (1.0, 1e8, 1.0 / 3.0)]
     {
         let scene = four(amplitude, kappa, rho, 1e5);
-        let chosen = regime(&scene);
+        let chosen = regime(&scene.run()).unwrap();
         assert_eq!(chosen.method, named(&["strang-linear"])[0], "{}", chosen.reason);
         assert!(chosen.reason.contains("Omega_c") && chosen.wording.contains("h omega"), "{chosen:?}");
         let error = energy_error(&scene);
@@ -179,7 +179,7 @@ fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_sa
         assert!(error < 2e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
     }
     for scene in [four(1.0, 1.0, 1.0 / 3.0, 1e2), four(1.0, 1e4, 1.0 / 3.0, 1e3), four(1e-12, 1e-8, 1.0 / 3.0, 1e2)] {
-        assert_eq!(regime(&scene).method, Method::Collocation);
+        assert_eq!(regime(&scene.run()).unwrap().method, Method::Collocation);
         assert!(energy_error(&scene) < 1e-9);
     }
 }

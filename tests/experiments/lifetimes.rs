@@ -8,7 +8,7 @@ use hertzchain::{
     dps::Center,
     experiments::{Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
     integrators::{Silent, collocation::Pace, drive},
-    method::Method,
+    run::method::Method,
 };
 use num_complex::Complex64;
 use serde_json::Value;

@@ -5,7 +5,7 @@ use hertzchain::{
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
     experiments::{WaveOptions, WaveStudy, wave},
     integrators::{Collocation, Dop853, Stepper, collocation::Pace, dop853::Options},
-    method::Method,
+    run::method::Method,
     scene::Scene,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };

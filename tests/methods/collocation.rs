@@ -6,9 +6,10 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
-    experiments::{Records, generic_state, run, run_with_contacts},
+    experiments::generic_state,
     integrators::{Error, Observer, Stats, Stepper, collocation::Pace, drive},
-    method::{Method, Setting},
+    run::Records,
+    run::method::{Method, Setting},
     scene::{Scene, SceneFile},
 };
 use proptest::{
@@ -263,7 +264,7 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     let scene = generic_scene("random", 0.5, "fixed", 20.0);
     let log = |method, tol| {
         let setting = Setting::Tolerance(tol);
-        run_with_contacts(&scene, method, setting, Records::End, &mut |_| ()).unwrap().contacts.unwrap()
+        scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap().contacts.unwrap()
     };
     let found = log(Method::Collocation, 1e-12);
     let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
@@ -310,7 +311,13 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn a_thousand_periods_keep_the_energy_to_rounding() {
     let scene = generic_scene("random", 0.5, "ring", 1000.0);
-    let outcome = run(&scene, Method::Collocation, Setting::Tolerance(1e-12), Records::Energy, &mut |_| ()).unwrap();
+    let outcome = scene
+        .run()
+        .method(Method::Collocation)
+        .setting(Setting::Tolerance(1e-12))
+        .records(Records::Energy)
+        .start()
+        .unwrap();
     let error = outcome.energy_error.unwrap();
     println!("{error:e}");
     // Measured: 2.7e-13.

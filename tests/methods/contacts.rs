@@ -4,12 +4,12 @@ use crate::common::{collocated, distance, largest};
 use approx::assert_relative_eq;
 use hertzchain::{
     chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Params, Site, State},
-    experiments::{Records, run_with_contacts},
     integrators::{
         Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, collocation::Pace, dop853::Options, drive,
         regularised::power,
     },
-    method::{Method, Setting},
+    run::Records,
+    run::method::{Method, Setting},
     scene::Scene,
 };
 use proptest::prelude::*;
@@ -96,8 +96,14 @@ fn impulses_add_up_to_the_change_of_momentum() {
         ("verlet", Setting::Steps(4000), 4e-6),
         ("aba1064", Setting::Steps(1000), 5e-9),
     ] {
-        let outcome =
-            run_with_contacts(&scene, Method::named(name).unwrap(), setting, Records::End, &mut |_| ()).unwrap();
+        let outcome = scene
+            .run()
+            .method(Method::named(name).unwrap())
+            .setting(setting)
+            .records(Records::End)
+            .contacts()
+            .start()
+            .unwrap();
         let layout = scene.chain().layout();
         let mut impulses = vec![0.0; layout.sites() + 1];
         for contact in outcome.contacts.unwrap() {
@@ -238,7 +244,7 @@ fn the_tail_of_a_breather_makes_no_events() {
     for name in ["dop853-landed", "dop853-regularised", "strang-linear"] {
         let method = Method::named(name).unwrap();
         let setting = if method.adaptive() { Setting::Tolerance(1e-10) } else { Setting::Steps(1000) };
-        let outcome = run_with_contacts(&scene, method, setting, Records::End, &mut |_| ()).unwrap();
+        let outcome = scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap();
         assert_eq!(outcome.contacts, Some(Vec::new()), "{name}");
     }
     // One bead displaced among forty at rest that just touch: overlaps fall doubly exponentially, 1e-1, 1e-3, .., 1e-300.

@@ -3,13 +3,14 @@
 use hertzchain::{
     chain::{Bonded, Boundary, Chain, Contact, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
     error::Error,
-    experiments::{Records, generic_state, run, run_with_contacts},
+    experiments::generic_state,
     integrators::{
         Stepper,
         collocation::Pace,
         splitting::{Corrected, Parts},
     },
-    method::{Method, Setting, Split},
+    run::Records,
+    run::method::{Method, Setting, Split},
     scene::Scene,
 };
 use serde_json::Value;
@@ -308,7 +309,7 @@ fn energy_does_not_drift_and_the_way_back_leads_to_the_start() {
 fn the_log_of_contacts_is_that_of_collocation() {
     let scene = Scene::load("tw-q15").unwrap().until(12.0).unwrap();
     let log = |method, setting| -> Vec<Contact> {
-        run_with_contacts(&scene, method, setting, Records::End, &mut |_| ()).unwrap().contacts.unwrap()
+        scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap().contacts.unwrap()
     };
     // Its speeds are good to six digits, its times to rounding.
     let truth = log(Method::Collocation, Setting::Tolerance(1e-12));
@@ -354,7 +355,13 @@ fn a_tolerance_is_kept_over_decades() {
         let scene = Scene::load(name).unwrap().until(until).unwrap();
         let truth = by_collocation(scene.chain(), scene.initial().as_slice(), scene.end(), 1e-14);
         for tol in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11] {
-            let outcome = run(&scene, Method::CORRECTED, Setting::Tolerance(tol), Records::End, &mut |_| ()).unwrap();
+            let outcome = scene
+                .run()
+                .method(Method::CORRECTED)
+                .setting(Setting::Tolerance(tol))
+                .records(Records::End)
+                .start()
+                .unwrap();
             let error = relative(scene.chain(), &outcome.state, &truth);
             println!("{name} {tol:e}: {error:.1e}, {} steps", outcome.stats.steps);
             assert!(error < tol, "{name}: {error:e} for {tol:e}");
@@ -372,9 +379,9 @@ fn what_the_method_does_not_serve_is_refused() {
     }
     let scene = Scene::load("tw-q15").unwrap();
     for tol in [0.0, -1.0, 1e-14, 0.5, f64::NAN] {
-        let why = Method::CORRECTED.start(&scene, Setting::Tolerance(tol)).err().unwrap();
+        let why = scene.run().method(Method::CORRECTED).setting(Setting::Tolerance(tol)).stepper().err().unwrap();
         assert!(matches!(why, Error::Parameter { .. }), "{why}");
     }
-    let why = Method::TAKAHASHI_IMADA.start(&scene, Setting::Tolerance(1e-6)).err().unwrap();
+    let why = scene.run().method(Method::TAKAHASHI_IMADA).setting(Setting::Tolerance(1e-6)).stepper().err().unwrap();
     assert!(matches!(why, Error::Parameter { .. }), "{why}");
 }

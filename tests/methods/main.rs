@@ -9,6 +9,7 @@ mod contacts;
 mod corrected;
 mod main_job;
 mod order;
+mod run;
 mod splitting;
 mod tangent;
 

@@ -1,8 +1,9 @@
 //! The main job on the paper's chain: errors, orders and theory of the built-in scenes.
 
 use hertzchain::{
-    experiments::{CompareOptions, Outcome, Records, compare, run},
-    method::{Method, Setting},
+    experiments::{CompareOptions, compare},
+    run::method::{Method, Setting},
+    run::{Records, Trajectory},
     scene::{Scene, Theory},
 };
 
@@ -14,8 +15,9 @@ fn steps_per_period(scene: &Scene, n: f64) -> Setting {
     Setting::Steps((n * scene.end() / scene.period()).round() as u64)
 }
 
-fn end(scene: &Scene, method: &str, setting: Setting) -> Outcome {
-    let outcome = run(scene, Method::named(method).unwrap(), setting, Records::End, &mut |_| ()).unwrap();
+fn end(scene: &Scene, method: &str, setting: Setting) -> Trajectory {
+    let outcome =
+        scene.run().method(Method::named(method).unwrap()).setting(setting).records(Records::End).start().unwrap();
     assert_eq!(outcome.failure, None);
     outcome
 }
@@ -25,7 +27,7 @@ fn kicks(scene: &Scene, method: &str, kicks: f64) -> Setting {
     steps_per_period(scene, kicks / Method::named(method).unwrap().stages() as f64)
 }
 
-fn distance(scene: &Scene, a: &Outcome, b: &Outcome) -> f64 {
+fn distance(scene: &Scene, a: &Trajectory, b: &Trajectory) -> f64 {
     let scale = scene.amplitude().unwrap();
     let gaps = scene.strains(&a.state).into_iter().zip(scene.strains(&b.state)).map(|(a, b)| (a - b).abs());
     gaps.fold(0.0, f64::max) / scale
@@ -203,8 +205,14 @@ fn a_light_resonator_limits_the_step_of_verlet_only() {
     let mut file = scene("impact").file().clone();
     (file.chain.kappa, file.chain.rho, file.span.period) = (1.0, 1e-8, None);
     let scene = Scene::build(file).unwrap();
-    let run =
-        |method| run(&scene, Method::named(method).unwrap(), Setting::Steps(10_000), Records::Energy, &mut |_| ());
+    let run = |method| {
+        scene
+            .run()
+            .method(Method::named(method).unwrap())
+            .setting(Setting::Steps(10_000))
+            .records(Records::Energy)
+            .start()
+    };
     let exact = run("strang-linear").unwrap();
     assert_eq!(exact.failure, None);
     let error = exact.energy_error.unwrap();

@@ -4,7 +4,7 @@ use super::problem::Prepared;
 use crate::{
     error::Result,
     experiments::drift::energy,
-    method::{Method, Setting, Split},
+    run::method::{Method, Setting, Split},
 };
 use hertzchain_integrators::{Stepper, Twofold};
 use serde::{Deserialize, Serialize};
@@ -239,7 +239,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
         return Ok(trial);
     }
     let clock = Instant::now();
-    let mut run = method.start(scene, setting)?;
+    let mut run = scene.run().method(method).setting(setting).stepper()?;
     let mut look = Look::new(prepared);
     while !run.done() {
         if let Err(failure) = run.step() {

@@ -19,18 +19,16 @@
 
 mod measure;
 mod problem;
-mod regimes;
 mod resonances;
 
 pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
-pub use regimes::{Regime, regime};
 pub use resonances::{Resonance, kick_sum, resonance};
 
 use crate::{
     error::{Error, Result},
-    method::{Contacts, Method, Split},
     output::Folder,
+    run::method::{Contacts, Method, Split},
     sweep::{Row, Store, Threads, sweep},
 };
 use measure::{Search, measure};

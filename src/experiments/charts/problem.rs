@@ -1,8 +1,9 @@
 //! What is charted: a chain and a state, and their variants.
 
 use crate::{
-    chain::{Boundary, Chain, max_norm},
+    chain::{Boundary, Chain},
     error::{Error, Result},
+    run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
 };
 use serde::{Deserialize, Serialize};
@@ -60,20 +61,6 @@ pub(super) struct Prepared {
     pub(super) fast: f64,
 }
 
-/// The amplitude `A` of a scene: the largest overlap that its strains or its speeds can make.
-pub(super) fn amplitude(scene: &Scene) -> f64 {
-    let (chain, y) = (scene.chain(), scene.initial().as_slice());
-    let (strain, power) = (max_norm(scene.strains(y)), chain.params().alpha + 1.0);
-    let speed = max_norm(chain.layout().u_dot(y).iter().copied());
-    // Two beads that meet at this speed each overlap by as much as turns their kinetic energy into that of the contact.
-    strain.max((speed * speed * power).powf(power.recip()))
-}
-
-/// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
-pub(super) fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
-    (2.0 * alpha * overlap.powf(alpha - 1.0)).sqrt()
-}
-
 impl Problem {
     /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1` without a pattern, resonators so far from their beads that
     /// springs hold as much energy as contacts (or as far as the beads are, if springs are soft): no error hides behind the other energy.
@@ -94,7 +81,7 @@ impl Problem {
                 "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
             return Err(Error::parameter("scene", scene.name(), rule));
         }
-        let amplitude = amplitude(scene);
+        let amplitude = overlap_scale(scene.chain(), scene.initial().as_slice());
         if amplitude == 0.0 {
             return Err(Error::parameter("scene", scene.name(), "a chain at rest has no error to chart"));
         }

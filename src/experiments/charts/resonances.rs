@@ -19,9 +19,10 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    method::{Method, Setting, Split},
+    run::Records,
+    run::method::{Method, Setting, Split},
 };
-use hertzchain_integrators::{Stepper, splitting::First};
+use hertzchain_integrators::splitting::First;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -118,17 +119,13 @@ fn growth(problem: &Problem, method: Method, delta: f64, h: f64) -> Result<f64> 
 fn step_matrix(problem: &Problem, method: Method, delta: f64, h: f64, steps: u64) -> Result<DMatrix<f64>> {
     let span = steps as f64 * h;
     let dim = problem.pressed(1, delta, 0, 0.0, span)?.initial().as_slice().len();
-    let mut y = vec![0.0; dim];
     let mut matrix = DMatrix::zeros(dim, dim);
     for entry in 0..dim {
         for sign in [1.0, -1.0] {
             let shift = sign * SHIFT * delta;
             let scene = problem.pressed(1, delta, entry, shift, span)?;
-            let mut run = method.start(&scene, Setting::Steps(steps))?;
-            while !run.done() {
-                run.step()?;
-            }
-            run.sample(run.time(), &mut y);
+            let run = scene.run().method(method).setting(Setting::Steps(steps)).records(Records::End);
+            let y = run.start()?.complete()?.state;
             for (row, value) in y.iter().enumerate() {
                 matrix[(row, entry)] += value / (2.0 * shift);
             }

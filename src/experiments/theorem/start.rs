@@ -8,8 +8,8 @@ use crate::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Center, Dps, Ends, Form, Homoclinic, Layout},
     error::{Error, Result},
-    experiments::wave::state_at,
     random::uniform,
+    run::state_at,
 };
 use hertzchain_integrators::{Dop853, Stepper, collocation::Pace, dop853::Options};
 use num_complex::Complex64;

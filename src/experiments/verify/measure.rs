@@ -3,7 +3,8 @@
 use crate::{
     chain::{Boundary, Chain, Params, State},
     error::Result,
-    experiments::{fit_line, wave::state_at},
+    experiments::fit_line,
+    run::state_at,
     waves::{Shape, Size, TravellingWave, strains},
 };
 use hertzchain_integrators::{VectorField, collocation::Pace};

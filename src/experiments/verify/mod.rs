@@ -21,7 +21,7 @@ pub use item::{Item, Rule, Verdict};
 use super::{WaveOptions, WaveStudy, wave};
 use crate::{
     error::{Error, Result},
-    method::Method,
+    run::method::Method,
     scene::{Initial, Scene},
     sweep::Tally,
 };

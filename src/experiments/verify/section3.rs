@@ -15,7 +15,8 @@ use crate::{
     chain::{Boundary, Chain, Params, Site, State, max_norm},
     dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
     error::Result,
-    experiments::{self, Initial, Norm, RhoLaw, TheoremOptions, wave::state_at},
+    experiments::{self, Initial, Norm, RhoLaw, TheoremOptions},
+    run::state_at,
     waves::{Modulation, Shape},
 };
 use hertzchain_integrators::collocation::Pace;

@@ -15,11 +15,10 @@ use crate::{
     chain::{Boundary, Chain, Params, State, max_norm},
     dps::{Center, Homoclinic, per_gamma},
     error::Result,
-    experiments::{
-        self, BreatherOptions, Initial, Norm, TheoremOptions, bright_breather, trivial_breather, wave::state_at,
-    },
-    method::Method,
+    experiments::{self, BreatherOptions, Initial, Norm, TheoremOptions, bright_breather, trivial_breather},
     orbits::Shooting,
+    run::method::Method,
+    run::state_at,
     scene::Scene,
 };
 use hertzchain_integrators::collocation::Pace;

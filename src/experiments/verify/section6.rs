@@ -13,7 +13,7 @@ use crate::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Averages, Center, DarkProfile, project},
     error::Result,
-    experiments::wave::state_at,
+    run::state_at,
 };
 use hertzchain_integrators::collocation::Pace;
 use std::f64::consts::PI;

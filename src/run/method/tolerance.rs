@@ -4,18 +4,18 @@
 //! tolerance needs follow from that; runs are repeated, nearer to these, until they are at most twice those of the finer run.
 
 use super::{Method, Setting};
+use crate::run::Run;
 use crate::{
     chain::{Layout, max_norm},
     error::{Error, Result},
     interrupt,
-    scene::Scene,
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
 use std::{f64::consts::SQRT_2, ops::ControlFlow};
 
 /// Tolerances that can be met: below are roundings.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=0.1;
-/// Steps a period of the scene in the first run.
+/// Steps a period in the first run.
 const FIRST: f64 = 16.0;
 /// The error that steps are chosen for, in units of the tolerance: so much less, as estimates are no bounds.
 const GOAL: f64 = 0.25;
@@ -32,29 +32,29 @@ const MOST_STEPS: f64 = 1e12;
 ///
 /// # Errors
 /// A tolerance below 1e-13 or above 0.1, one that estimates do not reach, or what ends a run.
-pub(super) fn steps(scene: &Scene, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
+pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
     if !TOLERANCES.contains(&tol) {
         return Err(Error::parameter("tol", tol, "contact-corrected splitting takes tolerances from 1e-13 to 0.1"));
     }
-    let layout = scene.chain().layout();
+    let layout = run.chain().layout();
     let end = |steps: f64| -> Result<Vec<f64>> {
-        let mut stepper = method.start_leg(scene, y, span, Setting::Steps(steps as u64))?;
+        let mut stepper = method.start(run, y, span, Setting::Steps(steps as u64))?;
         let mut end = y.to_vec();
         drive(&mut *stepper, &mut Interruptible, &mut end)?;
         Ok(end)
     };
-    let mut steps = (FIRST * (span.1 - span.0) / scene.period()).ceil().max(FIRST);
+    let mut steps = (FIRST * (span.1 - span.0) / run.period()).ceil().max(FIRST);
     let mut last = f64::INFINITY;
     loop {
         let finer = (SQRT_2 * steps).round();
         let error = distance(layout, &end(steps)?, &end(finer)?) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
         if factor <= FARTHEST {
-            return Ok(at_samples(scene, span, (finer * factor.max(0.5)).ceil() as u64));
+            return Ok(at_samples(run, span, (finer * factor.max(0.5)).ceil() as u64));
         }
         // Below the tolerance, finer steps only add roundings.
         if error > last && error < tol {
-            return Ok(at_samples(scene, span, finer as u64));
+            return Ok(at_samples(run, span, finer as u64));
         }
         last = if error.is_finite() { error } else { last };
         steps = (finer * if factor.is_finite() { (factor / FARTHEST).clamp(SQRT_2, FASTEST) } else { FASTEST }).ceil();
@@ -65,9 +65,9 @@ pub(super) fn steps(scene: &Scene, method: Method, y: &[f64], span: (f64, f64), 
 }
 
 /// As many steps or more, so that the samples of a whole run are at ends of steps: one inside a step costs as much as many steps.
-fn at_samples(scene: &Scene, span: (f64, f64), steps: u64) -> u64 {
-    let whole = span == (0.0, scene.end());
-    match scene.file().record.samples as u64 {
+fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
+    let whole = run.end().is_ok_and(|end| span == (0.0, end));
+    match run.sample_count() as u64 {
         samples @ 1.. if whole => steps.next_multiple_of(samples),
         _ => steps,
     }

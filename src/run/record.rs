@@ -1,12 +1,11 @@
-//! One run of a scene.
+//! What a run leaves behind, and the observer that keeps it.
 
+use super::{Method, Run, Setting, method::start_logged};
 use crate::{
     breathers::TrivialBreather,
     chain::{Contact, ContactLog, Energy, Overlaps, join, max_norm},
-    error::{Error, Failed, Result},
+    error::{Failed, Result},
     interrupt,
-    method::{Method, Setting, start_logged},
-    scene::Scene,
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, Stepper, Watch, collocation::ContactStepper, drive};
 use std::{
@@ -27,7 +26,7 @@ const MOST_NUMBERS: usize = 1 << 26;
 pub enum Records {
     /// Nothing but the end; nothing is checked on the way either.
     End,
-    /// Energies at the scene's sample times.
+    /// Energies at the sample times.
     Energy,
     /// Energies and strain profiles.
     Profiles,
@@ -47,15 +46,15 @@ pub struct Sample {
 pub struct Profile {
     /// Time.
     pub t: f64,
-    /// Strains of beads, see [`Scene::strains`].
+    /// Strains of beads, see [`Chain::strains`](crate::chain::Chain::strains).
     pub x: Vec<f64>,
     /// The whole state.
     pub state: Vec<f64>,
 }
 
-/// What a run left behind. A run that failed keeps all it had.
+/// What a run leaves behind. A run that failed keeps all it had.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct Trajectory {
     /// Time reached.
     pub t: f64,
     /// State there, in the chain's layout.
@@ -78,67 +77,30 @@ pub struct Outcome {
     pub failure: Option<Failed>,
 }
 
-/// Runs `scene` with `method`. `progress` is told the time at every sample.
-///
-/// # Errors
-/// A run that cannot start. One that fails on the way is an [`Outcome`] with a `failure`.
-pub fn run(
-    scene: &Scene,
-    method: Method,
-    setting: Setting,
-    records: Records,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome> {
-    whole(scene, method, setting, Kept::new(scene), records, progress)
-}
-
-/// The same run watched for contacts: every step is sampled eight times and searched; collocation knows them anyway.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_with_contacts(
-    scene: &Scene,
-    method: Method,
-    setting: Setting,
-    records: Records,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome> {
-    whole(scene, method, setting, Kept::with_contacts(scene), records, progress)
-}
-
-/// A run in one leg.
-fn whole(
-    scene: &Scene,
-    method: Method,
-    setting: Setting,
-    kept: Kept,
-    records: Records,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome> {
-    let mut recorder = Recorder::new(scene, records, kept, progress);
-    let failure = recorder.go_on(method, setting, scene.end())?.err();
-    Ok(recorder.outcome(failure))
-}
-
-/// The exact solution of a scene in place of a run: no integrator, no contacts.
-///
-/// # Errors
-/// A scene without one, see [`Scene::exact`].
-pub fn run_in_closed_form(scene: &Scene, records: Records, progress: &mut dyn FnMut(f64)) -> Result<Outcome> {
-    let Some(breather) = scene.exact() else {
-        let rule = "only a scene whose exact solution is known runs in closed form";
-        return Err(Error::parameter("scene", scene.name(), rule));
-    };
-    let mut recorder = Recorder::new(scene, records, Kept::new(scene), progress);
-    let failure = recorder.leg(&mut ClosedForm { breather, end: scene.end(), t: 0.0 }).err();
-    Ok(recorder.outcome(failure))
+impl Trajectory {
+    /// The same, if the run got to its end.
+    ///
+    /// # Errors
+    /// Why it did not.
+    pub fn complete(self) -> Result<Self> {
+        match self.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(self),
+        }
+    }
 }
 
 /// A solution that is known: one step goes to the end.
-struct ClosedForm<'a> {
+pub(super) struct ClosedForm<'a> {
     breather: &'a TrivialBreather,
     end: f64,
     t: f64,
+}
+
+impl<'a> ClosedForm<'a> {
+    pub(super) fn new(breather: &'a TrivialBreather, end: f64) -> Self {
+        Self { breather, end, t: 0.0 }
+    }
 }
 
 impl Stepper<f64> for ClosedForm<'_> {
@@ -213,67 +175,60 @@ fn nonzero(energy: f64) -> f64 {
 
 /// All that a run has at a time: it goes on from there.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Kept {
-    pub(super) t: f64,
-    pub(super) state: Vec<f64>,
+pub(crate) struct Kept {
+    pub(crate) t: f64,
+    pub(crate) state: Vec<f64>,
     /// Samples taken.
-    pub(super) taken: usize,
+    pub(crate) taken: usize,
     /// Largest `|E(t) - E(0)|`.
-    pub(super) largest: f64,
-    pub(super) samples: Vec<Sample>,
-    pub(super) profiles: Vec<Profile>,
+    pub(crate) largest: f64,
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) profiles: Vec<Profile>,
     /// Contacts, if they are asked for.
-    pub(super) contacts: Option<Vec<Contact>>,
-    pub(super) stats: Stats,
-    pub(super) wall: Duration,
+    pub(crate) contacts: Option<Vec<Contact>>,
+    pub(crate) stats: Stats,
+    pub(crate) wall: Duration,
 }
 
 impl Kept {
     /// The start.
-    pub(super) fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(run: &Run) -> Self {
         Self {
             t: 0.0,
-            state: scene.initial().as_slice().to_vec(),
+            state: run.initial.as_slice().to_vec(),
             taken: 0,
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
-            contacts: None,
+            contacts: run.contacts.then(Vec::new),
             stats: Stats::default(),
             wall: Duration::ZERO,
         }
     }
-
-    /// The start of a run that is watched for contacts.
-    pub(super) fn with_contacts(scene: &Scene) -> Self {
-        Self { contacts: Some(Vec::new()), ..Self::new(scene) }
-    }
 }
 
 /// The observer of a run: keeps what was asked for, and stops what has blown up.
-pub(super) struct Recorder<'a> {
-    scene: &'a Scene,
-    records: Records,
+pub(crate) struct Recorder<'a> {
+    run: &'a Run,
     progress: &'a mut dyn FnMut(f64),
     /// Samples from one kept profile to the next.
     stride: usize,
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
-    pub(super) kept: Kept,
+    pub(crate) kept: Kept,
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(scene: &'a Scene, records: Records, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
-        let y = scene.initial().as_slice();
-        let has_energy = scene.chain().has_energy(y);
+    pub(crate) fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
+        let y = run.initial.as_slice();
+        let has_energy = run.chain.has_energy(y);
         Self {
-            scene,
-            records,
+            run,
             progress,
-            stride: (y.len() * (scene.file().record.samples + 1)).div_ceil(MOST_NUMBERS),
+            stride: (y.len() * (run.samples + 1)).div_ceil(MOST_NUMBERS),
             has_energy,
-            initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
+            initial_energy: has_energy.then(|| run.chain.energy(y).total()),
             initial_size: max_norm(y.iter().copied()),
             kept,
         }
@@ -283,25 +238,25 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// A leg that cannot start; inside, why it stopped on the way.
-    pub(super) fn go_on(
+    pub(crate) fn go_on(
         &mut self,
         method: Method,
         setting: Setting,
         end: f64,
     ) -> Result<std::result::Result<(), Failed>> {
-        let (scene, state, start) = (self.scene, &self.kept.state, self.kept.t);
+        let (run, state, start) = (self.run, &self.kept.state, self.kept.t);
         let span = (start, end);
         if self.kept.contacts.is_none() {
-            let mut stepper = method.start_leg(scene, state, span, setting)?;
+            let mut stepper = method.start(run, state, span, setting)?;
             return Ok(self.leg(&mut stepper));
         }
-        let chain = scene.chain();
+        let chain = &run.chain;
         let log = ContactLog::new(chain.clone());
-        let (result, log) = if let Some(run) = start_logged(method, scene, state, span, setting)? {
+        let (result, log) = if let Some(run) = start_logged(method, run, state, span, setting)? {
             let mut logged = Logged { run, log };
             (self.leg(&mut logged), logged.log)
         } else {
-            let stepper = method.start_leg(scene, state, span, setting)?;
+            let stepper = method.start(run, state, span, setting)?;
             let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), log);
             (self.leg(&mut watch), watch.into_listener())
         };
@@ -312,7 +267,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Goes on with a stepper that starts from what is kept.
-    fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
+    pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
         let driven = drive(stepper, self, &mut state);
@@ -328,7 +283,7 @@ impl<'a> Recorder<'a> {
 
     /// Where that was, as far as it has a place.
     fn failed(&self, cause: Failure, h: Option<f64>, y: &[f64]) -> Failed {
-        let chain = self.scene.chain();
+        let chain = &self.run.chain;
         let (h, place) = match cause {
             Failure::NotFinite { index, .. } => (h, Some(chain.place(index))),
             Failure::Unstable { .. } => {
@@ -344,15 +299,15 @@ impl<'a> Recorder<'a> {
     }
 
     /// What the run leaves behind.
-    pub(super) fn outcome(self, failure: Option<Failed>) -> Outcome {
+    pub(crate) fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, .. } = self.kept;
         let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
-        Outcome { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, failure }
+        Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, failure }
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
-        self.has_energy.then(|| self.scene.chain().energy(y))
+        self.has_energy.then(|| self.run.chain.energy(y))
     }
 
     /// Refuses a state that is not finite or that only an unstable method reaches.
@@ -379,18 +334,17 @@ impl<'a> Recorder<'a> {
 
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
-        let samples = self.scene.file().record.samples;
-        let taken = self.kept.taken;
-        let wanted = self.records != Records::End && samples > 0 && taken <= samples;
-        wanted.then(|| self.scene.end() * (taken as f64 / samples as f64))
+        let (samples, taken) = (self.run.samples, self.kept.taken);
+        let wanted = self.run.records != Records::End && samples > 0 && taken <= samples;
+        wanted.then(|| self.run.end * (taken as f64 / samples as f64))
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
         self.kept.taken += 1;
         let energy = self.check(t, y, stats)?;
         self.kept.samples.push(Sample { t, energy });
-        if self.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
-            self.kept.profiles.push(Profile { t, x: self.scene.strains(y), state: y.to_vec() });
+        if self.run.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
+            self.kept.profiles.push(Profile { t, x: self.run.chain.strains(y), state: y.to_vec() });
         }
         (self.progress)(t);
         Ok(ControlFlow::Continue(()))

@@ -1,9 +1,9 @@
 //! The integrators by name: the one place that knows all of them.
 
+use super::Run;
 use crate::{
     chain::{Bonded, Chain, Field, KineticFlow, LinearFlow, Overlaps, SiteFlow, max_norm},
     error::{Error, Result},
-    scene::Scene,
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
@@ -197,26 +197,18 @@ impl Method {
         }
     }
 
-    /// The method at work on a scene.
+    /// The method at work on a leg of a run: from the state `y` at the first time of `span` to the second, with a setting for that.
     ///
     /// # Errors
     /// A setting of the wrong kind for the method, or outside its rule.
-    pub fn start(&self, scene: &Scene, setting: Setting) -> Result<Box<dyn Stepper<f64> + Send>> {
-        self.start_leg(scene, scene.initial().as_slice(), (0.0, scene.end()), setting)
-    }
-
-    /// The method at work on a leg of a scene: from the state `y` at the first time of `span` to the second, with a setting for that.
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn start_leg(
+    pub fn start(
         &self,
-        scene: &Scene,
+        run: &Run,
         y: &[f64],
         span: (f64, f64),
         setting: Setting,
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
-        let chain = scene.chain().clone();
+        let chain = run.chain().clone();
         match (self, setting) {
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 let flow = loaded(KineticFlow::new(chain), y);
@@ -237,13 +229,13 @@ impl Method {
                 Ok(Box::new(corrected(LinearFlow::new(chain), y, span, steps, *parts)?))
             }
             (Self::Corrected(Parts { corrected: true, .. }, _), Setting::Tolerance(tol)) => {
-                let steps = tolerance::steps(scene, *self, y, span, tol)?;
-                self.start_leg(scene, y, span, Setting::Steps(steps))
+                let steps = tolerance::steps(run, *self, y, span, tol)?;
+                self.start(run, y, span, Setting::Steps(steps))
             }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
                 // Absolute errors are counted in units of the first state, so that small waves are not waved through.
-                let size = max_norm(scene.initial().as_slice().iter().copied());
+                let size = max_norm(run.initial().as_slice().iter().copied());
                 let atol = if size > 0.0 { tol * size } else { tol };
                 let options = Options { atol, ..Options::new(tol) };
                 let alpha = chain.params().alpha;
@@ -255,7 +247,7 @@ impl Method {
                 Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
-                Ok(Box::new(collocation(scene, y, span, setting)?))
+                Ok(Box::new(collocation(run.chain(), y, span, setting)?))
             }
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
@@ -270,28 +262,28 @@ impl Method {
     }
 }
 
-/// A method at work on a leg of a scene that logs contacts by itself; `None` for one that must be watched for them.
+/// A method at work on a leg of a run that logs contacts by itself; `None` for one that must be watched for them.
 ///
 /// # Errors
-/// As [`Method::start_leg`].
+/// As [`Method::start`].
 pub(crate) fn start_logged(
     method: Method,
-    scene: &Scene,
+    run: &Run,
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
     match (method, setting) {
-        (Method::Collocation, _) => Ok(Some(Box::new(collocation(scene, y, span, setting)?.logged()))),
+        (Method::Collocation, _) => Ok(Some(Box::new(collocation(run.chain(), y, span, setting)?.logged()))),
         (
             Method::Corrected(parts @ Parts { corrected: true, .. }, split),
             Setting::Steps(_) | Setting::Tolerance(_),
         ) => {
             let steps = match setting {
-                Setting::Tolerance(tol) => tolerance::steps(scene, method, y, span, tol)?,
+                Setting::Tolerance(tol) => tolerance::steps(run, method, y, span, tol)?,
                 Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
             };
-            let chain = scene.chain().clone();
+            let chain = run.chain().clone();
             Ok(Some(match split {
                 Split::Kinetic => Box::new(corrected(KineticFlow::new(chain), y, span, steps, parts)?.logged()),
                 Split::Linear => Box::new(corrected(LinearFlow::new(chain), y, span, steps, parts)?.logged()),
@@ -312,12 +304,12 @@ fn corrected<F: SiteFlow>(
     Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
 }
 
-/// Collocation at work on a leg of a scene.
+/// Collocation at work on a leg of a run.
 ///
 /// # Errors
 /// A setting in steps, or outside its rule.
 pub(crate) fn collocation(
-    scene: &Scene,
+    chain: &Chain<f64>,
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
@@ -333,7 +325,7 @@ pub(crate) fn collocation(
             ));
         }
     };
-    Ok(scene.chain().collocation(y, span, pace)?)
+    Ok(chain.collocation(y, span, pace)?)
 }
 
 pub(crate) fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {

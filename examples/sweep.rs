@@ -1,0 +1,38 @@
+//! A sweep with a store: every point is kept when it is done, and a second sweep computes nothing again.
+//!
+//! `cargo run --release --example sweep`
+
+use hertzchain::{
+    Boundary, Chain, Params, Result, Run, State,
+    output::Folder,
+    sweep::{Store, Threads, sweep},
+};
+
+/// The share of its momentum that a struck bead keeps in a chain with resonators of mass ratio `rho`.
+fn kept(rho: &f64) -> Result<f64> {
+    let chain = Chain::new(Params::new(1.5, 1.0, *rho)?, Boundary::Free, 10)?;
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.0;
+    let end = Run::new(chain.clone(), state).until(5.0)?.tolerance(1e-9)?.samples(0)?.start()?.complete()?;
+    Ok(chain.layout().u_dot(&end.state)[0])
+}
+
+pub(crate) fn main() -> Result<()> {
+    let folder = Folder::create(std::env::temp_dir().join(format!("hertzchain-sweep-{}", std::process::id())))?;
+    let grid: Vec<f64> = (0..8).map(|k| 0.1 * f64::from(1 << k)).collect();
+    // All that rows depend on beside their point: another value is another study.
+    let settings = serde_json::json!({"until": 5.0, "tol": 1e-9});
+    let run = || -> Result<_> {
+        let mut store = Store::open(&folder, "kept.jsonl", "momentum kept by a struck bead", &settings)?;
+        sweep(&grid, Some(&mut store), &Threads, &|_, _| (), kept)
+    };
+    let (first, second) = (run()?, run()?);
+    for (rho, row) in grid.iter().zip(&first.rows) {
+        println!("rho = {rho:5.1}: u_1' = {row:?}");
+    }
+    println!("computed {} points, then {}", first.computed(), second.computed());
+    assert_eq!((first.computed(), second.computed()), (8, 0));
+    assert_eq!(first.rows, second.rows);
+    std::fs::remove_dir_all(folder.path()).expect("the folder is ours");
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! DOP853 on a problem without any chain: a satellite between earth and moon, with an event.
+//!
+//! `cargo run --release -p hertzchain-integrators --example arenstorf`
+
+use hertzchain_integrators::{Dop853, Error, Stepper, VectorField, dop853::Options};
+
+/// The restricted three-body problem (Arenstorf; Hairer, Norsett & Wanner, *Solving ODEs I*, Sec. II.0).
+struct ThreeBodies;
+
+const MU: f64 = 0.012277471;
+
+impl VectorField<f64> for ThreeBodies {
+    fn dim(&self) -> usize {
+        4
+    }
+
+    fn eval(&mut self, _t: f64, y: &[f64], dy: &mut [f64]) {
+        let (nu, x, z) = (1.0 - MU, y[0], y[1]);
+        let cubed = |d: f64| (d * d + z * z).powf(1.5);
+        let (earth, moon) = (cubed(x + MU), cubed(x - nu));
+        dy[0] = y[2];
+        dy[1] = y[3];
+        dy[2] = x + 2.0 * y[3] - nu * (x + MU) / earth - MU * (x - nu) / moon;
+        dy[3] = z - 2.0 * y[2] - nu * z / earth - MU * z / moon;
+    }
+}
+
+pub(crate) fn main() -> Result<(), Error> {
+    let start = [0.994, 0.0, 0.0, -2.001_585_106_379_082_5];
+    let period = 17.065_216_560_157_962;
+    let mut run = Dop853::new(ThreeBodies, &start, (0.0, period), Options::new(1e-12))?;
+    let (mut before, mut y) = (start, start);
+    let mut crossings = Vec::new();
+    while !run.done() {
+        run.step()?;
+        let time = run.time();
+        run.sample(time, &mut y);
+        // An event: the satellite crosses the line through earth and moon. Dense output finds it inside the step.
+        if before[1] * y[1] < 0.0 {
+            let (mut lo, mut hi, mut middle) = (time - 1.0, time, y);
+            while hi - lo > 1e-12 {
+                run.sample(0.5 * (lo + hi), &mut middle);
+                *(if middle[1] * y[1] > 0.0 { &mut hi } else { &mut lo }) = 0.5 * (lo + hi);
+            }
+            crossings.push(hi);
+        }
+        before = y;
+    }
+    println!("{} steps, crossings at {crossings:.6?}", run.stats().steps);
+    let back = start.iter().zip(&y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("after one period the satellite is back to {back:.1e}");
+    assert!(back < 1e-5 && crossings.len() >= 3);
+    Ok(())
+}

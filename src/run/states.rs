@@ -1,0 +1,72 @@
+//! The states of a run at given times.
+
+use super::Run;
+use crate::{
+    chain::State,
+    error::{Error, Result},
+    interrupt,
+};
+use hertzchain_integrators::{Error as Failure, Stats, Stepper};
+
+/// The states of a run at given times, from [`Run::at`].
+pub struct States {
+    stepper: Box<dyn Stepper<f64> + Send>,
+    times: std::vec::IntoIter<f64>,
+    /// A state of the chain, for its layout.
+    state: State<f64>,
+}
+
+impl States {
+    pub(super) fn new(run: &Run, times: &[f64]) -> Result<Self> {
+        let end = run.end()?;
+        // Times that differ from the end by rounding only are the end.
+        let last = end * (1.0 + 4.0 * f64::EPSILON);
+        if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
+            return Err(Error::parameter("times", wrong, "from zero to the end of the run"));
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
+            return Err(Error::parameter("times", pair[1], "in ascending order"));
+        }
+        Ok(Self { stepper: run.stepper()?, times: times.to_vec().into_iter(), state: run.initial().clone() })
+    }
+
+    /// The work done so far.
+    pub fn stats(&self) -> Stats {
+        self.stepper.stats()
+    }
+}
+
+impl Iterator for States {
+    type Item = Result<State<f64>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let t = self.times.next()?;
+        Some(match state_at(&mut *self.stepper, t) {
+            Ok(y) => {
+                self.state.as_mut_slice().copy_from_slice(&y);
+                Ok(self.state.clone())
+            }
+            Err(failure) => {
+                // Nothing comes after a failure.
+                self.times = Vec::new().into_iter();
+                Err(failure.into())
+            }
+        })
+    }
+}
+
+/// The state at time `t` of a stepper that has not gone beyond the step that holds it.
+pub(crate) fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
+    while run.time() < t && !run.done() {
+        if interrupt::asked() {
+            return Err(Failure::Stopped { t: run.time() });
+        }
+        run.step()?;
+    }
+    let mut y = vec![0.0; run.dim()];
+    run.sample(t.min(run.time()), &mut y);
+    match y.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(Failure::NotFinite { t, step: run.stats().steps, index }),
+        None => Ok(y),
+    }
+}

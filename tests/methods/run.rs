@@ -1,0 +1,99 @@
+//! The one door: runs that are built by hand.
+
+use hertzchain::{
+    Boundary, Chain, Method, Params, Result, Run, Scene, Setting, State,
+    run::{Records, Regime, regime},
+};
+
+/// A free chain of beads with resonators, the first one struck.
+fn struck(sites: usize) -> Run {
+    let chain = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, sites).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.0;
+    Run::new(chain, state)
+}
+
+#[test]
+fn a_run_by_hand_has_the_bits_of_the_scene() {
+    let scene = Scene::load("impact").unwrap();
+    let by_hand = Run::new(scene.chain().clone(), scene.initial().clone()).until(scene.end()).unwrap();
+    for method in [Method::Collocation, Method::CORRECTED] {
+        let ends = [by_hand.clone(), scene.run()].map(|run| {
+            let run = run.method(method).setting(Setting::Tolerance(1e-6)).records(Records::End).samples(0).unwrap();
+            run.start().unwrap().complete().unwrap().state
+        });
+        assert_eq!(ends[0], ends[1], "{}", method.name());
+    }
+}
+
+#[test]
+fn states_at_times_are_those_of_the_run() {
+    let run = struck(6).until(9.0).unwrap().tolerance(1e-11).unwrap();
+    let times = [0.0, 0.3, 0.3, 4.5, 9.0];
+    let states: Vec<State<f64>> = run.at(&times).unwrap().collect::<Result<_>>().unwrap();
+    assert_eq!(states.len(), times.len());
+    assert_eq!(states[0].as_slice(), run.initial().as_slice());
+    assert_eq!(states[1], states[2]);
+    let end = run.records(Records::End).start().unwrap();
+    assert_eq!(states[4].as_slice(), end.state);
+    // Another method, another truth: states in between too.
+    let other =
+        struck(6).until(9.0).unwrap().method(Method::named("dop853-regularised").unwrap()).tolerance(1e-12).unwrap();
+    for (state, other) in states.iter().zip(other.at(&times).unwrap()) {
+        let other = other.unwrap();
+        let gap = state.as_slice().iter().zip(other.as_slice()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(gap < 1e-9, "{gap:e}");
+    }
+}
+
+#[test]
+fn what_is_not_said_is_chosen() {
+    let run = struck(4).until(5.0).unwrap();
+    let Regime { method, setting, .. } = regime(&run).unwrap();
+    assert_eq!(run.choice().unwrap(), (method, setting));
+    assert_eq!(method, Method::Collocation);
+    assert_eq!(run.clone().step(0.01).unwrap().choice().unwrap(), (Method::CORRECTED, Setting::Steps(500)));
+    assert_eq!(run.clone().tolerance(1e-8).unwrap().choice().unwrap().0, Method::Collocation);
+    let verlet = Method::named("verlet").unwrap();
+    assert!(matches!(run.method(verlet).choice().unwrap(), (_, Setting::Steps(steps)) if steps >= 512));
+}
+
+#[test]
+fn every_method_logs_contacts_through_the_same_door() {
+    // The collision passes on from bead to bead; all methods see the same contacts of a resolved run.
+    let run = struck(4).until(6.0).unwrap().contacts();
+    let log = |run: Run| run.start().unwrap().complete().unwrap().contacts.unwrap();
+    let truth = log(run.clone().tolerance(1e-11).unwrap());
+    assert!(!truth.is_empty());
+    let corrected = log(run.clone().step(1.0 / 256.0).unwrap());
+    let dop853 = log(run.method(Method::named("dop853-regularised").unwrap()).tolerance(1e-11).unwrap());
+    for other in [corrected, dop853] {
+        assert_eq!(other.len(), truth.len());
+        for (a, b) in truth.iter().zip(&other) {
+            assert_eq!(a.bond, b.bond);
+            assert!((a.impulse - b.impulse).abs() < 1e-6, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_where_it_enters() {
+    let message = |result: Result<Run>| result.unwrap_err().to_string();
+    assert!(message(struck(3).until(-1.0)).contains("until = -1"));
+    assert!(message(struck(3).until(f64::NAN)).contains("until = NaN"));
+    assert!(message(struck(3).tolerance(1.0)).contains("tol = 1 is not valid: from 1e-15 to 0.1"));
+    assert!(message(struck(3).until(1.0).unwrap().step(0.0)).contains("step = 0"));
+    assert!(message(struck(3).step(0.1)).contains("a run needs an end"));
+    assert!(message(struck(3).samples(2_000_000)).contains("at most 10^6"));
+    let error = struck(3).start().unwrap_err().to_string();
+    assert!(error.contains("a run needs an end"), "{error}");
+    let run = struck(3).until(2.0).unwrap();
+    for (times, part) in [(&[1.0, 0.5][..], "ascending"), (&[3.0], "the end of the run"), (&[-0.1], "from zero")] {
+        let error = run.at(times).err().unwrap().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    // A state of another chain.
+    let other = Run::new(struck(3).chain().clone(), struck(4).initial().clone()).until(1.0).unwrap();
+    let error = other.start().unwrap_err().to_string();
+    assert!(error.contains("as many numbers as the chain has"), "{error}");
+}
