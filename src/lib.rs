@@ -50,3 +50,8 @@ pub use scene::Scene;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// The example of the guide, run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+struct Guide;
