@@ -21,24 +21,22 @@
 //! | [`error`] | the one error type |
 
 pub mod breathers;
-pub mod chain;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod dps;
-pub mod error;
 pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
-pub mod interrupt;
 mod number;
 pub mod orbits;
 pub mod output;
 mod random;
 pub mod report;
-pub mod run;
 pub mod scene;
 pub mod sweep;
 pub mod waves;
+
+pub use hertzchain_core::{chain, error, interrupt, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

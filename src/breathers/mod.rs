@@ -6,4 +6,4 @@ mod trivial;
 
 pub use bright::{BrightBreather, Norms};
 pub use dark::DarkBreather;
-pub use trivial::TrivialBreather;
+pub use trivial::{ClosedForm, TrivialBreather};

@@ -11,7 +11,7 @@ use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
     error::{Error, Result},
 };
-use hertzchain_integrators::Twofold;
+use hertzchain_integrators::{Stats, Stepper, Twofold};
 
 /// Roundings of the mean positions that a gap may be too small by: `b_n` is a sum.
 const ROUNDINGS: f64 = 4.0;
@@ -183,3 +183,49 @@ impl TrivialBreather {
         Site { u: u * cos + b, v: b - v * cos, u_dot: -omega * u * sin, v_dot: omega * v * sin }
     }
 }
+
+/// A trivial breather as a stepper, for [`Run::start_by`](crate::run::Run::start_by): one step goes to the end, and any time is exact.
+pub struct ClosedForm<'a> {
+    breather: &'a TrivialBreather,
+    end: f64,
+    t: f64,
+}
+
+impl<'a> ClosedForm<'a> {
+    /// A breather up to the time `end`.
+    pub fn new(breather: &'a TrivialBreather, end: f64) -> Self {
+        Self { breather, end, t: 0.0 }
+    }
+}
+
+impl Stepper<f64> for ClosedForm<'_> {
+    fn dim(&self) -> usize {
+        4 * self.breather.means().len()
+    }
+
+    fn time(&self) -> f64 {
+        self.t
+    }
+
+    fn done(&self) -> bool {
+        self.t == self.end
+    }
+
+    fn step(&mut self) -> std::result::Result<(), hertzchain_integrators::Error> {
+        self.t = self.end;
+        Ok(())
+    }
+
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let n = self.breather.means().len();
+        for i in 0..n {
+            let site = self.breather.site(i, t);
+            (y[i], y[n + i], y[2 * n + i], y[3 * n + i]) = (site.u, site.v, site.u_dot, site.v_dot);
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        Stats::default()
+    }
+}
+

@@ -2,7 +2,7 @@
 
 use super::{Exit, args::RunArgs, orbits::folder_of, print, progress_bar, signals};
 use crate::{
-    breathers::TrivialBreather,
+    breathers::{self, TrivialBreather},
     error::{Error, Result},
     experiments::LongRun,
     output::{Folder, to_json},
@@ -189,7 +189,7 @@ impl How {
             Self::ClosedForm(exact) => {
                 let run = scene.run().records(records);
                 let run = if events { run.contacts() } else { run };
-                run.start_in_closed_form(exact, progress)
+                run.start_by(&mut breathers::ClosedForm::new(exact, scene.end()), progress)
             }
         }
     }

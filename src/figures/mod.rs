@@ -103,3 +103,9 @@ fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect
     body.y1 -= 8.0;
     Ok((canvas, body))
 }
+
+impl From<Error> for crate::error::Error {
+    fn from(error: Error) -> Self {
+        Self::Figure(Box::new(error))
+    }
+}

@@ -35,14 +35,14 @@ pub struct Regime {
 }
 
 /// How far beads overlap: the largest strain, or what two beads that meet at the largest speed each turn into overlap.
-pub(crate) fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
+pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
     let (strain, power) = (max_norm(chain.strains(y)), chain.params().alpha + 1.0);
     let speed = max_norm(chain.layout().u_dot(y).iter().copied());
     strain.max((speed * speed * power).powf(power.recip()))
 }
 
 /// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
-pub(crate) fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
+pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
     (2.0 * alpha * overlap.powf(alpha - 1.0)).sqrt()
 }
 

@@ -20,7 +20,7 @@ pub enum Boundary {
 impl Boundary {
     /// The positions beyond the two ends, from those at the ends. An infinite one never touches.
     #[inline(always)]
-    pub(crate) fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
+    pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
         match self {
             Self::Free => (R::neg_infinity(), R::infinity()),
             Self::Fixed => (R::zero(), R::zero()),

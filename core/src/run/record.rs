@@ -2,7 +2,6 @@
 
 use super::{Method, Run, Setting, method::start_logged};
 use crate::{
-    breathers::TrivialBreather,
     chain::{Contact, ContactLog, Energy, Overlaps, join, max_norm},
     error::{Failed, Result},
     interrupt,
@@ -90,50 +89,6 @@ impl Trajectory {
     }
 }
 
-/// A solution that is known: one step goes to the end.
-pub(super) struct ClosedForm<'a> {
-    breather: &'a TrivialBreather,
-    end: f64,
-    t: f64,
-}
-
-impl<'a> ClosedForm<'a> {
-    pub(super) fn new(breather: &'a TrivialBreather, end: f64) -> Self {
-        Self { breather, end, t: 0.0 }
-    }
-}
-
-impl Stepper<f64> for ClosedForm<'_> {
-    fn dim(&self) -> usize {
-        4 * self.breather.means().len()
-    }
-
-    fn time(&self) -> f64 {
-        self.t
-    }
-
-    fn done(&self) -> bool {
-        self.t == self.end
-    }
-
-    fn step(&mut self) -> std::result::Result<(), Failure> {
-        self.t = self.end;
-        Ok(())
-    }
-
-    fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let n = self.breather.means().len();
-        for i in 0..n {
-            let site = self.breather.site(i, t);
-            (y[i], y[n + i], y[2 * n + i], y[3 * n + i]) = (site.u, site.v, site.u_dot, site.v_dot);
-        }
-    }
-
-    fn stats(&self) -> Stats {
-        Stats::default()
-    }
-}
-
 /// A method that knows its contacts, and hands what they do to a log.
 struct Logged {
     run: Box<dyn ContactStepper + Send>,
@@ -175,24 +130,24 @@ fn nonzero(energy: f64) -> f64 {
 
 /// All that a run has at a time: it goes on from there.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Kept {
-    pub(crate) t: f64,
-    pub(crate) state: Vec<f64>,
+pub struct Kept {
+    pub t: f64,
+    pub state: Vec<f64>,
     /// Samples taken.
-    pub(crate) taken: usize,
+    pub taken: usize,
     /// Largest `|E(t) - E(0)|`.
-    pub(crate) largest: f64,
-    pub(crate) samples: Vec<Sample>,
-    pub(crate) profiles: Vec<Profile>,
+    pub largest: f64,
+    pub samples: Vec<Sample>,
+    pub profiles: Vec<Profile>,
     /// Contacts, if they are asked for.
-    pub(crate) contacts: Option<Vec<Contact>>,
-    pub(crate) stats: Stats,
-    pub(crate) wall: Duration,
+    pub contacts: Option<Vec<Contact>>,
+    pub stats: Stats,
+    pub wall: Duration,
 }
 
 impl Kept {
     /// The start.
-    pub(crate) fn new(run: &Run) -> Self {
+    pub fn new(run: &Run) -> Self {
         Self {
             t: 0.0,
             state: run.initial.as_slice().to_vec(),
@@ -208,7 +163,7 @@ impl Kept {
 }
 
 /// The observer of a run: keeps what was asked for, and stops what has blown up.
-pub(crate) struct Recorder<'a> {
+pub struct Recorder<'a> {
     run: &'a Run,
     progress: &'a mut dyn FnMut(f64),
     /// Samples from one kept profile to the next.
@@ -216,11 +171,11 @@ pub(crate) struct Recorder<'a> {
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
-    pub(crate) kept: Kept,
+    pub kept: Kept,
 }
 
 impl<'a> Recorder<'a> {
-    pub(crate) fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
+    pub fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
         let y = run.initial.as_slice();
         let has_energy = run.chain.has_energy(y);
         Self {
@@ -238,7 +193,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// A leg that cannot start; inside, why it stopped on the way.
-    pub(crate) fn go_on(
+    pub fn go_on(
         &mut self,
         method: Method,
         setting: Setting,
@@ -299,7 +254,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// What the run leaves behind.
-    pub(crate) fn trajectory(self, failure: Option<Failed>) -> Trajectory {
+    pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, .. } = self.kept;
         let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));

@@ -14,7 +14,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    pub(crate) fn new(sites: usize, resonators: bool) -> Self {
+    pub fn new(sites: usize, resonators: bool) -> Self {
         Self { sites, resonators }
     }
 
@@ -56,7 +56,7 @@ impl Layout {
 }
 
 /// `max |y_i|`; entries that are not numbers are passed over.
-pub(crate) fn max_norm(y: impl IntoIterator<Item = f64>) -> f64 {
+pub fn max_norm(y: impl IntoIterator<Item = f64>) -> f64 {
     y.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 

@@ -56,7 +56,7 @@ impl Iterator for States {
 }
 
 /// The state at time `t` of a stepper that has not gone beyond the step that holds it.
-pub(crate) fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
+pub fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
         if interrupt::asked() {
             return Err(Failure::Stopped { t: run.time() });

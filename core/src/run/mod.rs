@@ -14,15 +14,14 @@ mod regime;
 mod states;
 
 pub use method::{Method, Setting};
-pub(crate) use record::{Kept, Recorder};
+pub use record::{Kept, Recorder};
 pub use record::{Profile, Records, Sample, Trajectory};
 pub use regime::{Regime, regime};
-pub(crate) use regime::{contact_frequency, overlap_scale};
+pub use regime::{contact_frequency, overlap_scale};
 pub use states::States;
-pub(crate) use states::state_at;
+pub use states::state_at;
 
 use crate::{
-    breathers::TrivialBreather,
     chain::{Chain, State},
     error::{Error, Result},
 };
@@ -34,7 +33,7 @@ const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
 /// Samples of the energy, if nobody says how many.
 const SAMPLES: usize = 400;
 /// Most samples.
-pub(crate) const MOST_SAMPLES: usize = 1_000_000;
+pub const MOST_SAMPLES: usize = 1_000_000;
 
 /// A chain, where it starts, until when it runs, by which method, and what is kept on the way.
 ///
@@ -164,7 +163,7 @@ impl Run {
     }
 
     /// The unit of "steps per period": that of the resonators, or 1 without any, unless a scene knows better.
-    pub(crate) fn with_period(mut self, period: f64) -> Self {
+    pub fn with_period(mut self, period: f64) -> Self {
         self.period = period;
         self
     }
@@ -185,7 +184,7 @@ impl Run {
     }
 
     /// How many samples are taken, beside the start.
-    pub(crate) fn sample_count(&self) -> usize {
+    pub fn sample_count(&self) -> usize {
         self.samples
     }
 
@@ -257,13 +256,14 @@ impl Run {
         Ok(recorder.trajectory(failure))
     }
 
-    /// The exact solution in place of a method: nothing is integrated, and a log of contacts stays empty.
+    /// The same by a stepper of your own in place of a method; contacts are not looked for.
     ///
     /// # Errors
     /// No end, or a state of another chain.
-    pub fn start_in_closed_form(&self, exact: &TrivialBreather, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
+    pub fn start_by(&self, stepper: &mut impl Stepper<f64>, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
+        self.span()?;
         let mut recorder = Recorder::new(self, Kept::new(self), progress);
-        let failure = recorder.leg(&mut record::ClosedForm::new(exact, self.span()?.1)).err();
+        let failure = recorder.leg(stepper).err();
         Ok(recorder.trajectory(failure))
     }
 

@@ -86,9 +86,8 @@ pub enum Error {
         rule: String,
     },
     /// A figure that could not be drawn.
-    #[cfg(feature = "plot")]
     #[error("figure: {0}")]
-    Figure(#[from] crate::figures::Error),
+    Figure(Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// An iterate of Newton's method.
@@ -121,7 +120,7 @@ fn beside(h: &Option<f64>, place: &Option<String>) -> String {
 }
 
 /// What may hold words of a file, fit for one line of a message.
-pub(crate) fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let shown = text.chars().take(MOST_SHOWN).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
     shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
 }
@@ -159,7 +158,7 @@ impl Error {
 }
 
 /// The known name most like `name`, if one is like it at all.
-pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))

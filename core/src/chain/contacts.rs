@@ -78,10 +78,10 @@ pub struct Contact {
 
 impl Contact {
     /// How many numbers say all of it.
-    pub(crate) const NUMBERS: usize = 7;
+    pub const NUMBERS: usize = 7;
 
     /// Bond, onset, release, approach, separation, largest overlap and impulse; NaN for what there is not.
-    pub(crate) fn numbers(&self) -> [f64; Self::NUMBERS] {
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { bond, onset, release, approach, separation, largest_overlap, impulse } = *self;
         let [onset, release, approach, separation] =
             [onset, release, approach, separation].map(|number| number.unwrap_or(f64::NAN));
@@ -89,7 +89,7 @@ impl Contact {
     }
 
     /// The contact of these numbers; `None` if there is none.
-    pub(crate) fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
         let [bond, times @ .., largest_overlap, impulse] = *numbers;
         let sound = bond.fract() == 0.0 && bond >= 0.0 && largest_overlap.is_finite() && impulse.is_finite();
         let [onset, release, approach, separation] = times.map(|number| (!number.is_nan()).then_some(number));
@@ -101,7 +101,7 @@ impl Contact {
 
 /// The contacts of two runs, of which the second goes on at time `t` where the first ended: those that go on are joined. One that only the first has at `t`,
 /// or only the second, is on the surface there but for rounding, and ends or begins at `t` with no speed.
-pub(crate) fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
+pub fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
     let (mut contacts, open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
     // A bond is in one contact at a time.
     let mut open: BTreeMap<usize, Contact> = open.into_iter().map(|contact| (contact.bond, contact)).collect();
@@ -178,7 +178,7 @@ impl ContactLog {
     }
 
     /// Takes what contact collocation says of a contact in a window that began at `start`: it needs no search.
-    pub(crate) fn take(&mut self, piece: &Piece, start: f64) {
+    pub fn take(&mut self, piece: &Piece, start: f64) {
         let mut contact = self.open[piece.bond].take().unwrap_or_else(|| self.begin(piece.bond));
         contact.largest_overlap = contact.largest_overlap.max(piece.largest);
         contact.impulse += piece.impulse;

@@ -266,7 +266,7 @@ impl Method {
 ///
 /// # Errors
 /// As [`Method::start`].
-pub(crate) fn start_logged(
+pub fn start_logged(
     method: Method,
     run: &Run,
     y: &[f64],
@@ -308,7 +308,7 @@ fn corrected<F: SiteFlow>(
 ///
 /// # Errors
 /// A setting in steps, or outside its rule.
-pub(crate) fn collocation(
+pub fn collocation(
     chain: &Chain<f64>,
     y: &[f64],
     span: (f64, f64),
@@ -328,7 +328,7 @@ pub(crate) fn collocation(
     Ok(chain.collocation(y, span, pace)?)
 }
 
-pub(crate) fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
+pub fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
     flow.load(y);
     flow
 }

@@ -27,7 +27,7 @@ mod sweep;
 
 pub use bonds::{Bonded, SiteFlow};
 pub use boundary::Boundary;
-pub(crate) use contacts::join;
+pub use contacts::join;
 pub use contacts::{Contact, ContactLog, Overlaps};
 pub use energy::Energy;
 pub use field::Field;
@@ -36,7 +36,7 @@ pub use law::ContactLaw;
 pub use linear::LinearFlow;
 pub use mean_force::MeanForces;
 pub use params::{Params, Resonators};
-pub(crate) use state::max_norm;
+pub use state::max_norm;
 pub use state::{Layout, Site, State};
 
 use crate::error::{Error, Result};
@@ -122,7 +122,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// The bonds that can ever touch: the outer ones of a free chain cannot.
-    pub(crate) fn touching(&self) -> std::ops::Range<usize> {
+    pub fn touching(&self) -> std::ops::Range<usize> {
         match self.boundary {
             Boundary::Free => 1..self.sites(),
             Boundary::Fixed => 0..self.sites() + 1,
@@ -131,7 +131,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// A quantity of the site before a bond less that of the site behind it; walls have none.
-    pub(crate) fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
+    pub fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
         let n = self.sites();
         let (before, behind) = match self.boundary() {
             Boundary::Free | Boundary::Fixed => (bond.checked_sub(1), (bond < n).then_some(bond)),
@@ -144,7 +144,7 @@ impl<R: Real> Chain<R> {
 
     /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their rates from velocities.
     #[inline]
-    pub(crate) fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
+    pub fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
         for (across, bond) in across.iter_mut().zip(self.touching()) {
             *across = rest + self.across(bond, &quantity);
         }
@@ -155,7 +155,7 @@ impl<R: Real> Chain<R> {
     /// They are no contact and no gap to the search for events; the force, which is there all the same, is then at most
     /// `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as large as `u`. The tail of a breather, whose
     /// overlaps go down to 1e-300, has no events in it.
-    pub(crate) fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
+    pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
         let largest = max_norm(positions.map(|u| u.f64())).max(self.precompression.f64());
         R::of(64.0 * f64::EPSILON * largest)
     }
