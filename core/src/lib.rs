@@ -15,4 +15,6 @@ pub mod error;
 pub mod interrupt;
 pub mod run;
 
+pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};
+pub use run::{Method, Run, Setting, Trajectory};

@@ -228,4 +228,3 @@ impl Stepper<f64> for ClosedForm<'_> {
         Stats::default()
     }
 }
-

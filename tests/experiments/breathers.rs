@@ -361,11 +361,10 @@ fn a_state_that_is_a_trivial_breather_is_known_as_one() {
 #[test]
 fn a_scene_in_closed_form_needs_no_steps() {
     let scene = Scene::load("trivial-breather").unwrap().until(1e9).unwrap();
-    let outcome =
-        {
-            let mut exact = ClosedForm::new(scene.exact().unwrap(), scene.end());
-            scene.run().records(Records::Profiles).start_by(&mut exact, &mut |_| ()).unwrap()
-        };
+    let outcome = {
+        let mut exact = ClosedForm::new(scene.exact().unwrap(), scene.end());
+        scene.run().records(Records::Profiles).start_by(&mut exact, &mut |_| ()).unwrap()
+    };
     assert_eq!((outcome.t, outcome.failure.clone()), (1e9, None));
     assert_eq!((outcome.stats.steps, outcome.stats.force_evaluations), (0, 0));
     assert_eq!((outcome.profiles.len(), outcome.samples.len()), (401, 401));

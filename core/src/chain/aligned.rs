@@ -11,7 +11,7 @@ const LINE: usize = 64;
 ///
 /// It has the length it was made with, and is filled up to a whole number of registers.
 #[derive(Debug)]
-pub struct Aligned<T> {
+pub(crate) struct Aligned<T> {
     numbers: Vec<T>,
     start: usize,
     len: usize,
@@ -19,7 +19,7 @@ pub struct Aligned<T> {
 
 impl<T: Copy + Zero> Aligned<T> {
     /// Zeros.
-    pub fn zeros(len: usize) -> Self {
+    pub(crate) fn zeros(len: usize) -> Self {
         let whole = len.next_multiple_of(LANES);
         let numbers = vec![T::zero(); if len > 0 { whole + LINE / size_of::<T>() } else { 0 }];
         let start = if len > 0 { numbers.as_ptr().align_offset(LINE) } else { 0 };
@@ -28,7 +28,7 @@ impl<T: Copy + Zero> Aligned<T> {
 
     /// Registers, the last filled up.
     #[inline(always)]
-    pub fn blocks_mut(&mut self) -> &mut [Lanes<T>] {
+    pub(crate) fn blocks_mut(&mut self) -> &mut [Lanes<T>] {
         self.numbers[self.start..][..self.len.next_multiple_of(LANES)].as_chunks_mut().0
     }
 }

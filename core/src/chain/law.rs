@@ -1,7 +1,7 @@
 //! The contact law, and the powers that sweeps are compiled for: those of the integrators.
 
 pub use hertzchain_integrators::law::ContactLaw;
-pub use hertzchain_integrators::{
+pub(crate) use hertzchain_integrators::{
     law::{LANES, Lanes, Power},
     with_power,
 };

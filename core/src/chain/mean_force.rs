@@ -43,12 +43,12 @@ impl Chain<f64> {
     /// `Fbar_n` of the motion from the state `y` over a time `period` (Theorem nobreath): impulses of contacts as collocation resolves them, over the time.
     ///
     /// ```
-    /// use hertzchain::{chain::{Boundary, Chain, Params, State}, integrators::collocation::Pace};
+    /// use hertzchain_core::{chain::{Boundary, Chain, Params, State}, integrators::collocation::Pace};
     /// // At rest under an overlap of 1/4: Fbar = (1/4)^{3/2} in every bond.
     /// let chain = Chain::new(Params::new(1.5, 1.0, 1.0)?, Boundary::Ring, 5)?.precompressed(0.25)?;
     /// let forces = chain.mean_contact_forces(State::rest(&chain).as_slice(), 3.0, Pace::Tolerance(1e-12))?;
     /// assert!((forces.mean() - 0.125).abs() < 1e-12 && forces.spread() < 1e-12);
-    /// # Ok::<(), hertzchain::Error>(())
+    /// # Ok::<(), hertzchain_core::Error>(())
     /// ```
     ///
     /// # Errors

@@ -33,7 +33,7 @@ impl Params {
     /// See [`validate`](Self::validate).
     ///
     /// ```
-    /// use hertzchain::chain::Params;
+    /// use hertzchain_core::chain::Params;
     /// assert!(Params::new(1.5, 1.0, 1.0 / 3.0).is_ok());
     /// assert_eq!(
     ///     Params::new(1.5, -1.0, 0.0).unwrap_err().to_string(),

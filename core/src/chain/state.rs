@@ -14,7 +14,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    pub fn new(sites: usize, resonators: bool) -> Self {
+    pub(crate) fn new(sites: usize, resonators: bool) -> Self {
         Self { sites, resonators }
     }
 

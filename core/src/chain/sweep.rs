@@ -13,7 +13,7 @@ use hertzchain_integrators::{Kernel, Real};
 const BLOCK: usize = 128;
 
 /// What a sweep visits: something that has positions and takes forces.
-pub trait Sites<R> {
+pub(crate) trait Sites<R> {
     /// The position of site `i`.
     fn position(&self, i: usize) -> R;
     /// The positions of the sites from `start` on, as many as `scratch` holds; written there unless they are at hand.
@@ -39,7 +39,7 @@ macro_rules! positions_are_u {
 pub(crate) use positions_are_u;
 
 /// Visits every site of `chain` once.
-pub fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &mut S) {
+pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &mut S) {
     R::run(Sweep { chain, sites });
 }
 

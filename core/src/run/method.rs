@@ -328,6 +328,7 @@ pub fn collocation(
     Ok(chain.collocation(y, span, pace)?)
 }
 
+/// A flow that holds the state `y`.
 pub fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
     flow.load(y);
     flow

@@ -40,7 +40,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 /// Times start at zero. Scenes, studies and sweeps build runs; so can you:
 ///
 /// ```
-/// use hertzchain::{Boundary, Chain, Method, Params, Run, State};
+/// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State};
 /// // Ten beads without resonators (alpha = 3/2, kappa = rho = 0), the first one struck.
 /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 10)?;
 /// let mut state = State::rest(&chain);
@@ -50,7 +50,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 /// assert!(end.energy_error.unwrap() < 1e-10);
 /// // Each bond has closed at least once.
 /// assert!(end.contacts.unwrap().len() >= 9);
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -270,7 +270,7 @@ impl Run {
     /// The states at these times, one by one as they are asked for; times ascend, and none is after the end.
     ///
     /// ```
-    /// # use hertzchain::{Boundary, Chain, Params, Run, State};
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
     /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 5)?;
     /// # let mut state = State::rest(&chain);
     /// state.u_dot_mut().copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0]);
@@ -279,7 +279,7 @@ impl Run {
     ///     // Momentum is conserved.
     ///     assert!((state?.u_dot().iter().sum::<f64>() - 1.0).abs() < 1e-12);
     /// }
-    /// # Ok::<(), hertzchain::Error>(())
+    /// # Ok::<(), hertzchain_core::Error>(())
     /// ```
     ///
     /// # Errors

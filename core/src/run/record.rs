@@ -131,17 +131,23 @@ fn nonzero(energy: f64) -> f64 {
 /// All that a run has at a time: it goes on from there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
+    /// Time reached.
     pub t: f64,
+    /// State there.
     pub state: Vec<f64>,
     /// Samples taken.
     pub taken: usize,
     /// Largest `|E(t) - E(0)|`.
     pub largest: f64,
+    /// Energies so far.
     pub samples: Vec<Sample>,
+    /// Profiles so far.
     pub profiles: Vec<Profile>,
     /// Contacts, if they are asked for.
     pub contacts: Option<Vec<Contact>>,
+    /// Work so far.
     pub stats: Stats,
+    /// Wall time so far.
     pub wall: Duration,
 }
 
@@ -171,10 +177,12 @@ pub struct Recorder<'a> {
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
+    /// What is kept.
     pub kept: Kept,
 }
 
 impl<'a> Recorder<'a> {
+    /// Goes on with a run from what is kept; `progress` is told the time at every sample.
     pub fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
         let y = run.initial.as_slice();
         let has_energy = run.chain.has_energy(y);
@@ -193,12 +201,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// A leg that cannot start; inside, why it stopped on the way.
-    pub fn go_on(
-        &mut self,
-        method: Method,
-        setting: Setting,
-        end: f64,
-    ) -> Result<std::result::Result<(), Failed>> {
+    pub fn go_on(&mut self, method: Method, setting: Setting, end: f64) -> Result<std::result::Result<(), Failed>> {
         let (run, state, start) = (self.run, &self.kept.state, self.kept.t);
         let span = (start, end);
         if self.kept.contacts.is_none() {
