@@ -296,8 +296,8 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     };
     let wall = Duration::try_from_secs_f64(wall_s)
         .map_err(|why| file.refused(&format!("{SETTINGS}, wall_s"), why.to_string()))?;
-    if taken as u64 != samples || taken > scene.file().record.samples + 1 {
-        let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.file().record.samples);
+    if taken as u64 != samples || taken > scene.samples() + 1 {
+        let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.samples());
         return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
     }
     let state = finite("state", &[dim as u64])?;

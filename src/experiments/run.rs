@@ -271,7 +271,7 @@ impl<'a> Recorder<'a> {
             scene,
             records,
             progress,
-            stride: (y.len() * (scene.file().record.samples + 1)).div_ceil(MOST_NUMBERS),
+            stride: (y.len() * (scene.samples() + 1)).div_ceil(MOST_NUMBERS),
             has_energy,
             initial_energy: has_energy.then(|| scene.chain().energy(y).total()),
             initial_size: max_norm(y.iter().copied()),
@@ -379,7 +379,7 @@ impl<'a> Recorder<'a> {
 
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
-        let samples = self.scene.file().record.samples;
+        let samples = self.scene.samples();
         let taken = self.kept.taken;
         let wanted = self.records != Records::End && samples > 0 && taken <= samples;
         wanted.then(|| self.scene.end() * (taken as f64 / samples as f64))

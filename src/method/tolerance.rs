@@ -67,7 +67,7 @@ pub(super) fn steps(scene: &Scene, method: Method, y: &[f64], span: (f64, f64), 
 /// As many steps or more, so that the samples of a whole run are at ends of steps: one inside a step costs as much as many steps.
 fn at_samples(scene: &Scene, span: (f64, f64), steps: u64) -> u64 {
     let whole = span == (0.0, scene.end());
-    match scene.file().record.samples as u64 {
+    match scene.samples() as u64 {
         samples @ 1.. if whole => steps.next_multiple_of(samples),
         _ => steps,
     }
