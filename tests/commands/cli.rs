@@ -55,6 +55,12 @@ fn run_json_keeps_its_contract() {
     for key in ["force_evaluations", "steps", "rejected"] {
         assert!(ring[key].is_u64(), "{key}");
     }
+    // Samples are a part of the run, and take time.
+    let [wall, sampling] = ["wall_s", "sampling_s"].map(|key| ring[key].as_f64().unwrap());
+    assert!(0.0 < sampling && sampling < wall, "{sampling} of {wall}");
+    let unsampled = json(&["run", "tw-q15", "--until", "3", "--samples", "0", "--json"]);
+    assert!(unsampled["sampling_s"].as_f64().unwrap() < sampling);
+    assert!(stdout(&hertzchain(&["run", "tw-q15", "--until", "3"])).contains(" s, of which sampling "));
     let chain = json(&["run", "cradle", "--until", "3", "--json", "--integrator", "dop853"]);
     assert_eq!(chain["u"].as_array().unwrap().len(), 20);
     assert_eq!(chain["pu"].as_array().unwrap().len(), 20);
