@@ -163,6 +163,10 @@ mod tests {
         every(&Cli::command(), "", &mut |path, command| {
             for arg in command.get_arguments() {
                 let Some(long) = arg.get_long().filter(|long| !OF_THEIR_OWN.contains(long)) else { continue };
+                // Commands that exist for files have a folder by default, and say so.
+                if long == "out" && !arg.get_default_values().is_empty() {
+                    continue;
+                }
                 let help = arg.get_help().expect("every flag is explained").to_string();
                 let said = help.split(" [default").next().unwrap_or_default().to_owned();
                 // Lists are not numbers.
@@ -189,7 +193,9 @@ mod tests {
             let mut own = 0;
             for example in examples {
                 own += usize::from(example.starts_with(name));
-                let words = example.split_whitespace().map(|word| word.trim_matches('\''));
+                // What the shell does with the output is no argument.
+                let words = example.split(" > ").next().unwrap_or_default();
+                let words = words.split_whitespace().map(|word| word.trim_matches('\''));
                 let taken = Cli::command().try_get_matches_from(["hertzchain"].into_iter().chain(words));
                 assert!(taken.is_ok(), "{example}: {}", taken.unwrap_err());
             }
@@ -205,7 +211,7 @@ mod tests {
             for arg in command.get_arguments() {
                 for value in arg.get_default_values() {
                     let value = value.to_string_lossy();
-                    assert!(!value.contains("0000"), "{path} {}: {value}", arg.get_id());
+                    assert!(!value.contains(".000"), "{path} {}: {value}", arg.get_id());
                 }
             }
         });
