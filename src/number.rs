@@ -1,4 +1,4 @@
-//! Doubles as people write them.
+//! Numbers as people write them.
 
 /// The double nearest to a decimal: `inf` only where infinity is written, zero only where zero is.
 ///
@@ -14,4 +14,19 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
         return Err("smaller than any double, 4.9e-324; zero is written 0".to_owned());
     }
     Ok(value)
+}
+
+/// A whole number that is not negative.
+///
+/// # Errors
+/// No such number, or one beyond the type.
+#[cfg(feature = "cli")]
+pub(crate) fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
+    let not_whole = || "not a whole number, at least zero".to_owned();
+    if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(not_whole());
+    }
+    let too_large = || "larger than any whole number here, 1.8e19".to_owned();
+    let value: u64 = text.parse().map_err(|_| too_large())?;
+    T::try_from(value).map_err(|_| too_large())
 }

@@ -76,7 +76,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file that is there but does not hold what it must: broken, altered, of another study or version.
-    #[error("{}, {}: {}", path.display(), one_line(place), one_line(rule))]
+    #[error("{}, {}: {}", path.display(), one_line(place), one_line(&in_words(rule)))]
     Content {
         /// The file.
         path: PathBuf,
@@ -123,6 +123,22 @@ fn beside(h: &Option<f64>, place: &Option<String>) -> String {
 pub fn one_line(text: &str) -> String {
     let shown = text.chars().take(MOST_SHOWN).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
     shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
+}
+
+/// A message of a reader of files, in which numbers are called numbers and not types of Rust.
+pub fn in_words(message: &str) -> String {
+    [
+        ("expected usize", "expected a whole number, at least zero"),
+        ("expected u64", "expected a whole number, at least zero"),
+        ("expected u32", "expected a whole number, at least zero"),
+        ("expected f64", "expected a number"),
+        ("floating point `", "number `"),
+        ("integer `", "number `"),
+        ("` as i128", "`"),
+        ("` as u128", "`"),
+    ]
+    .iter()
+    .fold(message.to_owned(), |message, (rust, word)| message.replace(rust, word))
 }
 
 /// The result of whatever may end in an [`Error`].

@@ -1,8 +1,8 @@
-//! `hertzchain breather`.
+//! `hertzchain breather bright` and `breather trivial`.
 
 use super::{
     Exit,
-    args::{BreatherAction, BreatherArgs, BrightArgs, TrivialArgs},
+    args::{BrightArgs, TrivialArgs},
     print, progress_bar,
 };
 use crate::{
@@ -20,14 +20,7 @@ use std::process::ExitCode;
 /// The paper runs for 80 `T`.
 const SLOW_PERIODS: f64 = 80.0;
 
-pub(super) fn main(args: &BreatherArgs) -> Exit {
-    match &args.action {
-        BreatherAction::Bright(args) => bright(args),
-        BreatherAction::Trivial(args) => trivial(args),
-    }
-}
-
-fn bright(args: &BrightArgs) -> Exit {
+pub(super) fn bright(args: &BrightArgs) -> Exit {
     let scene = bright_scene(args)?;
     let options = BreatherOptions { method: Method::named(&args.integrator)?, tolerance: args.tol };
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
@@ -46,8 +39,7 @@ fn bright(args: &BrightArgs) -> Exit {
 
 /// The scene that the flags say.
 fn bright_scene(args: &BrightArgs) -> Result<Scene> {
-    let (center, boundary) = (args.center.into(), args.boundary.into());
-    let &BrightArgs { epsilon, rho, alpha, kappa, sites, .. } = args;
+    let &BrightArgs { center, boundary, epsilon, rho, alpha, kappa, sites, .. } = args;
     let until = match args.until {
         Some(until) => until,
         None => {
@@ -61,11 +53,11 @@ fn bright_scene(args: &BrightArgs) -> Result<Scene> {
         chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0 },
         initial: Initial::BrightBreather { center, epsilon },
         span: Span { periods: None, until: Some(until), period: None },
-        record: Record::default(),
+        record: Record::of(0),
     })
 }
 
-fn trivial(args: &TrivialArgs) -> Exit {
+pub(super) fn trivial(args: &TrivialArgs) -> Exit {
     let scene = trivial_scene(args)?;
     let options = BreatherOptions { method: Method::named(&args.integrator)?, tolerance: args.tol };
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
@@ -83,7 +75,7 @@ fn trivial(args: &TrivialArgs) -> Exit {
 
 /// The scene with what the flags change: each replaces what the scene says of the same thing in another way.
 fn trivial_scene(args: &TrivialArgs) -> Result<Scene> {
-    let mut scene = Scene::load(&args.scene)?;
+    let mut scene = super::scene(&args.scene, &args.set)?;
     let changed = [args.gap, args.phase_step_over_pi].iter().any(Option::is_some)
         || [&args.amplitudes, &args.phases, &args.offsets, &args.means].iter().any(|list| !list.is_empty());
     if changed {

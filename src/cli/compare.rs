@@ -1,27 +1,18 @@
 //! `hertzchain compare`.
 
-use super::{Exit, args::CompareArgs, default_folder, print, progress_bar, signals};
+use super::{Exit, args::CompareArgs, methods, print, progress_bar, scene, signals};
 use crate::{
-    error::Result,
     experiments::{CompareOptions, compare},
     output::Folder,
     report,
-    run::method::Method,
-    scene::Scene,
+    run::Method,
 };
 use std::process::ExitCode;
 
 pub(super) fn main(args: &CompareArgs) -> Exit {
-    let scene = Scene::load(&args.scene)?;
-    let methods = match args.integrators.as_slice() {
-        [] => Method::all(),
-        names => names.iter().map(|name| Method::named(name.trim())).collect::<Result<_>>()?,
-    };
-    let folder = match &args.out {
-        Some(path) => Some(Folder::create(path)?),
-        None if args.json => None,
-        None => Some(Folder::create(default_folder("compare", scene.name()))?),
-    };
+    let scene = scene(&args.scene, &args.set)?;
+    let methods = methods(&args.integrators, Method::telling)?;
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
     signals::ask()?;
     let bar = progress_bar();
     let options = CompareOptions { methods, max_time: args.max_time };

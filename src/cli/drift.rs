@@ -1,25 +1,19 @@
-//! `hertzchain drift`.
+//! `hertzchain study drift`.
 
-use super::{Exit, args::DriftArgs, default_folder, print, progress_bar};
+use super::{Exit, args::DriftArgs, methods, print, progress_bar, scene};
 use crate::{
-    error::Result,
     experiments::{DriftOptions, drift},
     output::Folder,
     report,
-    run::method::Method,
-    scene::Scene,
+    run::Method,
 };
 use std::process::ExitCode;
 
 pub(super) fn main(args: &DriftArgs) -> Exit {
-    let scene = Scene::load(&args.scene)?;
-    let methods = args.integrators.iter().map(|name| Method::named(name.trim())).collect::<Result<_>>()?;
+    let scene = scene(&args.scene, &args.set)?;
+    let methods = methods(&args.integrators, Method::all)?;
     let options = DriftOptions { methods, periods: args.periods, samples: args.samples };
-    let folder = match &args.out {
-        Some(path) => Some(Folder::create(path)?),
-        None if args.json => None,
-        None => Some(Folder::create(default_folder("drift", scene.name()))?),
-    };
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let bar = progress_bar();
     let study = drift(&scene, &options, &mut |share, what| {
         bar.set_position((1000.0 * share.min(1.0)) as u64);

@@ -1,4 +1,4 @@
-//! `hertzchain figures`.
+//! `hertzchain paper figures`.
 
 use super::{Exit, args::FiguresArgs, print, progress_bar};
 use crate::{

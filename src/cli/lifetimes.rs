@@ -1,13 +1,8 @@
-//! `hertzchain lifetimes`.
+//! `hertzchain study lifetimes`.
 
-use super::{
-    Exit,
-    args::{CenterArg, CriterionArg, LifetimesArgs},
-    print, progress_bar, signals,
-};
+use super::{Exit, args::LifetimesArgs, print, progress_bar, signals};
 use crate::{
-    dps::Center,
-    experiments::{Criterion, LifetimeOptions, lifetimes},
+    experiments::{LifetimeOptions, lifetimes},
     output::Folder,
     report,
     run::method::Method,
@@ -20,15 +15,8 @@ const TOLERANCE: f64 = 1e-9;
 pub(super) fn main(args: &LifetimesArgs) -> Exit {
     let options = LifetimeOptions {
         alpha: args.alpha,
-        center: match args.center {
-            CenterArg::Site => Center::Site,
-            CenterArg::Bond => Center::Bond,
-        },
-        criterion: match args.criterion {
-            CriterionArg::Energy => Criterion::Energy,
-            CriterionArg::Distance => Criterion::Distance,
-            CriterionArg::Frequency => Criterion::Frequency,
-        },
+        center: args.center,
+        criterion: args.criterion,
         epsilons: args.epsilons.clone(),
         rhos: args.rhos.clone(),
         sites: args.sites,

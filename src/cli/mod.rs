@@ -8,6 +8,7 @@ mod drift;
 mod figures;
 mod integrators;
 mod lifetimes;
+mod modulation;
 mod orbits;
 mod order;
 mod report;
@@ -20,56 +21,120 @@ mod theorem;
 mod verify;
 mod wave;
 
-use crate::error::Result;
-use args::{Cli, Command};
-use clap::{CommandFactory, FromArgMatches, builder::ValueParser, value_parser};
+use crate::{error::Result, run::Method, scene::Scene};
+use args::{BreatherAction, Cli, Command, DpsAction, PaperAction, SetArgs, StudyAction, WaveAction};
+use clap::{
+    CommandFactory, FromArgMatches,
+    builder::ValueParser,
+    error::{ContextKind, ErrorKind},
+    value_parser,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{io::Write, process::ExitCode};
 
+/// Exit code of a command line that is not understood, as clap has it.
+const NOT_UNDERSTOOD: u8 = 2;
+
 /// Reads the arguments, runs the command, says what went wrong.
 pub fn main() -> ExitCode {
-    let matches = doubles_checked(Cli::command()).get_matches();
+    let matches = match numbers_checked(Cli::command()).try_get_matches() {
+        Ok(matches) => matches,
+        Err(error) => {
+            let Some(words) = moved(&error) else { error.exit() };
+            eprintln!("error: {words}");
+            return ExitCode::from(NOT_UNDERSTOOD);
+        }
+    };
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if let Some(set) = cli.instructions {
         // Sets that the machine lacks are no argument.
         let _ = set.select();
     }
-    let outcome = match cli.command {
-        Command::Compare(args) => compare::main(&args),
-        Command::Run(args) => run::main(&args),
-        Command::Order(args) => order::main(&args),
-        Command::Scaling(args) => scaling::main(&args),
-        Command::Drift(args) => drift::main(&args),
-        Command::Dps(args) => dps::main(&args),
-        Command::Breather(args) => breather::main(&args),
-        Command::Dark(args) => orbits::dark(&args),
-        Command::Continue(args) => orbits::branch(&args),
-        Command::Doubled(args) => orbits::doubled(&args),
-        Command::Lifetimes(args) => lifetimes::main(&args),
-        Command::Evolve(args) => orbits::evolve(&args),
-        Command::Stability(args) => stability::main(&args),
-        Command::Wave(args) => wave::main(&args),
-        Command::Theorem(args) => theorem::main(&args),
-        Command::Verify(args) => verify::main(&args),
-        Command::Figures(args) => figures::main(&args),
-        Command::Report(args) => report::main(&args),
-        Command::Scenes(args) => scenes::main(&args),
-        Command::Integrators(args) => integrators::main(&args),
-    };
-    let code = outcome.unwrap_or_else(|error| {
+    let code = run_command(&cli.command).unwrap_or_else(|error| {
         eprintln!("error: {error}");
         ExitCode::FAILURE
     });
     signals::exit_code().map_or(code, ExitCode::from)
 }
 
-/// The command with every flag that takes a double refusing what a double cannot hold.
-fn doubles_checked(command: clap::Command) -> clap::Command {
+fn run_command(command: &Command) -> Exit {
+    match command {
+        Command::Run(args) => run::main(args),
+        Command::Compare(args) => compare::main(args),
+        Command::Scenes(args) => scenes::main(args),
+        Command::Integrators(args) => integrators::main(args),
+        Command::Study(args) => match &args.action {
+            StudyAction::Order(args) => order::main(args),
+            StudyAction::Scaling(args) => scaling::main(args),
+            StudyAction::Drift(args) => drift::main(args),
+            StudyAction::Stability(args) => stability::main(args),
+            StudyAction::Theorem(args) => theorem::main(args),
+            StudyAction::Lifetimes(args) => lifetimes::main(args),
+        },
+        Command::Wave(args) => match &args.action {
+            Some(WaveAction::Modulation(args)) => modulation::main(args),
+            None => wave::main(args),
+        },
+        Command::Breather(args) => match &args.action {
+            BreatherAction::Bright(args) => breather::bright(args),
+            BreatherAction::Trivial(args) => breather::trivial(args),
+            BreatherAction::Dark(args) => orbits::dark(args),
+            BreatherAction::Continue(args) => orbits::branch(args),
+            BreatherAction::Doubled(args) => orbits::doubled(args),
+            BreatherAction::Evolve(args) => orbits::evolve(args),
+        },
+        Command::Dps(args) => match &args.action {
+            DpsAction::Integrals(args) => dps::integrals(args),
+            DpsAction::Homoclinic(args) => dps::homoclinic(args),
+            DpsAction::Dark(args) => dps::dark(args),
+        },
+        Command::Paper(args) => match &args.action {
+            PaperAction::Figures(args) => figures::main(args),
+            PaperAction::Verify(args) => verify::main(args),
+            PaperAction::Report(args) => report::main(args),
+        },
+    }
+}
+
+/// Where a command has gone that is no longer there, if that is the error.
+fn moved(error: &clap::Error) -> Option<String> {
+    if error.kind() != ErrorKind::InvalidSubcommand {
+        return None;
+    }
+    let name = error.get(ContextKind::InvalidSubcommand)?.to_string();
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let above = given.iter().position(|word| *word == name)?.checked_sub(1).map(|k| given[k].as_str());
+    let now = args::moved(above, &name)?;
+    let above = above.filter(|above| *above == "dps").map(|above| format!("{above} ")).unwrap_or_default();
+    Some(format!("`hertzchain {above}{name}` is now `hertzchain {now}`"))
+}
+
+/// The command with every flag that takes a number refusing in words what is none, or what a double cannot hold.
+fn numbers_checked(command: clap::Command) -> clap::Command {
     let double = ValueParser::from(value_parser!(f64)).type_id();
-    let command = command.mut_args(|arg| {
-        if arg.get_value_parser().type_id() == double { arg.value_parser(crate::number::double) } else { arg }
+    let size = ValueParser::from(value_parser!(usize)).type_id();
+    let whole = ValueParser::from(value_parser!(u64)).type_id();
+    let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
+        id if id == double => arg.value_parser(crate::number::double),
+        id if id == size => arg.value_parser(crate::number::whole::<usize>),
+        id if id == whole => arg.value_parser(crate::number::whole::<u64>),
+        _ => arg,
     });
-    command.mut_subcommands(doubles_checked)
+    command.mut_subcommands(numbers_checked)
+}
+
+/// The scene of a command, with the changes asked for.
+fn scene(name: &str, changes: &SetArgs) -> Result<Scene> {
+    Scene::load_with(name, &changes.set)
+}
+
+/// The integrators that are named; all for `all`; `unnamed` where none is.
+fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>> {
+    match names {
+        [] => Ok(unnamed()),
+        [all] if all.trim() == "all" => Ok(Method::all()),
+        names => names.iter().map(|name| Method::named(name.trim())).collect(),
+    }
 }
 
 /// Writes to stdout. A reader that has gone away is no error of ours.
@@ -85,13 +150,6 @@ fn progress_bar() -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// Where results go: the folder asked for; `out/COMMAND-SCENE` by default.
-fn default_folder(command: &str, scene: &str) -> String {
-    let safe: String =
-        scene.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '_' }).collect();
-    format!("out/{command}-{safe}")
 }
 
 type Exit = Result<ExitCode>;

@@ -1,17 +1,18 @@
-//! `hertzchain dark`, `continue`, `doubled` and `evolve`.
+//! `hertzchain breather dark`, `breather continue`, `breather doubled` and `breather evolve`.
 
 use super::{
     Exit,
-    args::{CenterArg, ContinueArgs, DarkBreatherArgs, DoubledArgs, EvolveArgs, FormulationArg, RingArgs},
+    args::{ContinueArgs, DarkBreatherArgs, DoubledArgs, EvolveArgs, RingArgs},
     print, progress_bar, signals,
 };
 use crate::{
     breathers::DarkBreather,
     chain::Params,
+    dps::Center,
     error::{Error, Result},
     experiments::{self, Branch, Kick, orbit_study},
     interrupt,
-    orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
+    orbits::{Continuation, End, Orbit, Parameter, Pick, Shooting, Trail},
     output::Folder,
     report,
 };
@@ -28,18 +29,14 @@ const RANGE: [f64; 2] = [1.005, 1.05];
 
 impl RingArgs {
     fn shooting(&self) -> Shooting {
-        let formulation = match self.formulation {
-            FormulationArg::HalfPeriod => Formulation::HalfPeriod,
-            FormulationArg::FullPeriod => Formulation::FullPeriod,
-        };
-        Shooting { formulation, tol: self.tol, ..Shooting::default() }
+        Shooting { formulation: self.formulation, tol: self.tol, ..Shooting::default() }
     }
 
     /// A breather of this frequency, by default `omega` times `ratio`.
-    fn breather(&self, center: CenterArg, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+    fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
         let params = Params::new(self.alpha, self.kappa, self.rho)?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
-        Ok(DarkBreather { params, center: center.into(), sites: self.sites, omega_b, c_x: self.c_x })
+        Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
     }
 }
 
@@ -57,9 +54,9 @@ pub(super) fn dark(args: &DarkBreatherArgs) -> Exit {
 }
 
 pub(super) fn branch(args: &ContinueArgs) -> Exit {
-    let beside = args.resume.as_deref().map(folder_of);
+    let beside = args.resume.as_deref().map(|path| if path.is_dir() { path.to_owned() } else { folder_of(path) });
     let trail = match &args.resume {
-        Some(file) => Trail::load(file)?.onward(args.to, args.step, args.points)?,
+        Some(file) => Trail::load(&kept(file, "branch.npz"))?.onward(args.to, args.step, args.points)?,
         None => begin(args)?,
     };
     let folder = args.out.clone().or(beside).map(Folder::create).transpose()?;
@@ -101,7 +98,7 @@ fn begin(args: &ContinueArgs) -> Result<Trail> {
 }
 
 pub(super) fn doubled(args: &DoubledArgs) -> Exit {
-    let (breather, shooting) = (args.ring.breather(CenterArg::Bond, None, RANGE[0])?, args.ring.shooting());
+    let (breather, shooting) = (args.ring.breather(Center::Bond, None, RANGE[0])?, args.ring.shooting());
     let most = args.most.unwrap_or(RANGE[1] * breather.params.omega());
     // Before the main branch, which takes its time.
     for (name, value) in args.most.map(|most| ("most", most)).into_iter().chain([("omega-b", args.omega_b)]) {
@@ -151,6 +148,11 @@ pub(super) fn evolve(args: &EvolveArgs) -> Exit {
 /// What there is of a branch is written, but one that did not get there is a failure.
 fn code(branch: &Branch) -> ExitCode {
     if branch.end == End::Reached { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// The file of this name in the folder `path`, or `path` itself where it is no folder.
+fn kept(path: &Path, name: &str) -> PathBuf {
+    if path.is_dir() { path.join(name) } else { path.to_owned() }
 }
 
 pub(super) fn folder_of(file: &Path) -> PathBuf {

@@ -1,15 +1,11 @@
-//! `hertzchain order`.
+//! `hertzchain study order`.
 
 use super::{Exit, args::OrderArgs, print, progress_bar};
 use crate::{experiments::order, output::Folder, report};
 use std::process::ExitCode;
 
 pub(super) fn main(args: &OrderArgs) -> Exit {
-    let folder = match &args.out {
-        Some(path) => Some(Folder::create(path)?),
-        None if args.json => None,
-        None => Some(Folder::create(format!("out/order-{:?}", args.alpha))?),
-    };
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let bar = progress_bar();
     let study = order(args.alpha, args.beads, &|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();

@@ -1,4 +1,4 @@
-//! `hertzchain report`.
+//! `hertzchain paper report`.
 
 use super::{Exit, args::ReportArgs, print, progress_bar};
 use crate::{

@@ -23,7 +23,9 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(path) = &args.resume {
         return resume(args, path);
     }
-    let mut scene = Scene::load(args.scene.as_deref().unwrap_or_default())?;
+    let mut changes = args.set.set.clone();
+    changes.extend(args.samples.map(|samples| format!("record.samples={samples}")));
+    let mut scene = Scene::load_with(args.scene.as_deref().unwrap_or_default(), &changes)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }

@@ -1,4 +1,4 @@
-//! `hertzchain scaling`.
+//! `hertzchain study scaling`.
 
 use super::{Exit, args::ScalingArgs, print, progress_bar};
 use crate::{
@@ -10,11 +10,7 @@ use std::process::ExitCode;
 
 pub(super) fn main(args: &ScalingArgs) -> Exit {
     let options = ScalingOptions { sites: args.sites.clone(), tol: args.tol, seed: args.seed, max_time: args.max_time };
-    let folder = match &args.out {
-        Some(path) => Some(Folder::create(path)?),
-        None if args.json => None,
-        None => Some(Folder::create("out/scaling")?),
-    };
+    let folder = args.out.as_ref().map(Folder::create).transpose()?;
     let bar = progress_bar();
     let study = scaling(&options, &|share, what| {
         bar.set_position((1000.0 * share.min(1.0)) as u64);

@@ -20,6 +20,10 @@ pub(super) fn main(args: &ScenesArgs) -> Exit {
             let scene = Scene::parse(&text, name)?;
             print(&if args.json { to_json(&scene_json(&scene)) + "\n" } else { text });
         }
+        Some(ScenesAction::Template) => {
+            let scene = Scene::parse(Scene::TEMPLATE, "template")?;
+            print(&if args.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() });
+        }
         None if args.json => {
             let list: Vec<_> =
                 Scene::list().into_iter().map(|(name, summary)| json!({"name": name, "summary": summary})).collect();

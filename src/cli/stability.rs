@@ -1,31 +1,29 @@
-//! `hertzchain stability`.
+//! `hertzchain study stability`.
 
-use super::{Exit, args::StabilityChartsArgs, print, progress_bar};
+use super::{Exit, args::StabilityChartsArgs, methods, print, progress_bar, scene};
 use crate::{
-    error::Result,
+    error::{Error, Result},
     experiments::{Chart, ChartOptions, Problem, charts},
     output::Folder,
     report,
-    run::method::Method,
-    scene::Scene,
+    run::Method,
 };
 use std::process::ExitCode;
 
 pub(super) fn main(args: &StabilityChartsArgs) -> Exit {
     let problem = match &args.scene {
-        Some(scene) => Problem::of(&Scene::load(scene)?)?,
-        None => Problem::built_in(),
+        Some(name) => Problem::of(&scene(name, &args.set)?)?,
+        None => match args.set.set.first() {
+            Some(change) => return Err(Error::parameter("set", change, "it changes a scene: name one")),
+            None => Problem::built_in(),
+        },
     };
     let charted = if args.charts.is_empty() {
         Chart::ALL.to_vec()
     } else {
         args.charts.iter().map(|name| Chart::named(name.trim())).collect::<Result<_>>()?
     };
-    let methods = if args.integrators.is_empty() {
-        Method::all()
-    } else {
-        args.integrators.iter().map(|name| Method::named(name.trim())).collect::<Result<_>>()?
-    };
+    let methods = methods(&args.integrators, Method::all)?;
     let StabilityChartsArgs { sites, periods, work, quick, .. } = *args;
     let options = ChartOptions { charts: charted, methods, sites, periods, work, quick };
     let folder = args.out.as_ref().map(Folder::create).transpose()?;

@@ -1,10 +1,6 @@
-//! `hertzchain theorem`.
+//! `hertzchain study theorem`.
 
-use super::{
-    Exit,
-    args::{InitialArg, TheoremArgs},
-    print, progress_bar, signals,
-};
+use super::{Exit, args::TheoremArgs, print, progress_bar, signals};
 use crate::{
     error::{Error, Result},
     experiments::{Initial, RhoLaw, TheoremOptions, theorem},
@@ -33,12 +29,7 @@ pub(super) fn main(args: &TheoremArgs) -> Exit {
 }
 
 fn options(args: &TheoremArgs) -> Result<TheoremOptions> {
-    let &TheoremArgs { alpha, horizon, c_i, sites, .. } = args;
-    let initial = match args.initial {
-        InitialArg::Site => Initial::Site,
-        InitialArg::Bond => Initial::Bond,
-        InitialArg::Generic => Initial::Generic,
-    };
+    let &TheoremArgs { alpha, horizon, initial, c_i, sites, .. } = args;
     if let (Some(seed), false) = (args.seed, initial == Initial::Generic || c_i > 0.0) {
         return Err(Error::parameter(
             "seed",

@@ -1,4 +1,4 @@
-//! `hertzchain verify`.
+//! `hertzchain paper verify`.
 
 use super::{Exit, args::VerifyArgs, print, progress_bar};
 use crate::{experiments::verify, output::Folder, report};

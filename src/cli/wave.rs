@@ -34,7 +34,7 @@ pub(super) fn main(args: &WaveArgs) -> Exit {
 
 /// The scene with what the flags change.
 fn scene(args: &WaveArgs) -> Result<Scene> {
-    let mut scene = Scene::load(&args.scene)?;
+    let mut scene = super::scene(args.scene.as_deref().unwrap_or_default(), &args.set)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }

@@ -41,6 +41,7 @@ type Big = FBig<HalfEven, 2>;
 /// What a profile is symmetric about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Center {
     /// A site: `a^1_n = a^1_{-n}`.
     Site,

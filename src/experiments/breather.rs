@@ -352,7 +352,7 @@ pub fn trivial_breather(
         return Err(Error::parameter("scene", scene.name(), rule));
     };
     check(options)?;
-    let samples = match scene.file().record.samples {
+    let samples = match scene.samples() {
         0 => DEFAULT_SAMPLES,
         samples => samples,
     };

@@ -81,6 +81,9 @@ struct Settings {
     rejected: u64,
     force_evaluations: u64,
     wall_s: f64,
+    /// Absent from files that were written before it was measured.
+    #[serde(default)]
+    sampling_s: f64,
 }
 
 impl LongRun {
@@ -176,7 +179,8 @@ impl LongRun {
     /// # Errors
     /// What the archive writer says.
     pub fn npz(&self) -> Result<Vec<u8>> {
-        let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall } = self.kept;
+        let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
+            self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
         let settings = Settings {
             format: FORMAT.to_owned(),
@@ -197,6 +201,7 @@ impl LongRun {
             rejected,
             force_evaluations,
             wall_s: wall.as_secs_f64(),
+            sampling_s: sampling.as_secs_f64(),
         };
         let energies = samples.iter().filter_map(|sample| sample.energy).map(|energy| {
             let Energy { beads, resonators, springs, contacts } = energy;
@@ -287,7 +292,7 @@ impl LongRun {
 
 /// What a checkpoint has kept, checked as far as it can be without running it again.
 fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
-    let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, wall_s, .. } = settings;
+    let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
     let chain = scene.chain();
     let dim = chain.layout().dim();
     let finite = |name: &str, shape: &[u64]| {
@@ -297,10 +302,13 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
             None => Ok(values),
         }
     };
-    let wall = Duration::try_from_secs_f64(wall_s)
-        .map_err(|why| file.refused(&format!("{SETTINGS}, wall_s"), why.to_string()))?;
-    if taken as u64 != samples || taken > scene.file().record.samples + 1 {
-        let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.file().record.samples);
+    let duration = |name: &str, seconds: f64| {
+        Duration::try_from_secs_f64(seconds)
+            .map_err(|why| file.refused(&format!("{SETTINGS}, {name}"), why.to_string()))
+    };
+    let (wall, sampling) = (duration("wall_s", settings.wall_s)?, duration("sampling_s", settings.sampling_s)?);
+    if taken as u64 != samples || taken > scene.samples() + 1 {
+        let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.samples());
         return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
     }
     let state = finite("state", &[dim as u64])?;
@@ -335,5 +343,6 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
         contacts: contacts.transpose()?,
         stats: Stats { steps, rejected, force_evaluations },
         wall,
+        sampling,
     })
 }

@@ -78,6 +78,7 @@ const HONEST: f64 = 1.25;
 /// When a breather is at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Criterion {
     /// The core has less than 0.9 of the energy.
     Energy,
@@ -381,7 +382,7 @@ impl Place {
             },
             initial: Initial::BrightBreather { center: options.center, epsilon: self.epsilon },
             span: Span { periods: None, until: Some(until), period: None },
-            record: Record { samples: 0 },
+            record: Record::of(0),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Orbits and branches as files, read back to the bit.
 //!
 //! A branch is an NPZ file: `settings.json`, with what holds for all of it, and arrays with a row for each of its orbits; `parameter`, `x`, `y` and `residual`
-//! are read back, others are for those who look. An orbit of its own is the JSON that `dark` writes.
+//! are read back, others are for those who look. An orbit of its own is the JSON that `breather dark` writes.
 
 use super::{
     continuation::{Continuation, End, Trail},
@@ -237,7 +237,7 @@ impl Trail {
 }
 
 impl Orbit {
-    /// The orbit in a file that `dark` has written, or that picked of a branch file; after checks: numbers within their rules, and a residual that is an orbit's.
+    /// The orbit in a file that `breather dark` has written, or that picked of a branch file; after checks: numbers within their rules, and a residual that is an orbit's.
     ///
     /// # Errors
     /// A file that cannot be read; [`Error::Content`] for one that lacks a key or has a wrong one, numbers outside their rules, and strains that are no orbit;

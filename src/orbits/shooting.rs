@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 /// What is solved for `Z`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Formulation {
     /// `Z'(T/2) = 0` and `(x_1(0) + x_1(T/2))/2 = C_x` (`T/4` where the period is doubled): by reversibility the second half of the period is the first
     /// one backwards.

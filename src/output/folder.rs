@@ -61,10 +61,18 @@ impl Folder {
     /// # Errors
     /// What the system says; the file is then as it was before.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
+        self.write_with(name, |file| file.write_all(bytes))
+    }
+
+    /// The same with a file that is written bit by bit, by `content`.
+    ///
+    /// # Errors
+    /// What the system says, or `content`; the file is then as it was before.
+    pub fn write_with(&self, name: &str, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<PathBuf> {
         let path = self.path.join(name);
         let fail = |source| Error::File { path: path.clone(), source };
         let mut file = self.unfinished().map_err(fail)?;
-        file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(fail)?;
+        content(file.as_file_mut()).and_then(|()| file.as_file().sync_all()).map_err(fail)?;
         #[cfg(unix)]
         {
             // A temporary file is for its owner only; a result is for whom the folder is.

@@ -6,7 +6,7 @@ mod npz;
 
 pub use folder::Folder;
 pub use json::to_json;
-pub use npz::{Archive, Array, SETTINGS, npz, npz_with};
+pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 
 use crate::error::{Error, Result};
 use std::{fs::File, io::Read, path::Path};

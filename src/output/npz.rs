@@ -64,24 +64,85 @@ fn archive(text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> Result<Vec<u8>> 
 }
 
 fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Array<'_>]) -> std::io::Result<()> {
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Stored)
-        .last_modified_time(DateTime::default())
-        .large_file(true);
-    let mut archive = ZipWriter::new(bytes);
-    if let Some((name, text)) = text {
-        archive.start_file(name, options)?;
-        archive.write_all(text.as_bytes())?;
-    }
+    let mut archive = NpzWriter::new(bytes, text)?;
     for array in arrays {
-        archive.start_file(file_name(array.name), options)?;
-        archive.write_all(&npy_head(&array.shape))?;
-        let bytes: Vec<u8> = array.values.iter().flat_map(|value| value.to_le_bytes()).collect();
-        archive.write_all(&bytes)?;
+        archive.begin(array.name, &array.shape)?;
+        archive.row(&array.values)?;
     }
-    archive.finish()?;
-    Ok(())
+    archive.finish()
 }
+
+/// An archive that is written array by array, and each row by row: what does not fit into memory a second time.
+pub struct NpzWriter<W: Write + Seek> {
+    zip: ZipWriter<W>,
+    /// Bytes on their way.
+    block: Vec<u8>,
+}
+
+impl<W: Write + Seek> NpzWriter<W> {
+    /// An archive that begins with a text, `(name, text)`, or with nothing.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn new(to: W, text: Option<(&str, &str)>) -> std::io::Result<Self> {
+        let mut zip = ZipWriter::new(to);
+        if let Some((name, text)) = text {
+            zip.start_file(name, Self::options())?;
+            zip.write_all(text.as_bytes())?;
+        }
+        Ok(Self { zip, block: Vec::new() })
+    }
+
+    fn options() -> SimpleFileOptions {
+        SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .last_modified_time(DateTime::default())
+            .large_file(true)
+    }
+
+    /// Begins an array: its rows are to follow.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn begin(&mut self, name: &str, shape: &[u64]) -> std::io::Result<()> {
+        self.zip.start_file(file_name(name), Self::options())?;
+        self.zip.write_all(&npy_head(shape))
+    }
+
+    /// The next numbers of the array, the last axis fastest.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn row(&mut self, values: &[f64]) -> std::io::Result<()> {
+        for part in values.chunks(BLOCK) {
+            self.block.clear();
+            self.block.extend(part.iter().flat_map(|value| value.to_le_bytes()));
+            self.zip.write_all(&self.block)?;
+        }
+        Ok(())
+    }
+
+    /// An array with one axis.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn vector(&mut self, name: &str, values: &[f64]) -> std::io::Result<()> {
+        self.begin(name, &[values.len() as u64])?;
+        self.row(values)
+    }
+
+    /// Ends the archive.
+    ///
+    /// # Errors
+    /// What the archive writer says.
+    pub fn finish(self) -> std::io::Result<()> {
+        self.zip.finish()?;
+        Ok(())
+    }
+}
+
+/// Numbers that are turned into bytes together.
+const BLOCK: usize = 1 << 13;
 
 /// What NumPy calls the file of an array.
 fn file_name(array: &str) -> String {

@@ -6,26 +6,33 @@ use crate::chain::Overlaps;
 use crate::{
     chain::{Boundary, Energy},
     error::Result,
-    output::{Array, Folder, SETTINGS, csv, npz_with, to_json},
+    output::{Folder, NpzWriter, SETTINGS, csv, to_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory},
 };
 use serde_json::{Map, Value, json};
+use std::fs::File;
 
 /// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
 ///
 /// Arrays of resonators are empty where none moves.
 fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
+    [0, 1, 2, 3].map(|i| state_array(scene, state, i))
+}
+
+/// The array `i` of [`state_arrays`].
+fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64>) {
     let (layout, rho) = (scene.chain().layout(), scene.chain().params().rho);
-    let u = layout.u(state).to_vec();
-    let v = layout.v(state).unwrap_or_default().to_vec();
-    let u_dot = layout.u_dot(state).to_vec();
-    let v_dot = layout.v_dot(state).unwrap_or_default();
-    if scene.chain().boundary() == Boundary::StrainRing {
-        [("x", u), ("y", v), ("vx", u_dot), ("vy", v_dot.to_vec())]
-    } else {
-        [("u", u), ("v", v), ("pu", u_dot), ("pv", v_dot.iter().map(|v_dot| rho * v_dot).collect())]
-    }
+    let ring = scene.chain().boundary() == Boundary::StrainRing;
+    let values = match i {
+        0 => layout.u(state),
+        1 => layout.v(state).unwrap_or_default(),
+        2 => layout.u_dot(state),
+        _ => layout.v_dot(state).unwrap_or_default(),
+    };
+    let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
+    let momenta = !ring && i == 3;
+    (names[i], values.iter().map(|&value| if momenta { rho * value } else { value }).collect())
 }
 
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
@@ -80,6 +87,7 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
     put("steps", json!(outcome.stats.steps));
     put("rejected", json!(outcome.stats.rejected));
     put("wall_s", json!(outcome.wall.as_secs_f64()));
+    put("sampling_s", json!(outcome.sampling.as_secs_f64()));
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", super::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
@@ -110,11 +118,12 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
     }
     let stats = outcome.stats;
     lines.push(format!(
-        "work        {} steps, {} rejected, {} force evaluations, {:.3e} s",
+        "work        {} steps, {} rejected, {} force evaluations, {:.3e} s, of which sampling {:.3e} s",
         stats.steps,
         stats.rejected,
         stats.force_evaluations,
-        outcome.wall.as_secs_f64()
+        outcome.wall.as_secs_f64(),
+        outcome.sampling.as_secs_f64()
     ));
     if let Some(failure) = &outcome.failure {
         lines.push(format!("FAILED      {failure}"));
@@ -141,29 +150,31 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &st
         Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).collect())
     });
     folder.write("energy.csv", &csv(&["t", "beads", "resonators", "springs", "contacts", "total"], energies))?;
-    let profiles: &[Profile] = &outcome.profiles;
-    let mut archive = vec![
-        Array::vector("t", profiles.iter().map(|profile| profile.t).collect()),
-        Array::matrix("strain", profiles.iter().map(|profile| &profile.x[..])),
-    ];
-    for (i, (name, _)) in present.iter().enumerate() {
-        let rows: Vec<Vec<f64>> = profiles
-            .iter()
-            .map(|profile| {
-                let mut arrays =
-                    state_arrays(scene, &profile.state).into_iter().filter(|(_, values)| !values.is_empty());
-                arrays.nth(i).map(|(_, values)| values).unwrap_or_default()
-            })
-            .collect();
-        archive.push(Array::matrix(name, rows.iter().map(|row| &row[..])));
-    }
     let settings = archive_settings(json);
-    folder.write("profiles.npz", &npz_with(SETTINGS, &settings, &archive)?)?;
+    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, &settings))?;
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts, &settings)?)?;
     }
     Ok(())
+}
+
+/// Writes the archive of profiles, a row at a time: long chains have more of them than fit into memory twice.
+fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], settings: &str) -> std::io::Result<()> {
+    let mut archive = NpzWriter::new(file, Some((SETTINGS, settings)))?;
+    archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
+    let rows = profiles.len() as u64;
+    let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];
+    archive.begin("strain", &columns(profiles.first().map(|profile| profile.x.len())))?;
+    profiles.iter().try_for_each(|profile| archive.row(&profile.x))?;
+    let arrays = state_arrays(scene, scene.initial().as_slice());
+    for (i, (name, values)) in arrays.iter().enumerate().filter(|(_, (_, values))| !values.is_empty()) {
+        archive.begin(name, &columns(profiles.first().map(|_| values.len())))?;
+        for profile in profiles {
+            archive.row(&state_array(scene, &profile.state, i).1)?;
+        }
+    }
+    archive.finish()
 }
 
 /// What the archives of a run say of it: all of its JSON that does not come out of it.

@@ -3,11 +3,11 @@
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, nearest, one_line},
+    error::{Error, Result, in_words, nearest, one_line},
     number::double,
 };
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
+use std::{ops::Range, path::Path};
 use toml::{
     Table,
     de::{DeTable, DeValue, Deserializer},
@@ -20,7 +20,8 @@ const SHOWN: usize = 60;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// Short name.
+    /// Short name (that of the file without its extension if left out, else `scene`).
+    #[serde(default)]
     pub name: String,
     /// One line that says what it shows.
     #[serde(default)]
@@ -44,9 +45,11 @@ pub struct ChainSection {
     pub sites: usize,
     /// Exponent.
     pub alpha: f64,
-    /// Spring constant.
+    /// Spring constant (0, no springs, if left out).
+    #[serde(default)]
     pub kappa: f64,
-    /// Mass ratio; `inf` for the cradle.
+    /// Mass ratio resonator to bead (0, no resonators, if left out); `inf` for the cradle.
+    #[serde(default)]
     pub rho: f64,
     /// What holds the ends.
     pub boundary: Boundary,
@@ -186,9 +189,39 @@ pub struct Span {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// Equally spaced times at which energy and strains are kept; 0: the end only.
-    #[serde(default)]
-    pub samples: usize,
+    /// Number of equally spaced times at which energy and strains are kept; 0: the end only. If left out, a scene takes
+    /// [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its period is known, see [`by_default`](Self::by_default).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<usize>,
+}
+
+impl Record {
+    /// Samples of a short run that does not say how many.
+    pub const FEWEST_SAMPLES: usize = 400;
+    /// Most samples of a run that does not say how many.
+    pub const MOST_SAMPLES: usize = 10_000;
+    /// Samples a period of a run that does not say how many, unless they are more than
+    /// [`MOST_SAMPLES`](Self::MOST_SAMPLES) in all.
+    pub const PER_PERIOD: f64 = 16.0;
+
+    /// This many samples.
+    pub fn of(samples: usize) -> Self {
+        Self { samples: Some(samples) }
+    }
+
+    /// The number of samples of a run that does not say how many, by its length in periods, if a period is known.
+    ///
+    /// ```
+    /// use hertzchain::scene::Record;
+    /// assert_eq!(Record::by_default(None), 400);
+    /// assert_eq!(Record::by_default(Some(10.0)), 400);
+    /// assert_eq!(Record::by_default(Some(100.0)), 1600);
+    /// assert_eq!(Record::by_default(Some(1e9)), 10_000);
+    /// ```
+    pub fn by_default(periods: Option<f64>) -> usize {
+        let wanted = (Self::PER_PERIOD * periods.unwrap_or(0.0)).ceil().min(Self::MOST_SAMPLES as f64);
+        (wanted as usize).max(Self::FEWEST_SAMPLES)
+    }
 }
 
 impl SceneFile {
@@ -197,19 +230,107 @@ impl SceneFile {
     /// # Errors
     /// The line, the key and the rule; the nearest key, where one is unknown; a number that a double cannot hold.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
+        Self::parse_with(text, file, &[])
+    }
+
+    /// Reads a scene with some keys changed. A change is a line of TOML with a dotted key, such as `chain.rho=3`; a value
+    /// that is no TOML is taken as a string, so that `chain.boundary=ring` needs no quotation marks.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); a change in place of a line where it is to blame.
+    pub fn parse_with(text: &str, file: &str, changes: &[String]) -> Result<Self> {
         let fail = |message| Error::Scene { file: file.to_owned(), message };
-        let table = DeTable::parse(text).map_err(|error| fail(explain(&error, text, &[])))?;
-        let leaves = leaves(table.get_ref(), "");
-        for leaf in &leaves {
-            leaf.held()
-                .map_err(|rule| fail(format!("line {}: `{}`: {rule}", 1 + line(text, leaf.span.start), leaf.key)))?;
+        let source = Source { text, changes };
+        let lines = source.lines().map_err(fail)?;
+        let mut table = DeTable::parse(text).map_err(|error| fail(explain(&error, &source, None)))?;
+        for line in &lines {
+            let change = DeTable::parse(line).map_err(|error| fail(explain(&error, &source, None)))?;
+            merge(table.get_mut(), change.into_inner());
         }
-        Self::deserialize(Deserializer::from(table.clone())).map_err(|error| fail(explain(&error, text, &leaves)))
+        for leaf in leaves(table.get_ref(), "") {
+            leaf.held().map_err(|rule| fail(format!("{}: `{}`: {rule}", source.place(leaf.span.start), leaf.key)))?;
+        }
+        let mut scene = Self::deserialize(Deserializer::from(table.clone()))
+            .map_err(|error| fail(explain(&error, &source, Some(&table))))?;
+        if scene.name.is_empty() {
+            scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+        }
+        Ok(scene)
+    }
+
+    /// Where the value of the parameter `name` stands, for messages: its line, or the change that set it, and its key.
+    pub(super) fn place(text: &str, changes: &[String], name: &str) -> Option<String> {
+        let source = Source { text, changes };
+        let lines = source.lines().ok()?;
+        let mut table = DeTable::parse(text).ok()?;
+        for line in &lines {
+            merge(table.get_mut(), DeTable::parse(line).ok()?.into_inner());
+        }
+        let leaves = leaves(table.get_ref(), "");
+        let leaf = leaves.iter().find(|leaf| leaf.key.rsplit('.').next() == Some(name))?;
+        Some(format!("{}: `{}`", source.place(leaf.span.start), leaf.key))
     }
 
     /// The scene as TOML.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).unwrap_or_default()
+    }
+}
+
+/// What a scene is read from: the text of a file and the changes to it. Bytes are counted through both.
+struct Source<'a> {
+    text: &'a str,
+    changes: &'a [String],
+}
+
+impl Source<'_> {
+    /// Where each change begins: one byte after the text or the change before it.
+    fn starts(&self) -> impl Iterator<Item = (usize, &String)> {
+        self.changes.iter().scan(self.text.len() + 1, |next, change| {
+            let start = *next;
+            *next += change.len() + QUOTES + 1;
+            Some((start, change))
+        })
+    }
+
+    /// The changes as TOML, each behind so many blanks that its bytes are counted from where it begins.
+    fn lines(&self) -> std::result::Result<Vec<String>, String> {
+        let line = |(start, change): (usize, &String)| {
+            let Some((key, value)) = change.split_once('=') else {
+                return Err(format!("--set {}: not KEY=VALUE, as in chain.rho=3", one_line(change)));
+            };
+            let is_toml = DeTable::parse(change).is_ok();
+            let text = if is_toml { change.clone() } else { format!("{key}={}", toml::Value::from(value.trim())) };
+            Ok(" ".repeat(start) + &text)
+        };
+        self.starts().map(line).collect()
+    }
+
+    /// The line, or the change, in which the byte `at` is.
+    fn place(&self, at: usize) -> String {
+        match self.starts().take_while(|(start, _)| *start <= at).last() {
+            Some((_, change)) => format!("--set {}", one_line(change)),
+            None => format!("line {}", 1 + line(self.text, at)),
+        }
+    }
+}
+
+/// Quotation marks and escapes that a change may get.
+const QUOTES: usize = 1 << 12;
+
+/// Puts the entries of `change` into `table`, in place of those of the same keys.
+fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) {
+    for (key, value) in change {
+        match (table.get_mut(&key).map(toml::Spanned::get_mut), value.get_ref()) {
+            (Some(DeValue::Table(below)), DeValue::Table(_)) => {
+                if let DeValue::Table(change) = value.into_inner() {
+                    merge(below, change);
+                }
+            }
+            _ => {
+                table.insert(key, value);
+            }
+        }
     }
 }
 
@@ -255,8 +376,10 @@ fn line(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|&byte| byte == b'\n').count()
 }
 
-fn explain(error: &toml::de::Error, text: &str, leaves: &[Leaf<'_>]) -> String {
-    let message = error.message().lines().collect::<Vec<_>>().join("; ");
+/// The message of an error of the reader, with the line and the key that it is about. `table` is the scene, where it could be read as TOML.
+fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Spanned<DeTable<'_>>>) -> String {
+    let text = source.text;
+    let message = in_words(&error.message().lines().collect::<Vec<_>>().join("; "));
     // serde says: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let hint = match names.split_first() {
@@ -266,28 +389,29 @@ fn explain(error: &toml::de::Error, text: &str, leaves: &[Leaf<'_>]) -> String {
     let hint = hint.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
     let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
     let span = error.span().filter(|span| *span != (0..text.len()));
+    let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
     let leaf = if missing {
         None
     } else {
         let there = |leaf: &&Leaf<'_>| span.as_ref().is_some_and(|span| leaf.span.contains(&span.start));
         leaves.iter().find(there).or_else(|| {
-            let key = culprit(error.message(), text)?;
+            let key = culprit(error.message(), table?)?;
             leaves.iter().find(|leaf| leaf.key == key)
         })
     };
     let message = match leaf.map(|leaf| leaf.span.start).or(span.map(|span| span.start)) {
         None => message + &hint,
         Some(at) => {
-            let line = line(text, at);
             let place = match leaf {
                 _ if unknown => String::new(),
                 Some(leaf) => format!("`{}`: ", leaf.key),
+                None if at > text.len() => String::new(),
                 None => format!(
                     "`{}`: ",
-                    text.lines().nth(line).unwrap_or_default().chars().take(SHOWN).collect::<String>()
+                    text.lines().nth(line(text, at)).unwrap_or_default().chars().take(SHOWN).collect::<String>()
                 ),
             };
-            format!("line {}: {place}{message}{hint}", line + 1)
+            format!("{}: {place}{message}{hint}", source.place(at))
         }
     };
     one_line(&message)
@@ -295,8 +419,8 @@ fn explain(error: &toml::de::Error, text: &str, leaves: &[Leaf<'_>]) -> String {
 
 /// The key of `[initial]` that a message is about: the first with which it appears. A table of one kind or another is read as a whole, and of an error in it
 /// nobody knows where it was.
-fn culprit(message: &str, text: &str) -> Option<String> {
-    let file: Table = text.parse().ok()?;
+fn culprit(message: &str, table: &toml::Spanned<DeTable<'_>>) -> Option<String> {
+    let file = Table::deserialize(Deserializer::from(table.clone())).ok()?;
     let initial = file.get("initial")?.as_table()?;
     let mut some = Table::new();
     let kind = initial.get_key_value("kind");

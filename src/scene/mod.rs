@@ -55,9 +55,14 @@ pub struct Scene {
     theory: Option<Theory>,
     period: f64,
     end: f64,
+    /// Whether the number of samples is that of the file, not one by default.
+    says_samples: bool,
 }
 
 impl Scene {
+    /// A scene with every key, each explained, as TOML: a start for one's own.
+    pub const TEMPLATE: &str = include_str!("template.toml");
+
     /// Names and one-line summaries of the built-in scenes.
     pub fn list() -> Vec<(&'static str, String)> {
         BUILTIN
@@ -89,7 +94,22 @@ impl Scene {
     /// # Errors
     /// See [`source`](Self::source), [`SceneFile::parse`] and [`build`](Self::build).
     pub fn load(name_or_file: &str) -> Result<Self> {
-        Self::parse(&Self::source(name_or_file)?, name_or_file)
+        Self::load_with(name_or_file, &[])
+    }
+
+    /// The same with some keys changed, see [`SceneFile::parse_with`].
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    ///
+    /// ```
+    /// use hertzchain::scene::Scene;
+    /// let heavy = Scene::load_with("tw-rho3", &["chain.rho=1000".to_owned()])?;
+    /// assert_eq!(heavy.chain().params().rho, 1000.0);
+    /// # Ok::<(), hertzchain::Error>(())
+    /// ```
+    pub fn load_with(name_or_file: &str, changes: &[String]) -> Result<Self> {
+        Self::parse_with(&Self::source(name_or_file)?, name_or_file, changes)
     }
 
     /// The scene in a text; `file` is what messages call it.
@@ -97,8 +117,23 @@ impl Scene {
     /// # Errors
     /// See [`SceneFile::parse`] and [`build`](Self::build).
     pub fn parse(text: &str, file: &str) -> Result<Self> {
-        let refused = |error: Error| Error::Scene { file: file.to_owned(), message: error.to_string() };
-        Self::build(SceneFile::parse(text, file)?).map_err(refused)
+        Self::parse_with(text, file, &[])
+    }
+
+    /// The scene in a text with some keys changed, see [`SceneFile::parse_with`].
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    pub fn parse_with(text: &str, file: &str, changes: &[String]) -> Result<Self> {
+        let refused = |error: Error| {
+            let place = match &error {
+                Error::Parameter { name, .. } => SceneFile::place(text, changes, name),
+                _ => None,
+            };
+            let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
+            Error::Scene { file: file.to_owned(), message }
+        };
+        Self::build(SceneFile::parse_with(text, file, changes)?).map_err(refused)
     }
 
     /// Checks a scene and computes its initial state.
@@ -110,8 +145,8 @@ impl Scene {
         if section.sites > MOST_SITES {
             return Err(Error::parameter("sites", section.sites, "at most 10^8"));
         }
-        if file.record.samples > MOST_SAMPLES {
-            return Err(Error::parameter("samples", file.record.samples, "at most 10^6"));
+        if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
+            return Err(Error::parameter("samples", samples, "at most 10^6"));
         }
         // To the chain -0 is zero; in a file it is a slip.
         for (name, value) in
@@ -152,7 +187,19 @@ impl Scene {
         {
             *seed = Some(drawn.seed());
         }
-        Ok(Self { chain, initial, theory, period, end, file })
+        let says_samples = file.record.samples.is_some();
+        let mut scene = Self { chain, initial, theory, period, end, file, says_samples };
+        scene.sample();
+        Ok(scene)
+    }
+
+    /// Sets the number of samples where the scene does not say it.
+    fn sample(&mut self) {
+        if !self.says_samples {
+            let has_frequency = self.chain.params().resonators() != Resonators::None || self.theory.is_some();
+            let known = has_frequency || self.file.span.period.is_some();
+            self.file.record = Record::of(Record::by_default(known.then_some(self.end / self.period)));
+        }
     }
 
     /// The same scene until another time.
@@ -165,6 +212,7 @@ impl Scene {
         }
         self.end = end;
         (self.file.span.periods, self.file.span.until) = (None, Some(end));
+        self.sample();
         Ok(self)
     }
 
@@ -178,6 +226,9 @@ impl Scene {
             return Err(Error::parameter("scene", self.name(), NO_WAVE));
         };
         (*own_zeta, *own_seed) = (Some(zeta), seed);
+        if !self.says_samples {
+            file.record = Record::default();
+        }
         Self::build(file)
     }
 
@@ -237,6 +288,11 @@ impl Scene {
         self.end
     }
 
+    /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
+    pub fn samples(&self) -> usize {
+        self.file.record.samples.unwrap_or(0)
+    }
+
     /// The amplitude that errors are divided by, where theory gives one: `2 epsilon kappa a` for waves, `2 epsilon max |a_n|` for bright breathers.
     pub fn amplitude(&self) -> Option<f64> {
         match &self.theory {
@@ -255,7 +311,7 @@ impl Scene {
     /// The scene as a run, by the method that its chain asks for unless another is named.
     pub fn run(&self) -> Run {
         let run = Run::new(self.chain.clone(), self.initial.clone()).with_period(self.period);
-        let checked = run.until(self.end).and_then(|run| run.samples(self.file.record.samples));
+        let checked = run.until(self.end).and_then(|run| run.samples(self.samples()));
         checked.expect("end and samples of a scene are checked when it is built")
     }
 
@@ -273,7 +329,7 @@ impl Scene {
     }
 
     fn plan_of_records(&self) -> String {
-        match self.file.record.samples {
+        match self.samples() {
             0 => "records: the end only; nothing is allocated per step".to_owned(),
             samples => {
                 format!("records: energy and strains at {samples} times; strains only when an output folder is given")

@@ -55,6 +55,12 @@ fn run_json_keeps_its_contract() {
     for key in ["force_evaluations", "steps", "rejected"] {
         assert!(ring[key].is_u64(), "{key}");
     }
+    // Samples are a part of the run, and take time.
+    let [wall, sampling] = ["wall_s", "sampling_s"].map(|key| ring[key].as_f64().unwrap());
+    assert!(0.0 < sampling && sampling < wall, "{sampling} of {wall}");
+    let unsampled = json(&["run", "tw-q15", "--until", "3", "--samples", "0", "--json"]);
+    assert!(unsampled["sampling_s"].as_f64().unwrap() < sampling);
+    assert!(stdout(&hertzchain(&["run", "tw-q15", "--until", "3"])).contains(" s, of which sampling "));
     let chain = json(&["run", "cradle", "--until", "3", "--json", "--integrator", "dop853"]);
     assert_eq!(chain["u"].as_array().unwrap().len(), 20);
     assert_eq!(chain["pu"].as_array().unwrap().len(), 20);
@@ -84,7 +90,7 @@ fn numbers_have_seventeen_significant_digits() {
 fn order_keeps_its_contract() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let table = stdout(&hertzchain(&["order", "--alpha", "2", "--beads", "3", "--out", out]));
+    let table = stdout(&hertzchain(&["study", "order", "--alpha", "2", "--beads", "3", "--out", out]));
     assert!(table.contains("regularised") && table.contains("theory"), "{table}");
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     let study: Value = serde_json::from_slice(&read("order.json")).unwrap();
@@ -106,8 +112,8 @@ fn order_keeps_its_contract() {
     let names: Vec<&str> =
         integrators["integrators"].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap()).collect();
     assert!(rows.iter().all(|row| names.contains(&row["method"].as_str().unwrap())));
-    assert!(refusal(&["order", "--beads", "1"]).contains("beads = 1"));
-    assert!(refusal(&["order", "--alpha", "nan"]).contains("alpha = NaN"));
+    assert!(refusal(&["study", "order", "--beads", "1"]).contains("beads = 1"));
+    assert!(refusal(&["study", "order", "--alpha", "nan"]).contains("alpha = NaN"));
 }
 
 #[test]
@@ -223,7 +229,12 @@ fn bad_numbers_are_refused_by_name_and_rule() {
     let rules = [
         ("sites = 50", "sites = 0", "sites = 0 is not valid: a chain has at least one bead"),
         ("sites = 50", "sites = 1000000000000000000", "at most 10^8"),
-        ("sites = 50", "sites = -3", "line 5"),
+        (
+            "sites = 50",
+            "sites = -3",
+            "line 5: `chain.sites`: invalid value: number `-3`, expected a whole number, at least zero",
+        ),
+        ("alpha = 1.5", "alpha = -1.5", "line 6: `chain.alpha`: alpha = -1.5 is not valid"),
         ("sites = 50", "sites = 51", "a whole number of waves fits the ring"),
         ("alpha = 1.5", "alpha = nan", "alpha = NaN is not valid"),
         ("alpha = 1.5", "alpha = 0.0", "alpha = 0 is not valid"),
@@ -372,7 +383,7 @@ fn tables_name_what_the_json_names() {
     for a in json["a"].as_array().unwrap() {
         assert!(table.contains(&format!("{:e}", a.as_f64().unwrap())), "{a}: {table}");
     }
-    let table = stdout(&hertzchain(&["verify", "--section", "3"]));
+    let table = stdout(&hertzchain(&["paper", "verify", "--section", "3"]));
     assert!(table.contains("holds") && table.contains("all as known"), "{table}");
 }
 

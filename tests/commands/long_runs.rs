@@ -231,7 +231,7 @@ mod processes {
                 Some(json) if json == "json" => String::from_utf8(bytes)
                     .unwrap()
                     .lines()
-                    .filter(|line| !line.contains("\"wall_s\""))
+                    .filter(|line| !line.contains("\"wall_s\"") && !line.contains("\"sampling_s\""))
                     .collect::<String>()
                     .into(),
                 _ if name(path) == "checkpoint.npz" => Vec::new(),
@@ -255,7 +255,7 @@ mod processes {
     /// A command with a folder that takes `--out`; how to go on, and whether there is something to go on from.
     struct Study<'a> {
         args: &'a [&'a str],
-        resume: Option<&'a str>,
+        resume: Option<(&'a [&'a str], &'a str)>,
         /// Where it keeps what is done, and how much that is.
         kept: &'a dyn Fn(&Path) -> Option<f64>,
         kills: usize,
@@ -268,8 +268,8 @@ mod processes {
 
         fn go_on(&self, out: &Path) -> Command {
             match self.resume {
-                Some(name) if (self.kept)(out).is_some() => {
-                    quiet(&[self.args[0], "--resume", out.join(name).to_str().unwrap()])
+                Some((command, name)) if (self.kept)(out).is_some() => {
+                    quiet(&[command, &["--resume", out.join(name).to_str().unwrap()]].concat())
                 }
                 _ => self.begin(out),
             }
@@ -336,20 +336,28 @@ mod processes {
             run(&["--integrator", "dop853", "--tol", "1e-11"], 9),
             run(&["--tol", "1e-9"], 9),
         ] {
-            Study { args: &args, resume: Some("checkpoint.npz"), kept: &time, kills }.survives(&mut random);
+            Study { args: &args, resume: Some((&["run"], "checkpoint.npz")), kept: &time, kills }.survives(&mut random);
         }
-        let args =
-            ["theorem", "--epsilons", "0.2,0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002", "--horizon", "0.5"];
+        let args = [
+            "study",
+            "theorem",
+            "--epsilons",
+            "0.2,0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002",
+            "--horizon",
+            "0.5",
+        ];
         Study { args: &args, resume: None, kept: &|out| lines(&out.join("theorem.store")), kills: 14 }
             .survives(&mut random);
-        let args = ["lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--sites", "20", "--until", "12"];
+        let args =
+            ["study", "lifetimes", "--epsilons", "0.2,0.3,0.4", "--rhos", "5,10,20", "--sites", "20", "--until", "12"];
         Study { args: &args, resume: None, kept: &|out| lines(&out.join("lifetimes.store")), kills: 6 }
             .survives(&mut random);
         let args = [
-            "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.02", "--step", "2.5e-4",
-            "--weak", "1",
+            "breather", "continue", "--center", "bond", "--sites", "5", "--from", "2.01", "--to", "2.02", "--step",
+            "2.5e-4", "--weak", "1",
         ];
-        Study { args: &args, resume: Some("branch.npz"), kept: &points, kills: 6 }.survives(&mut random);
+        Study { args: &args, resume: Some((&["breather", "continue"], "branch.npz")), kept: &points, kills: 6 }
+            .survives(&mut random);
     }
 
     fn signal(process: &Child, name: &str) {
@@ -416,7 +424,7 @@ mod processes {
         let at = |name: &str| folder.path().join(name);
         let text = |name: &str| at(name).display().to_string();
         let all = "0.1,0.05,0.02,0.01,0.005,0.002,0.001,0.0005,0.0002,0.0001,0.00005";
-        let args = ["theorem", "--epsilons", all, "--horizon", "0.5", "--out", &text("t")];
+        let args = ["study", "theorem", "--epsilons", all, "--horizon", "0.5", "--out", &text("t")];
         let store = || lines(&at("t/theorem.store")).is_some_and(|lines| lines >= 2.0);
         let (code, said) = asked(&args, "INT", &store);
         assert!(code == Some(130) && said.contains("stopped by a signal: "), "{code:?} {said}");
@@ -425,6 +433,7 @@ mod processes {
         assert!(rows as f64 == 3.0 * kept && kept < 11.0, "{rows} rows, {kept} kept");
 
         let args = [
+            "study",
             "lifetimes",
             "--epsilons",
             "0.2,0.3,0.4,0.5",
@@ -446,6 +455,7 @@ mod processes {
         assert!(rows.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
 
         let args = [
+            "breather",
             "continue",
             "--center",
             "bond",
@@ -504,6 +514,7 @@ mod processes {
         let (full, whole) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let args = |out: &Path| {
             [
+                "study",
                 "theorem",
                 "--epsilons",
                 "0.3,0.25,0.2,0.15,0.1,0.07,0.05,0.03,0.02,0.01",
@@ -514,7 +525,7 @@ mod processes {
             ]
             .map(str::to_owned)
         };
-        let run = |args: [String; 7]| output(&args.each_ref().map(String::as_str));
+        let run = |args: [String; 8]| output(&args.each_ref().map(String::as_str));
         let refused = limited(2, &args(full.path()).each_ref().map(String::as_str));
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(refused.status.code() == Some(1) && said.contains("theorem.store: File too large"), "{said}");
@@ -540,9 +551,11 @@ mod processes {
         }
         for (out, what) in cases {
             let out = out.to_str().unwrap();
-            for args in
-                [&["run", "tw-q15", "--checkpoint", "1", "--integrator", "verlet"][..], &["theorem"], &["continue"]]
-            {
+            for args in [
+                &["run", "tw-q15", "--checkpoint", "1", "--integrator", "verlet"][..],
+                &["study", "theorem"],
+                &["breather", "continue"],
+            ] {
                 let refused = output(&[args, &["--out", out]].concat());
                 let said = String::from_utf8(refused.stderr).unwrap();
                 assert!(refused.status.code() == Some(1) && said.contains(what) && refused.stdout.is_empty(), "{said}");
@@ -619,7 +632,7 @@ mod processes {
         // A background beyond all that is small is refused at once.
         for rho in ["1e-9", "1e-3"] {
             let clock = Instant::now();
-            let refused = output(&["dark", "--rho", rho]);
+            let refused = output(&["breather", "dark", "--rho", rho]);
             let said = String::from_utf8(refused.stderr).unwrap();
             assert!(
                 refused.status.code() == Some(1)

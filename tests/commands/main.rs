@@ -3,8 +3,10 @@
 mod bad_files;
 mod cli;
 mod figures;
+mod help;
 mod long_runs;
 mod machines;
 mod paper_figures;
 mod provenance;
+mod scenes;
 mod studies;

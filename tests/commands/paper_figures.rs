@@ -1,4 +1,4 @@
-//! `hertzchain figures`: every file is there, the numbers are those of `wave`, and one failure does not cost the others.
+//! `hertzchain paper figures`: every file is there, the numbers are those of `wave`, and one failure does not cost the others.
 #![cfg(feature = "cli")]
 
 use hertzchain::{
@@ -20,7 +20,7 @@ fn hertzchain(args: &[&str]) -> Output {
 }
 
 fn figures(only: &str, out: &Path) -> (Value, Output) {
-    let output = hertzchain(&["figures", "--only", only, "--out", out.to_str().unwrap(), "--json"]);
+    let output = hertzchain(&["paper", "figures", "--only", only, "--out", out.to_str().unwrap(), "--json"]);
     (serde_json::from_slice(&output.stdout).unwrap(), output)
 }
 
@@ -306,7 +306,7 @@ fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
     assert!(worst < 1e-5, "{worst:e}");
 }
 
-// Truth: the command `lifetimes` at one point; for the breather of the paper also `breather bright`, on 40 sites, that takes a tenth of what the core had at first.
+// Truth: the command `study lifetimes` at one point; for the breather of the paper also `breather bright`, on 40 sites, that takes a tenth of what the core had at first.
 #[test]
 fn the_map_of_lifetimes_is_that_of_lifetimes() {
     let (folder, captions) = drawn("lifetime-map");
@@ -325,7 +325,7 @@ fn the_map_of_lifetimes_is_that_of_lifetimes() {
     }
     assert_eq!(&row(1e-3, 10.0)[2..5], ["", "2e3", "decouples"]);
     let lifetime: f64 = row(1e-2, 1e3)[2].parse().unwrap();
-    let one = hertzchain(&["lifetimes", "--epsilons", "0.01", "--rhos", "1000", "--until", "2000", "--json"]);
+    let one = hertzchain(&["study", "lifetimes", "--epsilons", "0.01", "--rhos", "1000", "--until", "2000", "--json"]);
     let one: Value = serde_json::from_slice(&one.stdout).unwrap();
     assert_eq!(one["points"][0]["lifetime"].as_f64(), Some(lifetime));
     let bright = hertzchain(&["breather", "bright", "--json"]);
@@ -342,7 +342,7 @@ fn unknown_names_are_refused_before_any_work() {
     for (name, hint) in
         [("tw-q51", "did you mean \"tw-q15\"?"), ("tw-q15,", "unknown figure \"\""), ("tw-rho10", "tw-rho10-1000")]
     {
-        let output = hertzchain(&["figures", "--only", name, "--out", out.to_str().unwrap()]);
+        let output = hertzchain(&["paper", "figures", "--only", name, "--out", out.to_str().unwrap()]);
         let text = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && text.contains(hint) && output.stdout.is_empty(), "{name}: {text}");
     }
@@ -384,8 +384,17 @@ fn the_exact_profiles_are_those_of_dark_and_come_back() {
     assert!(captions[0].contains("Bond-centred: K_x = 0.149645, K_y = 0.372598"), "{}", captions[0]);
     let (header, bond) = read(folder.path(), "dark-profiles-bond-profile.csv");
     assert_eq!(header, "n,x,y,x_after,y_after,x_dps,y_dps");
-    let output =
-        hertzchain(&["dark", "--center", "bond", "--rho", "0.3333333333333333", "--omega-b", "2.05", "--json"]);
+    let output = hertzchain(&[
+        "breather",
+        "dark",
+        "--center",
+        "bond",
+        "--rho",
+        "0.3333333333333333",
+        "--omega-b",
+        "2.05",
+        "--json",
+    ]);
     let dark: Value = serde_json::from_slice(&output.stdout).unwrap();
     for (i, row) in bond.iter().enumerate() {
         assert_eq!((row[1], row[2]), (dark["x"][i].as_f64().unwrap(), dark["y"][i].as_f64().unwrap()));
@@ -480,7 +489,7 @@ fn figures_of_sec_7_show_what_their_captions_say() {
 fn a_report_is_one_page_that_fetches_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
-    let output = hertzchain(&["report", "--only", "theorem", "--out", out.to_str().unwrap()]);
+    let output = hertzchain(&["paper", "report", "--only", "theorem", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(files(&out), ["report.html", "report.json"].map(str::to_owned).into());
     assert!(String::from_utf8_lossy(&output.stdout).contains("theorem"));
@@ -492,7 +501,7 @@ fn a_report_is_one_page_that_fetches_nothing() {
     // Both laws are there, each with its verdict, and what looks like a tag is none.
     assert!(page.contains("violated") && page.contains("bounded") && page.contains("0 &lt;= t"), "{page}");
     assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script"));
-    let unknown = hertzchain(&["report", "--only", "theory", "--out", out.to_str().unwrap()]);
+    let unknown = hertzchain(&["paper", "report", "--only", "theory", "--out", out.to_str().unwrap()]);
     let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
     assert!(!unknown.status.success() && message.contains("\"theory\"") && message.contains("theorem"), "{message}");
 }

@@ -80,7 +80,7 @@ fn results_of_scenes_hold_the_whole_scene_the_integrator_its_setting_and_the_see
         assert!(file["name"] != "own" || file["initial"]["seed"] == 1, "{name}: {file}");
     }
     let out = folder.path().join("drift");
-    hertzchain(&["drift", "cradle", "--periods", "5", "--samples", "3"], &out);
+    hertzchain(&["study", "drift", "cradle", "--periods", "5", "--samples", "3"], &out);
     let json = checked(&out);
     assert_eq!((&json["scene_file"]["chain"]["rho"], &json["scene_file"]["name"]), (&"inf".into(), &"cradle".into()));
 }
@@ -100,14 +100,14 @@ fn results_without_a_scene_hold_their_parameters() {
     let of_orbit = ["/alpha", "/kappa", "/rho", "/sites", "/omega_b", "/integrator"];
     holds(
         "dark",
-        &[&["dark", "--omega-b", "2.03"], &ring[..]].concat(),
+        &[&["breather", "dark", "--omega-b", "2.03"], &ring[..]].concat(),
         &[&of_orbit[..], &["/center", "/c_x_asked", "/shooting/tol"]].concat(),
     );
     let orbit = out("dark").join("dark-breather.json").display().to_string();
-    holds("evolve", &["evolve", &orbit, "--until", "10"], &[&of_orbit[..], &["/tol"]].concat());
+    holds("evolve", &["breather", "evolve", &orbit, "--until", "10"], &[&of_orbit[..], &["/tol"]].concat());
     holds(
         "continue",
-        &[&["continue", "--from", "2.03", "--to", "2.04", "--step", "5e-3"], &ring[..]].concat(),
+        &[&["breather", "continue", "--from", "2.03", "--to", "2.04", "--step", "5e-3"], &ring[..]].concat(),
         &["/settings/setting/params/rho", "/settings/continuation/shooting/tol", "/settings/weak", "/integrator"],
     );
     holds(
@@ -115,10 +115,10 @@ fn results_without_a_scene_hold_their_parameters() {
         &["dps", "dark", "--sites", "5"],
         &["/alpha", "/kappa", "/rho", "/sites", "/center", "/c", "/omega_b"],
     );
-    holds("stability", &["dps", "stability"], &["/params/alpha", "/params/rho", "/params/b", "/params/sites"]);
+    holds("stability", &["wave", "modulation"], &["/params/alpha", "/params/rho", "/params/b", "/params/sites"]);
     holds(
         "scaling",
-        &["scaling", "--sites", "10", "--tol", "1e-3"],
+        &["study", "scaling", "--sites", "10", "--tol", "1e-3"],
         &["/scene", "/seed", "/tol", "/rows/0/integrator"],
     );
 }

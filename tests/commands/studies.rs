@@ -1,4 +1,4 @@
-//! Studies as people and machines use them: `scaling`, `drift`, breathers and their branches.
+//! Studies as people and machines use them: `study scaling`, `study drift`, breathers and their branches.
 #![cfg(feature = "cli")]
 
 use serde_json::Value;
@@ -42,7 +42,7 @@ fn row<'a>(study: &'a Value, integrator: &str, sites: u64) -> &'a Value {
 // Measured: collocation 820, 1150, 1530 for 10, 50, 500 sites; dop853-regularised 5259 and 19383 for 10 and 50.
 #[test]
 fn scaling_json_keeps_its_contract_and_collocation_works_no_more_a_bond_on_a_longer_ring() {
-    let study = json(&["scaling", "--sites", "500,10,50", "--seed", "7", "--max-time", "1", "--json"]);
+    let study = json(&["study", "scaling", "--sites", "500,10,50", "--seed", "7", "--max-time", "1", "--json"]);
     assert!(near(&study["tol"], 1e-9) && study["seed"] == 7);
     let periods = study["periods"].as_f64().unwrap();
     let rows = study["rows"].as_array().unwrap();
@@ -72,7 +72,7 @@ fn scaling_json_keeps_its_contract_and_collocation_works_no_more_a_bond_on_a_lon
 fn scaling_writes_table_csv_json_and_png() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("deep/er");
-    let output = hertzchain(&["scaling", "--sites", "10,20", "--tol", "1e-6", "--out", out.to_str().unwrap()]);
+    let output = hertzchain(&["study", "scaling", "--sites", "10,20", "--tol", "1e-6", "--out", out.to_str().unwrap()]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("ns/bond/period") && text.contains("one thread"), "{text}");
     let csv = std::fs::read_to_string(out.join("scaling.csv")).unwrap();
@@ -87,7 +87,7 @@ fn scaling_writes_table_csv_json_and_png() {
 
 #[test]
 fn drift_json_keeps_its_contract() {
-    let study = json(&["drift", "--periods", "150", "--samples", "40", "--json"]);
+    let study = json(&["study", "drift", "--periods", "150", "--samples", "40", "--json"]);
     assert_eq!((study["scene"].as_str(), study["periods"].as_f64()), (Some("bright-breather-16"), Some(150.0)));
     let period = study["period"].as_f64().unwrap();
     let rows = study["rows"].as_array().unwrap();
@@ -115,7 +115,19 @@ fn drift_json_keeps_its_contract() {
 fn drift_writes_table_csv_json_and_png() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let args = ["drift", "tw-q15", "--periods", "5", "--integrators", "verlet,dop853", "--samples", "9", "--out", out];
+    let args = [
+        "study",
+        "drift",
+        "tw-q15",
+        "--periods",
+        "5",
+        "--integrators",
+        "verlet,dop853",
+        "--samples",
+        "9",
+        "--out",
+        out,
+    ];
     let output = hertzchain(&args);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("64 kicks/period") && text.contains("tol 1e-13"), "{text}");
@@ -136,7 +148,8 @@ fn a_method_that_fails_keeps_what_it_had() {
     let text = "name = \"stiff\"\n[chain]\nsites = 3\nalpha = 1.5\nkappa = 0.0\nrho = 0.0\nboundary = \"fixed\"\n\
                 precompression = 10.0\n[initial]\nkind = \"state\"\nu = [0.1, 0.2, -0.1]\n[span]\nperiods = 1\nperiod = 100.0\n";
     std::fs::write(&path, text).unwrap();
-    let args = ["drift", path.to_str().unwrap(), "--periods", "30", "--integrators", "verlet,dop853", "--json"];
+    let args =
+        ["study", "drift", path.to_str().unwrap(), "--periods", "30", "--integrators", "verlet,dop853", "--json"];
     let study = json(&args);
     let [failed, other] = [&study["rows"][0], &study["rows"][1]];
     assert!(failed["failure"].as_str().is_some_and(|why| why.contains("unstable") || why.contains("not finite")));
@@ -167,7 +180,7 @@ fn bad_numbers_and_names_are_refused() {
         ("--max-time", "inf", "max-time = inf"),
         ("--seed", "-1", "--seed"),
     ] {
-        let message = refusal(&["scaling", flag, value, "--json"]);
+        let message = refusal(&["study", "scaling", flag, value, "--json"]);
         assert!(message.contains(rule), "{flag} {value}: {message}");
     }
     for (flag, value, rule) in [
@@ -185,22 +198,24 @@ fn bad_numbers_and_names_are_refused() {
         ("--integrators", "colocation", "did you mean \"collocation\"?"),
         ("--integrators", "", "unknown integrator"),
     ] {
-        let message = refusal(&["drift", flag, value, "--json"]);
+        let message = refusal(&["study", "drift", flag, value, "--json"]);
         assert!(message.contains(rule), "{flag} {value}: {message}");
     }
-    assert!(refusal(&["drift", "bright-breather-61", "--json"]).contains("did you mean \"bright-breather-16\"?"));
-    assert!(refusal(&["drift", "no/such/file.toml", "--json"]).contains("no/such/file.toml"));
+    assert!(
+        refusal(&["study", "drift", "bright-breather-61", "--json"]).contains("did you mean \"bright-breather-16\"?")
+    );
+    assert!(refusal(&["study", "drift", "no/such/file.toml", "--json"]).contains("no/such/file.toml"));
     // A strain ring out of balance has no energy that could drift.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("odd.toml");
     let text = "name = \"odd\"\n[chain]\nsites = 3\nalpha = 1.5\nkappa = 1.0\nrho = 1.0\nboundary = \"strain-ring\"\n\
                 [initial]\nkind = \"state\"\nu = [-0.1, 0.2, 0.3]\n[span]\nuntil = 2.0\n";
     std::fs::write(&path, text).unwrap();
-    assert!(refusal(&["drift", path.to_str().unwrap(), "--json"]).contains("a state with an energy"));
+    assert!(refusal(&["study", "drift", path.to_str().unwrap(), "--json"]).contains("a state with an energy"));
     // A folder that cannot be written is refused before the work.
     for command in ["scaling", "drift"] {
         let out = path.join("under");
-        assert!(refusal(&[command, "--out", out.to_str().unwrap()]).contains("under"));
+        assert!(refusal(&["study", command, "--out", out.to_str().unwrap()]).contains("under"));
     }
 }
 
@@ -347,7 +362,7 @@ fn breathers_outside_their_rules_are_refused() {
 
 #[test]
 fn dark_json_keeps_its_contract() {
-    let one = json(&["dark", "--center", "bond", "--omega-b", "2.05", "--json"]);
+    let one = json(&["breather", "dark", "--center", "bond", "--omega-b", "2.05", "--json"]);
     for (key, count) in [("x", 41), ("y", 41), ("n", 41), ("multipliers", 164), ("tau", 82)] {
         assert_eq!(one[key].as_array().unwrap().len(), count, "{key}");
     }
@@ -369,8 +384,10 @@ fn dark_json_keeps_its_contract() {
 fn a_branch_is_written_and_says_what_happens_on_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let args =
-        ["continue", "--center", "bond", "--from", "2.062", "--to", "2.064", "--step", "1e-3", "--json", "--out", out];
+    let args = [
+        "breather", "continue", "--center", "bond", "--from", "2.062", "--to", "2.064", "--step", "1e-3", "--json",
+        "--out", out,
+    ];
     let branch: Value = serde_json::from_slice(&hertzchain(&args).stdout).unwrap();
     let points = branch["points"].as_array().unwrap();
     assert_eq!(points.last().unwrap()["parameter"], 2.064);
@@ -387,8 +404,9 @@ fn a_branch_is_written_and_says_what_happens_on_it() {
 fn branches_are_the_same_to_the_last_bit_on_any_number_of_threads() {
     let doubling = ["--from", "2.062", "--to", "2.064"];
     for args in [
-        &[&["continue", "--center", "bond", "--step", "1e-3", "--sites", "21", "--json"], &doubling[..]].concat()[..],
-        &["doubled", "--sites", "21", "--step", "0.02", "--most", "2.066", "--omega-b", "1.0325", "--json"],
+        &[&["breather", "continue", "--center", "bond", "--step", "1e-3", "--sites", "21", "--json"], &doubling[..]]
+            .concat()[..],
+        &["breather", "doubled", "--sites", "21", "--step", "0.02", "--most", "2.066", "--omega-b", "1.0325", "--json"],
     ] {
         let on = |threads: &str| {
             let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
@@ -401,7 +419,7 @@ fn branches_are_the_same_to_the_last_bit_on_any_number_of_threads() {
         assert!(
             branch["points"].as_array().unwrap().len() > 2 && branch["points"][0]["leading"][0]["modulus"].is_f64()
         );
-        assert!(args[0] == "doubled" || !branch["bifurcations"].as_array().unwrap().is_empty());
+        assert!(args[1] == "doubled" || !branch["bifurcations"].as_array().unwrap().is_empty());
         assert!(one == on("3"), "{args:?}");
     }
 }
@@ -410,6 +428,7 @@ fn branches_are_the_same_to_the_last_bit_on_any_number_of_threads() {
 fn a_branch_goes_along_other_parameters_too() {
     // The mass ratio at fixed frequency: rho = 0.5 has omega = 1.732.
     let branch = json(&[
+        "breather",
         "continue",
         "--parameter",
         "rho",
@@ -431,17 +450,17 @@ fn a_branch_goes_along_other_parameters_too() {
 
 #[test]
 fn dark_breathers_outside_their_rules_are_refused() {
-    assert!(refusal(&["dark", "--sites", "40"]).contains("sites = 40"));
-    assert!(refusal(&["dark", "--omega-b", "2"]).contains("omega_b = 2"));
-    assert!(refusal(&["dark", "--tol", "1"]).contains("tol"));
-    assert!(refusal(&["dark", "--rho", "inf"]).contains("rho = inf"));
-    assert!(refusal(&["continue", "--parameter", "omega"]).contains("did you mean \"omega_b\""));
-    assert!(refusal(&["continue", "--parameter", "rho"]).contains("--from"));
-    assert!(refusal(&["continue", "--omega-b", "2.05"]).contains("--from"));
-    assert!(refusal(&["continue", "--from", "2.05", "--to", "2.05"]).contains("to = 2.05"));
-    assert!(refusal(&["continue", "--step", "0"]).contains("step = 0"));
-    assert!(refusal(&["continue", "--to", "1.9"]).contains("to = 1.9"));
-    assert!(refusal(&["doubled", "--most", "2.02", "--step", "0.01"]).contains("no period doubling"));
+    assert!(refusal(&["breather", "dark", "--sites", "40"]).contains("sites = 40"));
+    assert!(refusal(&["breather", "dark", "--omega-b", "2"]).contains("omega_b = 2"));
+    assert!(refusal(&["breather", "dark", "--tol", "1"]).contains("tol"));
+    assert!(refusal(&["breather", "dark", "--rho", "inf"]).contains("rho = inf"));
+    assert!(refusal(&["breather", "continue", "--parameter", "omega"]).contains("did you mean \"omega_b\""));
+    assert!(refusal(&["breather", "continue", "--parameter", "rho"]).contains("--from"));
+    assert!(refusal(&["breather", "continue", "--omega-b", "2.05"]).contains("--from"));
+    assert!(refusal(&["breather", "continue", "--from", "2.05", "--to", "2.05"]).contains("to = 2.05"));
+    assert!(refusal(&["breather", "continue", "--step", "0"]).contains("step = 0"));
+    assert!(refusal(&["breather", "continue", "--to", "1.9"]).contains("to = 1.9"));
+    assert!(refusal(&["breather", "doubled", "--most", "2.02", "--step", "0.01"]).contains("no period doubling"));
 }
 
 #[test]
@@ -449,11 +468,13 @@ fn an_orbit_is_written_read_back_and_let_go() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     assert!(
-        hertzchain(&["dark", "--center", "bond", "--omega-b", "2.05", "--sites", "21", "--out", out]).status.success()
+        hertzchain(&["breather", "dark", "--center", "bond", "--omega-b", "2.05", "--sites", "21", "--out", out])
+            .status
+            .success()
     );
     let file = folder.path().join("dark-breather.json");
     let name = file.to_str().unwrap();
-    let study = json(&["evolve", name, "--until", "62", "--kick", "1e-3", "--mode", "0", "--json"]);
+    let study = json(&["breather", "evolve", name, "--until", "62", "--kick", "1e-3", "--mode", "0", "--json"]);
     for key in ["t", "e_b", "position"] {
         assert_eq!(study[key].as_array().unwrap().len(), 21, "{key}");
     }
@@ -463,15 +484,15 @@ fn an_orbit_is_written_read_back_and_let_go() {
     let text = std::fs::read_to_string(&file).unwrap();
     let altered = |from: &str, to: &str| {
         std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
-        refusal(&["evolve", name])
+        refusal(&["breather", "evolve", name])
     };
     assert!(altered("\"rho\": 3.3", "\"rho\": 3.4").contains("residual"));
     assert!(altered("\"rho\"", "\"roh\"").contains("missing field `rho`"));
     assert!(altered("\"x\": [", "\"x\": [1.0, ").contains("x = 22 numbers"));
     assert!(altered("{", "").contains("dark-breather.json"));
     std::fs::write(&file, &text).unwrap();
-    assert!(refusal(&["evolve", name, "--until", "1"]).contains("until = 1"));
-    assert!(refusal(&["evolve", name, "--kick", "0"]).contains("kick = 0"));
-    assert!(refusal(&["evolve", name, "--kick", "1e-3", "--mode", "84"]).contains("mode = 84"));
-    assert!(refusal(&["evolve", "no-such-file.json"]).contains("no-such-file.json"));
+    assert!(refusal(&["breather", "evolve", name, "--until", "1"]).contains("until = 1"));
+    assert!(refusal(&["breather", "evolve", name, "--kick", "0"]).contains("kick = 0"));
+    assert!(refusal(&["breather", "evolve", name, "--kick", "1e-3", "--mode", "84"]).contains("mode = 84"));
+    assert!(refusal(&["breather", "evolve", "no-such-file.json"]).contains("no-such-file.json"));
 }

@@ -230,8 +230,8 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.settings["version"] = json!(2), "settings.json", "version 2; read is hertzchain branch, version 1"),
         (|f| f.settings["format"] = json!("other"), "settings.json", "other, version 1"),
         (|f| f.settings["points"] = json!(0), "settings.json", "points = 0 is not valid: at least one"),
-        (|f| f.settings["points"] = json!(-1), "settings.json", "invalid value: integer `-1`"),
-        (|f| f.settings["points"] = json!(3.5), "settings.json", "invalid type: floating point"),
+        (|f| f.settings["points"] = json!(-1), "settings.json", "invalid value: number `-1`"),
+        (|f| f.settings["points"] = json!(3.5), "settings.json", "invalid type: number"),
         (|f| f.settings["points"] = json!(1_000_000_000_000_000_000u64), "parameter", "[1000000000000000000] doubles"),
         (|f| f.settings["points"] = json!(u64::MAX), "parameter", "[18446744073709551615] doubles"),
         (|f| f.settings["points"] = json!(2), "parameter", "[2] doubles"),
@@ -332,12 +332,13 @@ fn a_branch_whose_run_is_killed_is_gone_on_with_and_ends_with_the_same_bytes() {
     let (whole, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let [whole, killed] = [whole.path(), killed.path()];
     let args = ["--center", "bond", "--sites", "11", "--from", "2.01", "--to", "2.06", "--step", "5e-4", "--weak", "1"];
-    let begin = |out: &Path| hertzchain(&[&["continue"], &args[..], &["--out", out.to_str().unwrap()]].concat());
+    let begin =
+        |out: &Path| hertzchain(&[&["breather", "continue"], &args[..], &["--out", out.to_str().unwrap()]].concat());
     assert!(begin(whole).status().unwrap().success());
     let path = killed.join("branch.npz");
     let kept = || Trail::load(&path).map_or(0, |trail| trail.orbits.len());
     let count = Trail::load(&whole.join("branch.npz")).unwrap().orbits.len();
-    let resume = || hertzchain(&["continue", "--resume", path.to_str().unwrap()]);
+    let resume = || hertzchain(&["breather", "continue", "--resume", path.to_str().unwrap()]);
     for round in 0..3 {
         let before = kept();
         let mut run = if round == 0 { begin(killed) } else { resume() }.spawn().unwrap();
@@ -372,42 +373,42 @@ fn commands_take_branches_and_refuse_what_is_none() {
     let [branch, doubled] = [branch.as_str(), doubled.as_str()];
     let sites = ["--center", "bond", "--sites", "21", "--from", "2.06", "--to", "2.065", "--step", "1e-3"];
     let run = |args: &[&str]| assert!(hertzchain(args).status().unwrap().success(), "{args:?}");
-    run(&[&["continue"], &sites[..], &["--out", &main]].concat());
-    run(&["doubled", "--branch", branch, "--omega-b", "1.033", "--out", &twice]);
+    run(&[&["breather", "continue"], &sites[..], &["--out", &main]].concat());
+    run(&["breather", "doubled", "--branch", branch, "--omega-b", "1.033", "--out", &twice]);
     for pick in [["--point", "0"], ["--point", "-1"], ["--at", "2.0605"]] {
-        run(&[&["evolve", branch, "--until", "10"][..], &pick].concat());
+        run(&[&["breather", "evolve", branch, "--until", "10"][..], &pick].concat());
     }
     // Orbits of doubled period: their centre is not the one that is measured over the whole period.
     let last = Trail::load(Path::new(doubled)).unwrap();
     assert!(last.orbits.iter().all(|orbit| orbit.setting.turns == 2) && last.weak.is_none());
     let file = folder.path().join("evolution.json");
-    run(&["evolve", doubled, "--at", "1.033", "--until", "25", "--out", folder.path().to_str().unwrap()]);
+    run(&["breather", "evolve", doubled, "--at", "1.033", "--until", "25", "--out", folder.path().to_str().unwrap()]);
     let study: Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
     assert!(study["omega_b"] == 1.033 && study["e_b"][4].as_f64().unwrap() < 1e-11, "{}", study["e_b"]);
-    run(&["continue", "--resume", doubled, "--to", "1.0335"]);
+    run(&["breather", "continue", "--resume", doubled, "--to", "1.0335"]);
     assert_eq!(Trail::load(Path::new(doubled)).unwrap().pick(Pick::Point(-1)).unwrap().setting.omega_b, 1.0335);
 
     let json = format!("{main}/branch.json");
     for (args, rule) in [
-        (&["evolve", branch][..], "branch.npz, orbit: it is a branch: say which of its orbits"),
-        (&["evolve", branch, "--point", "999"], "point = 999 of "),
-        (&["evolve", branch, "--point", "-999"], "point = -999 of "),
-        (&["evolve", branch, "--point=-9223372036854775808"], "point = -9223372036854775808 of "),
-        (&["evolve", branch, "--at", "2.07"], "at = 2.07, of 2.06 .. 2.065"),
-        (&["evolve", branch, "--at", "nan"], "at = NaN"),
-        (&["evolve", branch, "--at", "2.06", "--point", "1"], "cannot be used with"),
-        (&["evolve", &json], "branch.json, orbit: missing field `alpha`"),
-        (&["evolve", &json, "--point", "1"], "only a branch has points"),
-        (&["evolve", &main], "main: "),
-        (&["evolve", "/dev/null"], "/dev/null, orbit: EOF"),
-        (&["doubled", "--branch", doubled], "turns = 2"),
-        (&["doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),
-        (&["doubled", "--branch", branch, "--rho", "1"], "cannot be used with"),
-        (&["continue", "--resume", &json], "branch.json, archive: not an NPZ file"),
-        (&["continue", "--resume", branch, "--to", "2.063"], "to = 2.063"),
-        (&["continue", "--resume", branch, "--to", "1.9"], "to = 1.9"),
-        (&["continue", "--resume", branch, "--from", "2.06"], "cannot be used with"),
-        (&["continue", "--resume", branch, "--tol", "1e-9"], "cannot be used with"),
+        (&["breather", "evolve", branch][..], "branch.npz, orbit: it is a branch: say which of its orbits"),
+        (&["breather", "evolve", branch, "--point", "999"], "point = 999 of "),
+        (&["breather", "evolve", branch, "--point", "-999"], "point = -999 of "),
+        (&["breather", "evolve", branch, "--point=-9223372036854775808"], "point = -9223372036854775808 of "),
+        (&["breather", "evolve", branch, "--at", "2.07"], "at = 2.07, of 2.06 .. 2.065"),
+        (&["breather", "evolve", branch, "--at", "nan"], "at = NaN"),
+        (&["breather", "evolve", branch, "--at", "2.06", "--point", "1"], "cannot be used with"),
+        (&["breather", "evolve", &json], "branch.json, orbit: missing field `alpha`"),
+        (&["breather", "evolve", &json, "--point", "1"], "only a branch has points"),
+        (&["breather", "evolve", &main], "main: "),
+        (&["breather", "evolve", "/dev/null"], "/dev/null, orbit: EOF"),
+        (&["breather", "doubled", "--branch", doubled], "turns = 2"),
+        (&["breather", "doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),
+        (&["breather", "doubled", "--branch", branch, "--rho", "1"], "cannot be used with"),
+        (&["breather", "continue", "--resume", &json], "branch.json, archive: not an NPZ file"),
+        (&["breather", "continue", "--resume", branch, "--to", "2.063"], "to = 2.063"),
+        (&["breather", "continue", "--resume", branch, "--to", "1.9"], "to = 1.9"),
+        (&["breather", "continue", "--resume", branch, "--from", "2.06"], "cannot be used with"),
+        (&["breather", "continue", "--resume", branch, "--tol", "1e-9"], "cannot be used with"),
     ] {
         let text = refusal(args);
         assert!(text.contains(rule), "{args:?}: {text}");

@@ -323,7 +323,7 @@ fn a_scene_file_says_amplitudes_phases_and_positions_in_any_way() {
         ("amplitudes = [0.1, 0.3, 0.2]\nb = [0.0, 1.0, 2.0]\ngap = 0.1", "at most one of `b`, `d` and `gap`"),
         ("amplitudes = [0.1, 0.3, 0.2]\ngap = -0.1", "gap = -0.1"),
         ("amplitudes = [0.1, 0.3, 0.2]\nphases = [0.0, 1.0, 2.0]\nphase_step_over_pi = 1.0", "at most one of `phases`"),
-        ("amplitude = [0.1, 0.3, 0.2]", "invalid type: sequence, expected f64"),
+        ("amplitude = [0.1, 0.3, 0.2]", "invalid type: sequence, expected a number"),
         ("amplitudes = [0.1, 0.3, 0.2]\nphase = 1.0", "unknown field `phase`"),
     ] {
         let message = trivial_scene(&format!("{kind}{text}")).unwrap_err().to_string();

@@ -197,6 +197,7 @@ mod command {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().to_str().unwrap();
         let args = [
+            "study",
             "stability",
             "--charts",
             "light,stiffness,alpha,length,time,resonances",
@@ -238,11 +239,11 @@ mod command {
         let told = ["0 points computed, 68 resumed", "strang-linear", "collocation"];
         assert!(told.iter().all(|words| table.contains(words)), "{table}");
         for (args, message) in [
-            (vec!["stability", "--charts", "lihgt"], "did you mean \"light\"?"),
-            (vec!["stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),
-            (vec!["stability", "--sites", "0"], "sites = 0 is not valid"),
-            (vec!["stability", "--periods", "1e7"], "from 1 to 10^6 contact periods"),
-            (vec!["stability", "--work", "1"], "work = 1 is not valid"),
+            (vec!["study", "stability", "--charts", "lihgt"], "did you mean \"light\"?"),
+            (vec!["study", "stability", "--charts", "xyz"], "one of light, stiffness, alpha, length, time, resonances"),
+            (vec!["study", "stability", "--sites", "0"], "sites = 0 is not valid"),
+            (vec!["study", "stability", "--periods", "1e7"], "from 1 to 10^6 contact periods"),
+            (vec!["study", "stability", "--work", "1"], "work = 1 is not valid"),
         ] {
             let output = hertzchain(&args);
             let text = String::from_utf8(output.stderr).unwrap();

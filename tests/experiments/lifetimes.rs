@@ -1,4 +1,4 @@
-//! Lifetimes of bright breathers: what is measured, by whom, and the command `lifetimes` killed and resumed.
+//! Lifetimes of bright breathers: what is measured, by whom, and the command `study lifetimes` killed and resumed.
 
 #![cfg(feature = "cli")]
 
@@ -161,7 +161,7 @@ fn energy_lifetimes_go_like_a_third_power_of_both_and_are_no_function_of_one_var
 
 fn hertzchain(threads: &str, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-    command.arg("lifetimes").args(args).env("RAYON_NUM_THREADS", threads);
+    command.args(["study", "lifetimes"]).args(args).env("RAYON_NUM_THREADS", threads);
     command
 }
 

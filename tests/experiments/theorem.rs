@@ -284,7 +284,7 @@ mod command {
     use std::process::{Command, Output};
 
     fn hertzchain(args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hertzchain")).arg("theorem").args(args).output().unwrap()
+        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(["study", "theorem"]).args(args).output().unwrap()
     }
 
     #[test]

@@ -173,7 +173,7 @@ mod command {
     fn json_csv_and_table_hold_the_same_items() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("deep/er");
-        let output = hertzchain(&["verify", "--section", "3", "--json", "--out", out.to_str().unwrap()], "2");
+        let output = hertzchain(&["paper", "verify", "--section", "3", "--json", "--out", out.to_str().unwrap()], "2");
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
         let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
@@ -203,7 +203,8 @@ mod command {
         // The runs of Sec. 4 are those of `wave`, which has such a test of its own.
         let on = |threads| {
             let mut value: Value =
-                serde_json::from_slice(&hertzchain(&["verify", "--section", "3", "--json"], threads).stdout).unwrap();
+                serde_json::from_slice(&hertzchain(&["paper", "verify", "--section", "3", "--json"], threads).stdout)
+                    .unwrap();
             value["wall_s"] = Value::Null;
             value
         };
@@ -214,18 +215,18 @@ mod command {
     fn refusals_name_value_and_rule() {
         for (args, message) in [
             (
-                ["verify", "--section", "8"],
+                ["paper", "verify", "--section", "8"],
                 "section = 8 is not valid: a section of the paper that has items: 3, 4, 5, 6 or 7",
             ),
-            (["verify", "--section", "-3"], "invalid value '-3'"),
-            (["verify", "--section", "4.1"], "invalid value '4.1'"),
+            (["paper", "verify", "--section", "-3"], "invalid value '-3'"),
+            (["paper", "verify", "--section", "4.1"], "invalid value '4.1'"),
         ] {
             let output = hertzchain(&args, "1");
             let text = String::from_utf8(output.stderr).unwrap();
             assert!(!output.status.success() && output.stdout.is_empty(), "{args:?}");
             assert!(text.contains(message) && !text.contains("panicked"), "{args:?}: {text}");
         }
-        let help = String::from_utf8(hertzchain(&["verify", "--help"], "1").stdout).unwrap();
+        let help = String::from_utf8(hertzchain(&["paper", "verify", "--help"], "1").stdout).unwrap();
         assert!(help.contains("Exit code 0") && help.contains("Exit code 1"), "{help}");
     }
 }

@@ -304,7 +304,7 @@ mod program {
 
     fn dps_stability(args: &[&str], threads: &str) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hertzchain"));
-        command.args(["dps", "stability"]).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
+        command.args(["wave", "modulation"]).args(args).env("RAYON_NUM_THREADS", threads).output().unwrap()
     }
 
     fn json(args: &[&str], threads: &str) -> Value {

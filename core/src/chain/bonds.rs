@@ -785,6 +785,7 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
+    #[allow(clippy::needless_range_loop, reason = "a loop over sites reads like the formula")]
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]) {
         let (n, half, params, c) = (self.chain.sites(), self.y.len() / 2, self.chain.params(), forces.c);
         f64::run(Kicks { kick, velocities: &mut self.y[half..half + n], forces });

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// The boundary condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Boundary {
     /// Nothing beyond the ends.
     Free,
@@ -14,6 +15,8 @@ pub enum Boundary {
     /// The last bead touches the first: `u_{n+N} = u_n`.
     Ring,
     /// Strains as unknowns, `x_{n+N} = x_n` (eq:HertzS). Their mean is free, so this is *not* a displacement chain on a ring.
+    // Commands that take a boundary take a chain of displacements.
+    #[cfg_attr(feature = "cli", value(skip))]
     StrainRing,
 }
 

@@ -56,15 +56,44 @@ impl<R: Real> Chain<R> {
     ///
     /// On a strain ring the displacements are those with zero mean; see [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
-        let motion = self.motion(y);
-        let half = R::of(0.5);
         let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
-        Energy {
-            beads: half * squares(&motion.u_dot),
-            resonators: half * R::of(self.params.rho.min(f64::MAX)) * squares(&motion.v_dot),
-            springs: half * R::of(self.params.kappa) * squares(&motion.stretch),
-            contacts: motion.overlaps.iter().fold(R::zero(), |a, &g| a + self.law.potential(g)),
+        if self.boundary == Boundary::StrainRing {
+            let motion = self.motion(y);
+            let sums = [&motion.u_dot, &motion.v_dot, &motion.stretch].map(|slice| squares(slice));
+            return self.energy_of(sums, self.potential(motion.overlaps.iter().copied()));
         }
+        // The same sums in the same order, without copies: long chains are looked at often.
+        let layout = self.layout;
+        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        let stretch = match (layout.v(y), self.params.resonators()) {
+            (Some(v), _) => u.iter().zip(v).fold(R::zero(), |a, (&u, &v)| a + (u - v) * (u - v)),
+            (None, Resonators::Fixed) => squares(u),
+            (None, _) => R::zero(),
+        };
+        let n = u.len();
+        let (left, right) = self.boundary.ghosts(u[0], u[n - 1]);
+        let last = (self.boundary != Boundary::Ring).then(|| self.precompression + (u[n - 1] - right));
+        let between = u.windows(2).map(|w| self.precompression + (w[0] - w[1]));
+        let overlaps = std::iter::once(self.precompression + (left - u[0])).chain(between).chain(last);
+        let v_dot = layout.v_dot(y).unwrap_or_default();
+        self.energy_of([squares(u_dot), squares(v_dot), stretch], self.potential(overlaps))
+    }
+
+    /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the contacts.
+    fn energy_of(&self, [beads, resonators, springs]: [R; 3], contacts: R) -> Energy<R> {
+        let half = R::of(0.5);
+        Energy {
+            beads: half * beads,
+            resonators: half * R::of(self.params.rho.min(f64::MAX)) * resonators,
+            springs: half * R::of(self.params.kappa) * springs,
+            contacts,
+        }
+    }
+
+    /// The potential of all contacts.
+    fn potential(&self, overlaps: impl Iterator<Item = R>) -> R {
+        // A gap has none: most bonds of a chain that is mostly at rest.
+        overlaps.fold(R::zero(), |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
     }
 
     /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond with a wall).

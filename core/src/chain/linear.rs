@@ -159,14 +159,26 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn store(&self, y: &mut [R]) {
         let (n, half, rho) = (self.chain.sites(), self.dim() / 2, R::of(self.chain.params().rho));
         let phase = self.theta.sin_cos();
-        for i in 0..n {
-            let (r, r_dot, p, p_dot) = self.modes(i, phase);
-            y[i] = r + p;
-            y[half + i] = r_dot + p_dot;
-            if self.chain.layout().resonators() {
-                y[n + i] = r - p / rho;
-                y[half + n + i] = r_dot - p_dot / rho;
+        let (positions, velocities) = y.split_at_mut(half);
+        let (u, v) = positions.split_at_mut(n);
+        let (u_dot, v_dot) = velocities.split_at_mut(n);
+        if !self.chain.layout().resonators() {
+            for i in 0..n {
+                let (r, r_dot, p, p_dot) = self.modes(i, phase);
+                (u[i], u_dot[i]) = (r + p, r_dot + p_dot);
             }
+            return;
+        }
+        // Both motions are there: a loop without branches, with what `modes` says of a site.
+        let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
+        let (r0, v0, c, s) = (&r0[..n], &v0[..n], &c[..n], &s[..n]);
+        let (v, v_dot, (sin, cos), (omega, tau)) =
+            (&mut v[..n], &mut v_dot[..n], phase, (self.omega.value(), self.tau));
+        for i in 0..n {
+            let (r, r_dot) = (r0[i] + v0[i] * tau, v0[i]);
+            let (p, p_dot) = (c[i] * cos + s[i] * sin, omega * (s[i] * cos - c[i] * sin));
+            (u[i], u_dot[i]) = (r + p, r_dot + p_dot);
+            (v[i], v_dot[i]) = (r - p / rho, r_dot - p_dot / rho);
         }
     }
 

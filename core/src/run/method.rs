@@ -81,6 +81,23 @@ impl Setting {
     }
 }
 
+/// The names of [`Method::telling`].
+const TELLING: [&str; 13] = [
+    "verlet",
+    "yoshida4",
+    "aba864",
+    "srkn14-6",
+    "strang-linear",
+    "aba1064-linear",
+    "aba1064-linear-landed",
+    "corrected",
+    "corrected-kinetic",
+    "takahashi-imada-linear",
+    "dop853",
+    "dop853-regularised",
+    "collocation",
+];
+
 /// The least tolerance of collocation.
 const LEAST_TOLERANCE: f64 = 1e-15;
 
@@ -104,6 +121,12 @@ impl Method {
             .chain(ADAPTIVE.map(Self::Dop853))
             .chain([Self::Collocation])
             .collect()
+    }
+
+    /// The methods that a comparison has by default: those that are the fastest at some error on one of the built-in scenes, one
+    /// of each group of schemes alike, and those that others are measured by (`verlet`, `dop853`).
+    pub fn telling() -> Vec<Self> {
+        Self::all().into_iter().filter(|method| TELLING.contains(&method.name().as_str())).collect()
     }
 
     /// The method of this name.

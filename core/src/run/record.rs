@@ -20,6 +20,9 @@ const SIZE_BOUND: f64 = 1e3;
 /// Most numbers that profiles may hold (half a gigabyte); longer runs of longer chains keep every k-th sample.
 const MOST_NUMBERS: usize = 1 << 26;
 
+/// Numbers of a state that are looked at together.
+const BLOCK: usize = 512;
+
 /// What to keep on the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Records {
@@ -72,6 +75,8 @@ pub struct Trajectory {
     pub stats: Stats,
     /// Wall time of the run, samples included.
     pub wall: Duration,
+    /// The part of it that samples took: states brought to the sample times, energies, strains.
+    pub sampling: Duration,
     /// Why it stopped before the end, if it did.
     pub failure: Option<Failed>,
 }
@@ -86,6 +91,41 @@ impl Trajectory {
             Some(failure) => Err(failure.into()),
             None => Ok(self),
         }
+    }
+}
+
+/// A stepper whose samples are timed.
+struct Timed<'a, S: ?Sized> {
+    run: &'a mut S,
+    /// What its samples have taken.
+    sampling: Duration,
+}
+
+impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
+    fn dim(&self) -> usize {
+        self.run.dim()
+    }
+
+    fn time(&self) -> f64 {
+        self.run.time()
+    }
+
+    fn done(&self) -> bool {
+        self.run.done()
+    }
+
+    fn step(&mut self) -> std::result::Result<(), Failure> {
+        self.run.step()
+    }
+
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let clock = Instant::now();
+        self.run.sample(t, y);
+        self.sampling += clock.elapsed();
+    }
+
+    fn stats(&self) -> Stats {
+        self.run.stats()
     }
 }
 
@@ -149,6 +189,8 @@ pub struct Kept {
     pub stats: Stats,
     /// Wall time so far.
     pub wall: Duration,
+    /// The part of `wall` that samples took.
+    pub sampling: Duration,
 }
 
 impl Kept {
@@ -164,6 +206,7 @@ impl Kept {
             contacts: run.contacts.then(Vec::new),
             stats: Stats::default(),
             wall: Duration::ZERO,
+            sampling: Duration::ZERO,
         }
     }
 }
@@ -228,7 +271,10 @@ impl<'a> Recorder<'a> {
     pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
-        let driven = drive(stepper, self, &mut state);
+        let mut timed = Timed { run: stepper, sampling: Duration::ZERO };
+        let driven = drive(&mut timed, self, &mut state);
+        let Timed { run: stepper, sampling } = timed;
+        self.kept.sampling += sampling;
         self.kept.wall += clock.elapsed();
         let (from, t, stats) = (self.kept.t, stepper.time(), stepper.stats());
         let checked = driven.and_then(|_| self.check(t, &state, stats));
@@ -259,9 +305,9 @@ impl<'a> Recorder<'a> {
     /// What the run leaves behind.
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
-        let Kept { t, state, largest, samples, profiles, contacts, stats, wall, .. } = self.kept;
+        let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
         let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
-        Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, failure }
+        Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, sampling, failure }
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
@@ -271,7 +317,10 @@ impl<'a> Recorder<'a> {
     /// Refuses a state that is not finite or that only an unstable method reaches.
     fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
         let step = self.kept.stats.steps + stats.steps;
-        if let Some(index) = y.iter().position(|value| !value.is_finite()) {
+        // Block by block without a branch: the first look at a long state is a loop over vectors.
+        let lost = |block: &[f64]| block.iter().fold(false, |lost, value| lost | !value.is_finite());
+        if y.chunks(BLOCK).any(lost) {
+            let index = y.iter().position(|value| !value.is_finite()).unwrap_or_default();
             return Err(Failure::NotFinite { t, step, index });
         }
         let energy = self.energy(y);
@@ -298,6 +347,7 @@ impl Observer<f64> for Recorder<'_> {
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
+        let clock = Instant::now();
         self.kept.taken += 1;
         let energy = self.check(t, y, stats)?;
         self.kept.samples.push(Sample { t, energy });
@@ -305,6 +355,7 @@ impl Observer<f64> for Recorder<'_> {
             self.kept.profiles.push(Profile { t, x: self.run.chain.strains(y), state: y.to_vec() });
         }
         (self.progress)(t);
+        self.kept.sampling += clock.elapsed();
         Ok(ControlFlow::Continue(()))
     }
 

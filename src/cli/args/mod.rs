@@ -1,27 +1,58 @@
 //! The raw flags.
+//!
+//! The first paragraph of a comment is what `-h` prints, the whole is what `--help` prints. A flag that several commands
+//! have is said in the same words by each; what differs between commands stands in the second paragraph.
 
 mod breathers;
 mod methods;
 mod modulation;
 mod paper;
+mod scenes;
+mod study;
 
 pub(super) use breathers::*;
 pub(super) use methods::*;
 pub(super) use modulation::*;
 pub(super) use paper::*;
+pub(super) use scenes::*;
+pub(super) use study::*;
 
-use crate::dps::Center;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use hertzchain_integrators::Instructions;
 
-/// Nonlinear waves in locally resonant Hertzian chains: which integrator buys which error for which run time.
+/// Columns of the widest help; narrower terminals get narrower help.
+const COLUMNS: usize = 79;
+
+/// Nonlinear waves in locally resonant Hertzian chains.
 ///
-/// All quantities are dimensionless, in the units of the paper (bead mass 1, contact constant 1).
+/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, measures which integrator buys which error
+/// for which run time, and computes the waves and breathers of the paper. All quantities are dimensionless, in the units
+/// of the paper: bead mass 1, contact constant 1.
 #[derive(Parser)]
-#[command(version, about, arg_required_else_help = true)]
+#[command(
+    version,
+    arg_required_else_help = true,
+    max_term_width = COLUMNS,
+    after_help = "`hertzchain COMMAND -h` is a summary of a command, `--help` has details and examples.",
+    after_long_help = "\
+Examples:
+  hertzchain run tw-q15
+  hertzchain run tw-q15 --tol 1e-9 --out out/tw-q15
+  hertzchain compare cradle --max-time 20
+  hertzchain scenes template"
+)]
 pub(super) struct Cli {
-    /// Vector instructions of inner loops: portable, avx2 or avx512 [default: the widest of this machine]. Loops have the same bits with each.
-    #[arg(long, global = true, value_name = "SET", value_parser = instructions, display_order = 1000)]
+    /// Vector instructions of inner loops: portable, avx2 or avx512.
+    ///
+    /// Results have the same bits with each [default: the widest of this machine].
+    #[arg(
+        long,
+        global = true,
+        value_name = "SET",
+        value_parser = instructions,
+        display_order = 1000,
+        hide_short_help = true
+    )]
     pub(super) instructions: Option<Instructions>,
     #[command(subcommand)]
     pub(super) command: Command,
@@ -35,90 +66,154 @@ fn instructions(text: &str) -> Result<Instructions, String> {
 
 #[derive(Subcommand)]
 pub(super) enum Command {
-    /// Compare integrators on a scene: error against run time, as a table, a CSV and a PNG.
-    Compare(CompareArgs),
     /// Run one scene with one integrator.
     ///
-    /// Example, in legs that are kept, and gone on with: hertzchain run tw-q15 --checkpoint 10 --out out/tw; hertzchain run --resume out/tw
+    /// Prints time, energy and work at the end of the run; with --out it also writes the state, energies and strains at the
+    /// sample times, and pictures.
+    #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
-    /// Measure the order of every method through contacts: crossing them, landing on them, regularised.
-    Order(OrderArgs),
-    /// Measure run time per bond and period against the number of sites.
-    Scaling(ScalingArgs),
-    /// Measure how the energy error grows with time.
-    Drift(DriftArgs),
-    /// The modulation equations of small oscillations, and what follows from them.
-    Dps(DpsArgs),
-    /// Breathers: the long-lived bright one against its ansatz, and the trivial one, whose beads never touch.
-    Breather(BreatherArgs),
-    /// Compute a dark breather as an exact periodic orbit, with its Floquet multipliers.
-    Dark(DarkBreatherArgs),
-    /// Follow a branch of dark breathers in one parameter, with its multipliers and bifurcations.
+    /// Compare integrators on a scene: error against run time.
     ///
-    /// Example, stopped after 20 points and gone on with: hertzchain continue --points 20 --out out/branch; hertzchain continue --resume out/branch/branch.npz
-    Continue(ContinueArgs),
-    /// Follow the branch of doubled period that leaves the bond-centred dark breathers.
-    Doubled(DoubledArgs),
-    /// Let a dark breather go, kicked along one of its modes or not: does it come back, and where does its kink go?
-    ///
-    /// Example: hertzchain dark --center bond --omega-b 2.05 --out out/dark; hertzchain evolve out/dark/dark-breather.json --until 1200 --kick 1e-3 --mode 0
-    Evolve(EvolveArgs),
-    /// Chart the stability of the integrators: light resonators and resonances, contact stiffness, exponent, length, run length.
-    ///
-    /// Every point is a method on a variant of the chain: stable, drifting or lost, its energy error, the largest step that keeps it below 1e-3 and 1e-6, and
-    /// what that costs. All quantities are dimensionless. With --out points are kept as they are computed: a run that was killed goes on where it was.
-    /// Example: hertzchain stability --charts light,resonances --integrators verlet,strang-linear,collocation --out out/stability
-    Stability(StabilityChartsArgs),
-    /// Run a travelling wave on the chain and hold it against its ansatz; perturb it and see whether it is stable.
-    Wave(WaveArgs),
-    /// Theorem 1 as an experiment that could fail: does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says?
-    ///
-    /// Runs the chain with kappa = 1 and free ends at each epsilon, takes the suprema over 0 <= t <= T epsilon^(1-alpha) of the four errors (estimu), (estimv) in
-    /// l_1, l_2 and l_inf over samples, divides them by epsilon^alpha (u with u', v) and epsilon^(2 alpha-1) (v'), and gives the local slopes d ln sup / d ln
-    /// epsilon. All quantities are dimensionless. Exit code 1 if the outcome contradicts the theorem: its law of rho, and the verdict "violated".
-    #[command(after_long_help = theorem_help())]
-    Theorem(TheoremArgs),
-    /// Measure how long the long-lived bright breather u(0) = 2 epsilon a lives, over a map of its size epsilon and the mass ratio rho.
-    ///
-    /// Three criteria, each with its own time; a run is followed until all are met or to the cap. `energy`: the core, the fewest sites that hold 0.999 of the sum of
-    /// a_n^2, has less than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, A = u + i u' of the chain
-    /// and of the ansatz u~ = 2 epsilon a cos(Omega_b t); the phase counts, and a drift of it by half a radian suffices, long before anything is radiated. `frequency`: the central bead against its resonator, over four periods,
-    /// swings with a frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. A run that does not get there says: not before t.
-    ///
-    /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are at work. `decouples`: before that, bonds of the core come to be
-    /// closed less than 1/3 of the time: gaps open, sites swing for themselves, energy stays. `persists`: neither before the cap.
-    ///
-    /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed goes on where it was, and another criterion or a larger map
-    /// computes only what is new. Example: hertzchain lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4,1e5 --out out/lifetimes
-    Lifetimes(LifetimesArgs),
-    /// Hold every number in the text of the paper's Sec. 3 to 7 against ours: what it says, what we get, the verdict, and why if they differ.
-    ///
-    /// Exit code 0: every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what they were. Exit code 1:
-    /// one is not, or a run failed.
-    Verify(VerifyArgs),
-    /// Compute the figures of the paper: pictures, and the numbers behind them as CSV.
-    Figures(FiguresArgs),
-    /// Run everything in its short form and write one self-contained HTML page: tables, pictures, captions, the machine and the version.
-    ///
-    /// Example: hertzchain report --out out/report; hertzchain report --only compare,order
-    Report(ReportArgs),
-    /// List the built-in scenes, or show one as TOML.
+    /// Every integrator runs with finer and finer steps until the time is used up. Errors are those of the strains at the
+    /// end, against a reference by two methods. The table ends with the fastest run at each error.
+    #[command(after_long_help = COMPARE_EXAMPLES)]
+    Compare(CompareArgs),
+    /// List the built-in scenes, show one as TOML, or print a template.
+    #[command(after_long_help = SCENES_EXAMPLES)]
     Scenes(ScenesArgs),
     /// List the integrators with order, stages and source.
+    #[command(after_long_help = "Example:\n  hertzchain integrators --json")]
     Integrators(IntegratorsArgs),
+    /// Studies of integrators and of theory, over grids of parameters.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain study order --alpha 2
+  hertzchain study stability --charts light --quick")]
+    Study(StudyArgs),
+    /// Run a travelling wave against its ansatz; modulations of a wave.
+    ///
+    /// Runs a travelling wave on the chain and holds it against its first-order ansatz; perturbs it and sees whether it is
+    /// stable. `wave modulation` gives the growth of its modulations.
+    #[command(after_long_help = WAVE_EXAMPLES)]
+    Wave(WaveArgs),
+    /// Breathers: bright, trivial and dark, and branches of dark ones.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain breather bright --center bond --epsilon 0.01
+  hertzchain breather dark --center bond --omega-b 2.05 --out out/dark")]
+    Breather(BreatherArgs),
+    /// The modulation equations of small oscillations.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain dps integrals --b 0 --r 1
+  hertzchain dps homoclinic --center site")]
+    Dps(DpsArgs),
+    /// Figures and numbers of the paper, and a report on one page.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain paper figures --only tw-q15
+  hertzchain paper verify --section 3")]
+    Paper(PaperArgs),
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub(super) enum CenterArg {
-    Site,
-    Bond,
+/// Names that commands had before, and where they are now.
+const MOVED: &[(&str, &str)] = &[
+    ("order", "study order"),
+    ("scaling", "study scaling"),
+    ("drift", "study drift"),
+    ("stability", "study stability"),
+    ("theorem", "study theorem"),
+    ("lifetimes", "study lifetimes"),
+    ("dark", "breather dark"),
+    ("continue", "breather continue"),
+    ("doubled", "breather doubled"),
+    ("evolve", "breather evolve"),
+    ("figures", "paper figures"),
+    ("verify", "paper verify"),
+    ("report", "paper report"),
+];
+
+/// What the command that was called `name`, below the command `above`, is called now.
+pub(super) fn moved(above: Option<&str>, name: &str) -> Option<&'static str> {
+    match above {
+        Some("dps") if name == "stability" => Some("wave modulation"),
+        _ => MOVED.iter().find(|(old, _)| *old == name).map(|(_, new)| *new),
+    }
 }
 
-impl From<CenterArg> for Center {
-    fn from(center: CenterArg) -> Self {
-        match center {
-            CenterArg::Site => Self::Site,
-            CenterArg::Bond => Self::Bond,
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+    use std::collections::BTreeMap;
+
+    /// Flags that mean one thing in one command and another in the next.
+    const OF_THEIR_OWN: &[&str] = &["step", "epsilon", "only", "c", "instructions"];
+
+    fn every(command: &clap::Command, path: &str, visit: &mut dyn FnMut(&str, &clap::Command)) {
+        let path = format!("{path} {}", command.get_name());
+        visit(&path, command);
+        command.get_subcommands().filter(|one| one.get_name() != "help").for_each(|one| every(one, &path, visit));
+    }
+
+    #[test]
+    fn a_flag_is_said_in_the_same_words_everywhere() {
+        let mut words: BTreeMap<(String, bool), (String, String)> = BTreeMap::new();
+        let mut shared = 0;
+        every(&Cli::command(), "", &mut |path, command| {
+            for arg in command.get_arguments() {
+                let Some(long) = arg.get_long().filter(|long| !OF_THEIR_OWN.contains(long)) else { continue };
+                // Commands that exist for files have a folder by default, and say so.
+                if long == "out" && !arg.get_default_values().is_empty() {
+                    continue;
+                }
+                let help = arg.get_help().expect("every flag is explained").to_string();
+                let said = help.split(" [default").next().unwrap_or_default().to_owned();
+                // Lists are not numbers.
+                let key = (long.to_owned(), arg.get_value_delimiter().is_some());
+                match words.get(&key) {
+                    Some((first, other)) => {
+                        assert_eq!((&said, shared += 1), (other, ()), "--{long} of{path} and of{first}");
+                    }
+                    None => drop(words.insert(key, (path.to_owned(), said))),
+                }
+            }
+        });
+        assert!(shared > 50, "{shared} flags were compared");
+    }
+
+    #[test]
+    fn examples_are_commands_that_the_program_takes() {
+        let mut seen = 0;
+        every(&Cli::command(), "", &mut |path, command| {
+            let help = command.get_after_long_help().unwrap_or_else(|| panic!("{path} has no example")).to_string();
+            let joined = help.replace("\\\n", " ");
+            let examples = joined.lines().filter_map(|line| line.strip_prefix("  hertzchain "));
+            let name = path.trim().trim_start_matches("hertzchain").trim();
+            let mut own = 0;
+            for example in examples {
+                own += usize::from(example.starts_with(name));
+                // What the shell does with the output is no argument.
+                let words = example.split(" > ").next().unwrap_or_default();
+                let words = words.split_whitespace().map(|word| word.trim_matches('\''));
+                let taken = Cli::command().try_get_matches_from(["hertzchain"].into_iter().chain(words));
+                assert!(taken.is_ok(), "{example}: {}", taken.unwrap_err());
+            }
+            assert!(own > 0, "{path} has no example of its own: {help}");
+            seen += own;
+        });
+        assert!(seen > 30, "{seen} examples were parsed");
+    }
+
+    #[test]
+    fn defaults_are_written_as_people_write_them() {
+        every(&Cli::command(), "", &mut |path, command| {
+            for arg in command.get_arguments() {
+                for value in arg.get_default_values() {
+                    let value = value.to_string_lossy();
+                    assert!(!value.contains(".000"), "{path} {}: {value}", arg.get_id());
+                }
+            }
+        });
     }
 }

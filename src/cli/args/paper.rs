@@ -1,73 +1,109 @@
-//! Flags of what goes through the paper, and of lists.
+//! Flags of what goes through the paper.
 
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
+
+#[derive(Args)]
+pub(crate) struct PaperArgs {
+    #[command(subcommand)]
+    pub(crate) action: PaperAction,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum PaperAction {
+    /// Compute the figures of the paper: pictures, and their numbers as CSV.
+    ///
+    /// Files are what this command is for: without --out they go to out/figures.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain paper figures --only tw-q15,tw-rho3
+  hertzchain paper figures --out out/all")]
+    Figures(FiguresArgs),
+    /// Hold every number in the text of the paper against ours.
+    ///
+    /// For every number in Sec. 3 to 7: what the paper says, what we get, the verdict, and why if they differ. Exit code 0:
+    /// every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what
+    /// they were. Exit code 1: one is not, or a run failed.
+    #[command(after_long_help = "Example:\n  hertzchain paper verify --section 3 --out out/verify")]
+    Verify(VerifyArgs),
+    /// Run everything in its short form and write one HTML page.
+    ///
+    /// The page stands alone: tables, pictures, captions, the machine and the version. Files are what this command is for:
+    /// without --out they go to out/report.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain paper report --out out/report
+  hertzchain paper report --only compare,order")]
+    Report(ReportArgs),
+}
 
 #[derive(Args)]
 pub(crate) struct VerifyArgs {
     /// One section of the paper: 3, 4, 5, 6 or 7 [default: all].
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) section: Option<u32>,
-    /// Folder for verify.txt, verify.csv and verify.json [default: none is written].
+    /// Write the results to this folder; without it, no file is written.
+    ///
+    /// Files: verify.txt, verify.csv and verify.json.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Print JSON instead of the table.
+    /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 #[derive(Args)]
 pub(crate) struct FiguresArgs {
-    #[arg(long, value_name = "A,B,..", value_delimiter = ',', help = figures_help())]
+    #[arg(
+        long,
+        value_name = "A,B,..",
+        value_delimiter = ',',
+        help = "Figures to make, separated by commas [default: all]",
+        long_help = figures_help()
+    )]
     pub(crate) only: Vec<String>,
-    /// Folder for NAME.png, the tables NAME-….csv and NAME.json, which says what made them.
-    #[arg(long, value_name = "DIR", default_value = "out/figures")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "out/figures",
+        help = OUT_ALWAYS,
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png, the tables NAME-….csv, and NAME.json, which says what made them.")
+    )]
     pub(crate) out: PathBuf,
-    /// Print JSON instead of the table: name, source, title, files, caption, wall time.
+    /// Print JSON instead of text.
+    ///
+    /// Name, source, title, files, caption and wall time of every figure.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 #[derive(Args)]
 pub(crate) struct ReportArgs {
-    /// Parts to make: compare, order, theorem, stability, verify, figures [default: all].
+    /// Parts to make, separated by commas [default: all].
+    ///
+    /// Of compare, order, theorem, stability, verify, figures.
     #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
     pub(crate) only: Vec<String>,
-    /// Folder for report.html and report.json.
-    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "out/report",
+        help = OUT_ALWAYS,
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: report.html and report.json.")
+    )]
     pub(crate) out: PathBuf,
-    /// Print JSON instead of the table: what was made, wall times, failures.
+    /// Print JSON instead of text.
+    ///
+    /// What was made, wall times and failures.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-#[derive(Args)]
-pub(crate) struct ScenesArgs {
-    #[command(subcommand)]
-    pub(crate) action: Option<ScenesAction>,
-    /// Print JSON instead of the table.
-    #[arg(long, global = true)]
-    pub(crate) json: bool,
-}
-
-#[derive(Subcommand)]
-pub(crate) enum ScenesAction {
-    /// Print the TOML of a scene: a start for your own.
-    Show {
-        /// Name of a built-in scene, or a TOML file.
-        name: String,
-    },
-}
-
-#[derive(Args)]
-pub(crate) struct IntegratorsArgs {
-    /// Print JSON instead of the table.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
+/// Of the commands whose purpose is files: they have a folder by default.
+const OUT_ALWAYS: &str = "Write the results to this folder";
 
 /// Names the figures that there are.
 fn figures_help() -> String {
     let names: Vec<_> = crate::experiments::PAPER.iter().map(|figure| figure.name).collect();
-    format!("Figures, separated by commas, of {} [default: all]", names.join(", "))
+    format!("Figures to make, separated by commas [default: all].\n\nOf {}.", names.join(", "))
 }

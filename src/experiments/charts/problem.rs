@@ -171,7 +171,7 @@ impl Problem {
             chain,
             initial: Initial::State { u, v, u_dot, v_dot },
             span: Span { periods: None, until: Some(span), period: None },
-            record: Record::default(),
+            record: Record::of(0),
         })
     }
 }

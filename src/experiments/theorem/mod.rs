@@ -101,6 +101,7 @@ impl RhoLaw {
 
 /// What `A(0)` is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Initial {
     /// The breather about a site, `a^1` of (dpsstat): `A(tau) = a e^{i omega_0 tau}`.
     Site,

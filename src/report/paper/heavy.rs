@@ -161,7 +161,7 @@ pub(super) fn homoclinics_caption(both: &[Homoclinic; 2]) -> String {
 pub(super) fn lifetimes_caption(study: &LifetimeStudy) -> String {
     let options = &study.options;
     format!(
-        "u(0) = 2ε a² about a bond, at rest; α = {}, κ = 1. Lifetime: until the core has less than 0.9 of the energy; followed to t = {} (the command lifetimes goes on to 25 T ε^(1−α) \
+        "u(0) = 2ε a² about a bond, at rest; α = {}, κ = 1. Lifetime: until the core has less than 0.9 of the energy; followed to t = {} (the command study lifetimes goes on to 25 T ε^(1−α) \
          and to ρ = 10⁵), and > says that it is more. ◦: gaps have opened between the central sites, so what lives on there is no breather of the ansatz but beads that swing alone. \
          The theorem asks for x = ρ ε^(2(α−1)) bounded from below. Chains so long that nothing comes back from their ends. Integrator {}, tol {:e}. {}.",
         options.alpha,

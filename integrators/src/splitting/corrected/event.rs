@@ -69,6 +69,7 @@ impl Corrector {
     }
 
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     fn corrections<const M: usize>(&self, events: &[Event; M]) -> [Option<Correction>; M] {
         let (mut views, mut onsets) = ([events[0].view.path; M], [false; M]);
         for k in 0..M {

@@ -58,6 +58,7 @@ impl<const M: usize> Pack<M> {
 
     /// Where numbers are at most `bound`; NaN is not.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     pub(super) fn at_most(self, bound: f64) -> Pack<M, bool> {
         let mut out = [false; M];
         for k in 0..M {

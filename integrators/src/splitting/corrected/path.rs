@@ -118,6 +118,7 @@ impl<'a, const M: usize> Paths<'a, M> {
 
     /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's method from the zero of the parabola.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     pub(super) fn zeros(&self, h: f64, rising: &[bool; M]) -> Zero<M> {
         let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
         let sign = Pack::of(rising, |&rising| if rising { 1.0 } else { -1.0 });

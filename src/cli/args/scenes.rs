@@ -1,0 +1,49 @@
+//! Flags of lists, and of commands that take a scene.
+
+use clap::{Args, Subcommand};
+
+/// Changes to the scene that a command takes.
+#[derive(Args)]
+pub(crate) struct SetArgs {
+    /// Change a key of the scene, as in chain.rho=3; may be repeated.
+    ///
+    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+    /// needs no quotation marks, as in chain.boundary=ring.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct ScenesArgs {
+    #[command(subcommand)]
+    pub(crate) action: Option<ScenesAction>,
+    /// Print JSON instead of text.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum ScenesAction {
+    /// Print the TOML of a scene: a start for your own.
+    #[command(after_long_help = "Example:\n  hertzchain scenes show tw-q15 > my-scene.toml")]
+    Show {
+        /// Name of a built-in scene, or a TOML file.
+        name: String,
+    },
+    /// Print a scene with every key, each explained: a start for your own.
+    #[command(after_long_help = "Example:\n  hertzchain scenes template > my-scene.toml")]
+    Template,
+}
+
+pub(super) const SCENES_EXAMPLES: &str = "\
+Examples:
+  hertzchain scenes
+  hertzchain scenes show tw-q15
+  hertzchain scenes template > my-scene.toml";
+
+#[derive(Args)]
+pub(crate) struct IntegratorsArgs {
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,141 @@
+//! What the program says of itself: commands, help that fits a terminal, examples, old names.
+#![cfg(feature = "cli")]
+
+use std::process::{Command, Output};
+
+/// Lines and columns of a terminal that `-h` must fit.
+const SCREEN: (usize, usize) = (40, 79);
+
+fn hertzchain(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).env_remove("COLUMNS").output().unwrap()
+}
+
+fn help(path: &[String], flag: &str) -> String {
+    let args: Vec<&str> = path.iter().map(String::as_str).chain([flag]).collect();
+    let output = hertzchain(&args);
+    assert!(output.status.success() && output.stderr.is_empty(), "{args:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The commands that the help of a command lists.
+fn listed(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = lines.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    names.map(|line| line.split_whitespace().next().unwrap().to_owned()).filter(|name| name != "help").collect()
+}
+
+/// Every command with those above it, as the help tells them.
+fn commands() -> Vec<Vec<String>> {
+    let mut all = vec![Vec::new()];
+    let mut next = 0;
+    while let Some(path) = all.get(next).cloned() {
+        all.extend(listed(&help(&path, "-h")).into_iter().map(|name| [&path[..], &[name]].concat()));
+        next += 1;
+    }
+    all
+}
+
+#[test]
+fn there_are_nine_commands_and_each_has_its_place() {
+    let all: Vec<String> = commands().iter().map(|path| path.join(" ")).collect();
+    let top = ["run", "compare", "scenes", "integrators", "study", "wave", "breather", "dps", "paper"];
+    let first: Vec<&str> =
+        all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
+    assert_eq!(first, top);
+    let below = [
+        ("study", "order scaling drift stability theorem lifetimes"),
+        ("wave", "modulation"),
+        ("breather", "bright trivial dark continue doubled evolve"),
+        ("dps", "integrals homoclinic dark"),
+        ("paper", "figures verify report"),
+        ("scenes", "show template"),
+    ];
+    for (above, names) in below {
+        let got: Vec<&str> = all.iter().filter_map(|name| name.strip_prefix(above)?.strip_prefix(' ')).collect();
+        assert_eq!(got.join(" "), names, "{above}");
+    }
+}
+
+#[test]
+fn short_help_fits_a_screen_and_long_help_has_examples() {
+    let mut seen = 0;
+    for path in commands() {
+        let (short, long) = (help(&path, "-h"), help(&path, "--help"));
+        assert!(short.lines().count() <= SCREEN.0, "{path:?}: {} lines", short.lines().count());
+        for line in short.lines().chain(long.lines()) {
+            assert!(line.chars().count() <= SCREEN.1, "{path:?}: {line}");
+        }
+        let example = format!("  hertzchain {}", path.join(" "));
+        assert!(long.contains(example.trim_end()) && !short.contains("Example"), "{path:?}: {long}");
+        assert!(long.len() > short.len(), "{path:?}: the long help says more");
+        for decimals in ["0.00000", "0000000"] {
+            assert!(!short.contains(decimals), "{path:?}: {short}");
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 31, "the program, nine commands, and those below them");
+}
+
+#[test]
+fn help_is_as_narrow_as_the_terminal() {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(["run", "--help"]).env("COLUMNS", "50").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    // Names of flags and examples are never broken.
+    let prose = text.lines().filter(|line| line.starts_with("          "));
+    assert!(prose.clone().count() > 50 && prose.clone().all(|line| line.chars().count() <= 50), "{text}");
+}
+
+#[test]
+fn an_old_name_is_answered_with_the_new_one() {
+    for (old, new) in [
+        ("order", "study order"),
+        ("scaling", "study scaling"),
+        ("drift", "study drift"),
+        ("stability", "study stability"),
+        ("theorem", "study theorem"),
+        ("lifetimes", "study lifetimes"),
+        ("dps stability", "wave modulation"),
+        ("dark", "breather dark"),
+        ("continue", "breather continue"),
+        ("doubled", "breather doubled"),
+        ("evolve", "breather evolve"),
+        ("figures", "paper figures"),
+        ("verify", "paper verify"),
+        ("report", "paper report"),
+    ] {
+        let args: Vec<&str> = old.split(' ').chain(["--json"]).collect();
+        let output = hertzchain(&args);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(
+            (output.status.code(), text.as_str()),
+            (Some(2), &*format!("error: `hertzchain {old}` is now `hertzchain {new}`\n"))
+        );
+        assert!(output.stdout.is_empty());
+        assert!(commands().iter().any(|path| path.join(" ") == new), "{new}");
+    }
+    // A name that never was is answered as before.
+    let output = hertzchain(&["ordering"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && text.contains("unrecognized subcommand 'ordering'"), "{text}");
+}
+
+#[test]
+fn nothing_is_written_unless_a_folder_is_given() {
+    for args in [
+        &["run", "tw-q15", "--until", "3"][..],
+        &["compare", "precompressed", "--integrators", "verlet", "--max-time", "0.2"],
+        &["study", "order", "--beads", "2"],
+        &["study", "scaling", "--sites", "10", "--tol", "1e-3", "--max-time", "1"],
+        &["study", "drift", "cradle", "--periods", "5", "--samples", "3"],
+        &["wave", "tw-q15", "--until", "3"],
+        &["dps", "dark", "--sites", "5"],
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && !output.stdout.is_empty(), "{args:?}: {said}");
+        assert!(!said.contains("written to") && std::fs::read_dir(folder.path()).unwrap().count() == 0, "{args:?}");
+    }
+}

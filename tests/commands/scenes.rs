@@ -1,0 +1,242 @@
+//! Scenes as people write them: the template, what may be left out, and keys changed on the command line.
+#![cfg(feature = "cli")]
+
+use hertzchain::scene::{Initial, Record, Scene, SceneFile};
+use serde_json::Value;
+use std::process::{Command, Output};
+
+fn hertzchain(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap()
+}
+
+fn stdout(args: &[&str]) -> String {
+    let output = hertzchain(args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn json(args: &[&str]) -> Value {
+    serde_json::from_str(&stdout(args)).unwrap()
+}
+
+fn refusal(args: &[&str]) -> String {
+    let output = hertzchain(args);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && output.stdout.is_empty() && !text.contains("panicked"), "{args:?}: {text}");
+    text
+}
+
+/// The keys that a table of a scene may have, as the reader names them to somebody who writes another.
+fn keys(text: &str) -> Vec<String> {
+    let error = SceneFile::parse(text, "keys").unwrap_err().to_string();
+    let known = error.split("expected one of ").nth(1).or(error.split("expected ").nth(1));
+    let known = known.unwrap_or_else(|| panic!("{error}")).split(';').next().unwrap();
+    known.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// The tables `[initial]` of the template: that in use, then those in comments.
+fn kinds(template: &str) -> Vec<String> {
+    let lines = template.lines().skip_while(|line| !line.contains("[initial]"));
+    let mut blocks: Vec<String> = Vec::new();
+    for line in lines.take_while(|line| !line.starts_with("# How long")) {
+        let bare = line.strip_prefix("# ").unwrap_or(line);
+        let code = bare == "[initial]" || bare.split_once(" = ").is_some_and(|(key, _)| !key.contains(' '));
+        let line = if code { bare } else { line };
+        if line == "[initial]" {
+            blocks.push(String::new());
+        }
+        if let Some(block) = blocks.last_mut() {
+            *block += &format!("{line}\n");
+        }
+    }
+    blocks
+}
+
+#[test]
+fn the_template_is_a_scene_that_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, stdout(&["scenes", "template"])).unwrap();
+    let run = json(&["run", path.to_str().unwrap(), "--until", "5", "--json"]);
+    assert_eq!((run["scene"].as_str(), run["t"].as_f64()), (Some("my-scene"), Some(5.0)));
+    assert_eq!(json(&["scenes", "template", "--json"])["name"], "my-scene");
+}
+
+#[test]
+fn the_template_has_every_key() {
+    let template = stdout(&["scenes", "template"]);
+    let has = |text: &str, key: &str| {
+        text.lines().any(|line| line.trim_start_matches(['#', ' ']).starts_with(&format!("{key} = ")))
+    };
+    let chain = "[chain]\nsites = 1\nalpha = 1.5\nboundary = \"free\"\n";
+    let (state, span) = ("[initial]\nkind = \"state\"\n", "[span]\nuntil = 1.0\n");
+    for (text, fewest) in [
+        (format!("{chain}what = 1\n{state}{span}"), 6),
+        (format!("{chain}{state}{span}what = 1\n"), 3),
+        (format!("{chain}{state}{span}[record]\nwhat = 1\n"), 1),
+    ] {
+        let keys = keys(&text);
+        assert!(keys.len() >= fewest && keys.iter().all(|key| has(&template, key)), "{keys:?}");
+    }
+    for key in keys(&format!("what = 1\n{chain}{state}{span}")) {
+        assert!(has(&template, &key) || template.contains(&format!("\n[{key}]\n")), "{key}");
+    }
+    let blocks = kinds(&template);
+    let known = keys(&format!("{chain}[initial]\nkind = \"what\"\n{span}"));
+    assert_eq!((blocks.len(), known.len()), (6, 6), "{blocks:?}");
+    for kind in known {
+        let block = blocks.iter().find(|block| block.contains(&format!("kind = \"{kind}\""))).unwrap();
+        for key in keys(&format!("{chain}[initial]\nkind = \"{kind}\"\nwhat = 1\n{span}")) {
+            assert!(has(block, &key), "{kind}: {key}");
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_the_template_builds() {
+    let chain = |block: &str| {
+        let ring = block.contains("travelling-wave");
+        let sites = if block.contains("\"state\"") { 3 } else { 20 };
+        let boundary = if ring { "strain-ring" } else { "free" };
+        format!("[chain]\nsites = {sites}\nalpha = 1.5\nkappa = 1.0\nrho = 2.0\nboundary = \"{boundary}\"\n")
+    };
+    for block in kinds(&stdout(&["scenes", "template"])) {
+        // What is said in another way stands in a comment.
+        let scene = Scene::parse(&format!("{}{block}[span]\nuntil = 1.0\n", chain(&block)), "template");
+        assert!(scene.is_ok(), "{}\n{block}", scene.unwrap_err());
+    }
+}
+
+const BARE: &str = "[chain]\nsites = 3\nalpha = 1.5\nboundary = \"free\"\n[initial]\nkind = \"single-bead\"\nsite = 0\n\
+                    velocity = 1.0\n[span]\nuntil = 10.0\n";
+
+#[test]
+fn name_springs_masses_and_samples_may_be_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("three-beads.toml");
+    std::fs::write(&path, BARE).unwrap();
+    let run = json(&["run", path.to_str().unwrap(), "--json"]);
+    let file = &run["scene_file"];
+    assert_eq!((run["scene"].as_str(), file["name"].as_str()), (Some("three-beads"), Some("three-beads")));
+    assert_eq!((file["chain"]["kappa"].as_f64(), file["chain"]["rho"].as_f64()), (Some(0.0), Some(0.0)));
+    // No resonators and no period: 400.
+    assert_eq!(file["record"]["samples"], 400);
+    assert_eq!(SceneFile::parse(BARE, "").unwrap().name, "scene");
+    let samples = |chain: &str, span: &str| {
+        let text = BARE.replace("alpha = 1.5\n", &format!("alpha = 1.5\n{chain}")).replace("until = 10.0\n", span);
+        Scene::parse(&text, "a.toml").unwrap().samples()
+    };
+    // A period by the frequency of the resonators, or one that is said: 16 a period, from 400 to 10^4.
+    assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 100\n"), 1600);
+    assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 3\n"), 400);
+    assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 1e6\n"), Record::MOST_SAMPLES);
+    assert_eq!(samples("", "periods = 50\nperiod = 3.0\n"), 800);
+    assert_eq!(samples("", "until = 1e6\n"), 400);
+    // A number that is said is kept, also when the span changes.
+    let said = Scene::parse(&(BARE.to_owned() + "[record]\nsamples = 7\n"), "a.toml").unwrap();
+    assert_eq!((said.samples(), said.clone().until(1e4).unwrap().samples()), (7, 7));
+    let unsaid =
+        Scene::parse(&BARE.replace("alpha = 1.5\n", "alpha = 1.5\nkappa = 1.0\nrho = inf\n"), "a.toml").unwrap();
+    let period = unsaid.period();
+    assert_eq!(unsaid.until(1000.0 * period).unwrap().samples(), Record::MOST_SAMPLES);
+    // Only these are left out: the others are asked for.
+    for key in ["sites = 3\n", "alpha = 1.5\n", "boundary = \"free\"\n", "until = 10.0\n"] {
+        assert!(Scene::parse(&BARE.replace(key, ""), "a.toml").is_err(), "{key}");
+    }
+}
+
+#[test]
+fn keys_of_a_scene_are_changed_on_the_command_line() {
+    let set = |changes: &[&str]| {
+        let flags = changes.iter().flat_map(|change| ["--set", change]);
+        let args: Vec<&str> = ["run", "tw-q15", "--until", "3", "--json"].into_iter().chain(flags).collect();
+        json(&args)["scene_file"].clone()
+    };
+    let file = set(&["chain.rho=3", "name=heavy", "initial.detuning = 2e-3"]);
+    assert_eq!((file["chain"]["rho"].as_f64(), file["name"].as_str()), (Some(3.0), Some("heavy")));
+    assert_eq!(file["initial"]["detuning"], 2e-3);
+    // What a file would say of the same.
+    let text = Scene::source("tw-q15").unwrap().replace("rho = 0.3333333333333333", "rho = 3");
+    let written = Scene::parse(&text, "written").unwrap();
+    let changed = Scene::load_with("tw-q15", &["chain.rho=3".to_owned()]).unwrap();
+    assert_eq!((written.file(), written.initial()), (changed.file(), changed.initial()));
+    // The last of two wins; a key that the file has not; a table that it has not.
+    assert_eq!(set(&["chain.rho=3", "chain.rho=5"])["chain"]["rho"], 5.0);
+    assert_eq!(set(&["initial.zeta=0.1"])["initial"]["seed"], 1);
+    assert_eq!(Scene::load_with("tw-q15", &["record.samples=9".to_owned()]).unwrap().samples(), 9);
+    let quoted = Scene::load_with("cradle", &["chain.boundary=fixed".to_owned()]).unwrap();
+    assert!(matches!(quoted.file().initial, Initial::SingleBead { .. }) && quoted.samples() == 400);
+    // Everywhere a scene is taken.
+    let out =
+        json(&["study", "drift", "cradle", "--periods", "3", "--samples", "2", "--set", "chain.sites=5", "--json"]);
+    assert_eq!(out["scene_file"]["chain"]["sites"], 5);
+    let wave = json(&["wave", "tw-q15", "--until", "3", "--set", "chain.rho=2", "--json"]);
+    assert_eq!(wave["scene_file"]["chain"]["rho"], 2.0);
+    let growth = json(&["wave", "modulation", "tw-q15", "--set", "chain.rho=2", "--json"]);
+    assert_eq!(growth["params"]["rho"], 2.0);
+}
+
+#[test]
+fn changes_that_are_none_are_refused_by_what_was_given() {
+    for (change, words) in [
+        ("chain.rhoo=3", "--set chain.rhoo=3: unknown field `rhoo`"),
+        ("chain.rhoo=3", "did you mean `rho`?"),
+        ("chian.rho=3", "did you mean `chain`?"),
+        ("chain.rho=heavy", "--set chain.rho=heavy: `chain.rho`: invalid type: string \"heavy\", expected a number"),
+        (
+            "chain.sites=1.5",
+            "--set chain.sites=1.5: `chain.sites`: invalid type: number `1.5`, expected a whole number",
+        ),
+        ("chain.rho=-1", "--set chain.rho=-1: `chain.rho`: rho = -1 is not valid"),
+        ("chain.rho=1e400", "--set chain.rho=1e400: `chain.rho`: 1e400: larger than any double"),
+        ("chain.rho", "not KEY=VALUE, as in chain.rho=3"),
+        ("chain rho=3", "--set chain rho=3"),
+        ("chain=3", "--set chain=3"),
+        ("=3", "--set =3"),
+    ] {
+        let message = refusal(&["run", "tw-q15", "--set", change]);
+        assert!(message.contains(words) && message.starts_with("error: scene tw-q15: "), "{change}: {message}");
+        assert!(message.lines().count() == 1 && !message.contains("f64") && !message.contains("usize"), "{message}");
+    }
+    // Blame stays with the line of the file where that is to blame.
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), BARE.replace("sites = 3", "sites = 3\nkappa = -1.0")).unwrap();
+    let message = refusal(&["run", file.path().to_str().unwrap(), "--set", "chain.rho=3"]);
+    assert!(message.contains(": line 3: `chain.kappa`: kappa = -1"), "{message}");
+    for args in [&["study", "stability", "--set", "chain.rho=3"][..], &["wave", "modulation", "--set", "chain.rho=3"]] {
+        assert!(refusal(args).contains("it changes a scene: name one"));
+    }
+    assert!(refusal(&["run", "--resume", "x", "--set", "chain.rho=3"]).contains("cannot be used with"));
+}
+
+#[test]
+fn the_number_of_samples_is_a_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = json(&["run", "impact", "--until", "5", "--samples", "10", "--json", "--out", out]);
+    assert_eq!(run["scene_file"]["record"]["samples"], 10);
+    let energies = std::fs::read_to_string(folder.path().join("energy.csv")).unwrap();
+    assert_eq!(energies.lines().count(), 12);
+    assert!(
+        refusal(&["run", "impact", "--samples", "1000001"]).contains("samples = 1000001 is not valid: at most 10^6")
+    );
+    assert!(refusal(&["run", "impact", "--samples", "-1"]).contains("not a whole number, at least zero"));
+    assert!(refusal(&["run", "impact", "--samples", "1.5"]).contains("not a whole number, at least zero"));
+}
+
+#[test]
+fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
+    let names = |flags: &[&str]| {
+        let args = [&["compare", "impact", "--max-time", "0.01", "--json"][..], flags].concat();
+        let rows = json(&args)["rows"].as_array().unwrap().clone();
+        let mut names: Vec<String> = rows.iter().map(|row| row["integrator"].as_str().unwrap().to_owned()).collect();
+        names.dedup();
+        names
+    };
+    let (telling, all) = (names(&[]), names(&["--integrators", "all"]));
+    assert_eq!((telling.len(), all.len()), (13, 32));
+    assert!(telling.iter().all(|name| all.contains(name)));
+    for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
+        assert!(telling.iter().any(|telling| telling == name), "{name}");
+    }
+}
