@@ -27,7 +27,7 @@ impl VectorField<f64> for ThreeBodies {
 
 pub(crate) fn main() -> Result<(), Error> {
     let start = [0.994, 0.0, 0.0, -2.001_585_106_379_082_5];
-    let period = 17.065_216_560_157_962;
+    let period = 17.065_216_560_157_96;
     let mut run = Dop853::new(ThreeBodies, &start, (0.0, period), Options::new(1e-12))?;
     let (mut before, mut y) = (start, start);
     let mut crossings = Vec::new();

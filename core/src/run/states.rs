@@ -27,7 +27,7 @@ impl States {
         if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
             return Err(Error::parameter("times", pair[1], "in ascending order"));
         }
-        Ok(Self { stepper: run.stepper()?, times: times.to_vec().into_iter(), state: run.initial().clone() })
+        Ok(Self { stepper: run.stepper()?, times: Vec::from(times).into_iter(), state: run.initial().clone() })
     }
 
     /// The work done so far.
