@@ -53,6 +53,7 @@ fn bright_scene(args: &BrightArgs) -> Result<Scene> {
         chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0 },
         initial: Initial::BrightBreather { center, epsilon },
         span: Span { periods: None, until: Some(until), period: None },
+        method: None,
         record: Record::of(0),
     })
 }

@@ -127,6 +127,13 @@ impl How {
         // A tolerance asks for the method that keeps it best.
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
         let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
+        if let (Some((method, setting)), false) = (scene.choice(), asked) {
+            let wording = match setting {
+                Setting::Tolerance(tol) => format!("tol {tol:e}"),
+                Setting::Steps(steps) | Setting::Windows(steps, _) => steps_in_words(scene, steps as f64),
+            };
+            return Ok(Self::Integrated(method, setting, wording, Some("the scene names it".to_owned())));
+        }
         if let (Some(exact), false) = (scene.exact(), asked) {
             return Ok(Self::ClosedForm(exact.clone()));
         }
@@ -238,7 +245,10 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
     if steps > MOST_STEPS {
         return Err(Error::parameter("steps", steps, "at most 1e15 steps"));
     }
-    let words =
-        format!("{} steps of {:e} ({:.6} a period)", steps, scene.end() / steps, steps * scene.period() / scene.end());
-    Ok((Setting::Steps(steps as u64), words))
+    Ok((Setting::Steps(steps as u64), steps_in_words(scene, steps)))
+}
+
+fn steps_in_words(scene: &Scene, steps: f64) -> String {
+    let (end, period) = (scene.end(), scene.period());
+    format!("{steps} steps of {:e} ({:.6} a period)", end / steps, steps * period / end)
 }

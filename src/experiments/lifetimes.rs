@@ -382,6 +382,7 @@ impl Place {
             },
             initial: Initial::BrightBreather { center: options.center, epsilon: self.epsilon },
             span: Span { periods: None, until: Some(until), period: None },
+            method: None,
             record: Record::of(0),
         })
     }

@@ -5,6 +5,7 @@ use crate::{
     dps::Center,
     error::{Error, Result, in_words, nearest, one_line},
     number::double,
+    run::{Method, Run},
 };
 use serde::{Deserialize, Serialize};
 use std::{ops::Range, path::Path};
@@ -35,6 +36,9 @@ pub struct SceneFile {
     /// What is recorded.
     #[serde(default)]
     pub record: Record,
+    /// By which method it runs, unless somebody names another; by what its regime asks for, if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<MethodSection>,
 }
 
 /// `[chain]`.
@@ -183,6 +187,53 @@ pub struct Span {
     /// The unit that steps per period refer to, for scenes without a frequency of their own (1 if left out).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<f64>,
+}
+
+/// `[method]`: an integrator, and at most one of the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MethodSection {
+    /// Name of the integrator.
+    pub integrator: String,
+    /// Tolerance, for one that takes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tol: Option<f64>,
+    /// Step, made smaller where a whole number of steps must fit the span.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<f64>,
+    /// Steps a period of the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_period: Option<f64>,
+}
+
+impl MethodSection {
+    /// A run by this method.
+    ///
+    /// # Errors
+    /// An unknown integrator; more than one of the settings, or one that the integrator does not take or that is outside its rule.
+    pub fn of(&self, run: Run) -> Result<Run> {
+        let &Self { ref integrator, tol, step, steps_per_period } = self;
+        let method = Method::named(integrator)?;
+        let run = run.method(method);
+        match (tol, step, steps_per_period) {
+            (None, None, None) => Ok(run),
+            (Some(tol), None, None) if method.tolerant() => run.tolerance(tol),
+            (Some(tol), None, None) => {
+                Err(Error::parameter("tol", tol, "this integrator takes `step` or `steps_per_period`"))
+            }
+            (None, Some(step), None) if !method.adaptive() => run.step(step),
+            (None, None, Some(count)) if !method.adaptive() && count > 0.0 => {
+                let step = run.period() / count;
+                run.step(step)
+            }
+            (None, Some(step), None) => Err(Error::parameter("step", step, "this integrator takes `tol`")),
+            (None, None, Some(count)) => {
+                let rule = "positive, and for an integrator that takes steps; others take `tol`";
+                Err(Error::parameter("steps_per_period", count, rule))
+            }
+            _ => Err(Error::parameter("method", "[method]", "give one of `tol`, `step` and `steps_per_period`")),
+        }
+    }
 }
 
 /// `[record]`.

@@ -3,14 +3,14 @@
 mod builtin;
 mod file;
 
-pub use file::{ChainSection, Initial, Record, SceneFile, Span, TrivialSection};
+pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Boundary, Chain, Resonators, Site, State, max_norm},
     error::{Error, Result},
     output::read,
-    run::Run,
+    run::{Method, Run, Setting},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -190,6 +190,7 @@ impl Scene {
         let says_samples = file.record.samples.is_some();
         let mut scene = Self { chain, initial, theory, period, end, file, says_samples };
         scene.sample();
+        scene.checked_run()?;
         Ok(scene)
     }
 
@@ -308,11 +309,24 @@ impl Scene {
         self.chain.strains(y)
     }
 
-    /// The scene as a run, by the method that its chain asks for unless another is named.
+    /// The scene as a run: by the method that it names, or by what its chain asks for, unless another is named.
     pub fn run(&self) -> Run {
+        self.checked_run().expect("a scene is checked when it is built")
+    }
+
+    /// Method and setting, where the scene names a method.
+    pub fn choice(&self) -> Option<(Method, Setting)> {
+        self.file.method.as_ref()?;
+        self.run().choice().ok()
+    }
+
+    fn checked_run(&self) -> Result<Run> {
         let run = Run::new(self.chain.clone(), self.initial.clone()).with_period(self.period);
-        let checked = run.until(self.end).and_then(|run| run.samples(self.samples()));
-        checked.expect("end and samples of a scene are checked when it is built")
+        let run = run.until(self.end)?.samples(self.samples())?;
+        match &self.file.method {
+            Some(method) => method.of(run),
+            None => Ok(run),
+        }
     }
 
     /// What is evaluated and what is left out where the scene has an [exact](Self::exact) solution and nobody asks for an integrator.

@@ -74,6 +74,7 @@ fn the_template_has_every_key() {
         (format!("{chain}what = 1\n{state}{span}"), 6),
         (format!("{chain}{state}{span}what = 1\n"), 3),
         (format!("{chain}{state}{span}[record]\nwhat = 1\n"), 1),
+        (format!("{chain}{state}{span}[method]\nintegrator = \"verlet\"\nwhat = 1\n"), 4),
     ] {
         let keys = keys(&text);
         assert!(keys.len() >= fewest && keys.iter().all(|key| has(&template, key)), "{keys:?}");

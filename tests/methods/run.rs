@@ -97,3 +97,32 @@ fn what_makes_no_sense_is_refused_where_it_enters() {
     let error = other.start().unwrap_err().to_string();
     assert!(error.contains("as many numbers as the chain has"), "{error}");
 }
+
+#[test]
+fn a_scene_names_its_method_and_is_refused_where_that_makes_no_sense() {
+    let text = |method: &str| format!("{}\n[method]\n{method}", Scene::source("impact").unwrap());
+    let scene = |method: &str| Scene::parse(&text(method), "mine.toml");
+    let named = scene("integrator = \"corrected\"\nstep = 0.05").unwrap();
+    let steps = (named.end() / 0.05 * (1.0 - 1e-12)).ceil() as u64;
+    assert_eq!(named.choice(), Some((Method::CORRECTED, Setting::Steps(steps))));
+    // The same bits as a run by hand.
+    let end = |run: Run| run.records(Records::End).start().unwrap().state;
+    let by_hand = Scene::load("impact").unwrap().run().method(Method::CORRECTED).step(0.05).unwrap();
+    assert_eq!(end(named.run()), end(by_hand));
+    // Another span, the same step.
+    let longer = named.until(10.0).unwrap();
+    assert_eq!(longer.choice(), Some((Method::CORRECTED, Setting::Steps(200))));
+    assert_eq!(Scene::load("impact").unwrap().choice(), None);
+    for (method, part) in [
+        ("integrator = \"colocation\"", "did you mean \"collocation\"?"),
+        ("integrator = \"collocation\"\ntol = 7.0", "tol = 7 is not valid: from 1e-15 to 0.1"),
+        ("integrator = \"collocation\"\nstep = 0.1", "takes `tol`"),
+        ("integrator = \"verlet\"\ntol = 1e-6", "takes `step`"),
+        ("integrator = \"verlet\"\nsteps_per_period = -4.0", "steps_per_period = -4"),
+        ("integrator = \"corrected\"\nstep = 0.1\ntol = 1e-6", "give one of"),
+        ("tol = 1e-6", "integrator"),
+    ] {
+        let error = scene(method).unwrap_err().to_string();
+        assert!(error.contains(part) && error.contains("mine.toml"), "{method}: {error}");
+    }
+}

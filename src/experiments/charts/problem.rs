@@ -171,6 +171,7 @@ impl Problem {
             chain,
             initial: Initial::State { u, v, u_dot, v_dot },
             span: Span { periods: None, until: Some(span), period: None },
+            method: None,
             record: Record::of(0),
         })
     }
