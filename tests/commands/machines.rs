@@ -12,7 +12,7 @@ const NARROW_LIBRARY: (&str, &str) =
 fn scene(alpha: f64, rho: &str) -> String {
     format!(
         "name = \"pulled\"\n[chain]\nsites = 23\nalpha = {alpha}\nkappa = 1.0\nrho = {rho}\nboundary = \"free\"\n\
-         [initial]\nkind = \"single-bead\"\nsite = 0\ndisplacement = -0.1\n[span]\nperiods = 8\n"
+         [initial]\nkind = \"single-bead\"\nsite = 0\ndisplacement = -0.1\n[span]\nperiods = 8\n[record]\nsamples = 0\n"
     )
 }
 

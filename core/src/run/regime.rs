@@ -77,6 +77,6 @@ pub fn regime(run: &Run) -> Result<Regime> {
         method: Method::Collocation,
         setting: Setting::Tolerance(TOLERANCE),
         wording: format!("tol {TOLERANCE:e}"),
-        reason: format!("{known}: up to 10^4 Omega_c nothing else is as exact at the cost"),
+        reason: format!("{known}: up to 10^4 Omega_c collocation keeps this tolerance at all times"),
     })
 }
