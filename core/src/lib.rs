@@ -17,4 +17,5 @@ pub mod run;
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};
+pub use hertzchain_integrators as integrators;
 pub use run::{Method, Run, Setting, Trajectory};
