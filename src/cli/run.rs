@@ -128,10 +128,7 @@ impl How {
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
         let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
         if let (Some((method, setting)), false) = (scene.choice(), asked) {
-            let wording = match setting {
-                Setting::Tolerance(tol) => format!("tol {tol:e}"),
-                Setting::Steps(steps) | Setting::Windows(steps, _) => steps_in_words(scene, steps as f64),
-            };
+            let wording = in_words(scene, setting);
             return Ok(Self::Integrated(method, setting, wording, Some("the scene names it".to_owned())));
         }
         if let (Some(exact), false) = (scene.exact(), asked) {
@@ -219,16 +216,15 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
         if windows > MOST_STEPS {
             return Err(Error::parameter("windows", windows, "at most 1e15 windows"));
         }
-        let words =
-            format!("{windows} windows ({:.6} a period), {nodes} nodes", windows * scene.period() / scene.end());
-        return Ok((Setting::Windows(windows as u64, nodes), words));
+        let setting = Setting::Windows(windows as u64, nodes);
+        return Ok((setting, in_words(scene, setting)));
     }
     if method.adaptive() || method.tolerant() && args.tol.is_some() {
         if let Some(value) = args.step.or(args.steps_per_period) {
             return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
         }
         let tol = positive("tol", args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
-        return Ok((Setting::Tolerance(tol), format!("tol {tol:e}")));
+        return Ok((Setting::Tolerance(tol), in_words(scene, Setting::Tolerance(tol))));
     }
     if let Some(tol) = args.tol {
         return Err(Error::parameter("tol", tol, "splitting schemes take --steps-per-period or --step"));
@@ -240,15 +236,20 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
             scene.end() / scene.period() * positive("steps-per-period", per_period)?
         }
     };
-    // A step that fits but for rounding is taken as it is.
-    let steps = (steps * (1.0 - 1e-12)).ceil().max(1.0);
-    if steps > MOST_STEPS {
-        return Err(Error::parameter("steps", steps, "at most 1e15 steps"));
-    }
-    Ok((Setting::Steps(steps as u64), steps_in_words(scene, steps)))
+    let setting = Setting::steps(steps)?;
+    Ok((setting, in_words(scene, setting)))
 }
 
-fn steps_in_words(scene: &Scene, steps: f64) -> String {
+fn in_words(scene: &Scene, setting: Setting) -> String {
     let (end, period) = (scene.end(), scene.period());
-    format!("{steps} steps of {:e} ({:.6} a period)", end / steps, steps * period / end)
+    let per_period = |count: u64| count as f64 * period / end;
+    match setting {
+        Setting::Tolerance(tol) => format!("tol {tol:e}"),
+        Setting::Steps(steps) => {
+            format!("{steps} steps of {:e} ({:.6} a period)", end / steps as f64, per_period(steps))
+        }
+        Setting::Windows(windows, nodes) => {
+            format!("{windows} windows ({:.6} a period), {nodes} nodes", per_period(windows))
+        }
+    }
 }

@@ -84,6 +84,7 @@ fn what_makes_no_sense_is_refused_where_it_enters() {
     assert!(message(struck(3).tolerance(1.0)).contains("tol = 1 is not valid: from 1e-15 to 0.1"));
     assert!(message(struck(3).until(1.0).unwrap().step(0.0)).contains("step = 0"));
     assert!(message(struck(3).step(0.1)).contains("a run needs an end"));
+    assert!(message(struck(3).until(1.0).unwrap().step(1e-300)).contains("at most 1e15 steps"));
     assert!(message(struck(3).samples(2_000_000)).contains("at most 10^6"));
     let error = struck(3).start().unwrap_err().to_string();
     assert!(error.contains("a run needs an end"), "{error}");
@@ -119,6 +120,9 @@ fn a_scene_names_its_method_and_is_refused_where_that_makes_no_sense() {
         ("integrator = \"collocation\"\nstep = 0.1", "takes `tol`"),
         ("integrator = \"verlet\"\ntol = 1e-6", "takes `step`"),
         ("integrator = \"verlet\"\nsteps_per_period = -4.0", "steps_per_period = -4"),
+        ("integrator = \"verlet\"\nsteps_per_period = nan", "steps_per_period = NaN"),
+        ("integrator = \"verlet\"\nsteps_per_period = inf", "step = 0"),
+        ("integrator = \"verlet\"\nstep = 1e-300", "at most 1e15 steps"),
         ("integrator = \"corrected\"\nstep = 0.1\ntol = 1e-6", "give one of"),
         ("tol = 1e-6", "integrator"),
     ] {

@@ -66,7 +66,22 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
+/// More steps than a run of years takes.
+const MOST_STEPS: f64 = 1e15;
+
 impl Setting {
+    /// So many equal steps, rounded up; a count that is whole but for rounding is taken as it is.
+    ///
+    /// # Errors
+    /// More than 10^15, or a count that is not a number.
+    pub fn steps(count: f64) -> Result<Self> {
+        let steps = (count * (1.0 - 1e-12)).ceil();
+        if steps.is_nan() || steps > MOST_STEPS {
+            return Err(Error::parameter("steps", steps, "at most 1e15 steps"));
+        }
+        Ok(Self::Steps(steps.max(1.0) as u64))
+    }
+
     /// The setting of this share of a run: the steps are no longer, and the tolerances of all shares are that of the run.
     pub fn of_leg(self, method: Method, share: f64) -> Self {
         // A step that fits but for rounding is taken as it is.

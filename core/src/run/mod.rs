@@ -120,13 +120,13 @@ impl Run {
     /// contact-corrected splitting takes them.
     ///
     /// # Errors
-    /// A step that is not finite or not positive; no end given before.
+    /// A step that is not finite or not positive, or of which more than 10^15 fill the span; no end given before.
     pub fn step(self, h: f64) -> Result<Self> {
         if !(h.is_finite() && h > 0.0) {
             return Err(Error::parameter("step", h, "finite and positive"));
         }
-        let steps = (self.end()? / h * (1.0 - 1e-12)).ceil().max(1.0);
-        Ok(self.setting(Setting::Steps(steps as u64)))
+        let steps = Setting::steps(self.end()? / h)?;
+        Ok(self.setting(steps))
     }
 
     /// How finely the method works.
@@ -218,9 +218,7 @@ impl Run {
             (None, Some(setting @ Setting::Steps(_))) => (Method::CORRECTED, setting),
             (None, Some(setting)) => (Method::Collocation, setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
-            (Some(method), None) => {
-                (method, Setting::Steps((regime::STEPS_PER_PERIOD * self.end()? / self.period).ceil().max(1.0) as u64))
-            }
+            (Some(method), None) => (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.period)?),
             (None, None) => {
                 let Regime { method, setting, .. } = regime(self)?;
                 (method, setting)

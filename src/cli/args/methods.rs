@@ -59,10 +59,10 @@ pub(crate) struct RunArgs {
     pub(crate) set: SetArgs,
     /// Integrator; `hertzchain integrators` lists all.
     ///
-    /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without any of these the method
-    /// that the scene names; else the exact
-    /// solution, where one is known, else what the regime asks for: collocation, or strang-linear where omega is above 10^4
-    /// times the frequency of contacts; which one, and why, is said on stderr.
+    /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without any of these: the method
+    /// that the scene names; else the exact solution, where one is known; else what the regime asks for, which is
+    /// collocation, or strang-linear where omega is above 10^4 times the frequency of contacts. Which one, and why, is said
+    /// on stderr.
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
     /// Tolerance, from 1e-15 to 0.1.
