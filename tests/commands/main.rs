@@ -9,4 +9,5 @@ mod machines;
 mod paper_figures;
 mod provenance;
 mod scenes;
+mod stored;
 mod studies;
