@@ -200,12 +200,8 @@ fn random_chains_keep_the_order() {
         let errors = ladder(|n| relative(&chain, &corrected(&chain, &y, end, n), &truth), &[base, 2 * base, 4 * base]);
         let order = slope(&errors);
         println!("{what}: {order:.2} {:.1e} {:.1e}", errors[0].1, errors[2].1);
-        // Below 2e-12 both are rounded. A grazing contact may leave a few hundredths of a^alpha h^{2 alpha + 1}, which is more than h^4 for exponents
-        // below 3/2; overlaps are up to 2 here, so that a is up to twice 2^alpha.
-        let (alpha, h) = (chain.params().alpha, end / (4 * base) as f64);
-        let grazing =
-            if alpha < 1.5 { 0.05 * (2.0 * 2f64.powf(alpha)).powf(alpha) * h.powf(2.0 * alpha + 1.0) } else { 0.0 };
-        if errors[2].1 > grazing.max(2e-12) {
+        // Below 2e-12 both are rounded.
+        if errors[2].1 > 2e-12 {
             worst = worst.min(order);
             assert!(order > 3.5, "{what}: {errors:?}");
         }
@@ -384,4 +380,28 @@ fn what_the_method_does_not_serve_is_refused() {
     }
     let why = scene.run().method(Method::TAKAHASHI_IMADA).setting(Setting::Tolerance(1e-6)).stepper().err().unwrap();
     assert!(matches!(why, Error::Parameter { .. }), "{why}");
+}
+#[test]
+fn no_run_of_a_family_that_passes_through_grazing_contacts_stands_out() {
+    // Runs on a line of initial states: some touch for less than a step, others have an event next to a kick. Truth: collocation at 1e-13. Without what turning
+    // points are given, and with kicks worth their modified force next to events, the largest error is 74 and 8 times the median.
+    for seed in [1, 4] {
+        let mut next = random(seed);
+        let sites: Vec<[f64; 4]> = (0..5).map(|_| [next(), next(), next(), next()]).collect();
+        let chain = Chain::new(Params::new(1.1, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 5).unwrap();
+        let mut errors: Vec<f64> = (0..400)
+            .map(|i| {
+                let half = f64::from(i) / 800.0;
+                let site = |n: usize| {
+                    let [u, v, u_dot, more]: [f64; 4] = sites[n];
+                    Site { u: u + half * u_dot, v, u_dot: more, v_dot: half * u }
+                };
+                let y = State::from_fn(&chain, site).unwrap().as_slice().to_vec();
+                gap(&corrected(&chain, &y, 12.0, 1920), &by_collocation(&chain, &y, 12.0, 1e-13))
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        println!("{seed}: median {:.2e}, largest {:.2e}", errors[200], errors[399]);
+        assert!(errors[399] < 5.0 * errors[200], "{seed}: {:e} {:e}", errors[200], errors[399]);
+    }
 }

@@ -59,6 +59,8 @@ pub struct Bonded<F> {
     /// Positions, from `PAD` on, with one of a neighbour on either side.
     q: Aligned<f64>,
     overlap: Aligned<f64>,
+    /// Overlaps at the last two surveys before, latest first.
+    overlaps_before: [Aligned<f64>; 2],
     /// Forces and derivatives, from `PAD` on, with those of neighbours on either side.
     force: Aligned<f64>,
     slope: Aligned<f64>,
@@ -91,6 +93,7 @@ impl<F: SiteFlow> Bonded<F> {
             sites,
             q: padded(),
             overlap: Aligned::zeros(sites + 1),
+            overlaps_before: [Aligned::zeros(sites + 1), Aligned::zeros(sites + 1)],
             force: padded(),
             slope: padded(),
             force_before: padded(),
@@ -477,6 +480,8 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
+        self.overlaps_before.swap(0, 1);
+        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
         std::mem::swap(&mut self.force, &mut self.force_before);
         std::mem::swap(&mut self.spring, &mut self.spring_before);
         let n = self.sites;
@@ -516,6 +521,14 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         }
     }
 
+    #[inline]
+    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>) {
+        let touching = self.chain().touching();
+        let [middle, first] = &self.overlaps_before;
+        let g = [first, middle, &self.overlap].map(|g| &g[..touching.end]);
+        f64::run(Turned { g, first: touching.start, reach, out });
+    }
+
     fn force(&self, bond: usize) -> (f64, f64) {
         let b = self.bond(bond);
         let ((_, mobility), force) = (self.neighbours(b), self.force[PAD + b]);
@@ -534,7 +547,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         let (_, mobility) = self.neighbours(b);
         let now = self.pull(b, &self.force, &self.spring);
         let before = self.pull(b, &self.force_before, &self.spring_before);
-        BondView { path: self.along(b, [before, now], h), mobility }
+        BondView { path: self.along(b, [before, now], h), mobility, pull: [before, now] }
     }
 
     #[inline]
@@ -590,6 +603,47 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         }
         turn(y);
     }
+}
+
+/// Which overlaps turn near zero.
+struct Turned<'a> {
+    g: [&'a [f64]; 3],
+    first: usize,
+    reach: f64,
+    out: &'a mut Vec<(usize, bool)>,
+}
+
+impl Kernel for Turned<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { g: [g0, g1, g2], first, reach, out } = self;
+        let turns = |g0: f64, g1: f64, g2: f64| {
+            let (before, after) = (g1 - g0, g2 - g1);
+            (before * after < 0.0) & (g1.abs() < reach * (after - before).abs())
+        };
+        let n = g2.len();
+        let (g0, g1) = (&g0[..n], &g1[..n]);
+        for start in (0..n).step_by(WORD) {
+            let end = (start + WORD).min(n);
+            if perhaps(reach, [&g0[start..end], &g1[start..end], &g2[start..end]]) {
+                let turned = (start.max(first)..end).filter(|&i| turns(g0[i], g1[i], g2[i]));
+                out.extend(turned.map(|i| (i - first, g1[i] > 0.0)));
+            }
+        }
+    }
+}
+
+/// Whether any overlap of some may turn, by the signs of both conditions: in vector registers.
+#[inline(always)]
+fn perhaps(reach: f64, [g0, g1, g2]: [&[f64]; 3]) -> bool {
+    let mut signs = 0;
+    for ((g0, g1), g2) in g0.iter().zip(g1).zip(g2) {
+        let (before, after) = (g1 - g0, g2 - g1);
+        signs |= (before * after).to_bits() & (g1.abs() - reach * (after - before).abs()).to_bits();
+    }
+    signs >> (u64::BITS - 1) == 1
 }
 
 impl<F: SiteFlow> Bonded<F> {

@@ -88,6 +88,7 @@ mod layout;
 mod panel;
 mod panels;
 mod rule;
+pub(crate) use rule::Rule;
 mod sites;
 mod solver;
 mod system;

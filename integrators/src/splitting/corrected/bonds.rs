@@ -10,6 +10,8 @@ pub struct BondView {
     pub path: BondPath,
     /// The acceleration of the overlap by a unit of its own force, reversed in sign: 2 between beads, 1 at a wall.
     pub mobility: f64,
+    /// The acceleration of the overlap by all other forces of the kick, at the first kick and the second.
+    pub pull: [f64; 2],
 }
 
 /// What a bond is given at an event.
@@ -39,6 +41,9 @@ pub trait BondFlow: SplitFlow<f64> {
     fn survey(&mut self);
     /// Appends the bonds whose side is not that of the last call, and whether they are closed now. A bond with overlap zero is open.
     fn changed(&mut self, out: &mut Vec<(usize, bool)>);
+    /// Appends the bonds whose overlap at the survey before is larger or smaller than at those around it, and below `reach` times its second difference;
+    /// and whether they were closed then.
+    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
     /// The overlap from the surveyed state on, under the forces of all other bonds as they are now.

@@ -76,26 +76,16 @@ impl Corrector {
             (views[k], onsets[k]) = (events[k].view.path, events[k].onset);
         }
         let paths = Paths::new(&views);
-        let Zero { at, rate, acceleration } = paths.zeros(self.h, &onsets);
-        let turn = paths.turn(at);
-        let sign = Pack::of(&onsets, |&onset| if onset { 1.0 } else { -1.0 });
-        // -at/h for an onset, 1 + at/h for a release.
-        let theta = (Pack::of(&onsets, |&onset| if onset { 0.0 } else { 1.0 }) - sign * (at / self.h)).clamped();
-        // In time that runs into the contact.
-        let local = (sign * rate, acceleration);
-        let mut z = self.zeta(theta);
-        let start = self.gradient(local, None, &mut z);
-        // One iteration of the implicit midpoint rule: the next would change it by a factor of the size of f' h^2 less.
-        let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
-        let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
-        let (impulse, displacement) = (-by_overlap, sign * by_rate);
+        let zero = paths.zeros(self.h, &onsets);
+        let turn = paths.turn(zero.at);
+        let (impulse, displacement) = self.at_zeros(events, &zero);
         let mut out = [None; M];
         for k in 0..M {
             let correction = Correction {
                 impulse: impulse.0[k],
                 displacement: displacement.0[k],
-                at: at.0[k],
-                rate: rate.0[k],
+                at: zero.at.0[k],
+                rate: zero.rate.0[k],
                 turn: [turn[0].0[k], turn[1].0[k]],
             };
             if correction.impulse.is_finite() && correction.displacement.is_finite() {
@@ -103,6 +93,55 @@ impl Corrector {
             }
         }
         out
+    }
+
+    /// Impulses and displacements at the zeros of paths.
+    #[inline(always)]
+    fn at_zeros<const M: usize>(&self, events: &[Event; M], zero: &Zero<M>) -> (Pack<M>, Pack<M>) {
+        let &Zero { at, rate, acceleration } = zero;
+        let sign = Pack::of(events, |event| if event.onset { 1.0 } else { -1.0 });
+        // Steps from the event into the contact, to the first kick at which the processed path is closed: -at/h for an onset, 1 + at/h for a release.
+        let theta = (Pack::of(events, |event| if event.onset { 0.0 } else { 1.0 }) - sign * (at / self.h)).fraction();
+        // In time that runs into the contact.
+        let local = (sign * rate, acceleration);
+        let mut z = self.zeta(theta);
+        let start = self.gradient(local, None, &mut z);
+        // One iteration of the implicit midpoint rule: the next would change it by a factor of the size of f' h^2 less.
+        let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
+        let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
+        let [before, now] = self.kicks(events, (at, rate, acceleration));
+        // Kicks are given where they are, not at the event.
+        ((before + now) - by_overlap, sign * by_rate + (now * at + before * (at + self.h)))
+    }
+
+    /// What the kicks around an event are worth less than the force of the processed path, `h (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`: the kick before
+    /// the event and that after it. Farther ones are worth `h e^2 f''/2` less, of which the singular part is of order `h^{alpha+3}`.
+    #[inline(always)]
+    fn kicks<const M: usize>(&self, events: &[Event; M], (at, rate, a): (Pack<M>, Pack<M>, Pack<M>)) -> [Pack<M>; 2] {
+        let Self { alpha, h, .. } = *self;
+        let lack = |g: Pack<M>, shift: Pack<M>| {
+            let (there, here) = (g.positive(), (g - shift).positive());
+            let slope_here = slope(alpha, here);
+            // For alpha = 1 the derivative does not vanish with the overlap.
+            let modified = (here + shift * alpha) * slope_here;
+            (there * slope(alpha, there) - modified.where_positive(here)) * h
+        };
+        let share = h * h / 12.0;
+        let shifts = [0, 1].map(|k| Pack::of(events, |event| share * event.view.pull[k]));
+        let to_before = -(at + h);
+        let before = to_before * (rate + a * 0.5 * to_before);
+        [lack(before, shifts[0]), lack(Pack::of(events, |event| event.view.path.overlap), shifts[1])]
+    }
+
+    pub(super) fn step(&self) -> f64 {
+        self.h
+    }
+
+    /// Impulse and displacement of a bond whose zero is known: when, its rate and acceleration.
+    pub(super) fn given(&self, view: &BondView, zero: (f64, f64, f64), onset: bool) -> [f64; 2] {
+        let zero = Zero { at: Pack([zero.0]), rate: Pack([zero.1]), acceleration: Pack([zero.2]) };
+        let (impulse, displacement) = self.at_zeros(&[Event { view: *view, onset }], &zero);
+        [impulse.0[0], displacement.0[0]]
     }
 
     /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta functions `z` there. If overlap and rate at that time are
@@ -132,10 +171,12 @@ impl Corrector {
         let per_c = one / c;
         let force = c * slope(alpha, c);
         let turn = a * h * per_c;
-        let fade = one / (turn * turn + 1.0);
+        let steep = turn * turn * (turn * turn);
+        let steep = steep * steep;
+        let fade = one / (steep + 1.0);
         // W = h^{alpha+2} [ c^{alpha+1} z1/(alpha+1) + fade c^alpha (a h/2) z2 ]
         let first = fade * force * turn * 0.5;
-        let by_c = (force * z1 + first * z2 * (fade * turn * turn * 2.0 + alpha)) * self.h2;
+        let by_c = (force * z1 + first * z2 * (fade * steep * 8.0 + alpha)) * self.h2;
         let by_theta = c * (force * z0 + first * z1 * (alpha + 2.0)) * self.h2;
         let by_zero = (by_c * a - by_theta * (1.0 / h)) * per_c;
         (-by_zero, by_c - by_zero * delta)
@@ -192,7 +233,7 @@ mod tests {
     fn view(rate: f64, acceleration: f64, overlap: f64) -> BondView {
         let path = BondPath { overlap, rate, acceleration: [acceleration, 0.0], jerk: [0.0; 2], omega: 0.0 };
         // Without mobility, so that the midpoint rule is Euler's: the error of the quadrature itself.
-        BondView { path, mobility: 0.0 }
+        BondView { path, mobility: 0.0, pull: [0.0; 2] }
     }
 
     #[test]

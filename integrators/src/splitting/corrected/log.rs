@@ -1,6 +1,9 @@
 //! What contacts do, for those who want to know.
 
-use super::bonds::{BondFlow, Correction};
+use super::{
+    bonds::{BondFlow, Correction},
+    graze::Graze,
+};
 use crate::collocation::Piece;
 
 /// One bond on its way.
@@ -17,6 +20,8 @@ struct Entry {
     /// Event of this step, relative to its end, with the rate.
     onset: Option<(f64, f64)>,
     release: Option<(f64, f64)>,
+    /// Largest overlap of a contact between two kicks.
+    hidden: f64,
 }
 
 /// A log of contacts, step by step.
@@ -70,6 +75,19 @@ impl Log {
         *(if onset { &mut entry.onset } else { &mut entry.release }) = Some((at, rate));
     }
 
+    /// A turning point: what it adds to a contact that goes on, or a contact that no kick has seen.
+    pub(super) fn graze(&mut self, bond: usize, graze: &Graze) {
+        let entry = &mut self.entries[bond];
+        if let Some([half, overlap, impulse]) = graze.hidden {
+            let (at, speed) = (graze.correction.at, 2.0 * overlap / half);
+            (entry.onset, entry.release) = (Some((at - half, speed)), Some((at + half, -speed)));
+            entry.hidden = overlap;
+            entry.sum += impulse;
+        } else if entry.force != 0.0 {
+            entry.sum += graze.correction.impulse;
+        }
+    }
+
     /// After a kick at `time`.
     pub(super) fn step<S: BondFlow>(&mut self, flow: &S, time: f64) {
         self.pieces.clear();
@@ -87,7 +105,8 @@ impl Log {
             } else {
                 0.0
             };
-            let largest = cubic_maximum((before.overlap, before.rate), (entry.overlap, entry.rate), self.h);
+            let hidden = std::mem::take(&mut entry.hidden);
+            let largest = hidden.max(cubic_maximum((before.overlap, before.rate), (entry.overlap, entry.rate), self.h));
             let at = |event: Option<(f64, f64)>| event.map(|(at, rate)| (time + at, rate));
             self.pieces.push(Piece {
                 bond,

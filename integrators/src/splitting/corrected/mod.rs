@@ -107,6 +107,7 @@
 mod bonds;
 mod ends;
 mod event;
+mod graze;
 mod log;
 mod pack;
 mod path;
@@ -126,6 +127,7 @@ use crate::{
     stats::Stats,
 };
 use event::{Corrector, Event};
+use graze::{REACH, Turn, Turns};
 use log::Log;
 
 /// Exponents that corrections are made for.
@@ -159,6 +161,9 @@ pub struct Corrected<S> {
     parts: Parts,
     corrector: Corrector,
     changed: Vec<(usize, bool)>,
+    turns: Turns,
+    /// Bonds that have turned near zero.
+    turned: Vec<(usize, bool)>,
     /// What has changed, as it is before corrections, and these.
     events: Vec<Event>,
     corrections: Vec<Option<Correction>>,
@@ -193,6 +198,8 @@ impl<S: BondFlow> Corrected<S> {
             parts,
             corrector: Corrector::new(alpha, h.value()),
             changed: Vec::with_capacity(flow.bonds()),
+            turns: Turns::new(alpha),
+            turned: Vec::with_capacity(flow.bonds()),
             events: Vec::with_capacity(flow.bonds()),
             corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
@@ -238,6 +245,20 @@ impl<S: BondFlow> Corrected<S> {
         self.start + self.h * Twofold::new(steps as f64)
     }
 
+    /// Corrects the bonds that have turned near zero about the kick before: what their events, if they had any, leave.
+    fn correct_turns(&mut self) {
+        let h = self.h.value();
+        for &(bond, closed) in &self.turned {
+            let turn = Turn { view: self.flow.view(bond, h), closed };
+            if let Some(graze) = self.turns.correction(&turn, &self.corrector) {
+                self.flow.correct(bond, &graze.correction);
+                if let Some(log) = &mut self.log {
+                    log.graze(bond, &graze);
+                }
+            }
+        }
+    }
+
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
         let h = self.h.value();
@@ -279,6 +300,14 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
             self.flow.changed(&mut self.changed);
             if !self.changed.is_empty() {
                 self.correct();
+            }
+        }
+        // Of the kick before, those on either side must be of this run.
+        if self.parts == Parts::ALL && self.taken > 0 {
+            self.turned.clear();
+            self.flow.turned(REACH, &mut self.turned);
+            if !self.turned.is_empty() {
+                self.correct_turns();
             }
         }
         self.flow.kick(h, share);

@@ -50,10 +50,22 @@ impl<const M: usize> Pack<M> {
         self.each(f64::abs)
     }
 
-    /// The nearest numbers in `[0, 1]`.
+    /// What is above the next lower whole number.
     #[inline(always)]
-    pub(super) fn clamped(self) -> Self {
-        self.each(|x| x.clamp(0.0, 1.0))
+    pub(super) fn fraction(self) -> Self {
+        self.each(|x| x - x.floor())
+    }
+
+    /// These numbers, or zero where they are below it.
+    #[inline(always)]
+    pub(super) fn positive(self) -> Self {
+        self.each(|x| if x > 0.0 { x } else { 0.0 })
+    }
+
+    /// These numbers where others are above zero, zero elsewhere.
+    #[inline(always)]
+    pub(super) fn where_positive(self, others: Self) -> Self {
+        self.both(others, |x, y| if y > 0.0 { x } else { 0.0 })
     }
 
     /// Where numbers are at most `bound`; NaN is not.

@@ -50,6 +50,11 @@ pub(super) struct Zero<const M: usize> {
 }
 
 impl BondPath {
+    /// Sine and cosine of the phase at `t`.
+    pub(super) fn turn(&self, t: f64) -> [f64; 2] {
+        Paths::new(&[*self]).turn(Pack([t])).map(|turn| turn.0[0])
+    }
+
     /// Value and derivatives at `t`.
     pub(super) fn at(&self, t: f64) -> Jet {
         let jet = Paths::new(&[*self]).at(Pack([t]));

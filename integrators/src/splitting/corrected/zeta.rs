@@ -106,10 +106,10 @@ impl ZetaTable {
 }
 
 /// The coefficients of the interpolant in the polynomials of Chebyshev.
-fn chebyshev(f: impl Fn(f64) -> f64) -> [f64; DEGREE + 1] {
-    let n = DEGREE + 1;
+pub(super) fn chebyshev<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
+    let n = N;
     let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / n as f64;
-    let values: [f64; DEGREE + 1] = std::array::from_fn(|j| f(angle(j).cos()));
+    let values: [f64; N] = std::array::from_fn(|j| f(angle(j).cos()));
     std::array::from_fn(|k| {
         let sum: f64 = (0..n).map(|j| values[j] * (k as f64 * angle(j)).cos()).sum();
         sum * if k == 0 { 1.0 } else { 2.0 } / n as f64

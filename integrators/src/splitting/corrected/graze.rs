@@ -1,0 +1,363 @@
+//! Contacts and gaps of a few steps, seen by the kicks or not.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `t0, b, a` | a turning point of the overlap: its time, the overlap there, its second derivative |
+//! | `s` | acceleration of the overlap by the forces of the kick |
+//! | `F` | what a kick is worth: `f(g) + (h^2/12) s f'(g)` at the kernel's overlap `g` |
+//!
+//! The two terms of `W` for an event are the beginning of a series in `a h/c`, the curvature of the path over a step against its speed. Where the overlap turns
+//! within a few steps of its zero they do not suffice, and a contact or a gap between two kicks has no event at all. There the overlap is a parabola,
+//!
+//! ```text
+//! g(t) = b + a (t - t0)^2/2,
+//! ```
+//!
+//! but for `O(h)` of it, and the error of the quadrature is known without a series: for a short contact (`a < 0`) the sum over its few kicks less
+//!
+//! ```text
+//! int (b - |a| t^2/2)_+^alpha dt = b^{alpha+1/2} (2/|a|)^{1/2} B(1/2, alpha + 1);
+//! ```
+//!
+//! for a gap, or an overlap that nearly opens (`a > 0`), the same over some kicks on either side, less the terms of Euler and Maclaurin at the last of these.
+//! Impulse and displacement are the error of the force and that of its first moment: again the two derivatives of one function of overlap and rate,
+//! `h sum V(g_k) + .. - int V dt`. The bond gets them less those of its onset and release, which it gets when these are seen.
+//!
+//! What is left of a grazing event is of order `a^alpha h^{2 alpha + 2}`. Its own force is left out of the parabola: a share `(a h^2)^alpha/a` of it.
+
+use super::{
+    bonds::{BondView, Correction},
+    event::Corrector,
+    path::{BondPath, Jet},
+    zeta::chebyshev,
+};
+use crate::collocation::Rule;
+
+/// Turning points are looked at whose overlap is below this many times `abs(a) h^2`: farther ones leave less than the terms that `W` neglects.
+pub(super) const REACH: f64 = 3.0;
+/// Kicks on either side that count: as many as a contact within reach has, and the terms of Euler and Maclaurin are good to 1e-5 behind them.
+const KICKS: i32 = 5;
+/// Turns of a resonator in a step, up to which the path is a parabola over some of them.
+const TURN: f64 = 1.0;
+/// Nodes of integrals, and coefficients of their tables.
+const NODES: usize = 12;
+const TERMS: usize = 16;
+/// Largest `xi` of a table: the overlap at a turning point within reach against that at the last kick that counts, which is at least `KICKS - 1/2` away.
+const MOST: f64 = 0.56;
+
+/// An overlap that has turned near zero: as the bond is seen from the kick after, whether it was closed at the kick that is nearest to the turning point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub(super) view: BondView,
+    pub(super) closed: bool,
+}
+
+/// The correction of a turning point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Graze {
+    pub(super) correction: Correction,
+    /// A contact between two kicks: half its duration, its largest overlap, and its impulse.
+    pub(super) hidden: Option<[f64; 3]>,
+}
+
+/// What turning points need to know of the law.
+#[derive(Clone, Debug)]
+pub(super) struct Turns {
+    alpha: f64,
+    /// `B(1/2, alpha + 1)`.
+    bump: f64,
+    /// `Phi(-xi^2)` and `Phi(xi^2)` over `xi` in `[0, MOST]` as series of Chebyshev polynomials, `Phi(x) = int_0^1 (s^2 + x)_+^alpha ds`.
+    gap: [[f64; TERMS]; 2],
+}
+
+/// A parabola and the kicks on it.
+struct Parabola<'a> {
+    turns: &'a Turns,
+    h: f64,
+    t0: f64,
+    b: f64,
+    a: f64,
+    /// `(h^2/12) s`.
+    shift: f64,
+}
+
+impl Turns {
+    pub(super) fn new(alpha: f64) -> Self {
+        let of = |sign: f64| chebyshev(|x| gap_integral(alpha, sign * (0.5 * MOST * (x + 1.0)).powi(2)));
+        // y = 1 - w^4, in which the force is smooth.
+        let bump = integral(0.0, 1.0, |w: f64| (w.powi(4) * (2.0 - w.powi(4))).powf(alpha) * 4.0 * w.powi(3));
+        Self { alpha, bump: 2.0 * bump, gap: [of(-1.0), of(1.0)] }
+    }
+
+    /// What the bond gets, beside what it gets at its events; `None` where the overlap does not turn, or springs are too fast for a parabola.
+    pub(super) fn correction(&self, turn: &Turn, corrector: &Corrector) -> Option<Graze> {
+        let (h, path) = (corrector.step(), &turn.view.path);
+        if path.omega * h > TURN {
+            return None;
+        }
+        let (t0, Jet { value: b, acceleration: a, .. }) = turning_point(path, -h)?;
+        if (t0 + h).abs() > h || b.abs() > REACH * h * h * a.abs() {
+            return None;
+        }
+        let parabola = Parabola { turns: self, h, t0, b, a, shift: h * h / 12.0 * turn.view.pull[0] };
+        let [error, mut displacement] = if a < 0.0 { parabola.contact() } else { parabola.gap() };
+        let mut impulse = -error;
+        // A contact has been seen if the bond was closed in the middle, a gap if it was open.
+        let seen = turn.closed == (a < 0.0);
+        if seen {
+            for (at, given) in parabola.events(corrector) {
+                impulse -= given[0];
+                displacement -= given[1] - given[0] * (at - t0);
+            }
+        }
+        let hidden = (a < 0.0 && b > 0.0 && !seen).then(|| [(-2.0 * b / a).sqrt(), b, impulse]);
+        let correction = Correction { impulse, displacement, at: t0, rate: 0.0, turn: path.turn(t0) };
+        (impulse.is_finite() && displacement.is_finite()).then_some(Graze { correction, hidden })
+    }
+
+    /// `f` at an overlap.
+    fn force(&self, g: f64) -> f64 {
+        if self.alpha == 1.5 { g * g.sqrt() } else { g.powf(self.alpha) }
+    }
+
+    /// `int_0^t (b + a s^2/2)_+^alpha ds` for `a > 0`.
+    fn gap_integral(&self, b: f64, a: f64, t: f64) -> f64 {
+        let x = 2.0 * b / (a * t * t);
+        let at = 2.0 / MOST * x.abs().sqrt() - 1.0;
+        let series = &self.gap[usize::from(x > 0.0)];
+        let (mut next, mut sum) = (0.0, 0.0);
+        for coefficient in series[1..].iter().rev() {
+            (sum, next) = (2.0 * at * sum - next + coefficient, sum);
+        }
+        t * self.force(0.5 * a * t * t) * (at * sum - next + series[0])
+    }
+}
+
+/// Where the rate of a path is zero, near `t`, by Newton's method.
+fn turning_point(path: &BondPath, t: f64) -> Option<(f64, Jet)> {
+    let next = |t: f64| {
+        let jet = path.at(t);
+        t - jet.rate / jet.acceleration
+    };
+    let t = next(next(next(t)));
+    t.is_finite().then(|| (t, path.at(t)))
+}
+
+impl Parabola<'_> {
+    /// Times of the kicks that count, from the turning point: now is kick 0, the one in the middle -1.
+    fn kicks(&self) -> impl Iterator<Item = (i32, f64)> {
+        let Self { h, t0, .. } = *self;
+        (-1 - KICKS..=KICKS - 1).map(move |k| (k, f64::from(k) * h - t0))
+    }
+
+    /// The overlap of the kernel's state, `t` after the turning point.
+    fn overlap(&self, t: f64) -> f64 {
+        self.b + 0.5 * self.a * t * t - self.shift
+    }
+
+    /// What a kick is worth.
+    fn worth(&self, t: f64) -> f64 {
+        let (g, turns) = (self.overlap(t), self.turns);
+        if g <= 0.0 {
+            return 0.0;
+        }
+        let force = turns.force(g);
+        force + self.shift * turns.alpha * (force / g)
+    }
+
+    /// `h sum F - int f` and the same of the first moments about the turning point, of a contact.
+    fn contact(&self) -> [f64; 2] {
+        let Self { turns, h, b, a, .. } = *self;
+        let [sum, moment] = self.kicks().fold([0.0; 2], |[sum, moment], (_, t)| {
+            let worth = h * self.worth(t);
+            [sum + worth, moment + worth * t]
+        });
+        let integral = if b > 0.0 { turns.force(b) * (-2.0 * b / a).sqrt() * turns.bump } else { 0.0 };
+        [sum - integral, moment]
+    }
+
+    /// The same of a gap, or of an overlap that nearly opens: the finite part of sums that go on.
+    fn gap(&self) -> [f64; 2] {
+        let Self { turns, h, b, a, .. } = *self;
+        let [mut error, mut moment] = [0.0; 2];
+        for (k, t) in self.kicks() {
+            let last = k == -1 - KICKS || k == KICKS - 1;
+            let worth = h * self.worth(t) * if last { 0.5 } else { 1.0 };
+            error += worth;
+            moment += worth * t;
+            if last {
+                let outward = t.signum();
+                let integral = turns.gap_integral(b, a, t.abs());
+                let g = (b + 0.5 * a * t * t).max(0.0);
+                let potential = g * turns.force(g) / ((turns.alpha + 1.0) * a);
+                let [f, f1, f2, f3] = self.derivatives(t);
+                let (first, third) = (h * h / 12.0, h.powi(4) / 720.0);
+                error -= integral + outward * (first * f1 - third * f3);
+                moment -= outward * (potential + first * (f + t * f1) - third * (3.0 * f2 + t * f3));
+            }
+        }
+        [error, moment]
+    }
+
+    /// The worth of a kick as a function of time, and its three derivatives; `f` is smooth at the ends.
+    fn derivatives(&self, t: f64) -> [f64; 4] {
+        let Self { turns, a, shift, .. } = *self;
+        let (g, g1, alpha) = (self.overlap(t), a * t, turns.alpha);
+        // The derivatives of f by g, then of f + shift f'.
+        let d0 = turns.force(g);
+        let d1 = alpha * d0 / g;
+        let d2 = (alpha - 1.0) * d1 / g;
+        let d3 = (alpha - 2.0) * d2 / g;
+        let d4 = (alpha - 3.0) * d3 / g;
+        let [d0, d1, d2, d3] = [d0 + shift * d1, d1 + shift * d2, d2 + shift * d3, d3 + shift * d4];
+        [d0, d1 * g1, d2 * g1 * g1 + d1 * a, d3 * g1 * g1 * g1 + 3.0 * d2 * g1 * a]
+    }
+
+    /// What onset and release are given on this parabola: when, from now, and impulse and displacement there.
+    fn events(&self, corrector: &Corrector) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let Self { h, t0, b, a, .. } = *self;
+        let half = (-2.0 * b / a).max(0.0).sqrt();
+        let contact = a < 0.0;
+        // Kicks of the contact, or of the gap, as the kernel has them.
+        let inside = |&(k, t): &(i32, f64)| k == -1 || (self.overlap(t) > 0.0) == contact;
+        let (first, last) =
+            self.kicks().filter(inside).fold((-1, -1), |(first, last), (k, _)| (k.min(first), k.max(last)));
+        let one = move |side: f64, onset: bool, kick: i32| {
+            // Seen from the kick after the event.
+            let (at, now) = (side * half, f64::from(kick) * h - t0);
+            let path = BondPath {
+                overlap: b + 0.5 * a * now * now,
+                rate: a * now,
+                acceleration: [a, 0.0],
+                jerk: [0.0; 2],
+                omega: 0.0,
+            };
+            let pull = [self.shift * 12.0 / (h * h); 2];
+            let given = corrector.given(&BondView { path, mobility: 0.0, pull }, (at - now, a * at, a), onset);
+            (t0 + at, given)
+        };
+        [one(-1.0, contact, first), one(1.0, !contact, last + 1)].into_iter().filter(move |_| half > 0.0)
+    }
+}
+
+/// `int_0^1 (s^2 + x)_+^alpha ds`.
+fn gap_integral(alpha: f64, x: f64) -> f64 {
+    // s = from + z.
+    let from = (-x).max(0.0).sqrt();
+    let f = |z: f64| (x.max(0.0) + z * (z + 2.0 * from)).powf(alpha);
+    // Singular at z = 0, and nearly so at a distance of this size: panels that grow from there.
+    let near = x.abs().sqrt().max(1e-3).min(1.0 - from);
+    let mut sum = integral(0.0, 1.0, |w: f64| f(near * w.powi(4)) * near * 4.0 * w.powi(3));
+    let mut low = near;
+    while low < 1.0 - from {
+        let high = (2.0 * low).min(1.0 - from);
+        sum += integral(low, high, f);
+        low = high;
+    }
+    sum
+}
+
+/// `int_low^high f`, by the rule of Gauss and Legendre.
+fn integral(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let rule = Rule::<NODES>::shared();
+    rule.nodes.iter().zip(&rule.weights).map(|(x, weight)| half * weight * f(middle + half * x)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::event::Event, *};
+
+    const H: f64 = 0.1;
+
+    /// A bond on a parabola about `t0`, seen from kick `k`, that nothing pulls but springs.
+    fn view(t0: f64, b: f64, a: f64, k: i32) -> BondView {
+        let t = f64::from(k) * H - t0;
+        let path =
+            BondPath { overlap: b + 0.5 * a * t * t, rate: a * t, acceleration: [a, 0.0], jerk: [0.0; 2], omega: 0.0 };
+        BondView { path, mobility: 0.0, pull: [0.0; 2] }
+    }
+
+    /// Impulse and moment about `t0` that the bond is given on its way, less those of its force: kicks, corrections of events, and of the turning point, about
+    /// kick 0; without the latter too.
+    fn missed(alpha: f64, t0: f64, b: f64, a: f64) -> [[f64; 2]; 2] {
+        // Far enough for the formula of Euler and Maclaurin with two terms.
+        const FAR: i32 = 40;
+        let corrector = Corrector::new(alpha, H);
+        let overlap = |t: f64| b + 0.5 * a * t * t;
+        let force = |t: f64| overlap(t).max(0.0).powf(alpha);
+        let mut sums = [0.0; 2];
+        let mut give = |impulse: f64, displacement: f64, t: f64| {
+            sums[0] += impulse;
+            sums[1] += impulse * t - displacement;
+        };
+        for k in -FAR..=FAR {
+            let t = f64::from(k) * H - t0;
+            give(H * force(t) * if k.abs() == FAR { 0.5 } else { 1.0 }, 0.0, t);
+            let [before, now] = [t - H, t].map(|t| overlap(t) > 0.0);
+            if k > -FAR && before != now {
+                let mut out = Vec::new();
+                corrector.events(&[Event { view: view(t0, b, a, k), onset: now }], &mut out);
+                let given = out[0].unwrap();
+                give(given.impulse, given.displacement, f64::from(k) * H + given.at - t0);
+            }
+        }
+        let d = 1e-3 * H;
+        for end in [-1.0, 1.0] {
+            let t = end * f64::from(FAR) * H - t0;
+            let derivative = |f: &dyn Fn(f64) -> f64| (f(t + d) - f(t - d)) / (2.0 * d);
+            let third = |f: &dyn Fn(f64) -> f64| {
+                let d = 0.3 * H;
+                (f(t + 2.0 * d) - 2.0 * f(t + d) + 2.0 * f(t - d) - f(t - 2.0 * d)) / (2.0 * d * d * d)
+            };
+            let moment = |t: f64| t * force(t);
+            let terms = |f: &dyn Fn(f64) -> f64| end * (H * H / 12.0 * derivative(f) - H.powi(4) / 720.0 * third(f));
+            give(-terms(&force), 0.0, 0.0);
+            give(0.0, terms(&moment), 0.0);
+        }
+        // Integrals from zero to zero of the overlap, in a variable that is smooth at both ends.
+        let last = f64::from(FAR) * H;
+        let zero = (-2.0 * b / a).max(0.0).sqrt();
+        let mut ends = vec![-last - t0, -zero, 0.0, zero, last - t0];
+        ends.dedup();
+        for pair in ends.windows(2) {
+            const PARTS: i32 = 100_000;
+            let length = pair[1] - pair[0];
+            for i in 0..PARTS {
+                let w = (f64::from(i) + 0.5) / f64::from(PARTS);
+                // A polynomial that is flat at both ends.
+                let s = w * w * w * (10.0 - 15.0 * w + 6.0 * w * w);
+                let weight = 30.0 * w * w * (1.0 - w) * (1.0 - w) / f64::from(PARTS) * length;
+                give(-weight * force(pair[0] + length * s), 0.0, pair[0] + length * s);
+            }
+        }
+        let without = sums;
+        let closed = overlap(-t0) > 0.0;
+        let graze = Turn { view: view(t0, b, a, 1), closed };
+        let graze = Turns::new(alpha).correction(&graze, &corrector);
+        // Seen from kick 1.
+        let given = graze.unwrap().correction;
+        [[sums[0] + given.impulse, sums[1] - given.displacement], without]
+    }
+
+    #[test]
+    fn turning_points_near_zero_leave_nothing_of_a_parabola() {
+        // Truth: sums and integrals of the force itself, and Euler and Maclaurin's formula where it is smooth.
+        for alpha in [1.1, 1.3, 1.5, 2.0] {
+            for a in [-0.8, 1.3f64] {
+                let mut worst = [0.0f64; 2];
+                let scale = H * (a.abs() * H * H).powf(alpha);
+                for sigma in [-5.5, -2.0, -1.0, -0.3, -0.1, -0.01, 0.003, 0.05, 0.2, 0.7, 1.5, 3.0] {
+                    for t0 in [-0.48, -0.31, 0.02, 0.17, 0.45] {
+                        let b = 0.5 * sigma * a.abs() * H * H;
+                        let [with, without] = missed(alpha, t0 * H, b, a);
+                        for (worst, sums) in worst.iter_mut().zip([with, without]) {
+                            *worst = worst.max(sums[0].abs() / scale).max(sums[1].abs() / (scale * H));
+                        }
+                    }
+                }
+                assert!(worst[0] < 1e-4 && worst[1] > 5e-3, "{alpha} {a}: {worst:?}");
+            }
+        }
+    }
+}
