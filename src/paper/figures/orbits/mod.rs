@@ -1,11 +1,17 @@
 //! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, `alpha = 3/2, kappa = 1`.
 
-use super::super::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study};
+mod show;
+
+#[cfg(feature = "plot")]
+pub(super) use show::orbit_panels;
+pub(super) use show::{orbit_caption, orbit_tables};
+
 use crate::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
     error::{Error, Result},
+    experiments::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
     sweep::Tally,
 };
