@@ -92,7 +92,7 @@ impl Row {
         };
         let rule = match (kind, rule) {
             (Kind::Number, None) => format!("rounds to {paper}").parse().map_err(|why: String| fault(&why))?,
-            (Kind::Number, Some(_)) => return Err(fault("the rule of a number are its digits")),
+            (Kind::Number, Some(_)) => return Err(fault("the rule of a number is its digits")),
             (_, Some(rule)) => match named.get(&rule) {
                 Some(rule) => rule.clone(),
                 None => rule.parse().map_err(|why: String| fault(&why))?,

@@ -1,12 +1,12 @@
-//! The paper: what it says, the numbers and figures that we get for it, and reports of both.
+//! The paper: what it says, what we compute for it, and reports of both.
 //!
 //! | part | what it holds |
 //! |---|---|
-//! | `claims.toml`, [`claims`] | what the paper says: one row for each number, formula and statement of Sec. 3 to 7 |
+//! | `claims.toml`, [`claims`] | what the paper says in Sec. 3 to 7: a row for each claim |
 //! | `quantities/` | for each claim, by its id, the value that decides it |
 //! | [`verify`] | claims and values side by side, with a verdict each |
 //! | `verdicts.rs` | these as text, CSV and JSON |
-//! | `figures/` | [`FIGURES`]: one row for each figure, its data; its caption, its tables and its picture |
+//! | `figures/` | [`FIGURES`], a row each; data, captions, tables and pictures |
 
 mod claims;
 mod figures;

@@ -4,7 +4,8 @@ use crate::number::double;
 use serde::Deserialize;
 use std::str::FromStr;
 
-/// A condition on a value. As text, it is what [`words`](Rule::words) returns and [`parse`](str::parse) reads.
+/// A condition on a value. As text, it is what [`words`](Rule::words) returns and
+/// [`parse`](str::parse) reads.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum Rule {

@@ -13,7 +13,8 @@ fn count(verification: &Verification, verdict: Verdict) -> usize {
     verification.items.iter().filter(|item| item.verdict() == verdict).count()
 }
 
-/// The table as JSON. `value` is null where there is none; `instead` is the rule of a number that is known to differ from the paper's.
+/// The table as JSON. `value` is null where there is none; `instead` is the rule of a number that
+/// is known to differ from the paper's.
 pub fn verify_json(verification: &Verification) -> String {
     let item = |item: &Item| {
         let claim = item.claim;

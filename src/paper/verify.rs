@@ -61,7 +61,8 @@ impl Item<'_> {
         self.say(self.claim.instead.is_none())
     }
 
-    /// Whether the verdict is the expected one and, where the paper's number is known to be another, ours obeys the rule for that.
+    /// Whether the verdict is the expected one and, where the paper's number is known to be
+    /// another, ours obeys the rule for that.
     pub fn as_expected(&self) -> bool {
         self.verdict() == self.expected() && self.claim.instead.as_ref().is_none_or(|rule| rule.met_by(self.value))
     }
@@ -88,8 +89,8 @@ impl Verification {
     }
 }
 
-/// Computes the quantities of a section, or of all sections, and holds them against the claims. `progress` is told how many
-/// pieces of work are done of how many.
+/// Computes the quantities of a section, or of all sections, and holds them against the claims.
+/// `progress` is told how many pieces of work are done of how many.
 ///
 /// # Errors
 /// A section without claims; a run that fails.

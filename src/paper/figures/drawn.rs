@@ -16,7 +16,8 @@ pub struct Drawn {
     pub wall: Duration,
 }
 
-/// The figures as JSON, an object each: `name`, `source`, `title`, `files`, `caption`, `wall_s`, `failure`.
+/// The figures as JSON, an object each: `name`, `source`, `title`, `files`, `caption`, `wall_s`,
+/// `failure`.
 pub fn figures_json(drawn: &[Drawn]) -> String {
     let row = |Drawn { figure, outcome, wall }: &Drawn| {
         let done = outcome.as_ref().ok();

@@ -255,13 +255,15 @@ mod pictures {
         if study.options.rho_law == RhoLaw::Heavy { HEAVY } else { LIGHT }
     }
 
-    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that failed.
+    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that
+    /// failed.
     fn lifetime(study: &LifetimeStudy, point: &LifetimePoint) -> Option<(f64, bool)> {
         let life = point.life.as_ref().ok()?;
         Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
     }
 
-    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the breather has decoupled.
+    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the
+    /// breather has decoupled.
     fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
         let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
         let value = time / scale;
@@ -379,7 +381,8 @@ mod pictures {
 
     pub(in super::super) fn lifetime_maps(title: &str, study: &LifetimeStudy, caption: String) -> Maps {
         let (x, y) = (&study.options.epsilons, &study.options.rhos);
-        // Points run through all mass ratios of a size; rows of a map through all sizes of a mass ratio.
+        // Points run through all mass ratios of a size; rows of a map through all sizes of a mass
+        // ratio.
         let points: Vec<&LifetimePoint> =
             (0..x.len() * y.len()).map(|k| &study.points[(k % x.len()) * y.len() + k / x.len()]).collect();
         let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());

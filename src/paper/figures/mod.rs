@@ -1,7 +1,8 @@
 //! The figures of the paper, and some that it does not have.
 //!
-//! A figure is a row of [`FIGURES`]. [`Figure::data`] computes its numbers; [`Figure::caption`], [`Figure::tables`] and
-//! [`Figure::png`] turn them into words, CSV and a picture. Each of the other files has all of that for one kind of figure.
+//! A figure is a row of [`FIGURES`]. [`Figure::data`] computes its numbers; [`Figure::caption`],
+//! [`Figure::tables`] and [`Figure::png`] turn them into words, CSV and a picture. Each of the
+//! other files has all of that for one kind of figure.
 
 mod dark;
 mod drawn;
@@ -66,7 +67,8 @@ pub enum Recipe {
         /// Mean strain of the background.
         c: f64,
     },
-    /// Suprema of Theorem 1 for the breather about a bond, `T = 1`, with either law of the mass ratio.
+    /// Suprema of Theorem 1 for the breather about a bond, `T = 1`, with either law of the mass
+    /// ratio.
     Bounds {
         /// Exponents, and the sizes of each.
         cases: &'static [(f64, &'static [f64])],
@@ -129,7 +131,8 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name).ok_or_else(|| Error::unknown("figure", name, known()))
     }
 
-    /// Computes what the figure shows; `progress` is told the share that is done. The same numbers on any number of cores.
+    /// Computes what the figure shows; `progress` is told the share that is done. The same numbers
+    /// on any number of cores.
     ///
     /// # Errors
     /// A run that fails.
@@ -165,7 +168,8 @@ impl Figure {
         format!("{} {what} Paper: {}.", self.claim, self.source)
     }
 
-    /// The tables behind a figure, `(file name, CSV)`: those that the command of its data writes, or its profiles.
+    /// The tables behind a figure, `(file name, CSV)`: those that the command of its data writes,
+    /// or its profiles.
     pub fn tables(&self, data: &Data) -> Vec<(String, Vec<u8>)> {
         let named = |tag: &str, tables: Vec<(&str, Vec<u8>)>| {
             let dash = if tag.is_empty() { "" } else { "-" };
@@ -195,7 +199,8 @@ impl Figure {
         }
     }
 
-    /// What made a figure and its tables, as JSON: `name`, `source`, `title`, `caption` with all parameters, `version`.
+    /// What made a figure and its tables, as JSON: `name`, `source`, `title`, `caption` with all
+    /// parameters, `version`.
     pub fn origin(&self, caption: &str) -> String {
         to_json(&json!({
             "name": self.name,

@@ -25,7 +25,8 @@ pub struct WaveRun {
     pub scene: &'static str,
     /// Size of the perturbation (eq:dA0_ptb); 0 for none.
     pub zeta: f64,
-    /// What tells its files from those of the other runs of the figure; nothing if there is but one.
+    /// What tells its files from those of the other runs of the figure; nothing if there is but
+    /// one.
     pub tag: &'static str,
 }
 

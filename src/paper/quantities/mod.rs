@@ -90,10 +90,11 @@ impl Group {
 const SECTIONS: [(u32, &[Group]); 5] =
     [(3, section3::GROUPS), (4, section4::GROUPS), (5, section5::GROUPS), (6, section6::GROUPS), (7, section7::GROUPS)];
 
-/// The quantities of a section, or of all sections, in the order of the claims. `progress` is told how many pieces of work
-/// are done of how many.
+/// The quantities of a section, or of all sections, in the order of the claims. `progress` is told
+/// how many pieces of work are done of how many.
 ///
-/// Runs that several groups look at are made once; runs, then groups, on all cores. No number depends on how many those are.
+/// Runs that several groups look at are made once; runs, then groups, on all cores. No number
+/// depends on how many those are.
 ///
 /// # Errors
 /// A run that fails.

@@ -1,4 +1,5 @@
-//! Section 3: the modulation equations, their limit of heavy resonators, and the theorem on that limit.
+//! Section 3: the modulation equations, their limit of heavy resonators, and the theorem on that
+//! limit.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -50,7 +51,8 @@ fn determinant(params: Params, j: f64) -> f64 {
     ((kappa - square) * (kappa / rho - square) - kappa * kappa / rho) / params.omega().powi(4)
 }
 
-/// `-rho D^1 / (C^1 + 2 i omega dA/dtau)`, with `D^1` from `-(kappa/rho) C^1 - kappa D^1 = (2 kappa/rho) i omega dA/dtau`.
+/// `-rho D^1 / (C^1 + 2 i omega dA/dtau)`, with `D^1` from `-(kappa/rho) C^1 - kappa D^1 = (2
+/// kappa/rho) i omega dA/dtau`.
 fn second_projection(params: Params) -> f64 {
     let Params { kappa, rho, .. } = params;
     let (c, slope) = (Complex64::new(0.4, -1.1), Complex64::new(0.3, 0.8));
@@ -59,7 +61,8 @@ fn second_projection(params: Params) -> f64 {
     (-rho * d / (c + source)).re
 }
 
-/// Largest departure of `g` and `z h` from the mean and the first harmonic of the force, by the midpoint rule.
+/// Largest departure of `g` and `z h` from the mean and the first harmonic of the force, by the
+/// midpoint rule.
 fn projections() -> Result<f64> {
     const COUNT: u32 = 20_000;
     let (averages, z) = (Averages::new(1.5, KAPPA)?, Complex64::from_polar(0.6, 0.9));
@@ -109,7 +112,8 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// `-rho V / U` of the amplitudes of the linear oscillation of one site, as the chain runs it for half a period.
+/// `-rho V / U` of the amplitudes of the linear oscillation of one site, as the chain runs it for
+/// half a period.
 fn resonator_share(params: Params) -> Result<f64> {
     let chain = Chain::new(params, Boundary::Free, 1)?;
     let u = 1.0;
@@ -121,7 +125,8 @@ fn resonator_share(params: Params) -> Result<f64> {
     Ok(-params.rho * (y[1] - start.as_slice()[1]) / (y[0] - u))
 }
 
-/// Largest `rho |v|` over the largest `|u|` of a breather with very heavy resonators at rest, at 200 times up to its horizon.
+/// Largest `rho |v|` over the largest `|u|` of a breather with very heavy resonators at rest, at
+/// 200 times up to its horizon.
 fn resonators_at_rest() -> Result<f64> {
     let params = Params::new(1.5, 1.0, 1e9)?;
     let breather = BrightBreather::new(params, Center::Bond, 0.01, 40)?;
@@ -137,7 +142,8 @@ fn resonators_at_rest() -> Result<f64> {
     Ok(params.rho * v / u)
 }
 
-/// `F / (2 i kappa^{3/2})`: the slope of the DpS equation over that of the generalised ones, at a wave with `b = 0`.
+/// `F / (2 i kappa^{3/2})`: the slope of the DpS equation over that of the generalised ones, at a
+/// wave with `b = 0`.
 fn heavy_limit(params: Params) -> Result<f64> {
     let layout = Layout { sites: 10, ends: Ends::Ring, form: Form::Strains };
     let phase = |n: u32| -0.2 * PI * f64::from(n);
@@ -149,9 +155,11 @@ fn heavy_limit(params: Params) -> Result<f64> {
     Ok(dot(&plain, &general) / dot(&general, &general))
 }
 
-/// Theorem 1 in the largest norm, and what becomes of it when the resonators are lighter than it asks.
+/// Theorem 1 in the largest norm, and what becomes of it when the resonators are lighter than it
+/// asks.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    // Growth of sup / epsilon^power over a decade of epsilon: 1 for a bound that is sharp, less for one that is not.
+    // Growth of sup / epsilon^power over a decade of epsilon: 1 for a bound that is sharp, less for
+    // one that is not.
     let decade = |rho_law: RhoLaw| -> Result<[f64; 3]> {
         let (initial, epsilons) = (Initial::Generic, vec![1e-4, 1e-5]);
         let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };

@@ -2,8 +2,8 @@
 //!
 //! | word | meaning |
 //! |---|---|
-//! | growth up to `t` | largest `tilde E_x` up to `t` over that of the first period, of the medians over the seeds |
-//! | distortion | what is not sinusoidal in a profile, relative to its sinusoid, in quadratic mean |
+//! | growth up to `t` | median of `tilde E_x`, largest up to `t` over largest of the first period |
+//! | distortion | quadratic mean of a profile less its sinusoid, over that of the sinusoid |
 
 use super::{
     Group, Quantity, Run, Runs,

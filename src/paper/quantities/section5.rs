@@ -38,7 +38,8 @@ const RHO: f64 = 1.0 / 3.0;
 const SITES: usize = 12;
 const TOLERANCE: f64 = 1e-12;
 
-/// A localised breather without a symmetry: `a_n` under a bell, `phi_n = angle n^2`, or in antiphase; `d_n` with steps of `step`.
+/// A localised breather without a symmetry: `a_n` under a bell, `phi_n = angle n^2`, or in
+/// antiphase; `d_n` with steps of `step`.
 fn breather(phase: impl Fn(f64) -> f64, step: f64) -> Result<TrivialBreather> {
     let sites = || (0..SITES).map(|n| n as f64);
     let amplitude = |n: f64| 0.1 * (-0.2 * (n - 4.8).powi(2)).exp();
@@ -69,7 +70,8 @@ fn chain_of(breather: &TrivialBreather, scale: f64) -> Result<(Chain<f64>, State
     Ok((chain, state))
 }
 
-/// Mean contact forces over a period of a breather whose gaps are `scale` times the least ones, over the force at an overlap of the largest amplitude.
+/// Mean contact forces over a period of a breather whose gaps are `scale` times the least ones,
+/// over the force at an overlap of the largest amplitude.
 fn mean_force(scale: f64) -> Result<f64> {
     let breather = breather(irregular, 0.0)?;
     let (chain, state) = chain_of(&breather, scale)?;
@@ -153,7 +155,8 @@ fn worst(of: impl Fn(&Homoclinic) -> f64) -> Result<f64> {
     Ok(of(&one?).max(of(&two?)))
 }
 
-/// The least `n_0` from which on `|a_n| <= beta^{1 + alpha^{n - n_0}}`; infinite if that leaves fewer than four sites.
+/// The least `n_0` from which on `|a_n| <= beta^{1 + alpha^{n - n_0}}`; infinite if that leaves
+/// fewer than four sites.
 fn onset(a: &Homoclinic, beta: f64) -> f64 {
     let last = *a.sites().end();
     let bound = |n: i64, n_0: i64| (1.0 + ALPHA.powi((n - n_0) as i32)) * beta.ln();

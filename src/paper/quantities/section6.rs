@@ -1,9 +1,10 @@
-//! Section 6: standing waves of the modulation equations with a kink, and the dark breathers they approximate.
+//! Section 6: standing waves of the modulation equations with a kink, and the dark breathers they
+//! approximate.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `a_n, b_n` | `delta^- a_n, delta^- b_n` of (eq:DpSsw2), `mu = 1` |
-//! | `R` | largest residual of (eq:DpSsw2) all around the ring: of the first equation over the amplitude at `-N`, of the second over the force |
+//! | `R` | largest residual of (eq:DpSsw2), over the amplitude at `-N` and over the force |
 
 use super::{Group, Quantity, Runs};
 use crate::{
@@ -118,7 +119,8 @@ fn start(
     Ok(([x, y].concat(), run))
 }
 
-/// Largest distance of the chain from (eq:xy_sw) up to `t = 1 / (omega_b - omega)`, a sixth of a slow turn, over the largest strain of either.
+/// Largest distance of the chain from (eq:xy_sw) up to `t = 1 / (omega_b - omega)`, a sixth of a
+/// slow turn, over the largest strain of either.
 fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let Params { rho, kappa, .. } = profile.params();
     let (omega_b, end) = (profile.params().omega() + detuning, detuning.recip());
@@ -141,8 +143,8 @@ fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     Ok(worst)
 }
 
-/// `(measured omega_b - omega) / (omega_b - omega)`, for a relative `detuning`, from the phases of the background a period after the start and about half a slow
-/// turn later.
+/// `(measured omega_b - omega) / (omega_b - omega)`, for a relative `detuning`, from the phases of
+/// the background a period after the start and about half a slow turn later.
 fn measured_detuning(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let (params, omega) = (profile.params(), profile.params().omega());
     let (period, detuning) = (2.0 * PI / omega, detuning * omega);

@@ -62,7 +62,8 @@ fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
     map(omega_b, |&omega_b| spectrum(rho, center, omega_b)).into_iter().collect()
 }
 
-/// An orbit let go, kicked along its most unstable mode or not. A run that fails has no last number.
+/// An orbit let go, kicked along its most unstable mode or not. A run that fails has no last
+/// number.
 fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64>) -> Result<Evolution> {
     let kick = kick.map(|size| Kick { size, mode: 0 });
     let mut run = evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})?;

@@ -38,7 +38,8 @@ fn follow(orbit: Orbit, to: f64, step: f64) -> Result<Vec<Orbit>> {
     Ok(continuation.follow(orbit, |_| {})?.0)
 }
 
-/// Distances of `Z(T/2)` from `Z(0)`, and from its reflection `n -> 1 - n`, over the largest strain.
+/// Distances of `Z(T/2)` from `Z(0)`, and from its reflection `n -> 1 - n`, over the largest
+/// strain.
 fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
     let n = orbit.setting.sites;
     let half = orbit.states(1e-13, &[0.5 * orbit.setting.period()])?.remove(0);

@@ -1,6 +1,7 @@
 //! What becomes of the breathers at `rho = 1/3`.
 //!
-//! A run of ours begins with roundings, which grow by `|lambda|^m`: of what a run says after that, only the size is a matter of the chain.
+//! A run of ours begins with roundings, which grow by `|lambda|^m`: of what a run says after that,
+//! only the size is a matter of the chain.
 
 use super::{
     super::{Quantity, Runs},

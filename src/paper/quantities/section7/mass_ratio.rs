@@ -19,7 +19,8 @@ fn omega(rho: f64) -> Result<f64> {
     Ok(Params::new(1.5, 1.0, rho)?.omega())
 }
 
-/// Largest `|lambda| - 1` of some kind about a site, or of quartets about a bond, over that of the real ones about a bond.
+/// Largest `|lambda| - 1` of some kind about a site, or of quartets about a bond, over that of the
+/// real ones about a bond.
 fn share(one: f64, bond: &Spectrum) -> f64 {
     (one - 1.0) / (largest(bond, real) - 1.0)
 }
