@@ -14,6 +14,7 @@
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`experiments`] | data in, data out: one run; error against run time |
 //! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
+//! | [`paper`] | what the paper says, our numbers and figures for it |
 //! | [`output`] | files and text, written whole or not at all |
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | every PNG (feature `plot`) |
@@ -30,6 +31,7 @@ pub mod figures;
 mod number;
 pub mod orbits;
 pub mod output;
+pub mod paper;
 mod random;
 pub mod report;
 pub mod scene;

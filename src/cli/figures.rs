@@ -3,9 +3,8 @@
 use super::{Exit, args::FiguresArgs, print, progress_bar};
 use crate::{
     error::Result,
-    experiments::{PAPER, PaperFigure},
     output::Folder,
-    report::{self, Drawn},
+    paper::{Drawn, FIGURES, Figure, figures_json, figures_table},
 };
 use std::{process::ExitCode, time::Instant};
 
@@ -13,7 +12,7 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
     let chosen = chosen(&args.only)?;
     let folder = Folder::create(&args.out)?;
     let bar = progress_bar();
-    let draw = |(k, figure): (usize, &'static PaperFigure)| {
+    let draw = |(k, figure): (usize, &'static Figure)| {
         let clock = Instant::now();
         bar.set_message(figure.name);
         let tell = |share: f64| bar.set_position((1000.0 * (k as f64 + share.min(1.0)) / chosen.len() as f64) as u64);
@@ -21,7 +20,7 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
     };
     let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
     bar.finish_and_clear();
-    print(&if args.json { report::paper_json(&drawn) + "\n" } else { report::paper_table(&drawn) });
+    print(&if args.json { figures_json(&drawn) + "\n" } else { figures_table(&drawn) });
     let mut code = ExitCode::SUCCESS;
     for Drawn { figure, outcome, .. } in &drawn {
         if let Err(error) = outcome {
@@ -34,19 +33,19 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
 }
 
 /// The figures that are asked for, each once and in the order of the paper; all, if none is.
-fn chosen(only: &[String]) -> Result<Vec<&'static PaperFigure>> {
-    let wanted: Vec<_> = only.iter().map(|name| PaperFigure::named(name.trim())).collect::<Result<_>>()?;
-    Ok(PAPER.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
+fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
+    let wanted: Vec<_> = only.iter().map(|name| Figure::named(name.trim())).collect::<Result<_>>()?;
+    Ok(FIGURES.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
 }
 
 /// Computes a figure and writes its tables and its picture: its caption, and the names of the files.
-fn files(figure: &PaperFigure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
+fn files(figure: &Figure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
     let data = figure.data(tell)?;
-    let files = report::paper_tables(figure, &data);
+    let files = figure.tables(&data);
     #[cfg(feature = "plot")]
-    let files = [vec![(format!("{}.png", figure.name), report::paper_png(figure, &data)?)], files].concat();
-    let caption = report::paper_caption(figure, &data);
-    let origin = (format!("{}.json", figure.name), report::paper_origin(figure, &caption).into_bytes());
+    let files = [vec![(format!("{}.png", figure.name), figure.png(&data)?)], files].concat();
+    let caption = figure.caption(&data);
+    let origin = (format!("{}.json", figure.name), figure.origin(&caption).into_bytes());
     let files = [files, vec![origin]].concat();
     for (name, bytes) in &files {
         folder.write(name, bytes)?;

@@ -4,10 +4,10 @@ use super::{Exit, args::ReportArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
     experiments::{
-        Chart, ChartOptions, CompareOptions, PAPER, PaperData, PaperFigure, Problem, RhoLaw, TheoremOptions, charts,
-        compare, order, theorem, verify,
+        Chart, ChartOptions, CompareOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
     },
     output::Folder,
+    paper::{Data, FIGURES, Figure, verify, verify_table},
     report::{self, Block, Page, Section},
     run::method::Method,
     scene::Scene,
@@ -190,8 +190,8 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
     let verification = verify(None, &|done, total| tell(done as f64 / total as f64))?;
-    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.id).collect();
-    let mut blocks = vec![Block::Table(report::verify_table(&verification))];
+    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
+    let mut blocks = vec![Block::Table(verify_table(&verification))];
     if !unexpected.is_empty() {
         blocks.push(Block::Failure(format!("not as known: {}", unexpected.join(", "))));
     }
@@ -199,22 +199,22 @@ fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let block = |(k, figure): (usize, &'static PaperFigure)| {
-        let data = figure.data(&|share| tell((k as f64 + share) / PAPER.len() as f64));
+    let block = |(k, figure): (usize, &'static Figure)| {
+        let data = figure.data(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
         let made = data.and_then(|data| shown(figure, &data));
         made.unwrap_or_else(|error| Block::Failure(format!("{}: {error}", figure.name)))
     };
-    Ok(PAPER.iter().enumerate().map(block).collect())
+    Ok(FIGURES.iter().enumerate().map(block).collect())
 }
 
 #[cfg(feature = "plot")]
-fn shown(figure: &PaperFigure, data: &PaperData) -> Result<Block> {
-    let (title, caption) = (figure.title.to_owned(), report::paper_caption(figure, data));
-    Ok(Block::Picture { title, caption, png: report::paper_png(figure, data)? })
+fn shown(figure: &Figure, data: &Data) -> Result<Block> {
+    let (title, caption) = (figure.title.to_owned(), figure.caption(data));
+    Ok(Block::Picture { title, caption, png: figure.png(data)? })
 }
 
 /// In words where nothing can be drawn.
 #[cfg(not(feature = "plot"))]
-fn shown(figure: &PaperFigure, data: &PaperData) -> Result<Block> {
-    Ok(Block::Table(format!("{}. {}\n", figure.title, report::paper_caption(figure, data))))
+fn shown(figure: &Figure, data: &Data) -> Result<Block> {
+    Ok(Block::Table(format!("{}. {}\n", figure.title, figure.caption(data))))
 }

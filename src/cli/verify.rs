@@ -1,7 +1,10 @@
 //! `hertzchain paper verify`.
 
 use super::{Exit, args::VerifyArgs, print, progress_bar};
-use crate::{experiments::verify, output::Folder, report};
+use crate::{
+    output::Folder,
+    paper::{verify, verify_csv, verify_json, verify_table},
+};
 use std::process::ExitCode;
 
 pub(super) fn main(args: &VerifyArgs) -> Exit {
@@ -10,15 +13,15 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
     let verification = verify(args.section, &|done, total| bar.set_position(1000 * done / total));
     bar.finish_and_clear();
     let verification = verification?;
-    let (json, table) = (report::verify_json(&verification), report::verify_table(&verification));
+    let (json, table) = (verify_json(&verification), verify_table(&verification));
     print(&if args.json { json.clone() + "\n" } else { table.clone() });
     if let Some(folder) = folder {
         folder.write("verify.txt", table.as_bytes())?;
-        folder.write("verify.csv", &report::verify_csv(&verification))?;
+        folder.write("verify.csv", &verify_csv(&verification))?;
         folder.write("verify.json", json.as_bytes())?;
         eprintln!("written to {}", folder.path().display());
     }
-    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.id).collect();
+    let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
     if unexpected.is_empty() {
         return Ok(ExitCode::SUCCESS);
     }

@@ -9,11 +9,9 @@ mod evolve;
 mod lifetimes;
 mod orbits;
 mod order;
-mod paper;
 mod scaling;
 mod stability;
 mod theorem;
-mod verify;
 mod wave;
 
 pub use breather::{
@@ -32,21 +30,16 @@ pub use lifetimes::{Criterion, Fate, Life, LifetimeOptions, LifetimePoint, Lifet
 pub use orbits::{Branch, BranchPoint, DoubledBranch, OrbitStudy, Progress, branch, doubled, orbit_study};
 pub use orbits::{Keep, begin, doubled_from, go_on, main_branch, study};
 pub use order::{Mode, OrderRow, OrderStudy, Quantity, generic_state, order, theory};
-pub use paper::{
-    DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, PAPER, PaperData, PaperFigure,
-    ProfileData, Recipe, WaveColumn, WavePanel, WaveRun,
-};
 pub use scaling::{ScalingOptions, ScalingRow, ScalingStudy, scaling};
 pub use stability::{MeasuredGrowth, Rates, StabilityChart, StabilityOptions, StabilityRow, StabilityStudy, stability};
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
 };
-pub use verify::{Item, Rule, Verdict, Verification, verify};
 pub use wave::{Ensemble, Envelopes, Errors, Member, PerturbedRun, Spread, Strains, WaveOptions, WaveStudy, wave};
 
 /// Least-squares slope, and the largest residual.
-fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+pub(crate) fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
     let (sxx, sxy) =

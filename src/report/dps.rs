@@ -65,7 +65,7 @@ pub fn homoclinic_table(one: &Homoclinic) -> String {
 }
 
 /// Where a kink is, as a word.
-pub(super) fn center_word(center: Center) -> &'static str {
+pub(crate) fn center_word(center: Center) -> &'static str {
     match center {
         Center::Site => "site",
         Center::Bond => "bond",
@@ -73,7 +73,7 @@ pub(super) fn center_word(center: Center) -> &'static str {
 }
 
 /// `a_n` or `b_n` of all sites.
-pub(super) fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
+pub(crate) fn of_sites(profile: &DarkProfile, value: impl Fn(i64) -> f64) -> Vec<f64> {
     profile.sites().map(value).collect()
 }
 

@@ -93,7 +93,7 @@ pub fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
 
 /// Largest strains over space and time, beads and resonators; values end at twice the largest of the first row, so that what was before a break-up is seen.
 #[cfg(feature = "plot")]
-pub(super) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
+pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     let sites = study.orbit.setting.sites;
     let span = study.swing.span;
     let map = |symbol: &str, values: &[f64]| {

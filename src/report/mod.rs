@@ -13,13 +13,11 @@ mod orbits;
 mod order;
 #[cfg(feature = "cli")]
 mod page;
-mod paper;
 mod run;
 mod scaling;
 mod stability;
 mod table;
 mod theorem;
-mod verify;
 mod wave;
 
 pub use breather::{
@@ -30,12 +28,13 @@ pub use charts::{charts_csv, charts_json, charts_table};
 pub use compare::{comparison_csv, comparison_json, comparison_table};
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use dps::{averages_json, averages_table, homoclinic_json, homoclinic_table};
+pub(crate) use dps::{center_word, of_sites};
 pub use dps::{dark_csv, dark_json, dark_table};
 pub use drift::{drift_csv, drift_json, drift_table};
 #[cfg(feature = "plot")]
 pub use evolve::evolution_png;
 #[cfg(feature = "plot")]
-use evolve::swing_maps;
+pub(crate) use evolve::swing_maps;
 pub use evolve::{evolution_csv, evolution_json, evolution_table, swing_csv};
 pub use lifetimes::{lifetimes_csv, lifetimes_files, lifetimes_json, lifetimes_json_with_work, lifetimes_table};
 pub use orbits::{branch_csv, branch_json, branch_npz, branch_table, dark_breather_json, dark_breather_table};
@@ -43,13 +42,14 @@ pub use orbits::{doubled_json, doubled_table};
 pub use order::{order_csv, order_json, order_table};
 #[cfg(feature = "cli")]
 pub use page::{Block, Page, Section};
-pub use paper::{Drawn, paper_caption, paper_json, paper_origin, paper_table, paper_tables};
 pub use run::{run_files, run_json, run_summary};
 pub use scaling::{scaling_csv, scaling_json, scaling_table};
+#[cfg(feature = "plot")]
+pub(crate) use stability::figure as stability_figure;
+pub(crate) use stability::{caption as stability_caption, shown};
 pub use stability::{stability_csv, stability_json, stability_table, stability_tables};
 pub use table::table;
 pub use theorem::{theorem_csv, theorem_files, theorem_json, theorem_slopes_csv, theorem_table};
-pub use verify::{verify_csv, verify_json, verify_table};
 pub use wave::{wave_errors_csv, wave_files, wave_json, wave_profile_csv, wave_table, wave_tables};
 
 #[cfg(feature = "plot")]
@@ -62,8 +62,6 @@ pub use contacts::contacts_png;
 pub use drift::drift_png;
 #[cfg(feature = "plot")]
 pub use order::order_pictures;
-#[cfg(feature = "plot")]
-pub use paper::paper_png;
 #[cfg(feature = "plot")]
 pub use run::run_pictures;
 #[cfg(feature = "plot")]

@@ -222,7 +222,7 @@ fn chart_words(chart: &StabilityChart) -> String {
 }
 
 /// A number to four digits, with a power of ten where it is very large or small.
-pub(super) fn shown(x: f64) -> String {
+pub(crate) fn shown(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
@@ -246,7 +246,7 @@ pub fn stability_png(study: &StabilityStudy) -> crate::error::Result<Vec<u8>> {
 
 /// The same as numbers and words.
 #[cfg(feature = "plot")]
-pub(super) fn figure(study: &StabilityStudy, caption: String) -> crate::figures::Growth {
+pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures::Growth {
     use crate::figures::{Growth, Line};
     let (options, modulation) = (&study.options, &study.modulation);
     let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
@@ -275,7 +275,7 @@ pub(super) fn figure(study: &StabilityStudy, caption: String) -> crate::figures:
 }
 
 /// What a picture of the study says beneath it.
-pub(super) fn caption(study: &StabilityStudy) -> String {
+pub(crate) fn caption(study: &StabilityStudy) -> String {
     let (options, modulation) = (&study.options, &study.modulation);
     let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
     let how = if study.measured.is_empty() {

@@ -5,8 +5,9 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::{OrbitData, OrbitRecipe, PaperData, PaperFigure, Recipe, evolve},
+    experiments::evolve,
     orbits::Shooting,
+    paper::{Data, Figure, OrbitData, OrbitRecipe, Recipe},
 };
 use serde_json::Value;
 use std::{
@@ -372,9 +373,8 @@ fn a_figure_that_fails_does_not_lose_the_others() {
 
 /// A figure of Sec. 7 with numbers of its own.
 fn orbit_data(recipe: OrbitRecipe) -> OrbitData {
-    let figure =
-        PaperFigure { name: "test", source: "test", title: "test", claim: "test", recipe: Recipe::Orbits(recipe) };
-    let Ok(PaperData::Orbits(data)) = figure.data(&|_| {}) else { panic!("no data") };
+    let figure = Figure { name: "test", source: "test", title: "test", claim: "test", recipe: Recipe::Orbits(recipe) };
+    let Ok(Data::Orbits(data)) = figure.data(&|_| {}) else { panic!("no data") };
     *data
 }
 

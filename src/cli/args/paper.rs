@@ -104,6 +104,6 @@ const OUT_ALWAYS: &str = "Write the results to this folder";
 
 /// Names the figures that there are.
 fn figures_help() -> String {
-    let names: Vec<_> = crate::experiments::PAPER.iter().map(|figure| figure.name).collect();
+    let names: Vec<_> = crate::paper::FIGURES.iter().map(|figure| figure.name).collect();
     format!("Figures to make, separated by commas [default: all].\n\nOf {}.", names.join(", "))
 }

@@ -1,11 +1,18 @@
-//! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, `alpha = 3/2, kappa = 1`.
+//! Figures of Sec. 7: dark breathers as exact orbits on rings of 41 bonds, with
+//! `alpha = 3/2, kappa = 1`.
 
-use super::super::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study};
+mod show;
+
+#[cfg(feature = "plot")]
+pub(super) use show::orbit_panels;
+pub(super) use show::{orbit_caption, orbit_tables};
+
 use crate::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
     error::{Error, Result},
+    experiments::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
     sweep::Tally,
 };
@@ -17,7 +24,8 @@ const WEAK: f64 = 0.01;
 const ABOVE: f64 = 1.004;
 /// Up to so many times the mass ratio where it begins a branch has short steps.
 const NEAR: f64 = 5.0;
-/// Size of the push along the mode at -1, over the amplitude of the orbit, that makes a seed of doubled period.
+/// Size of the push along the mode at -1, over the amplitude of the orbit, that makes a seed of
+/// doubled period.
 const SEED: f64 = 0.1;
 
 /// How a figure of Sec. 7 is computed.
@@ -203,7 +211,8 @@ fn family(rho: f64, center: Center, [from, to]: [f64; 2], points: u32, bifurcati
     follow(start, &continuation, bifurcations.then_some(WEAK))
 }
 
-/// The branch of one frequency up to a mass ratio, from as near to `omega(rho) = omega_b` as can be.
+/// The branch of one frequency up to a mass ratio, from as near to
+/// `omega(rho) = omega_b` as can be.
 fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting: &Shooting) -> Result<Branch> {
     let from = ((omega_b / ABOVE).powi(2) - 1.0).recip();
     let start = breather(from, center, omega_b).orbit(shooting)?;
@@ -289,7 +298,8 @@ fn about_doubling() -> Result<Branch> {
     family(THIRD, Center::Bond, [2.062, 2.064], 1, true)
 }
 
-/// The period doubling of a branch, and the orbit of doubled period at `omega_b` from a push along its mode.
+/// The period doubling of a branch, and the orbit of doubled period at `omega_b` from a push along
+/// its mode.
 fn doubling(main: &Branch, omega_b: f64, shooting: &Shooting) -> Result<DoublingData> {
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;

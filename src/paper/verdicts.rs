@@ -1,10 +1,10 @@
-//! Reports of the paper's numbers against ours.
+//! The verdicts as a table, as CSV and as JSON.
 
-use super::table;
-use crate::{
-    experiments::{Item, Verdict, Verification},
-    output::to_json,
+use super::{
+    rule::Rule,
+    verify::{Item, Verdict, Verification},
 };
+use crate::{output::to_json, report::table};
 use serde_json::{Value, json};
 
 const VERDICTS: [Verdict; 4] = [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails];
@@ -13,23 +13,25 @@ fn count(verification: &Verification, verdict: Verdict) -> usize {
     verification.items.iter().filter(|item| item.verdict() == verdict).count()
 }
 
-/// The table as JSON. `value` is null where there is none; `instead` is the rule of a number that is known to differ from the paper's.
+/// The table as JSON. `value` is null where there is none; `instead` is the rule of a number that
+/// is known to differ from the paper's.
 pub fn verify_json(verification: &Verification) -> String {
     let item = |item: &Item| {
+        let claim = item.claim;
         json!({
-            "id": item.id,
-            "section": item.section,
-            "label": item.label,
-            "quantity": item.quantity,
-            "paper": item.paper,
-            "rule": item.rule.words(),
+            "id": claim.id,
+            "section": claim.section,
+            "label": claim.label,
+            "quantity": claim.quantity,
+            "paper": claim.paper,
+            "rule": claim.rule.words(),
             "value": item.value,
             "shown": item.shown(),
             "verdict": item.verdict().word(),
             "expected": item.expected().word(),
-            "instead": item.instead.map(|rule| rule.words()),
+            "instead": claim.instead.as_ref().map(Rule::words),
             "as_expected": item.as_expected(),
-            "why": item.why,
+            "why": claim.why,
         })
     };
     let counts = VERDICTS.map(|verdict| (verdict.word().to_owned(), json!(count(verification, verdict))));
@@ -44,13 +46,14 @@ pub fn verify_json(verification: &Verification) -> String {
 
 /// The table as CSV, a line an item; texts in quotation marks.
 pub fn verify_csv(verification: &Verification) -> Vec<u8> {
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let quoted = |text: &String| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = String::from("id,section,label,quantity,paper,rule,value,verdict,expected,as_expected,why\n");
     for item in &verification.items {
+        let claim = item.claim;
         let (verdict, expected) = (item.verdict().word(), item.expected().word());
         let [label, quantity, paper, rule, why] =
-            [item.label, item.quantity, item.paper, &item.rule.words(), item.why].map(quoted);
-        let (id, section, value, as_expected) = (item.id, item.section, item.value, item.as_expected());
+            [&claim.label, &claim.quantity, &claim.paper, &claim.rule.words(), &claim.why].map(quoted);
+        let (id, section, value, as_expected) = (&claim.id, claim.section, item.value, item.as_expected());
         text += &format!(
             "{id},{section},{label},{quantity},{paper},{rule},{value:e},{verdict},{expected},{as_expected},{why}\n"
         );
@@ -60,7 +63,7 @@ pub fn verify_csv(verification: &Verification) -> Vec<u8> {
 
 /// A table for each section, remarks and reasons below it.
 pub fn verify_table(verification: &Verification) -> String {
-    let sections = verification.items.chunk_by(|one, next| one.section == next.section);
+    let sections = verification.items.chunk_by(|one, next| one.claim.section == next.claim.section);
     let tables: Vec<String> = sections.map(section_table).collect();
     let counts = VERDICTS.map(|verdict| format!("{} {}", count(verification, verdict), verdict.word())).join(", ");
     let unexpected = verification.unexpected().count();
@@ -70,20 +73,19 @@ pub fn verify_table(verification: &Verification) -> String {
 
 fn section_table(items: &[Item]) -> String {
     let row = |item: &Item| {
-        let verdict = item.verdict().word();
+        let (claim, verdict) = (item.claim, item.verdict().word());
         let verdict = if item.as_expected() { verdict.to_owned() } else { format!("{verdict} (!)") };
-        [item.id, item.label, item.quantity, item.paper, &item.rule.words(), &item.shown(), &verdict]
-            .map(str::to_owned)
-            .to_vec()
+        let [id, label, quantity, paper] = [&claim.id, &claim.label, &claim.quantity, &claim.paper].map(String::clone);
+        vec![id, label, quantity, paper, claim.rule.words(), item.shown(), verdict]
     };
     let rows: Vec<Vec<String>> = items.iter().map(row).collect();
     let head = ["item", "where", "quantity", "the paper says", "as a rule", "we get", "verdict"];
     let remarks: Vec<Vec<String>> = items
         .iter()
-        .filter(|item| !item.why.is_empty())
-        .map(|item| vec![item.id.to_owned(), item.verdict().word().to_owned(), item.why.to_owned()])
+        .filter(|item| !item.claim.why.is_empty())
+        .map(|item| vec![item.claim.id.clone(), item.verdict().word().to_owned(), item.claim.why.clone()])
         .collect();
-    let section = items.first().map_or(0, |item| item.section);
+    let section = items.first().map_or(0, |item| item.claim.section);
     let mut text = format!("Section {section}\n\n{}", table(&head, &rows));
     if !remarks.is_empty() {
         text += &format!("\n{}", table(&["item", "verdict", "why, or a remark"], &remarks));
@@ -94,24 +96,15 @@ fn section_table(items: &[Item]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiments::Rule;
+    use crate::paper::{claims::Kind, verify::tests::claim};
 
     #[test]
     fn csv_keeps_commas_and_quotation_marks_in_their_cells() {
-        let item = Item {
-            id: "x",
-            section: 3,
-            label: "eq:a, eq:b",
-            quantity: "a \"wave\"",
-            paper: "2",
-            rule: Rule::Digits("2"),
-            statement: false,
-            value: 2.0,
-            instead: None,
-            why: "",
-        };
+        let mut claim = claim(Kind::Number, "2", "rounds to 2");
+        (claim.label, claim.quantity) = ("eq:a, eq:b".to_owned(), "a \"wave\"".to_owned());
+        let item = Item { claim: Box::leak(Box::new(claim)), value: 2.0 };
         let csv = verify_csv(&Verification { items: vec![item], wall: std::time::Duration::ZERO });
         let line = String::from_utf8(csv).unwrap().lines().nth(1).unwrap().to_owned();
-        assert_eq!(line, "x,3,\"eq:a, eq:b\",\"a \"\"wave\"\"\",\"2\",\"rounds to 2\",2e0,agrees,agrees,true,\"\"");
+        assert_eq!(line, "s3-x,3,\"eq:a, eq:b\",\"a \"\"wave\"\"\",\"2\",\"rounds to 2\",2e0,agrees,agrees,true,\"\"");
     }
 }

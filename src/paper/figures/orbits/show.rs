@@ -1,20 +1,18 @@
-//! Figures of Sec. 7: dark breathers as exact orbits.
+//! Captions, tables and pictures of the figures of Sec. 7.
 
-use super::{center_word, heavy::version, shown};
+use super::{DoublingData, FloquetData, MassRatioData, OrbitData, ProfileData};
 use crate::{
     chain::max_norm,
     dps::Center,
-    experiments::{Branch, DoublingData, Evolution, FloquetData, MassRatioData, OrbitData, OrbitStudy, ProfileData},
+    experiments::{Branch, Evolution, OrbitStudy},
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
-    report::{branch_csv, evolution_csv, swing_csv},
+    paper::figures::{Tables, heavy::version},
+    report::{branch_csv, center_word, evolution_csv, shown, swing_csv},
 };
 
-/// Tables, `(file name, CSV)`.
-type Tables = Vec<(&'static str, Vec<u8>)>;
-
 /// Tables of a figure, `(what tells them apart, tables)`.
-pub(super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
+pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
     let branch =
         |branch: &Branch| vec![("branch.csv", branch_csv(branch)), ("multipliers.csv", off_circle_csv(branch))];
     match data {
@@ -149,7 +147,7 @@ fn strongest_words(spectrum: &Spectrum) -> String {
 /// Kinds of multipliers off the circle, by their names in legends.
 const KINDS: [(Kind, &str); 3] = [(Kind::Real, "real"), (Kind::Negative, "negative"), (Kind::Quartet, "quartet")];
 
-pub(super) fn orbit_caption(data: &OrbitData) -> String {
+pub(in super::super) fn orbit_caption(data: &OrbitData) -> String {
     let (orbit, words) = match data {
         OrbitData::Profiles(all) => (&all[0].study.orbit, profiles_words(all)),
         OrbitData::Floquet(all, zoom) => (&all[0].one.orbit, floquet_words(all, *zoom)),
@@ -336,7 +334,7 @@ fn mass_ratios_words(all: &[MassRatioData]) -> String {
 }
 
 #[cfg(feature = "plot")]
-pub(super) use pictures::orbit_panels;
+pub(in super::super) use pictures::orbit_panels;
 
 #[cfg(feature = "plot")]
 mod pictures {
@@ -348,7 +346,7 @@ mod pictures {
         Line { name: name.to_owned(), points: points.collect() }
     }
 
-    pub(in super::super) fn orbit_panels(title: &str, data: &OrbitData, caption: String) -> Panels {
+    pub(in super::super::super) fn orbit_panels(title: &str, data: &OrbitData, caption: String) -> Panels {
         let heading = |center: Center| format!("{}-centred", center_word(center));
         let columns = match data {
             OrbitData::Profiles(all) => {

@@ -1,17 +1,86 @@
-//! Figures of chains with heavy resonators, Sec. 3.2 and 5: Theorem 1, homoclinic solutions, bright breathers.
+//! Chains with heavy resonators, Sec. 3.2 and 5: Theorem 1, homoclinic solutions, bright breathers.
 
-use super::{center_word, shown};
+use super::{INTEGRATOR, Tables};
 use crate::{
-    dps::Homoclinic,
-    experiments::{BrightHistory, BrightSample, BrightStudy, LifetimeStudy, Norm, RhoLaw, TheoremStudy},
+    dps::{Center, Homoclinic},
+    error::Result,
+    experiments::{
+        BreatherOptions, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm,
+        RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, lifetimes, theorem,
+    },
     output::csv,
-    report::theorem_csv,
+    report::{center_word, shown, theorem_csv},
+    run::method::Method,
     scene::Scene,
 };
 
+/// Tolerance of the runs of the breather of Sec. 5, and samples a period.
+const TOLERANCE: f64 = 1e-12;
+const SAMPLES_PER_PERIOD: u32 = 20;
+/// Tolerance of the runs of a map of lifetimes.
+const LIFETIME_TOLERANCE: f64 = 1e-9;
+/// The laws of the mass ratio, side by side.
+const LAWS: [RhoLaw; 2] = [RhoLaw::Heavy, RhoLaw::Light];
 /// Names of the laws of the mass ratio, as in a legend.
 const HEAVY: &str = "ρ = ε^(−2(α−1))";
 const LIGHT: &str = "ρ = ε^(−(α−1))";
+
+/// Suprema of Theorem 1: for each exponent a study a law of the mass ratio.
+pub(super) fn bounds(cases: &[(f64, &[f64])], progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<[TheoremStudy; 2]>> {
+    let study = |k: usize, alpha: f64, epsilons: &[f64], rho_law: RhoLaw| {
+        let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
+        theorem(&TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() }, None, &tell)
+    };
+    let pair = |(k, (alpha, epsilons)): (usize, &(f64, &[f64]))| {
+        let [heavy, light] = LAWS;
+        Ok([study(2 * k, *alpha, epsilons, heavy)?, study(2 * k + 1, *alpha, epsilons, light)?])
+    };
+    cases.iter().enumerate().map(pair).collect()
+}
+
+/// Homoclinic solutions about a site and about a bond.
+pub(super) fn homoclinics(alpha: f64) -> Result<[Homoclinic; 2]> {
+    Ok([Homoclinic::new(alpha, Center::Site)?, Homoclinic::new(alpha, Center::Bond)?])
+}
+
+/// The breather of Sec. 5 against its ansatz.
+pub(super) fn bright(progress: &(dyn Fn(f64) + Sync)) -> Result<BrightStudy> {
+    let (scene, options) = bright_run()?;
+    bright_breather(&scene, &options, SAMPLES_PER_PERIOD, &mut |share| progress(share))
+}
+
+/// The breather of Sec. 5 over space and time.
+pub(super) fn history(progress: &(dyn Fn(f64) + Sync)) -> Result<BrightHistory> {
+    let (scene, options) = bright_run()?;
+    bright_history(&scene, &options, &mut |share| progress(share))
+}
+
+/// The breather of Sec. 5, and how it is run.
+fn bright_run() -> Result<(Scene, BreatherOptions)> {
+    let options = BreatherOptions { method: Method::named(INTEGRATOR)?, tolerance: TOLERANCE };
+    Ok((Scene::load("bright-breather")?, options))
+}
+
+/// Lifetimes by energy about a bond, at `alpha = 3/2`.
+pub(super) fn lifetime_map(
+    epsilons: &[f64],
+    rhos: &[f64],
+    until: f64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<LifetimeStudy> {
+    let options = LifetimeOptions {
+        alpha: 1.5,
+        center: Center::Bond,
+        criterion: Criterion::Energy,
+        epsilons: epsilons.to_vec(),
+        rhos: rhos.to_vec(),
+        sites: None,
+        until: Some(until),
+        method: Method::named(INTEGRATOR)?,
+        tolerance: LIFETIME_TOLERANCE,
+    };
+    lifetimes(&options, None, &|done, total| progress(done as f64 / total as f64))
+}
 
 pub(super) fn version() -> &'static str {
     concat!("hertzchain ", env!("CARGO_PKG_VERSION"))
@@ -74,7 +143,7 @@ pub(super) fn history_caption(history: &BrightHistory) -> String {
 }
 
 /// `t`, then a column a site.
-pub(super) fn history_csv(history: &BrightHistory) -> Vec<(&'static str, Vec<u8>)> {
+pub(super) fn history_csv(history: &BrightHistory) -> Tables {
     let sites = history.breather.sites();
     let matrix = |symbol: &str, values: &[f64]| {
         let names: Vec<String> =
@@ -92,7 +161,7 @@ pub(super) fn bounds_tag(study: &TheoremStudy) -> String {
     format!("alpha{}-{law}", study.options.alpha)
 }
 
-pub(super) fn bounds_csv(study: &TheoremStudy) -> Vec<(&'static str, Vec<u8>)> {
+pub(super) fn bounds_csv(study: &TheoremStudy) -> Tables {
     vec![("suprema.csv", theorem_csv(study))]
 }
 
@@ -186,13 +255,15 @@ mod pictures {
         if study.options.rho_law == RhoLaw::Heavy { HEAVY } else { LIGHT }
     }
 
-    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that failed.
+    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that
+    /// failed.
     fn lifetime(study: &LifetimeStudy, point: &LifetimePoint) -> Option<(f64, bool)> {
         let life = point.life.as_ref().ok()?;
         Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
     }
 
-    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the breather has decoupled.
+    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the
+    /// breather has decoupled.
     fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
         let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
         let value = time / scale;
@@ -310,7 +381,8 @@ mod pictures {
 
     pub(in super::super) fn lifetime_maps(title: &str, study: &LifetimeStudy, caption: String) -> Maps {
         let (x, y) = (&study.options.epsilons, &study.options.rhos);
-        // Points run through all mass ratios of a size; rows of a map through all sizes of a mass ratio.
+        // Points run through all mass ratios of a size; rows of a map through all sizes of a mass
+        // ratio.
         let points: Vec<&LifetimePoint> =
             (0..x.len() * y.len()).map(|k| &study.points[(k % x.len()) * y.len() + k / x.len()]).collect();
         let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());

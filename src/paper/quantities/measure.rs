@@ -13,7 +13,8 @@ use std::f64::consts::PI;
 
 /// Slow time over which a frequency is measured.
 const SLOW_TIME: f64 = 30.0;
-/// Size at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the frequency shift.
+/// Size at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the frequency
+/// shift.
 const SIZE: f64 = 1e-5;
 /// Sites of the ring; a wave with `q = 4 pi/5` fits twice.
 const SITES: usize = 5;
@@ -52,7 +53,8 @@ pub(super) fn slope(mut flow: impl VectorField<f64>, z: &[f64]) -> Vec<f64> {
     dz
 }
 
-/// The share of a profile that is not the sinusoid with so many waves on it, relative to that sinusoid, in quadratic mean.
+/// The share of a profile that is not the sinusoid with so many waves on it, relative to that
+/// sinusoid, in quadratic mean.
 pub(super) fn distortion(profile: &[f64], waves: f64) -> f64 {
     let count = profile.len() as f64;
     let mean = profile.iter().sum::<f64>() / count;

@@ -1,0 +1,149 @@
+//! What the paper says: the table `claims.toml`, which explains its own keys.
+
+use super::rule::Rule;
+use serde::Deserialize;
+use std::{collections::BTreeMap, sync::OnceLock};
+
+/// Something that the paper says in its text, and the rule by which a value agrees with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// Name, unique: `s`, the subsection, and words.
+    pub id: String,
+    /// Section of the paper, the first digit of the id.
+    pub section: u32,
+    /// Label in the paper.
+    pub label: String,
+    /// What is computed, in words.
+    pub quantity: String,
+    /// Whether the paper prints a number, a formula or a statement.
+    pub kind: Kind,
+    /// What the paper says, as printed.
+    pub paper: String,
+    /// The same as a rule.
+    pub rule: Rule,
+    /// The rule that our value obeys where the paper's is known to be broken.
+    pub instead: Option<Rule>,
+    /// Why they differ, or a remark; may be empty.
+    pub why: String,
+}
+
+/// What a claim is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A printed number.
+    Number,
+    /// A printed formula, evaluated.
+    Formula,
+    /// A statement in words.
+    Statement,
+}
+
+/// All claims, in the order of the paper.
+///
+/// # Panics
+/// If the table, which is part of the program, cannot be read.
+pub fn claims() -> &'static [Claim] {
+    static CLAIMS: OnceLock<Vec<Claim>> = OnceLock::new();
+    CLAIMS.get_or_init(|| read(include_str!("claims.toml")).unwrap_or_else(|why| panic!("claims.toml: {why}")))
+}
+
+/// The file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    /// Rules that have a name.
+    rules: BTreeMap<String, Rule>,
+    claim: Vec<Row>,
+}
+
+/// A claim as it stands in the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    id: String,
+    label: String,
+    quantity: String,
+    number: Option<String>,
+    formula: Option<String>,
+    statement: Option<String>,
+    rule: Option<String>,
+    instead: Option<Rule>,
+    #[serde(default)]
+    why: String,
+}
+
+/// The claims of a table.
+fn read(text: &str) -> Result<Vec<Claim>, String> {
+    let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+    file.claim.into_iter().map(|row| row.claim(&file.rules)).collect()
+}
+
+impl Row {
+    fn claim(self, named: &BTreeMap<String, Rule>) -> Result<Claim, String> {
+        let Self { id, label, quantity, number, formula, statement, rule, instead, why } = self;
+        let fault = |why: &str| format!("{id}: {why}");
+        let section = id.strip_prefix('s').and_then(|rest| rest.chars().next()).and_then(|digit| digit.to_digit(10));
+        let section = section.ok_or_else(|| fault("an id begins with s and a section"))?;
+        let (kind, paper) = match (number, formula, statement) {
+            (Some(paper), None, None) => (Kind::Number, paper),
+            (None, Some(paper), None) => (Kind::Formula, paper),
+            (None, None, Some(paper)) => (Kind::Statement, paper),
+            _ => return Err(fault("one of number, formula and statement")),
+        };
+        let rule = match (kind, rule) {
+            (Kind::Number, None) => format!("rounds to {paper}").parse().map_err(|why: String| fault(&why))?,
+            (Kind::Number, Some(_)) => return Err(fault("the rule of a number is its digits")),
+            (_, Some(rule)) => match named.get(&rule) {
+                Some(rule) => rule.clone(),
+                None => rule.parse().map_err(|why: String| fault(&why))?,
+            },
+            (_, None) => return Err(fault("no rule")),
+        };
+        Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, why })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn claims_are_named_once_in_the_order_of_the_paper_and_differences_have_reasons() {
+        let names: HashSet<&str> = claims().iter().map(|claim| claim.id.as_str()).collect();
+        assert_eq!(names.len(), claims().len());
+        assert!(claims().is_sorted_by_key(|claim| claim.section));
+        for Claim { id, label, quantity, paper, instead, why, .. } in claims() {
+            assert!(![label, quantity, paper].into_iter().any(String::is_empty), "{id}");
+            assert!(instead.is_none() || !why.is_empty(), "{id} differs without a reason");
+        }
+    }
+
+    #[test]
+    fn a_rule_is_written_as_it_is_read() {
+        for rule in claims().iter().flat_map(|claim| [Some(&claim.rule), claim.instead.as_ref()]).flatten() {
+            assert_eq!(rule.words().parse().as_ref(), Ok(rule));
+        }
+    }
+
+    #[test]
+    fn a_row_that_says_too_little_or_too_much_is_refused() {
+        let table =
+            |row: &str| read(&format!("[rules]\nsmall = \"<= 2\"\n[[claim]]\nlabel = \"\"\nquantity = \"\"\n{row}"));
+        let ours = table("id = \"s3-x\"\nstatement = \"small\"\nrule = \"small\"").unwrap();
+        assert_eq!((ours[0].section, &ours[0].rule), (3, &Rule::AtMost(2.0)));
+        for row in [
+            "id = \"x\"\nnumber = \"2\"",
+            "id = \"s3-x\"",
+            "id = \"s3-x\"\nnumber = \"2\"\nformula = \"1 + 1\"\nrule = \"= 2 to 1e-9\"",
+            "id = \"s3-x\"\nnumber = \"2\"\nrule = \"rounds to 2\"",
+            "id = \"s3-x\"\nnumber = \"about 2\"",
+            "id = \"s3-x\"\nstatement = \"small\"",
+            "id = \"s3-x\"\nstatement = \"small\"\nrule = \"tiny\"",
+            "id = \"s3-x\"\nnumber = \"2\"\ninstead = \"small\"",
+            "id = \"s3-x\"\nnumber = \"2\"\nremark = \"\"",
+        ] {
+            assert!(table(row).is_err(), "{row}");
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! Travelling waves on the chain, and the growth of their modulations.
+
+use super::INTEGRATOR;
+use crate::{
+    chain::Params,
+    error::Result,
+    experiments::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, stability, wave},
+    report::shown,
+    run::method::Method,
+    scene::Scene,
+    waves::Shape,
+};
+use std::f64::consts::PI;
+
+/// Tolerance of the runs, and samples a period.
+const TOLERANCE: f64 = 1e-10;
+const SAMPLES_PER_PERIOD: u32 = 50;
+/// Draws of a perturbed wave: the one shown has seed 1.
+const SEEDS: u32 = 12;
+
+/// A run of a figure.
+#[derive(Debug)]
+pub struct WaveRun {
+    /// A built-in scene.
+    pub scene: &'static str,
+    /// Size of the perturbation (eq:dA0_ptb); 0 for none.
+    pub zeta: f64,
+    /// What tells its files from those of the other runs of the figure; nothing if there is but
+    /// one.
+    pub tag: &'static str,
+}
+
+/// A column of panels, all of one run.
+#[derive(Debug)]
+pub struct WaveColumn {
+    /// What it shows, or nothing.
+    pub heading: &'static str,
+    /// Which run.
+    pub run: usize,
+    /// From above.
+    pub panels: &'static [WavePanel],
+}
+
+/// What a panel shows of a run. Profiles are those at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WavePanel {
+    /// Strains of beads.
+    X,
+    /// Strains of resonators.
+    Y,
+    /// Strains of beads of the perturbed wave.
+    PerturbedX,
+    /// Strains of resonators of the perturbed wave.
+    PerturbedY,
+    /// `E_x` and `E_y` in time (eq:relerr_tw).
+    Errors,
+    /// The same with `E_x` again, enlarged.
+    ErrorsEnlarged,
+    /// `tilde E_x` and `tilde E_y` in time (eq:relerr_twPtd).
+    Differences,
+    /// `tilde E_x` with median and range over the seeds.
+    SpreadX,
+    /// `tilde E_y` with median and range over the seeds.
+    SpreadY,
+}
+
+impl WaveRun {
+    fn study(&self, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+        let scene = Scene::load(self.scene)?.perturbed(self.zeta, None)?;
+        let options = WaveOptions {
+            method: Method::named(INTEGRATOR)?,
+            tolerance: TOLERANCE,
+            samples_per_period: SAMPLES_PER_PERIOD,
+            seeds: (self.zeta > 0.0).then_some(SEEDS),
+        };
+        wave(&scene, &options, progress)
+    }
+}
+
+/// A study for each run.
+pub(super) fn studies(
+    runs: &'static [WaveRun],
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<(&'static WaveRun, WaveStudy)>> {
+    let study = |(k, run): (usize, &'static WaveRun)| {
+        let tell = |done, total| progress((k as f64 + done as f64 / total as f64) / runs.len() as f64);
+        Ok((run, run.study(&tell)?))
+    };
+    runs.iter().enumerate().map(study).collect()
+}
+
+/// Growth of the modulations of the wave `q = pi/5`, `a = b = 1`.
+pub(super) fn growth(rho: f64, epsilons: &[f64], progress: &(dyn Fn(f64) + Sync)) -> Result<StabilityStudy> {
+    let options = StabilityOptions {
+        params: Params { alpha: 1.5, kappa: 1.0, rho },
+        shape: Shape { q: 0.2 * PI, a: 1.0, b: 1.0, phi: 0.0 },
+        epsilons: epsilons.to_vec(),
+        sites: 50,
+        modes: Some(12),
+        chart: true,
+    };
+    stability(&options, &|share, _| progress(share))
+}
+
+/// A share as percent, to three digits.
+fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    let digits = (2 - value.abs().max(1e-6).log10().floor() as i32).max(0) as usize;
+    format!("{value:.digits$} %")
+}
+
+/// Last and largest of two series.
+fn ends(x: &[f64], y: &[f64]) -> String {
+    let last = |values: &[f64]| percent(values.last().copied().unwrap_or(f64::NAN));
+    let most = |values: &[f64]| percent(values.iter().copied().fold(0.0, f64::max));
+    format!("{} and {} at the end, at most {} and {}", last(x), last(y), most(x), most(y))
+}
+
+pub(super) fn waves_caption(columns: &[WaveColumn], runs: &[(&WaveRun, WaveStudy)]) -> String {
+    let shows = |wanted: &[WavePanel]| columns.iter().flat_map(|c| c.panels).any(|panel| wanted.contains(panel));
+    let mut text =
+        String::from("E_x, E_y: chain against ansatz (eq:xytw_app), in percent of the amplitude (eq:relerr_tw). ");
+    if shows(&[WavePanel::PerturbedX, WavePanel::PerturbedY]) {
+        text += "Ẽ_x, Ẽ_y: perturbed (eq:dA0_ptb) against unperturbed wave (eq:relerr_twPtd); ansatz of the perturbed wave: (eq:xy_app). ";
+    }
+    for (run, study) in runs {
+        text += &run_words(run, study);
+    }
+    let mut common: Vec<String> = runs.iter().map(|(_, study)| common_words(study)).collect();
+    common.dedup();
+    text + &common.join("; ") + &format!(". hertzchain {}.", env!("CARGO_PKG_VERSION"))
+}
+
+/// What runs of one figure may differ in, and what was measured.
+fn run_words(run: &WaveRun, study: &WaveStudy) -> String {
+    let (wave, scene) = (&study.wave, &study.scene);
+    let mut text = format!(
+        "{}: ρ = {}, q = {} π, ε = {}, ω_tw = {:.6}, ω = {:.6}, t = {} = {} T_tw; E_x, E_y {}. ",
+        run.scene,
+        shown(wave.params().rho),
+        shown(wave.shape().q / PI),
+        shown(wave.epsilon()),
+        wave.omega_tw(),
+        wave.params().omega(),
+        shown(scene.end()),
+        shown(scene.end() / scene.period()),
+        ends(&study.errors.x, &study.errors.y),
+    );
+    if let Some(run) = &study.perturbed {
+        text += &format!(
+            "ζ = {}, seed {}: E_x, E_y {}; Ẽ_x, Ẽ_y {}",
+            run.wave.zeta(),
+            run.wave.seed(),
+            ends(&run.errors.x, &run.errors.y),
+            ends(&run.difference.x, &run.difference.y),
+        );
+    }
+    let growth = study.ensemble.as_ref().and_then(|ensemble| Some((ensemble, ensemble.spread(|m| m.growth_x)?)));
+    if let Some((ensemble, growth)) = growth {
+        text += &format!(
+            "; growth of Ẽ_x (largest of the last period over that of the first) over {} seeds from {}: median {}, {} to {}. ",
+            ensemble.members.len(),
+            ensemble.members.first().map_or(0, |member| member.seed),
+            shown(growth.median),
+            shown(growth.low),
+            shown(growth.high),
+        );
+    }
+    text
+}
+
+/// What runs of one figure mostly share.
+fn common_words(study: &WaveStudy) -> String {
+    let (chain, shape) = (study.scene.chain(), study.wave.shape());
+    let params = chain.params();
+    format!(
+        "N = {}, α = {}, κ = {}, a = {}, b = {}, φ = {}; integrator {}",
+        chain.sites(),
+        params.alpha,
+        params.kappa,
+        shape.a,
+        shape.b,
+        shape.phi,
+        study.setting
+    )
+}
+
+#[cfg(feature = "plot")]
+pub(super) use pictures::wave_panels;
+
+#[cfg(feature = "plot")]
+mod pictures {
+    use super::{WaveColumn, WavePanel, WaveRun};
+    use crate::{
+        experiments::{Errors, PerturbedRun, Spread, Strains, WaveStudy},
+        figures::{Band, Column, Inset, Kind, Line, Panel, Panels},
+    };
+
+    pub(in super::super) fn wave_panels(
+        title: &str,
+        columns: &[WaveColumn],
+        runs: &[(&WaveRun, WaveStudy)],
+        caption: String,
+    ) -> Panels {
+        let column = |column: &WaveColumn| {
+            Column::new(column.heading, column.panels.iter().map(|one| panel(*one, &runs[column.run].1)))
+        };
+        Panels { title: title.to_owned(), columns: columns.iter().map(column).collect(), caption }
+    }
+
+    /// A panel. Of a run without perturbation, a panel that shows one is empty.
+    fn panel(which: WavePanel, study: &WaveStudy) -> Panel {
+        let (perturbed, ensemble) = (study.perturbed.as_ref(), study.ensemble.as_ref());
+        let errors = || pair(study, "error", ["E_x", "E_y"], &study.errors);
+        match which {
+            WavePanel::X => profile("xₙ", &study.strains.x, &study.ansatz.x),
+            WavePanel::Y => profile("yₙ", &study.strains.y, &study.ansatz.y),
+            WavePanel::PerturbedX => perturbed_profile("xₙ", perturbed, |strains| &strains.x),
+            WavePanel::PerturbedY => perturbed_profile("yₙ", perturbed, |strains| &strains.y),
+            WavePanel::Errors => errors(),
+            WavePanel::ErrorsEnlarged => {
+                Panel { inset: Some(Inset { label: "E_x (%)".to_owned(), line: 0 }), ..errors() }
+            }
+            WavePanel::Differences => match perturbed {
+                Some(run) => pair(study, "difference", ["Ẽ_x", "Ẽ_y"], &run.difference),
+                None => in_time("difference", vec![]),
+            },
+            WavePanel::SpreadX => spread(study, "Ẽ_x", |errors| &errors.x, ensemble.map_or(&[], |e| &e.difference_x)),
+            WavePanel::SpreadY => spread(study, "Ẽ_y", |errors| &errors.y, ensemble.map_or(&[], |e| &e.difference_y)),
+        }
+    }
+
+    fn line(name: &str, points: Vec<(f64, f64)>) -> Line {
+        Line { name: name.to_owned(), points }
+    }
+
+    /// A profile on the chain beside that of the ansatz.
+    fn profile(symbol: &str, numerical: &[f64], ansatz: &[f64]) -> Panel {
+        let sites = |values: &[f64]| values.iter().enumerate().map(|(n, &x)| (n as f64, x)).collect();
+        Panel {
+            x_label: "site n".to_owned(),
+            y_label: format!("strain {symbol}"),
+            lines: vec![line("numerical", sites(numerical)), line("ansatz", sites(ansatz))],
+            ..Panel::default()
+        }
+    }
+
+    fn perturbed_profile(symbol: &str, run: Option<&PerturbedRun>, of: fn(&Strains) -> &Vec<f64>) -> Panel {
+        match run {
+            Some(run) => profile(symbol, of(&run.strains), of(&run.ansatz)),
+            None => profile(symbol, &[], &[]),
+        }
+    }
+
+    /// Lines in percent over time.
+    fn in_time(label: &str, lines: Vec<Line>) -> Panel {
+        Panel {
+            kind: Kind::Time,
+            x_label: "time t".to_owned(),
+            y_label: format!("{label} (%)"),
+            lines,
+            ..Panel::default()
+        }
+    }
+
+    /// Values at the times of the study, in percent.
+    fn percents(study: &WaveStudy, values: &[f64]) -> Vec<(f64, f64)> {
+        study.t.iter().zip(values).map(|(&t, e)| (t, 100.0 * e)).collect()
+    }
+
+    /// Errors of beads and of resonators.
+    fn pair(study: &WaveStudy, label: &str, names: [&str; 2], errors: &Errors) -> Panel {
+        let lines = [line(names[0], percents(study, &errors.x)), line(names[1], percents(study, &errors.y))];
+        in_time(label, lines.into())
+    }
+
+    /// The difference of the one perturbed wave, and median and range over all seeds.
+    fn spread(study: &WaveStudy, name: &str, of: fn(&Errors) -> &Vec<f64>, spreads: &[Spread]) -> Panel {
+        let Some(run) = &study.perturbed else { return in_time(name, vec![]) };
+        let count = study.ensemble.as_ref().map_or(0, |ensemble| ensemble.members.len());
+        let own = line(&format!("seed {}", run.wave.seed()), percents(study, of(&run.difference)));
+        let median: Vec<f64> = spreads.iter().map(|spread| spread.median).collect();
+        let range = study.t.iter().zip(spreads).map(|(&t, spread)| (t, 100.0 * spread.low, 100.0 * spread.high));
+        let band = Band { name: format!("range of {count} seeds"), points: range.collect() };
+        let lines = vec![own, line("median", percents(study, &median))];
+        Panel { bands: vec![band], ..in_time(name, lines) }
+    }
+}

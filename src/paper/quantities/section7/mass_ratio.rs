@@ -1,0 +1,151 @@
+//! Heavier resonators: `rho = 3` and 10, and the branches in `rho` at fixed frequency.
+
+use super::{
+    super::{Quantity, Runs},
+    WEAK, largest, least, most, orbit, quartet, real, released, spectra,
+};
+use crate::{
+    chain::Params,
+    dps::Center,
+    error::Result,
+    orbits::{Continuation, Kind, Multiplier, Parameter, Shooting, Spectrum},
+    sweep::map,
+};
+use std::f64::consts::PI;
+
+const CENTERS: [Center; 2] = [Center::Bond, Center::Site];
+
+fn omega(rho: f64) -> Result<f64> {
+    Ok(Params::new(1.5, 1.0, rho)?.omega())
+}
+
+/// Largest `|lambda| - 1` of some kind about a site, or of quartets about a bond, over that of the
+/// real ones about a bond.
+fn share(one: f64, bond: &Spectrum) -> f64 {
+    (one - 1.0) / (largest(bond, real) - 1.0)
+}
+
+/// The largest modulus near -1.
+fn behind(spectrum: &Spectrum) -> f64 {
+    largest(spectrum, |m| m.re < -0.5)
+}
+
+/// `rho = 3`.
+pub(in super::super) fn three(_: &Runs) -> Result<Vec<Quantity>> {
+    const RHO: f64 = 3.0;
+    let omega = omega(RHO)?;
+    let range = [0.001, 0.09, 0.1, 0.2].map(|by| omega + by);
+    let [bonds, sites] = CENTERS.map(|center| spectra(RHO, center, &range));
+    let (bonds, sites) = (bonds?, sites?);
+    let (bond, site) = (&bonds[2], &sites[2]);
+    let quartets = |k: usize| share(largest(&bonds[k], quartet), &bonds[k]);
+    let long = |center| released(RHO, center, range[2], 1500.0, None);
+    let (held, moved) = (long(Center::Site)?, long(Center::Bond)?);
+    let e_b = held.e_b.last().copied().unwrap_or(f64::NAN);
+    let gone = moved.position.last().map_or(f64::NAN, |end| (end - moved.position[0]).abs());
+    Ok(vec![
+        ("s7-rho3-omega", omega),
+        ("s7-rho3-omega-b", range[2]),
+        ("s7-rho3-time", 299.0 * 2.0 * PI / range[2]),
+        ("s7-rho3-Eb", e_b),
+        ("s7-rho3-growth", e_b / held.amplification),
+        ("s7-rho3-moves", gone),
+        ("s7-rho3-bond", largest(bond, |m| m.kind == Kind::Real)),
+        ("s7-rho3-bond-only-real", quartets(2)),
+        ("s7-rho3-site", share(site.largest(), bond)),
+        ("s7-rho3-range-bond", most((0..range.len()).map(quartets))),
+        ("s7-rho3-range-site", most(bonds.iter().zip(&sites).map(|(bond, site)| share(site.largest(), bond)))),
+        ("s7-rho3-distribution", behind(&bonds[1]).max(behind(&sites[1]))),
+    ])
+}
+
+/// `rho = 10`.
+pub(in super::super) fn ten(_: &Runs) -> Result<Vec<Quantity>> {
+    const RHO: f64 = 10.0;
+    let omega = omega(RHO)?;
+    let small = orbit(RHO, Center::Bond, omega + 0.01)?;
+    let [bonds, sites] = CENTERS.map(|center| spectra(RHO, center, &[omega + 0.01, omega + 0.04, omega + 0.09, 1.2]));
+    let (bonds, sites) = (bonds?, sites?);
+    Ok(vec![
+        ("s7-rho10-omega", omega),
+        ("s7-rho10-amplitude", small.amplitude()),
+        ("s7-rho10-near", most((0..2).map(|k| share(largest(&bonds[k], quartet).max(sites[k].largest()), &bonds[k])))),
+        ("s7-rho10-bond", largest(&bonds[3], quartet)),
+        ("s7-rho10-site", largest(&sites[3], quartet)),
+        ("s7-rho10-distribution", behind(&bonds[2]).max(behind(&sites[2]))),
+    ])
+}
+
+/// Frequencies of Fig. rhocts, and the mass ratios where we begin; the paper gives no range.
+const CONTINUED: [(f64, f64); 3] = [(1.5, 1.1), (1.75, 0.65), (2.05, 1.0 / 3.0)];
+/// The mass ratio where we end, and the one up to which the real instability grows at all three.
+const LAST: f64 = 3.0;
+const RISING: f64 = 1.9;
+
+/// A branch in `rho` at fixed frequency.
+struct Branch(Vec<(f64, Spectrum)>);
+
+impl Branch {
+    fn new(center: Center, omega_b: f64, from: f64) -> Result<Self> {
+        let shooting = Shooting::default();
+        let (parameter, step) = (Parameter::Rho, LAST - from);
+        let continuation = Continuation { parameter, to: LAST, step, most_points: 100, natural: false, shooting };
+        let (orbits, _) = continuation.follow(orbit(from, center, omega_b)?, |_| {})?;
+        let spectra = map(&orbits, |orbit| Ok((orbit.setting.params.rho, orbit.spectrum(&shooting)?)));
+        Ok(Self(spectra.into_iter().collect::<Result<_>>()?))
+    }
+
+    fn spectra(&self) -> impl Iterator<Item = &Spectrum> {
+        self.0.iter().map(|(_, spectrum)| spectrum)
+    }
+
+    /// Largest `lambda - 1`.
+    fn growths(&self) -> impl Iterator<Item = f64> {
+        self.spectra().map(|spectrum| largest(spectrum, |m| m.kind == Kind::Real) - 1.0)
+    }
+
+    fn last(&self) -> &Spectrum {
+        &self.0[self.0.len() - 1].1
+    }
+}
+
+/// The least ratio of a value to the one before.
+fn least_growth(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    least(values.windows(2).map(|two| two[1] / two[0]))
+}
+
+/// The branches in `rho`.
+pub(in super::super) fn continued(_: &Runs) -> Result<Vec<Quantity>> {
+    let jobs: Vec<_> = CENTERS.into_iter().flat_map(|center| CONTINUED.map(|branch| (center, branch))).collect();
+    let made = map(&jobs, |&(center, (omega_b, from))| Branch::new(center, omega_b, from));
+    let made: Vec<Branch> = made.into_iter().collect::<Result<_>>()?;
+    let (bonds, sites) = made.split_at(CONTINUED.len());
+    let rate = |site: &Spectrum| site.largest().ln();
+    let rising = |bond: &Branch| {
+        let up_to = bond.0.iter().take_while(|(rho, _)| *rho <= RISING).count();
+        (least_growth(bond.growths().take(up_to)), least_growth(bond.growths().skip(up_to - 1)))
+    };
+    let chaos = map(&CENTERS, |&center| {
+        let run = released(0.4, center, 2.05, 400.0, None)?;
+        let strong = |m: &&Multiplier| quartet(m) && m.im > 0.0 && m.modulus > 1.0 + WEAK;
+        let quartets = run.orbit.spectrum(&Shooting::default())?.multipliers.iter().filter(strong).count();
+        Ok((quartets as f64, most(run.e_b)))
+    });
+    let chaos = chaos.into_iter().collect::<Result<Vec<_>>>()?;
+    Ok(vec![
+        ("s7-rho-bond", least(bonds.iter().flat_map(Branch::growths))),
+        ("s7-rho-only-bond", most(sites.iter().flat_map(Branch::spectra).map(|site| largest(site, real) - 1.0))),
+        ("s7-rho-rising", least(bonds.iter().map(|bond| rising(bond).0))),
+        ("s7-rho-falling", least(bonds.iter().map(|bond| rising(bond).1))),
+        ("s7-rho-site", most(bonds.iter().zip(sites).map(|(bond, site)| share(site.0[0].1.largest(), &bond.0[0].1)))),
+        (
+            "s7-rho-site-heavy",
+            least(bonds.iter().zip(sites).map(|(bond, site)| share(site.last().largest(), bond.last()))),
+        ),
+        ("s7-rho-lifetime", least(sites.iter().map(|site| rate(site.last()) / rate(&site.0[0].1)))),
+        ("s7-rho-lifetime-always", least(sites.iter().map(|site| least_growth(site.spectra().map(rate))))),
+        ("s7-rho-quartets", least(chaos.iter().map(|one| one.0))),
+        ("s7-rho-chaos", least(chaos.iter().map(|one| one.1))),
+    ])
+}

@@ -1,0 +1,202 @@
+//! Rules: which values agree with what the paper says, and how a rule is written.
+
+use crate::number::double;
+use serde::Deserialize;
+use std::str::FromStr;
+
+/// A condition on a value. As text, it is what [`words`](Rule::words) returns and
+/// [`parse`](str::parse) reads.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "String")]
+pub enum Rule {
+    /// `rounds to 0.057`: the value rounds to these printed digits, here from 0.0565 to 0.0575.
+    Digits(String),
+    /// `= 2.5 to 1e-2`: the value is this number up to a relative error.
+    Equal {
+        /// The number, not zero.
+        to: f64,
+        /// Largest relative error.
+        within: f64,
+    },
+    /// `<= 8`: the value is at most this.
+    AtMost(f64),
+    /// `>= 1.3`: the value is at least this.
+    AtLeast(f64),
+    /// `undefined`: the value is not a number.
+    Undefined,
+}
+
+impl FromStr for Rule {
+    type Err = String;
+
+    /// # Errors
+    /// A text that is none of the five forms, or whose numbers cannot be read.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let rule = || {
+            if let Some(digits) = text.strip_prefix("rounds to ") {
+                return double(digits).map(|_| Self::Digits(digits.to_owned()));
+            }
+            if let Some((to, within)) = text.strip_prefix("= ").and_then(|equal| equal.split_once(" to ")) {
+                return Ok(Self::Equal { to: double(to)?, within: double(within)? });
+            }
+            match text.split_once(' ') {
+                Some(("<=", bound)) => double(bound).map(Self::AtMost),
+                Some((">=", bound)) => double(bound).map(Self::AtLeast),
+                None if text == "undefined" => Ok(Self::Undefined),
+                _ => Err("none of `rounds to`, `= .. to ..`, `<=`, `>=` and `undefined`".to_owned()),
+            }
+        };
+        rule().map_err(|why| format!("the rule {text:?}: {why}"))
+    }
+}
+
+impl TryFrom<String> for Rule {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl Rule {
+    /// Whether a value obeys the rule; not-a-number obeys [`Undefined`](Self::Undefined) alone.
+    ///
+    /// ```
+    /// use hertzchain::paper::Rule;
+    /// let printed: Rule = "rounds to 6.37e-4".parse()?;
+    /// assert!(printed.met_by(6.366e-4) && !printed.met_by(6.364e-4));
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn met_by(&self, value: f64) -> bool {
+        match self {
+            Self::Digits(printed) => {
+                let unit = 10f64.powi(-places(printed));
+                // The half unit, and the rounding of decimal numbers.
+                printed.parse::<f64>().is_ok_and(|number| (value - number).abs() <= unit * (0.5 + 1e-9))
+            }
+            Self::Equal { to, within } => (value / to - 1.0).abs() <= *within,
+            Self::AtMost(bound) => value <= *bound,
+            Self::AtLeast(bound) => value >= *bound,
+            Self::Undefined => value.is_nan(),
+        }
+    }
+
+    /// The rule in words.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Digits(printed) => format!("rounds to {printed}"),
+            Self::Equal { to, within } => format!("= {to} to {within:e}"),
+            Self::AtMost(bound) => format!("<= {}", short(*bound)),
+            Self::AtLeast(bound) => format!(">= {}", short(*bound)),
+            Self::Undefined => "undefined".to_owned(),
+        }
+    }
+
+    /// The value with the digits that the rule is about: two more than are printed, or five.
+    pub(super) fn show(&self, value: f64) -> String {
+        match self {
+            Self::Digits(printed) if printed.contains('e') => {
+                format!("{value:.*e}", digits_behind_the_point(printed) + 2)
+            }
+            Self::Digits(printed) => format!("{value:.*}", digits_behind_the_point(printed) + 2),
+            _ if value == 0.0 => "0".to_owned(),
+            _ if plain(value) => {
+                // Half a unit more, or 0.999999 would have one digit more than 1.
+                let digits = 4.0 - (value.abs() * (1.0 + 5e-6)).log10().floor();
+                format!("{value:.*}", digits.max(0.0) as usize)
+            }
+            _ => format!("{value:.2e}"),
+        }
+    }
+}
+
+/// Whether a number is read more easily without an exponent.
+fn plain(value: f64) -> bool {
+    value == 0.0 || (1e-3..1e5).contains(&value.abs())
+}
+
+fn short(value: f64) -> String {
+    if plain(value) { value.to_string() } else { format!("{value:e}") }
+}
+
+fn digits_behind_the_point(printed: &str) -> usize {
+    let mantissa = printed.split('e').next().unwrap_or(printed);
+    mantissa.split_once('.').map_or(0, |(_, behind)| behind.len())
+}
+
+/// The power of ten of the last printed digit, with its sign changed.
+fn places(printed: &str) -> i32 {
+    let exponent = printed.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
+    digits_behind_the_point(printed) as i32 - exponent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn digits(printed: &str) -> Rule {
+        Rule::Digits(printed.to_owned())
+    }
+
+    #[test]
+    fn a_number_agrees_if_it_rounds_to_the_printed_digits() {
+        for (printed, good, bad) in [
+            ("0.057", [0.0565, 0.0571, 0.0575], [0.056_499, 0.0576]),
+            ("2", [1.5, 2.0, 2.4], [1.4, 2.6]),
+            ("314", [313.6, 314.0, 314.4], [313.4, 314.6]),
+            ("6.37e-4", [6.366e-4, 6.37e-4, 6.374e-4], [6.364e-4, 6.376e-4]),
+            ("-0.830", [-0.8304, -0.83, -0.8296], [-0.8306, 0.83]),
+            ("3.140", [3.1396, 3.1399, 3.1404], [3.1394, 3.1406]),
+        ] {
+            let rule = digits(printed);
+            assert!(good.iter().all(|&value| rule.met_by(value)), "{printed}");
+            assert!(bad.iter().all(|&value| !rule.met_by(value)), "{printed}");
+            assert!(!rule.met_by(f64::NAN) && !rule.met_by(f64::INFINITY), "{printed}");
+        }
+        assert!(!digits("about 3").met_by(3.0));
+    }
+
+    #[test]
+    fn other_rules_take_no_number_that_is_none() {
+        for rule in [Rule::Equal { to: 1.0, within: 0.1 }, Rule::AtMost(8.0), Rule::AtLeast(0.0)] {
+            assert!(!rule.met_by(f64::NAN) && rule.met_by(1.0));
+        }
+        assert!(
+            !Rule::Equal { to: 1.0, within: 0.1 }.met_by(1.2) && !Rule::Equal { to: 1.0, within: 0.1 }.met_by(-1.0)
+        );
+        assert!(!Rule::AtMost(8.0).met_by(8.1) && !Rule::AtLeast(2.0).met_by(1.9));
+        assert!(Rule::Undefined.met_by(f64::NAN) && !Rule::Undefined.met_by(0.0));
+    }
+
+    #[test]
+    fn values_are_shown_with_the_digits_that_decide() {
+        assert_eq!(digits("0.057").show(0.057_113_1), "0.05711");
+        assert_eq!(digits("6.37e-4").show(6.365_609e-4), "6.3656e-4");
+        assert_eq!(Rule::AtMost(8.0).show(4.938_420_48), "4.9384");
+        assert_eq!(Rule::AtMost(1e-12).show(3.26e-15), "3.26e-15");
+        assert_eq!(Rule::AtLeast(1.0).show(0.0), "0");
+        assert_eq!(
+            (Rule::AtMost(8.0).show(0.999_999_99), Rule::AtMost(8.0).show(1.0)),
+            ("1.0000".into(), "1.0000".into())
+        );
+        assert_eq!((Rule::AtMost(1e-7).words(), Rule::AtLeast(1.5).words()), ("<= 1e-7".into(), ">= 1.5".into()));
+    }
+
+    #[test]
+    fn what_is_no_rule_is_refused() {
+        for (text, rule) in [
+            ("rounds to 0.057", digits("0.057")),
+            ("= 2.5 to 1e-2", Rule::Equal { to: 2.5, within: 0.01 }),
+            ("<= -1e-6", Rule::AtMost(-1e-6)),
+            (">= 1.3", Rule::AtLeast(1.3)),
+            ("undefined", Rule::Undefined),
+        ] {
+            assert_eq!(text.parse(), Ok(rule));
+        }
+        for text in
+            ["", "rounds to", "rounds to x", "= 2.5", "= x to 1e-2", "= 1 to y", "<= ", "< 3", ">=3", "undefined 3"]
+        {
+            assert!(text.parse::<Rule>().is_err(), "{text}");
+        }
+    }
+}

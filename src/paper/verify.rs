@@ -1,0 +1,162 @@
+//! Claims and our values side by side.
+
+use super::{
+    claims::{Claim, Kind, claims},
+    quantities::{Quantity, quantities},
+};
+use crate::error::{Error, Result};
+use std::time::{Duration, Instant};
+
+/// What is said of a number or a statement of the paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Our number is the printed one.
+    Agrees,
+    /// It is not: a misprint, or a looser statement.
+    Differs,
+    /// The statement is true.
+    Holds,
+    /// It is not.
+    Fails,
+}
+
+impl Verdict {
+    /// The verdict as a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::Differs => "differs",
+            Self::Holds => "holds",
+            Self::Fails => "fails",
+        }
+    }
+}
+
+/// A claim of the paper and our value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Item<'a> {
+    /// What the paper says.
+    pub claim: &'a Claim,
+    /// Our number.
+    pub value: f64,
+}
+
+impl Item<'_> {
+    fn say(&self, good: bool) -> Verdict {
+        match (self.claim.kind, good) {
+            (Kind::Number | Kind::Formula, true) => Verdict::Agrees,
+            (Kind::Number | Kind::Formula, false) => Verdict::Differs,
+            (Kind::Statement, true) => Verdict::Holds,
+            (Kind::Statement, false) => Verdict::Fails,
+        }
+    }
+
+    /// What our number says of the paper's.
+    pub fn verdict(&self) -> Verdict {
+        self.say(self.claim.rule.met_by(self.value))
+    }
+
+    /// What it is known to say.
+    pub fn expected(&self) -> Verdict {
+        self.say(self.claim.instead.is_none())
+    }
+
+    /// Whether the verdict is the expected one and, where the paper's number is known to be
+    /// another, ours obeys the rule for that.
+    pub fn as_expected(&self) -> bool {
+        self.verdict() == self.expected() && self.claim.instead.as_ref().is_none_or(|rule| rule.met_by(self.value))
+    }
+
+    /// Our number with as many digits as matter.
+    pub fn shown(&self) -> String {
+        self.claim.instead.as_ref().unwrap_or(&self.claim.rule).show(self.value)
+    }
+}
+
+/// The table.
+#[derive(Clone, Debug)]
+pub struct Verification {
+    /// Items in the order of the paper.
+    pub items: Vec<Item<'static>>,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+impl Verification {
+    /// The items whose verdict, or number, is not the one that is known.
+    pub fn unexpected(&self) -> impl Iterator<Item = &Item<'static>> {
+        self.items.iter().filter(|item| !item.as_expected())
+    }
+}
+
+/// Computes the quantities of a section, or of all sections, and holds them against the claims.
+/// `progress` is told how many pieces of work are done of how many.
+///
+/// # Errors
+/// A section without claims; a run that fails.
+pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Verification> {
+    let clock = Instant::now();
+    let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
+    if let (Some(section), None) = (section, claims().next()) {
+        return Err(Error::parameter("section", section, "a section of the paper that has items: 3, 4, 5, 6 or 7"));
+    }
+    let items = pair(claims(), &quantities(section, progress)?);
+    Ok(Verification { items, wall: clock.elapsed() })
+}
+
+/// Each claim with its value.
+///
+/// # Panics
+/// If the ids of both are not the same, in the same order.
+fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[Quantity]) -> Vec<Item<'a>> {
+    let claims: Vec<&Claim> = claims.collect();
+    let (said, computed): (Vec<&str>, Vec<&str>) =
+        (claims.iter().map(|claim| claim.id.as_str()).collect(), quantities.iter().map(|(id, _)| *id).collect());
+    assert_eq!(said, computed, "each claim has its quantity");
+    claims.into_iter().zip(quantities).map(|(claim, &(_, value))| Item { claim, value }).collect()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::paper::Rule;
+
+    pub(in super::super) fn claim(kind: Kind, paper: &str, rule: &str) -> Claim {
+        let [id, label, quantity, why] = ["s3-x", "", "", ""].map(String::from);
+        let rule = rule.parse().unwrap();
+        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead: None, why }
+    }
+
+    #[test]
+    fn a_known_difference_is_expected_and_a_changed_number_is_not() {
+        let printed = claim(Kind::Number, "3.126", "rounds to 3.126");
+        let misprint = Claim { instead: Some(Rule::Digits("3.140".to_owned())), ..printed.clone() };
+        let item = |value| Item { claim: &printed, value };
+        let period = |value| Item { claim: &misprint, value };
+        assert_eq!((period(3.14002).verdict(), period(3.14002).expected()), (Verdict::Differs, Verdict::Differs));
+        assert!(period(3.14002).as_expected());
+        // Another number of ours; the paper's; a difference nobody knows of; none.
+        assert!(!period(3.2).as_expected() && !period(3.126).as_expected());
+        assert!(!item(3.12).as_expected() && item(3.126).as_expected());
+        let bound = claim(Kind::Statement, "", "<= 8");
+        let bounded = |value| Item { claim: &bound, value };
+        assert_eq!((bounded(7.0).verdict(), bounded(9.0).verdict()), (Verdict::Holds, Verdict::Fails));
+        assert!(bounded(7.0).as_expected() && !bounded(9.0).as_expected());
+    }
+
+    #[test]
+    fn a_claim_has_its_own_quantity() {
+        let [one, two] = ["s3-one", "s3-two"].map(|id| Claim { id: id.to_owned(), ..claim(Kind::Number, "2", "<= 2") });
+        let both = || [&one, &two].into_iter();
+        let items = pair(both(), &[("s3-one", 1.0), ("s3-two", 2.0)]);
+        assert_eq!(items.iter().map(|item| item.value).collect::<Vec<_>>(), [1.0, 2.0]);
+        for quantities in [
+            &[("s3-one", 1.0)][..],
+            &[("s3-two", 2.0), ("s3-one", 1.0)],
+            &[("s3-one", 1.0), ("s3-2", 2.0)],
+            &[("s3-one", 1.0), ("s3-two", 2.0), ("s3-three", 3.0)],
+        ] {
+            assert!(std::panic::catch_unwind(|| pair(both(), quantities).len()).is_err(), "{quantities:?}");
+        }
+    }
+}
