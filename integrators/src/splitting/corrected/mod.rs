@@ -72,12 +72,18 @@
 //! |---|---|---|
 //! | next singular terms: the rate of `s`, the bend of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
 //! | the bond's own force in its path; its square in the modified force; an event of a neighbour in the same step, whose force enters `s` like `tau^alpha` | `h^{2 alpha+2}` | at least 4 |
-//! | *grazing*: `abs(a) h > c`, a contact or a gap of a few steps or less, seen or not | `a^alpha h^{2 alpha+1}` times at most a few hundredths | of all events a share of `O(h)` graze: `h^{2 alpha+2}` in the mean, and `h^{2 alpha+1}` in the worst case, which is below order 4 for `alpha < 3/2` |
+//! | *grazing*: an overlap that turns within a few steps of its zero, seen by the kicks or not (see `graze`) | `a^alpha h^{2 alpha+2}` | at least 4 |
+//! | a run that starts, or a state that is looked at, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
 //!
 //! Nothing of order `h^{alpha+2}` is left: the second-order terms of the averaging are products of two quadrature errors. That of a bond's event with
 //! the smooth force of its neighbours is the modified force's, above; that with the smooth force of springs is nothing in the linear split, whose drift has them, and is
 //! in `a` and `s` of the kinetic split; that of two events in one step, or of one with itself, has a factor `h^{alpha+1}` for each.
-//! For grazing events the second term of `W` is multiplied by `1/(1 + (a h/c)^2)`: else its derivative has a pole at `c = 0`, of order `2 - alpha`.
+//! For grazing events the second term of `W` is multiplied by `1/(1 + (a h/c)^8)`: else its derivative has a pole at `c = 0`, of order `2 - alpha`. What that and
+//! both terms leave of a grazing event is known, and given to the bond at its turning point.
+//!
+//! Kicks next to an event are not worth the force of the processed path: `f(g) + (h^2/12) f'(g) s` is zero where `g` is not yet positive but `g + (h^2/12) s` is, and
+//! `f''` is large. The difference, up to `h (s h^2/12)^alpha`, is given to the bond for the two kicks around the event: the derivative of
+//! `h (V(g + e) - V(g) - e f(g))`, `e = (h^2/12) s`.
 //!
 //! For integer `alpha` the zeta functions are the polynomials of Bernoulli, and the formulas hold as they are. For `alpha < 1` the modified force is not bounded at an
 //! event: such exponents are refused.
