@@ -23,6 +23,8 @@ pub struct Claim {
     pub rule: Rule,
     /// The rule that our value obeys where the paper's is known to be broken.
     pub instead: Option<Rule>,
+    /// The claim whose misprint this one repeats.
+    pub same: Option<String>,
     /// Why they differ, or a remark; may be empty.
     pub why: String,
 }
@@ -68,6 +70,7 @@ struct Row {
     statement: Option<String>,
     rule: Option<String>,
     instead: Option<Rule>,
+    same: Option<String>,
     #[serde(default)]
     why: String,
 }
@@ -80,7 +83,7 @@ fn read(text: &str) -> Result<Vec<Claim>, String> {
 
 impl Row {
     fn claim(self, named: &BTreeMap<String, Rule>) -> Result<Claim, String> {
-        let Self { id, label, quantity, number, formula, statement, rule, instead, why } = self;
+        let Self { id, label, quantity, number, formula, statement, rule, instead, same, why } = self;
         let fault = |why: &str| format!("{id}: {why}");
         let section = id.strip_prefix('s').and_then(|rest| rest.chars().next()).and_then(|digit| digit.to_digit(10));
         let section = section.ok_or_else(|| fault("an id begins with s and a section"))?;
@@ -99,7 +102,7 @@ impl Row {
             },
             (_, None) => return Err(fault("no rule")),
         };
-        Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, why })
+        Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, same, why })
     }
 }
 
@@ -113,9 +116,15 @@ mod tests {
         let names: HashSet<&str> = claims().iter().map(|claim| claim.id.as_str()).collect();
         assert_eq!(names.len(), claims().len());
         assert!(claims().is_sorted_by_key(|claim| claim.section));
-        for Claim { id, label, quantity, paper, instead, why, .. } in claims() {
+        for Claim { id, label, quantity, paper, instead, same, why, .. } in claims() {
             assert!(![label, quantity, paper].into_iter().any(String::is_empty), "{id}");
             assert!(instead.is_none() || !why.is_empty(), "{id} differs without a reason");
+            // A misprint that is repeated is another claim's, which differs too.
+            let first = same.as_ref().map(|same| claims().iter().find(|claim| claim.id == *same).unwrap());
+            assert!(
+                first.is_none_or(|first| instead.is_some() && first.instead.is_some() && first.same.is_none()),
+                "{id}"
+            );
         }
     }
 

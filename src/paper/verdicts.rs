@@ -1,6 +1,7 @@
 //! The verdicts as a table, as CSV and as JSON.
 
 use super::{
+    claims::Kind,
     rule::Rule,
     verify::{Item, Verdict, Verification},
 };
@@ -8,6 +9,13 @@ use crate::{output::to_json, report::table};
 use serde_json::{Value, json};
 
 const VERDICTS: [Verdict; 4] = [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails];
+
+/// What claims of each kind are called, and the verdicts that they can have.
+const KINDS: [(Kind, &str, [Verdict; 2]); 3] = [
+    (Kind::Number, "numbers", [Verdict::Agrees, Verdict::Differs]),
+    (Kind::Formula, "formulas", [Verdict::Agrees, Verdict::Differs]),
+    (Kind::Statement, "statements", [Verdict::Holds, Verdict::Fails]),
+];
 
 fn count(verification: &Verification, verdict: Verdict) -> usize {
     verification.items.iter().filter(|item| item.verdict() == verdict).count()
@@ -29,15 +37,23 @@ pub fn verify_json(verification: &Verification) -> String {
             "shown": item.shown(),
             "verdict": item.verdict().word(),
             "expected": item.expected().word(),
+            "kind": format!("{:?}", claim.kind).to_lowercase(),
+            "same": claim.same,
             "instead": claim.instead.as_ref().map(Rule::words),
             "as_expected": item.as_expected(),
             "why": claim.why,
         })
     };
     let counts = VERDICTS.map(|verdict| (verdict.word().to_owned(), json!(count(verification, verdict))));
+    let kinds = KINDS.map(|(kind, name, verdicts)| {
+        let counts = verdicts.map(|verdict| (verdict.word().to_owned(), json!(verification.count(kind, verdict))));
+        (name.to_owned(), Value::Object(counts.into_iter().collect()))
+    });
     to_json(&json!({
         "as_expected": verification.unexpected().next().is_none(),
         "counts": Value::Object(counts.into_iter().collect()),
+        "kinds": Value::Object(kinds.into_iter().collect()),
+        "misprints": verification.misprints(),
         "items": verification.items.iter().map(item).collect::<Vec<Value>>(),
         "wall_s": verification.wall.as_secs_f64(),
         "version": env!("CARGO_PKG_VERSION"),
@@ -65,10 +81,30 @@ pub fn verify_csv(verification: &Verification) -> Vec<u8> {
 pub fn verify_table(verification: &Verification) -> String {
     let sections = verification.items.chunk_by(|one, next| one.claim.section == next.claim.section);
     let tables: Vec<String> = sections.map(section_table).collect();
-    let counts = VERDICTS.map(|verdict| format!("{} {}", count(verification, verdict), verdict.word())).join(", ");
     let unexpected = verification.unexpected().count();
     let known = if unexpected == 0 { "all as known".to_owned() } else { format!("{unexpected} not as known") };
-    format!("{}\n{} items: {counts}; {known}.\n", tables.join("\n"), verification.items.len())
+    let kinds = KINDS.map(|(kind, name, verdicts)| {
+        let [good, bad] =
+            verdicts.map(|verdict| format!("{} {}", verification.count(kind, verdict), verdict_plural(verdict)));
+        format!("{name}: {good}, {bad}")
+    });
+    let items = verification.items.len();
+    let misprints = verification.misprints();
+    format!(
+        "{}\n{items} items; {}. {misprints} differences, each counted once however often it is repeated; {known}.\n",
+        tables.join("\n"),
+        kinds.join("; "),
+    )
+}
+
+/// The verdict as a verb of several claims.
+fn verdict_plural(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Agrees => "agree",
+        Verdict::Differs => "differ",
+        Verdict::Holds => "hold",
+        Verdict::Fails => "fail",
+    }
 }
 
 fn section_table(items: &[Item]) -> String {
@@ -96,7 +132,7 @@ fn section_table(items: &[Item]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{claims::Kind, verify::tests::claim};
+    use crate::paper::verify::tests::claim;
 
     #[test]
     fn csv_keeps_commas_and_quotation_marks_in_their_cells() {

@@ -87,6 +87,26 @@ impl Verification {
     pub fn unexpected(&self) -> impl Iterator<Item = &Item<'static>> {
         self.items.iter().filter(|item| !item.as_expected())
     }
+
+    /// Numbers, formulas and statements that differ or fail. A misprint that several claims repeat
+    /// counts once.
+    pub fn misprints(&self) -> usize {
+        let wrong = |item: &&Item| matches!(item.verdict(), Verdict::Differs | Verdict::Fails);
+        let mut first: Vec<&str> = self
+            .items
+            .iter()
+            .filter(wrong)
+            .map(|item| item.claim.same.as_ref().unwrap_or(&item.claim.id).as_str())
+            .collect();
+        first.sort_unstable();
+        first.dedup();
+        first.len()
+    }
+
+    /// How many claims of a kind there are with this verdict.
+    pub fn count(&self, kind: Kind, verdict: Verdict) -> usize {
+        self.items.iter().filter(|item| item.claim.kind == kind && item.verdict() == verdict).count()
+    }
 }
 
 /// Computes the quantities of a section, or of all sections, and holds them against the claims.
@@ -124,7 +144,7 @@ pub(super) mod tests {
     pub(in super::super) fn claim(kind: Kind, paper: &str, rule: &str) -> Claim {
         let [id, label, quantity, why] = ["s3-x", "", "", ""].map(String::from);
         let rule = rule.parse().unwrap();
-        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead: None, why }
+        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead: None, same: None, why }
     }
 
     #[test]

@@ -108,7 +108,6 @@ fn dispersion(_: &Runs) -> Result<Vec<Quantity>> {
         ("s4-disp", measured_slow_frequency(&strained)? / printed(&strained, 0.3)),
         ("s4-h-closed", averages.h(0.0, 0.7) / closed_h(1.5, 0.7)),
         ("s4-Omega0", measured_slow_frequency(&unstrained)? / closed(&unstrained)),
-        ("s4-h-domain", Averages::new(1.5, 1.0)?.h(3.0, 1.0)),
         ("s4-kappa", 0.5 * rescaled(4.0, 0.16)? / rescaled(1.0, 0.01)?),
     ])
 }
@@ -270,7 +269,6 @@ fn no_mean_strain(runs: &Runs) -> Result<Vec<Quantity>> {
     let own = Modulation::new(params, shape)?;
     Ok(vec![
         ("s4.2-b0-wave", own.slow_frequency() / cradle.slow_frequency()),
-        ("s4.2-b0-modulations", own.slope()),
         ("s4.2-b0-x", x),
         ("s4.2-b0-Ex", max_percent(&study.errors.x)),
         ("s4.2-b0-Ey", max_percent(&study.errors.y)),
