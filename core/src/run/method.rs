@@ -187,7 +187,7 @@ impl Method {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
             Self::Corrected(..) => 4,
             Self::Dop853(_) => 8,
-            // Twice the number of Gauss nodes of a panel, for 8 nodes.
+            // Twice the number of Gauss nodes per panel, 8 at the middle of the range.
             Self::Collocation => 16,
         }
     }

@@ -36,8 +36,8 @@ pub struct Regime {
     pub reason: String,
 }
 
-/// Scale of the overlaps `A`: the maximum of the largest strain (in absolute value) and of half the
-/// overlap `2A` of two beads that meet with the largest speed `V` each, where
+/// Scale of the overlaps: the largest strain (in absolute value) or, if larger, the greatest
+/// overlap `A` of two beads that meet with the largest speed `V` each,
 /// `A^(alpha+1) = (alpha+1) V^2`.
 pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
     let (strain, power) = (max_norm(chain.strains(y)), chain.params().alpha + 1.0);
