@@ -1,62 +1,62 @@
-//! The one error type of the library.
+//! The error type of the library.
 
 use std::path::PathBuf;
 
-/// So much of a text that is not ours is shown in a message.
+/// Largest number of characters of foreign text in a message.
 const MOST_SHOWN: usize = 300;
-/// So many names are all listed to somebody who gives another.
+/// Largest number of known names that the message about an unknown name lists.
 const MOST_LISTED: usize = 16;
 
-/// What can go wrong, always with the value and the rule it broke.
+/// What can go wrong. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A parameter outside its rule.
+    /// A parameter outside its range.
     #[error("{name} = {value} is not valid: {rule}")]
     Parameter {
-        /// Which parameter.
+        /// Name of the parameter.
         name: &'static str,
         /// Its value, as it was given.
         value: String,
         /// The rule it broke.
         rule: &'static str,
     },
-    /// A name nobody knows.
+    /// A name that is not known.
     #[error("unknown {kind} \"{name}\"{hint}")]
     Unknown {
-        /// Kind of thing that was named.
+        /// Kind of the named thing, such as "integrator".
         kind: &'static str,
         /// The name.
         name: String,
-        /// The known name most like it; if there is none, and names are few, all of them.
+        /// The most similar known name; without one, all known names if they are few.
         hint: String,
     },
-    /// A scene file that does not say what a scene must say.
+    /// A scene file with a missing or wrong entry.
     #[error("scene {file}: {message}")]
     Scene {
         /// File, or name of the built-in scene.
         file: String,
-        /// Key and rule.
+        /// The key and the rule it broke.
         message: String,
     },
     /// An integration that could not go on.
     #[error(transparent)]
     Integration(#[from] hertzchain_integrators::Error),
-    /// A run that could not go on, with its step and the place on the chain.
+    /// A run that could not go on, with its mean step and the place on the chain.
     #[error(transparent)]
     Run(#[from] Failed),
     /// A point of a study that failed.
     #[error("{point}: {why}")]
     Point {
-        /// Which point.
+        /// Name of the point.
         point: String,
-        /// Why.
+        /// Reason of the failure.
         why: String,
     },
-    /// Somebody outside asked the work to end.
+    /// A signal asked the process to end.
     #[error("stopped by a signal: {kept}")]
     Stopped {
-        /// What there is of it.
+        /// What was kept of the work, in words.
         kept: String,
     },
     /// A search for a periodic orbit that did not converge.
@@ -72,17 +72,18 @@ pub enum Error {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file that is there but does not hold what it must: broken, altered, of another study or version.
+    /// A file that is there but does not hold what it must: broken, altered, of another study or
+    /// version.
     #[error("{}, {}: {}", path.display(), one_line(place), one_line(&in_words(rule)))]
     Content {
         /// The file.
         path: PathBuf,
         /// The key, array or line.
         place: String,
-        /// What is wrong with it.
+        /// The rule that the content broke.
         rule: String,
     },
     /// A figure that could not be drawn.
@@ -95,9 +96,9 @@ pub enum Error {
 pub struct Iterate {
     /// The unknowns, `[x(0), y(0)]` of an orbit.
     pub z: Vec<f64>,
-    /// Its residual.
+    /// Residual of the iterate.
     pub residual: f64,
-    /// The parameters it is for, in words.
+    /// Parameters of the problem, in words.
     pub place: String,
 }
 
@@ -105,11 +106,11 @@ pub struct Iterate {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{cause}{}", beside(.h, .place))]
 pub struct Failed {
-    /// What happened.
+    /// The cause of the failure.
     pub cause: hertzchain_integrators::Error,
-    /// Mean step of the run so far, where the cause does not know its own.
+    /// Mean step since the start of the leg, for causes without a step of their own.
     pub h: Option<f64>,
-    /// Where on the chain.
+    /// Place on the chain, in words.
     pub place: Option<String>,
 }
 
@@ -119,13 +120,13 @@ fn beside(h: &Option<f64>, place: &Option<String>) -> String {
     h.into_iter().chain(place).collect()
 }
 
-/// What may hold words of a file, fit for one line of a message.
+/// Foreign text for one line of a message: shortened, without control characters.
 pub fn one_line(text: &str) -> String {
     let shown = text.chars().take(MOST_SHOWN).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
     shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
 }
 
-/// A message of a reader of files, in which numbers are called numbers and not types of Rust.
+/// The message of a file parser, with plain words in place of the names of Rust types.
 pub fn in_words(message: &str) -> String {
     [
         ("expected usize", "expected a whole number, at least zero"),
@@ -141,7 +142,7 @@ pub fn in_words(message: &str) -> String {
     .fold(message.to_owned(), |message, (rust, word)| message.replace(rust, word))
 }
 
-/// The result of whatever may end in an [`Error`].
+/// A result whose error is an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
 fn best_residual(best: Option<&Iterate>) -> String {
@@ -151,17 +152,17 @@ fn best_residual(best: Option<&Iterate>) -> String {
 }
 
 impl Error {
-    /// A parameter outside its rule.
+    /// A parameter outside its range.
     pub fn parameter(name: &'static str, value: impl ToString, rule: &'static str) -> Self {
         let mut value = value.to_string();
-        // 1e300 is not told with 300 digits.
+        // Long numbers are written with an exponent.
         if let (true, Ok(number)) = (value.len() > 20, value.parse::<f64>()) {
             value = format!("{number:e}");
         }
         Self::Parameter { name, value, rule }
     }
 
-    /// An unknown name, with the nearest of the `known` ones, or all of them where they are few.
+    /// An unknown name, with the most similar known name, or with all known names if they are few.
     pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
         let hint = match nearest(name, known.iter().copied()) {
@@ -173,7 +174,7 @@ impl Error {
     }
 }
 
-/// The known name most like `name`, if one is like it at all.
+/// The known name most similar to `name`, if its similarity (Jaro and Winkler) exceeds 0.7.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()

@@ -1,4 +1,5 @@
-//! Whether this process was asked to end: runs, sweeps and branches look here, end where they are and keep what they have.
+//! A flag that asks this process to end. Runs, sweeps and branches check the flag, stop, and keep
+//! what they have computed.
 
 use std::sync::{
     Arc, OnceLock,
@@ -7,12 +8,12 @@ use std::sync::{
 
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Gives the flag that asks, once set by whoever hears signals. A second flag is not looked at.
+/// Registers the flag, which a signal handler sets. Only the first call has an effect.
 pub fn watch(flag: Arc<AtomicBool>) {
     let _ = FLAG.set(flag);
 }
 
-/// Whether the flag is set.
+/// Whether the flag is registered and set.
 pub fn asked() -> bool {
     FLAG.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }

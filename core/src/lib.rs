@@ -1,14 +1,15 @@
-//! The chain, and the one door to every method.
+//! The chain, and one interface to all methods.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, state, energy, and the two splittings |
-//! | [`run`] | a chain, a state, a span, a method: what they leave behind; the integrators by name |
-//! | [`error`] | the one error type |
-//! | [`interrupt`] | whether the process was asked to end |
+//! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
+//! | [`error`] | the error type |
+//! | [`interrupt`] | the flag that asks the process to end |
 //!
-//! It is a package of its own for the sake of the build: what must be fast is compiled at full optimisation here, and the studies above, in which
-//! nobody waits, in a fraction of the time. `hertzchain` has all of it under the same names.
+//! It is a separate package to keep the build short: the code whose speed matters is compiled here
+//! at full optimisation, and the studies in `hertzchain` at a lower level. `hertzchain` exports all
+//! of this package under the same names.
 
 pub mod chain;
 pub mod error;

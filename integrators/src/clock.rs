@@ -1,8 +1,8 @@
-//! Time to twice the working precision.
+//! Times with twice the working precision.
 //!
-//! A run of 10^6 steps reaches a phase omega t of 10^5; one rounding of omega, of the step or of a coefficient then costs
-//! 10^-11 in the phase. Scalars that describe *when* are therefore unevaluated sums `hi + lo`; they are touched once a
-//! stage, never once a site, so their cost does not show.
+//! A run of 10^6 steps reaches a phase `omega t` of 10^5; one rounding of omega, of the step or of
+//! a coefficient then costs 10^-11 in the phase. Scalars that describe times are therefore
+//! unevaluated sums `hi + lo`. They are used once a stage, not once a site, so their cost is small.
 
 use crate::real::Real;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -12,7 +12,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub struct Twofold<R> {
     /// The number rounded to the working precision.
     pub hi: R,
-    /// What that rounding left.
+    /// The remainder of the rounding.
     pub lo: R,
 }
 
@@ -33,7 +33,7 @@ fn two_product<R: Real>(a: R, b: R) -> Twofold<R> {
 }
 
 impl<R: Real> Twofold<R> {
-    /// The number `value`, exactly.
+    /// The number `value`, with `lo = 0`.
     pub fn new(value: R) -> Self {
         Self { hi: value, lo: R::zero() }
     }
@@ -43,12 +43,12 @@ impl<R: Real> Twofold<R> {
         Self::new(R::zero())
     }
 
-    /// A decimal to about twice the working precision of `f64` (31 digits count).
+    /// The number of a decimal, to about twice the precision of `f64` (31 digits).
     ///
     /// # Panics
     /// As [`Real::decimal`].
     pub fn decimal(text: &str) -> Self {
-        // Nine digits at a time: each piece and each power of ten up to 10^22 is exact.
+        // Nine digits at a time: each piece and its power of ten are exact.
         let (negative, digits) = text.strip_prefix('-').map_or((false, text), |rest| (true, rest));
         let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
         let mut value = Self::new(R::decimal(whole));
@@ -85,7 +85,8 @@ impl<R: Real> Twofold<R> {
         Self::decimal("6.283185307179586476925286766559005768394")
     }
 
-    /// The number reduced by whole multiples of `modulus` into `[-modulus/2, modulus/2]`.
+    /// The number minus the whole multiple of `modulus` that brings it into
+    /// `[-modulus/2, modulus/2]`.
     #[inline]
     pub fn reduced(self, modulus: Self) -> Self {
         if self.hi.abs() <= modulus.hi * R::of(0.5) {
@@ -95,7 +96,8 @@ impl<R: Real> Twofold<R> {
         self - modulus * Self::new(turns)
     }
 
-    /// `(sin, cos)` of the number, to the working precision. Reduce it first.
+    /// `(sin, cos)` of the number, to the working precision. The number must be
+    /// [`reduced`](Self::reduced).
     pub fn sin_cos(self) -> (R, R) {
         let (s, c) = self.hi.sin_cos();
         (s + c * self.lo, c - s * self.lo)
@@ -145,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_decimal_keeps_thirty_digits() {
-        // 1/7 by division and by decimal: two independent ways.
+        // Compares division with the decimal: two independent computations of 1/7.
         let one: Twofold<f64> = Twofold::new(1.0);
         let by_division = one.over(Twofold::new(7.0));
         let by_decimal = Twofold::decimal("0.142857142857142857142857142857142857");

@@ -1,9 +1,9 @@
-//! The one loop over time: advance, record, stop. Every family of methods is a [`Stepper`] under it.
+//! The loop over time: advance, record, stop. All methods are [`Stepper`]s under it.
 
 use crate::{error::Error, real::Real, stats::Stats};
 use std::ops::ControlFlow;
 
-/// A method at work on a problem, from its start to a fixed end.
+/// A method that integrates a problem from its start to a fixed end.
 pub trait Stepper<R: Real> {
     /// Number of components of the state.
     fn dim(&self) -> usize;
@@ -11,10 +11,10 @@ pub trait Stepper<R: Real> {
     fn time(&self) -> R;
     /// Whether the end is reached.
     fn done(&self) -> bool;
-    /// One accepted step. Not to be called when [`done`](Self::done).
+    /// Makes one accepted step. Must not be called after [`done`](Self::done).
     ///
     /// # Errors
-    /// What the method cannot get over; the state reached stays readable through [`sample`](Self::sample).
+    /// The failure of the method. The last state stays readable through [`sample`](Self::sample).
     fn step(&mut self) -> Result<(), Error>;
     /// Writes the state at `t`, a time inside the last step, without changing the run.
     fn sample(&mut self, t: R, y: &mut [R]);
@@ -48,22 +48,23 @@ impl<R: Real, S: Stepper<R> + ?Sized> Stepper<R> for Box<S> {
     }
 }
 
-/// Somebody who wants to see the run at certain times.
+/// An observer of a run at times of its choice.
 pub trait Observer<R: Real> {
-    /// The next time it wants to see; times never decrease. `None`: no more.
+    /// The next time at which the observer wants the state; times never decrease. `None`: no more.
     fn next(&self) -> Option<R>;
-    /// Takes the state `y` at time `t`, the one asked for last. Must move [`next`](Self::next) on.
+    /// Receives the state `y` at the time `t` that [`next`](Self::next) asked for. Must move `next`
+    /// on.
     ///
     /// # Errors
-    /// Whatever makes going on pointless, such as a state that is not finite.
+    /// A reason to end the run, such as a state that is not finite.
     fn observe(&mut self, t: R, y: &[R], stats: Stats) -> Result<ControlFlow<()>, Error>;
-    /// Whether the run is to end where it is; asked before every step.
+    /// Whether the run must end now; asked before every step.
     fn stop(&self) -> bool {
         false
     }
 }
 
-/// The observer that wants nothing.
+/// An observer that asks for no times.
 pub struct Silent;
 
 impl<R: Real> Observer<R> for Silent {
@@ -75,21 +76,21 @@ impl<R: Real> Observer<R> for Silent {
     }
 }
 
-/// Why a run ended well.
+/// The reason for which a run ended without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The end of the time span.
     End,
-    /// An observer had seen enough.
+    /// The observer ended the run.
     Observer,
 }
 
-/// Runs `stepper` to its end and leaves the last state in `y`; `observer` sees the times it asks for.
-///
-/// Allocates nothing itself.
+/// Runs `stepper` to its end and writes the last state into `y`; `observer` receives the states at
+/// the times it asks for. The loop itself allocates nothing.
 ///
 /// # Errors
-/// The first error of the stepper or of the observer; [`Error::Stopped`] if the latter wants no more. `y` then holds the last state that was reached.
+/// The first error of the stepper or of the observer; [`Error::Stopped`] if the observer wants the
+/// run to end. After an error of the stepper or a stop, `y` holds the last state reached.
 pub fn drive<R, S, O>(stepper: &mut S, observer: &mut O, y: &mut [R]) -> Result<Stop, Error>
 where
     R: Real,
@@ -99,7 +100,7 @@ where
     loop {
         while let Some(t) = observer.next() {
             let time = stepper.time();
-            // A time that is the step's end but for rounding is the step's end.
+            // A time that exceeds the step's end by rounding is taken as the step's end.
             if t > time + R::of(4.0) * R::epsilon() * time.abs() {
                 break;
             }

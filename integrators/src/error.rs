@@ -1,20 +1,21 @@
-//! What can go wrong while integrating. Why a run *ended well* is a [`Stop`](crate::Stop), not an error.
+//! The errors of an integration. The reasons for which a run ends without one are
+//! [`Stop`](crate::Stop).
 
-/// An integration that could not go on. Numbers are `f64` whatever the scalar of the run.
+/// An integration that could not go on. Numbers are converted to `f64` for any scalar of the run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// An argument outside its rule.
+    /// An argument outside its range.
     #[error("{name} = {value:?} is not valid: {rule}")]
     Argument {
-        /// Which argument.
+        /// Name of the argument.
         name: &'static str,
         /// Its value.
         value: f64,
         /// The rule it broke.
         rule: &'static str,
     },
-    /// The state stopped being a number.
+    /// A component of the state is infinite or not a number.
     #[error("the state is not finite at t = {} (step {step}, component {index})", brief(.t))]
     NotFinite {
         /// Time.
@@ -24,10 +25,11 @@ pub enum Error {
         /// First component that is not finite.
         index: usize,
     },
-    /// A conserved quantity left every bound that an accurate run could explain.
+    /// The energy or the size of the state exceeds its initial value by far more than an accurate
+    /// run allows.
     #[error("unstable: {quantity} went from {initial:e} to {value:e} by t = {} (step {step}); take a smaller step", brief(.t))]
     Unstable {
-        /// Which quantity.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Its value at the start.
         initial: f64,
@@ -38,7 +40,7 @@ pub enum Error {
         /// Accepted steps so far.
         step: u64,
     },
-    /// The step-size control asked for a step that no longer changes the time.
+    /// The step-size control asked for a step that does not change the time.
     #[error("the step size underflowed at t = {} (h = {h:e})", brief(.t))]
     StepUnderflow {
         /// Time.
@@ -54,25 +56,25 @@ pub enum Error {
         /// Steps taken.
         steps: u64,
     },
-    /// The sweeps of contact collocation did not settle in any window, however short.
+    /// The sweeps of contact collocation did not converge in the shortest window.
     #[error("contact collocation did not settle at t = {}: bond {bond}, window {h:e}, change of impulse {residual:e}", brief(.t))]
     NoContraction {
         /// Time.
         t: f64,
         /// Shortest window that was tried.
         h: f64,
-        /// Bond with the largest change, counted from the first that can touch.
+        /// Bond with the largest change of impulse; bonds that can touch are counted from the left.
         bond: usize,
-        /// That change.
+        /// The change of its impulse.
         residual: f64,
     },
-    /// Somebody outside asked it to end.
+    /// The observer asked the run to end.
     #[error("stopped by a signal at t = {}", brief(.t))]
     Stopped {
         /// Time.
         t: f64,
     },
-    /// The stages of an implicit step did not settle.
+    /// The stages of an implicit step did not converge.
     #[error(
         "the stages of the step did not settle at t = {}: step {h:e}, last change {residual:e}; take a smaller step", brief(.t)
     )]
@@ -81,12 +83,12 @@ pub enum Error {
         t: f64,
         /// The step.
         h: f64,
-        /// The last change of a stage that was a number.
+        /// The last change of a stage; not a number if a slope is none.
         residual: f64,
     },
 }
 
-/// A time that is not told with a hundred zeros.
+/// A time in decimal or, if very small or very large, exponential notation.
 fn brief(t: &f64) -> String {
     if *t == 0.0 || (1e-5..1e16).contains(&t.abs()) { t.to_string() } else { format!("{t:e}") }
 }

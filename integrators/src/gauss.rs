@@ -1,17 +1,19 @@
-//! Gauss collocation of order 2 and 4: symplectic, symmetric, and exact for every quadratic invariant.
+//! Gauss collocation of order 2 and 4: symplectic, symmetric, and exact for every quadratic
+//! invariant.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `k_i` | slope at stage `i`: `k_i = f(t + c_i h, Y_i)`, `Y_i = y + h sum_j a_ij k_j` |
 //! | `c_i` | Gauss nodes of `[0, 1]`: `1/2`, or `1/2 -+ s` with `s = sqrt(3)/6` |
 //!
-//! E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed., Springer 2006, sections II.1.3, IV.2.1 and VIII.6.
+//! E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2nd ed., Springer 2006,
+//! sections II.1.3, IV.2.1 and VIII.6.
 
 use crate::{
     clock::Twofold, dop853::check_start, drive::Stepper, error::Error, real::Real, stats::Stats, system::VectorField,
 };
 
-/// How many stages, and so which order.
+/// Number of stages, which fixes the order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stages {
     /// The implicit midpoint rule, order 2.
@@ -20,22 +22,23 @@ pub enum Stages {
     Two,
 }
 
-/// Sweeps over the stages after which a step has not settled: at a rate of 3/4 a sweep, rounding is reached.
+/// Largest number of sweeps over the stages of a step. Changes that shrink by 3/4 a sweep reach
+/// rounding within them.
 const MOST: u32 = 130;
 
-/// The method at work on `y' = f(t, y)`, in equal steps.
+/// Gauss collocation of `y' = f(t, y)` in equal steps.
 ///
-/// The stages are iterated to rounding, and sums keep their rounding error, so that what is left in an invariant that the method conserves is a
-/// random walk of roundings.
+/// The stages are iterated to rounding, and sums are compensated. What remains in an invariant that
+/// the method conserves is a random walk of rounding errors.
 pub struct Gauss<R, F> {
     field: F,
     stages: Stages,
     y: Vec<R>,
-    /// What the last roundings of `y` left out.
+    /// Rounding errors of `y` that are still to be added (compensated summation).
     carry: Vec<R>,
     before: Vec<R>,
     slopes: [Vec<R>; 2],
-    /// A stage, then its new slope.
+    /// Buffer for the state of a stage; `fresh` is the buffer for its new slope.
     stage: Vec<R>,
     fresh: Vec<R>,
     start: R,
@@ -51,7 +54,8 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
     /// Runs `field` from `y0` at `start` to `end` in `steps` equal steps.
     ///
     /// # Errors
-    /// `end < start`, times or a state that are not finite, a state of the wrong length, no step for a span that is not empty.
+    /// `end < start`, times or a state that are not finite, a state of the wrong length, no step
+    /// for a span that is not empty.
     pub fn new(field: F, y0: &[R], (start, end): (R, R), steps: u64, stages: Stages) -> Result<Self, Error> {
         check_start(field.dim(), y0, (start, end))?;
         if steps == 0 && end > start {
@@ -77,12 +81,13 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
         })
     }
 
-    /// `s`, half the distance of the nodes.
+    /// `s`, half the distance of the two nodes.
     fn node() -> R {
         R::decimal("0.28867513459481288225457439025098")
     }
 
-    /// Slopes to begin with: those of the last step, extended linearly; at the start, the slope there.
+    /// Initial slopes for the iteration: at the start of the run the slope there, later the slopes
+    /// of the last step, with two stages extrapolated linearly.
     fn predict(&mut self) {
         let [first, second] = &mut self.slopes;
         if self.stats.steps == 0 {
@@ -98,9 +103,10 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
         }
     }
 
-    /// The stage `Y_i`.
+    /// Writes the state `Y_i` of a stage.
     ///
-    /// Quadratic invariants need `a_12 + a_21 = 1/2` to the last bit: so `s` enters twice, with either sign, as the same number.
+    /// Conservation of quadratic invariants needs `a_12 + a_21 = 1/2` to the last bit. Therefore
+    /// `s` enters both stages as the same number, with either sign.
     fn place(&mut self, i: usize) {
         let h = self.h.value();
         let (half, quarter, s) = (R::of(0.5) * h, R::of(0.25) * h, Self::node() * h);
@@ -116,7 +122,8 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
         }
     }
 
-    /// One sweep over the stages; returns the largest change `h |k_i - k_i^old|`, `NaN` if a slope is not a number.
+    /// One sweep over the stages. Returns the largest change `h |k_i - k_i^old|`, `NaN` if a slope
+    /// is not a number.
     fn sweep(&mut self) -> R {
         let (h, half) = (self.h.value(), R::of(0.5));
         let (shifts, count) = match self.stages {
@@ -130,7 +137,7 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
             self.stats.force_evaluations += 1;
             for (old, &new) in self.slopes[i].iter_mut().zip(&self.fresh) {
                 let difference = (h * (new - *old)).abs();
-                // Not max(), which loses a NaN.
+                // `max` would lose a NaN.
                 if difference > change || difference.is_nan() {
                     change = difference;
                 }
@@ -143,9 +150,11 @@ impl<R: Real, F: VectorField<R>> Gauss<R, F> {
         change
     }
 
-    /// Sweeps until nothing changes, or changes no longer decrease and are roundings: then more sweeps help no more.
+    /// Sweeps until nothing changes, or until changes are of the size of rounding and no longer
+    /// decrease. After that, more sweeps do not reduce the error.
     ///
-    /// E. Hairer, R. I. McLachlan and A. Razakarivony, *Achieving Brouwer's law with implicit Runge-Kutta methods*, BIT 48 (2008).
+    /// E. Hairer, R. I. McLachlan and A. Razakarivony, *Achieving Brouwer's law with implicit
+    /// Runge-Kutta methods*, BIT 48 (2008).
     fn settle(&mut self) -> Result<(), Error> {
         let size = self.y.iter().fold(R::zero(), |size, y| size.max(y.abs()));
         let rounding = R::of(64.0) * crate::dop853::controller::round_off::<R>() * size;
@@ -177,7 +186,7 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
         self.time >= self.end
     }
 
-    /// One step; after an error the state is the one before it.
+    /// Makes one step. After an error the state is the one before the step.
     fn step(&mut self) -> Result<(), Error> {
         self.from = self.time;
         self.before.copy_from_slice(&self.y);
@@ -201,7 +210,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Gauss<R, F> {
         Ok(())
     }
 
-    /// Inside the last step the collocation polynomial, of degree one or two: an error of the square or the cube of the step.
+    /// Inside the last step the state is that of the collocation polynomial, of degree one or two.
+    /// Its error is of the order of the square or the cube of the step.
     fn sample(&mut self, t: R, y: &mut [R]) {
         if t >= self.time || self.stats.steps == 0 {
             return y.copy_from_slice(&self.y);

@@ -1,17 +1,18 @@
-//! Which vector instructions inner loops are compiled for, and which of those run.
+//! The vector instructions that inner loops are compiled for and run with.
 //!
-//! Loops have the same bits on every path, since no product and sum is contracted unless the code says so, and then on all of them. What may differ between two
-//! machines are `sin`, `cos` and `powf`: the system's library picks its own code by the processor, and promises the last bit or two, not more.
+//! Loops give the same bits with all instruction sets: no product and sum is contracted unless the
+//! code says so, and then with all sets. Only `sin`, `cos` and `powf` may differ between machines:
+//! the system's library chooses its code by the processor, and is accurate to the last bit or two.
 
 use std::{
     fmt,
     sync::atomic::{AtomicU8, Ordering},
 };
 
-/// A path through inner loops, narrowest first.
+/// An instruction set, in ascending order of vector width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Instructions {
-    /// What every machine of the target has: two doubles on x86-64.
+    /// The instructions of every machine of the target: two doubles on x86-64.
     Portable = 1,
     /// Four doubles.
     Avx2 = 2,
@@ -19,14 +20,14 @@ pub enum Instructions {
     Avx512 = 3,
 }
 
-/// The path in use; zero before anybody asked.
+/// The set in use; zero before the first call of `used` or `select`.
 static USED: AtomicU8 = AtomicU8::new(0);
 
 impl Instructions {
-    /// All of them.
+    /// All sets.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// Whether this machine has them.
+    /// Whether this machine has the set.
     pub fn available(self) -> bool {
         match self {
             Self::Portable => true,
@@ -44,7 +45,7 @@ impl Instructions {
         }
     }
 
-    /// Those in use: the widest of this machine, unless [`select`](Self::select) said otherwise.
+    /// The set in use: the widest of this machine, unless [`select`](Self::select) chose another.
     #[inline]
     pub fn used() -> Self {
         match USED.load(Ordering::Relaxed) {
@@ -62,7 +63,8 @@ impl Instructions {
         widest
     }
 
-    /// Uses these from now on, in all threads; false, and nothing done, where the machine lacks them.
+    /// Uses this set from now on, in all threads. Returns false and does nothing if the machine
+    /// lacks it.
     #[must_use]
     pub fn select(self) -> bool {
         let available = self.available();

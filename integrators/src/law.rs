@@ -1,16 +1,17 @@
 //! The contact law `f = (g)_+^alpha`, its potential and its stiffness.
 //!
-//! Overlaps whose force would be below about 1e-250 count as none: forces, impulses and what they move then never become
-//! subnormal, which would slow the tails of waves and breathers, and nothing above 1e-200 of anything can notice.
+//! Overlaps with a force below about 1e-250 count as zero. Without this dead band, forces and
+//! impulses in the tails of waves and breathers become subnormal numbers, which are slow. Its
+//! effect on the state is below 1e-200.
 
 use crate::{Real, Twofold};
 
-/// Numbers that are worked on side by side: those of one register, or of two or four.
+/// Number of overlaps that a vectorised loop takes together.
 pub const LANES: usize = 8;
-/// So many numbers.
+/// An array of that many numbers.
 pub type Lanes<R> = [R; LANES];
 
-/// A power `g^alpha` that a sweep is compiled for.
+/// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R>: Copy {
     /// `g^alpha` for `g >= 0`.
     fn raise(self, g: R) -> R;
@@ -24,7 +25,7 @@ pub struct ThreeHalves;
 /// `g^K` by multiplications.
 #[derive(Clone, Copy)]
 pub struct Monomial<const K: u32>;
-/// `g^k` by multiplications, for larger k.
+/// `g^k` by multiplications, for `k` above 3.
 #[derive(Clone, Copy)]
 pub struct Integer(u32);
 /// `g^k sqrt(g)`, for half-integers above 3/2.
@@ -101,7 +102,7 @@ impl<R: Real> Power<R> for General<R> {
     }
 }
 
-/// How a power is computed.
+/// The way in which a power is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
     /// `g sqrt(g)`.
@@ -114,18 +115,18 @@ pub enum Exponent {
     General,
 }
 
-/// The law of one contact.
+/// The force law of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactLaw<R> {
     exponent: Exponent,
     alpha: R,
     /// `1/(alpha + 1)`.
     per_alpha_plus_one: R,
-    /// Overlaps up to this count as none.
+    /// Overlaps up to this value count as zero.
     dead_band: R,
 }
 
-/// Runs `$body` with `$power` bound to the compiled power of `$law`: the one place that chooses.
+/// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
 #[macro_export]
 macro_rules! with_power {
     ($law:expr, $power:ident => $body:expr) => {
@@ -206,13 +207,13 @@ impl<R: Real> ContactLaw<R> {
         self.alpha
     }
 
-    /// How the power is computed.
+    /// The way in which the power is computed.
     #[inline]
     pub fn exponent(&self) -> Exponent {
         self.exponent
     }
 
-    /// The overlap, zero where there is no contact.
+    /// The overlap above the dead band, otherwise zero.
     #[inline(always)]
     pub fn positive_part(&self, g: R) -> R {
         if g > self.dead_band { g } else { R::zero() }
@@ -223,9 +224,10 @@ impl<R: Real> ContactLaw<R> {
         with_power!(self, power => power.raise(self.positive_part(g)))
     }
 
-    /// The forces of some overlaps.
+    /// The forces of several overlaps.
     ///
-    /// The loop for spheres is compiled into its caller, with the caller's vector instructions; the others are a call.
+    /// The loop for `alpha = 3/2` is inlined into the caller and uses its vector instructions; the
+    /// loops for other powers are a call.
     #[inline(always)]
     pub fn forces<const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
         if self.exponent == Exponent::ThreeHalves {
@@ -261,7 +263,7 @@ impl<R: Real> ContactLaw<R> {
     pub fn forces_with_slopes(&self, overlaps: &[Lanes<R>], forces: &mut [Lanes<R>], slopes: &mut [Lanes<R>]) {
         with_power!(self, power => {
             for ((g, f), slope) in overlaps.iter().zip(forces).zip(slopes) {
-                // Not by maps of arrays: those are calls, out of the vector code.
+                // Not by `map`, which the compiler does not inline into the vector code.
                 let mut both = [[R::zero(); LANES]; 2];
                 for k in 0..LANES {
                     (both[0][k], both[1][k]) = power.raise_with_slope(self.positive_part(g[k]));
@@ -276,7 +278,8 @@ impl<R: Real> ContactLaw<R> {
         self.force(g) * self.positive_part(g) * self.per_alpha_plus_one
     }
 
-    /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no contact.
+    /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no
+    /// contact.
     pub fn stiffness(&self, g: R) -> R {
         let g = self.positive_part(g);
         if g == R::zero() { g } else { self.alpha * (self.force(g) / g) }
@@ -290,7 +293,7 @@ mod tests {
 
     #[test]
     fn every_path_is_the_power_and_its_derivative() {
-        // Truth: powf and central differences.
+        // Reference: powf and central differences.
         for alpha in [0.5, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 7.0] {
             let law = ContactLaw::<f64>::new(alpha);
             for g in [1e-6, 0.3, 1.0, 2.7] {

@@ -1,19 +1,19 @@
-//! Integrators for Hamiltonian chains, and nothing that knows a chain.
+//! Integrators for Hamiltonian chains. The package itself contains no chain.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`instructions`] | the vector instructions that inner loops run with |
-//! | [`real`] | the scalar: `f64`, and double-double |
+//! | [`instructions`] | the vector instructions of inner loops |
+//! | [`real`] | the scalar type: `f64`, or double-double |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`law`] | the force of a bond as a power of its overlap |
-//! | [`system`] | what a method may ask of a problem |
-//! | [`splitting`] | schemes as const data, and one loop that runs them all |
+//! | [`system`] | the interfaces between methods and problems |
+//! | [`splitting`] | splitting schemes as const data, and the loop that runs them |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
 //! | [`gauss`] | Gauss collocation of order 2 and 4, exact for quadratic invariants |
-//! | [`events`] | changes of sign: never missed, never twice |
+//! | [`events`] | changes of sign of functions of the state |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
-//! | [`drive`](mod@drive) | the one loop over time: advance, record, stop |
-//! | [`stats`], [`error`] | counted work; what can go wrong |
+//! | [`drive`](mod@drive) | the loop over time: advance, record, stop |
+//! | [`stats`], [`error`] | counts of work; the error type |
 
 pub mod clock;
 pub mod collocation;

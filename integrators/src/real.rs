@@ -1,36 +1,39 @@
-//! The scalar that every method is generic over.
+//! The scalar type of the methods.
 
 #[cfg(target_arch = "x86_64")]
 use crate::instructions::Instructions;
 use num_traits::{Float, FloatConst, NumAssign};
 
-/// A piece of work whose inner loops the compiler may vectorise.
+/// A computation whose inner loops the compiler may vectorise.
 ///
-/// [`Real::run`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice does not reach the loops.
+/// [`Real::run`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice does
+/// not reach the loops.
 pub trait Kernel {
-    /// What the work returns.
+    /// What the computation returns.
     type Output;
-    /// Does the work.
+    /// Does the computation.
     fn run(self) -> Self::Output;
 }
 
 /// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
 pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Display + Send + Sync + 'static {
-    /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working precision.
+    /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working
+    /// precision.
     ///
-    /// Coefficient tables are kept as decimals, so that they read as their sources print them.
+    /// Coefficient tables hold decimals, so that they can be compared with their sources.
     ///
     /// # Panics
-    /// If `text` is no plain decimal: tables are our own.
+    /// If `text` is not a plain decimal. Texts come from the tables of this package only.
     fn decimal(text: &str) -> Self;
 
-    /// An `f64`, exactly.
+    /// The number with the value of an `f64`.
     fn of(value: f64) -> Self;
 
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
-    /// Runs a kernel with the vector instructions in use, [`crate::Instructions`]: the same bits with all of them.
+    /// Runs a kernel with the vector instructions in use, see [`crate::Instructions`]. All give the
+    /// same bits.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()
@@ -64,7 +67,7 @@ impl Real for f64 {
             fn avx2<K: Kernel>(kernel: K) -> K::Output {
                 kernel.run()
             }
-            // SAFETY: only sets that the machine has are ever in use.
+            // SAFETY: `used` returns a set that this machine has.
             match Instructions::used() {
                 Instructions::Avx512 => return unsafe { avx512(kernel) },
                 Instructions::Avx2 => return unsafe { avx2(kernel) },
@@ -77,7 +80,7 @@ impl Real for f64 {
 
 impl Real for twofloat::TwoFloat {
     fn decimal(text: &str) -> Self {
-        // Not by the crate's own division, which is accurate to one double only (version 0.8).
+        // The division of the crate `twofloat` is accurate to one double only (version 0.8).
         let value = crate::clock::Twofold::<f64>::decimal(text);
         Self::new_add(value.hi, value.lo)
     }

@@ -1,20 +1,20 @@
-//! Counted work.
+//! Counts of work.
 
-/// Work done by a stepper so far. Counts, not times: the same on every machine.
+/// Work done by a stepper so far, as counts, which are the same on every machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Accepted steps.
     pub steps: u64,
-    /// Rejected steps (adaptive methods).
+    /// Rejected trial steps (adaptive methods).
     pub rejected: u64,
-    /// Evaluations of the contact force or of the vector field, those of samples included.
+    /// Evaluations of the contact force or of the vector field, including those for samples.
     pub force_evaluations: u64,
 }
 
 impl std::ops::Add for Stats {
     type Output = Self;
 
-    /// The work of both.
+    /// Sums the counts.
     fn add(self, other: Self) -> Self {
         Self {
             steps: self.steps + other.steps,

@@ -1,4 +1,4 @@
-//! The integrators by name: the one place that knows all of them.
+//! The integrators by name.
 
 use super::Run;
 use crate::{
@@ -16,61 +16,63 @@ use serde::{Deserialize, Serialize};
 
 mod tolerance;
 
-/// How the chain is split.
+/// The two ways to split the Hamiltonian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// Kinetic and potential energy.
+    /// Kinetic energy and potential energy.
     Kinetic,
-    /// Exact linear flow and contacts.
+    /// Linear part, whose flow is exact, and contact potential.
     Linear,
 }
 
-/// A method that a user can name.
+/// A method with a name for the command line and scene files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
-    /// A splitting scheme on the exact linear flow whose steps end on contacts that begin or end.
+    /// A splitting scheme on the linear split whose steps end where contacts begin or end.
     Landed(&'static Scheme),
-    /// One kick a step, processed, and corrected at contacts that begin or end.
+    /// One kick a step, a processor before and after, and corrections at contacts that begin or
+    /// end.
     Corrected(Parts, Split),
-    /// The adaptive 8(5,3) pair.
+    /// DOP853, the adaptive 8(5,3) pair.
     Dop853(Contacts),
-    /// Every contact resolved where it happens, at a cost linear in the chain.
+    /// Contact collocation: adaptive; the ends of contacts are ends of panels.
     Collocation,
 }
 
-/// What an adaptive method does about contacts that begin or end.
+/// How DOP853 treats contacts that begin or end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contacts {
-    /// Steps across them; error control makes the steps short.
+    /// No treatment: the error control shortens the steps that cross them.
     Crossed,
-    /// Stops at each and starts anew.
+    /// The integration stops at each of them and starts again.
     Landed,
-    /// Starts anew in a variable in which the solution is smooth.
+    /// As `Landed`, in a variable in which the solution is smooth at the contact.
     Regularised,
 }
 
 const ADAPTIVE: [Contacts; 3] = [Contacts::Crossed, Contacts::Landed, Contacts::Regularised];
 
-/// How finely a method works.
+/// Number of steps, tolerance or windows of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Setting {
-    /// This many equal steps over the whole span.
+    /// Number of equal steps over the whole span.
     Steps(u64),
-    /// Tolerance: of a step (relative, and absolute in units of the largest entry of the initial state); for collocation and
-    /// contact-corrected splitting of the whole run.
+    /// Tolerance. For DOP853: of a step, relative, and absolute in units of the largest entry of
+    /// the initial state. For collocation and contact-corrected splitting: of the whole run.
     Tolerance(f64),
-    /// This many equal windows over the whole span, each panel with so many nodes.
+    /// Number of equal windows over the whole span, and number of Gauss nodes per panel.
     Windows(u64, usize),
 }
 
-/// More steps than a run of years takes.
+/// Largest number of steps. At 10^7 steps a second they take three years.
 const MOST_STEPS: f64 = 1e15;
 
 impl Setting {
-    /// So many equal steps, rounded up; a count that is whole but for rounding is taken as it is.
+    /// `count` equal steps, rounded up. A count that exceeds a whole number by a relative 10^-12 or
+    /// less is rounded down to it.
     ///
     /// # Errors
     /// More than 10^15, or a count that is not a number.
@@ -82,14 +84,16 @@ impl Setting {
         Ok(Self::Steps(steps.max(1.0) as u64))
     }
 
-    /// The setting of this share of a run: the steps are no longer, and the tolerances of all shares are that of the run.
+    /// The setting for a leg that is the given share of the span. Its steps are no longer than
+    /// those of the whole run; tolerances of the whole run are shared out in proportion.
     pub fn of_leg(self, method: Method, share: f64) -> Self {
-        // A step that fits but for rounding is taken as it is.
+        // A step that fits up to rounding is not split.
         let part = |count: u64| (count as f64 * share * (1.0 - 1e-12)).ceil().max(1.0) as u64;
         match self {
             Self::Steps(steps) => Self::Steps(part(steps)),
             Self::Windows(windows, nodes) => Self::Windows(part(windows), nodes),
-            // No finer than collocation takes, unless it was asked for what it refuses.
+            // At least the smallest tolerance of collocation, unless the given tolerance is smaller
+            // still.
             Self::Tolerance(tol) if method.of_the_run() => Self::Tolerance((tol * share).max(tol.min(LEAST_TOLERANCE))),
             Self::Tolerance(_) => self,
         }
@@ -113,7 +117,7 @@ const TELLING: [&str; 13] = [
     "collocation",
 ];
 
-/// The least tolerance of collocation.
+/// Smallest tolerance that collocation accepts.
 const LEAST_TOLERANCE: f64 = 1e-15;
 
 impl Method {
@@ -121,10 +125,12 @@ impl Method {
     pub const CORRECTED: Self = Self::Corrected(Parts::ALL, Split::Linear);
     /// Contact-corrected splitting on the kinetic split.
     pub const CORRECTED_KINETIC: Self = Self::Corrected(Parts::ALL, Split::Kinetic);
-    /// The processed kernel of Takahashi and Imada on the exact linear flow.
+    /// The processed kernel of Takahashi and Imada on the exact linear flow, without corrections at
+    /// contacts.
     pub const TAKAHASHI_IMADA: Self = Self::Corrected(Parts::PROCESSED, Split::Linear);
 
-    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the adaptive ones, then collocation.
+    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the
+    /// adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
@@ -138,16 +144,16 @@ impl Method {
             .collect()
     }
 
-    /// The methods that a comparison has by default: those that are the fastest at some error on one of the built-in scenes, one
-    /// of each group of schemes alike, and those that others are measured by (`verlet`, `dop853`).
+    /// The default methods of a comparison: those that are the fastest at some error on a built-in
+    /// scene, one of each group of similar schemes, and two references (`verlet`, `dop853`).
     pub fn telling() -> Vec<Self> {
         Self::all().into_iter().filter(|method| TELLING.contains(&method.name().as_str())).collect()
     }
 
-    /// The method of this name.
+    /// The method with the given name.
     ///
     /// # Errors
-    /// An unknown name, with the nearest one.
+    /// An unknown name; the message gives the most similar known one.
     pub fn named(name: &str) -> Result<Self> {
         let all = Self::all();
         let names: Vec<String> = all.iter().map(Self::name).collect();
@@ -157,7 +163,8 @@ impl Method {
         }
     }
 
-    /// Its name: that of the scheme, with `-linear` on the exact linear flow; `verlet` for Strang's on the kinetic split.
+    /// Name of the method: that of the scheme, with `-linear` on the exact linear flow; `verlet`
+    /// for Strang's scheme on the kinetic split.
     pub fn name(&self) -> String {
         match self {
             Self::Splitting(scheme, Split::Kinetic) if scheme.name == tables::STRANG.name => "verlet".to_owned(),
@@ -180,12 +187,12 @@ impl Method {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
             Self::Corrected(..) => 4,
             Self::Dop853(_) => 8,
-            // Gauss nodes: twice as many as a panel has at the middle of the range.
+            // Twice the number of Gauss nodes per panel, 8 at the middle of the range.
             Self::Collocation => 16,
         }
     }
 
-    /// Force evaluations a step.
+    /// Number of force evaluations per step.
     pub fn stages(&self) -> usize {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
@@ -195,22 +202,22 @@ impl Method {
         }
     }
 
-    /// Whether it chooses its steps on the way, by a tolerance; the others take steps.
+    /// Whether the method chooses its steps during the run, by a tolerance.
     pub fn adaptive(&self) -> bool {
         matches!(self, Self::Dop853(_) | Self::Collocation)
     }
 
-    /// Whether it takes a tolerance.
+    /// Whether the method accepts a tolerance.
     pub fn tolerant(&self) -> bool {
         self.adaptive() || matches!(self, Self::Corrected(Parts { corrected: true, .. }, _))
     }
 
-    /// Whether its tolerance is one of the whole run.
+    /// Whether its tolerance holds for the whole run, not for a step.
     pub fn of_the_run(&self) -> bool {
         self.tolerant() && !matches!(self, Self::Dop853(_))
     }
 
-    /// Article that the coefficients come from.
+    /// Article with the coefficients.
     pub fn source(&self) -> &'static str {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
@@ -223,7 +230,7 @@ impl Method {
         }
     }
 
-    /// The family, for tables and colours.
+    /// Name of the family, for tables and colours.
     pub fn family(&self) -> &'static str {
         match self {
             Self::Splitting(_, Split::Kinetic) => "kinetic + potential",
@@ -235,10 +242,11 @@ impl Method {
         }
     }
 
-    /// The method at work on a leg of a run: from the state `y` at the first time of `span` to the second, with a setting for that.
+    /// The stepper for a leg of a run: from the state `y` at time `span.0` to time `span.1`. The
+    /// setting is that of the leg.
     ///
     /// # Errors
-    /// A setting of the wrong kind for the method, or outside its rule.
+    /// A setting of the wrong kind or outside the range that the method accepts.
     pub fn start(
         &self,
         run: &Run,
@@ -272,7 +280,8 @@ impl Method {
             }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
-                // Absolute errors are counted in units of the first state, so that small waves are not waved through.
+                // The unit of the absolute tolerance is the largest entry of the initial state, so
+                // that waves of small amplitude are integrated with the same relative accuracy.
                 let size = max_norm(run.initial().as_slice().iter().copied());
                 let atol = if size > 0.0 { tol * size } else { tol };
                 let options = Options { atol, ..Options::new(tol) };
@@ -300,7 +309,8 @@ impl Method {
     }
 }
 
-/// A method at work on a leg of a run that logs contacts by itself; `None` for one that must be watched for them.
+/// The stepper for a leg of a run, for methods that log their contacts themselves. `None` for
+/// methods whose contacts must be found by [`Watch`](hertzchain_integrators::Watch).
 ///
 /// # Errors
 /// As [`Method::start`].
@@ -331,7 +341,7 @@ pub fn start_logged(
     }
 }
 
-/// Contact-corrected splitting of a split of the chain.
+/// Contact-corrected splitting on the given split of the chain.
 fn corrected<F: SiteFlow>(
     flow: F,
     y: &[f64],
@@ -342,10 +352,10 @@ fn corrected<F: SiteFlow>(
     Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
 }
 
-/// Collocation at work on a leg of a run.
+/// The stepper of collocation for a leg of a run.
 ///
 /// # Errors
-/// A setting in steps, or outside its rule.
+/// A setting in steps, or one outside the range that collocation accepts.
 pub fn collocation(
     chain: &Chain<f64>,
     y: &[f64],

@@ -1,12 +1,12 @@
-//! A run: the one door to every method.
+//! A run: one interface to all methods.
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is kept on the way |
-//! | `method` | [`Method`]: the integrators by name; [`Setting`]: how finely they work |
-//! | `record` | [`Trajectory`]: what a run leaves behind; the guards on the way |
-//! | `states` | [`States`]: the states at given times, one by one |
-//! | `regime` | [`regime`]: which method a chain asks for |
+//! | `method` | [`Method`]: the integrators by name; [`Setting`]: number of steps, tolerance or windows |
+//! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
+//! | `states` | [`States`]: an iterator over the states at given times |
+//! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
 pub mod method;
 mod record;
@@ -28,16 +28,16 @@ use crate::{
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
 
-/// Tolerances that a run may ask for; a method may refuse more of them.
+/// Tolerances that a run accepts; a method may accept fewer of them.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
-/// Samples of the energy, if nobody says how many.
+/// Default number of samples.
 const SAMPLES: usize = 400;
-/// Most samples.
+/// Largest number of samples.
 pub const MOST_SAMPLES: usize = 1_000_000;
 
-/// A chain, where it starts, until when it runs, by which method, and what is kept on the way.
+/// A chain, its initial state, the end time, the method, and what is recorded.
 ///
-/// Times start at zero. Scenes, studies and sweeps build runs; so can you:
+/// Times start at zero. Example:
 ///
 /// ```
 /// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State};
@@ -66,9 +66,9 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run of `chain` from `initial`. Its end must be given, by [`until`](Self::until).
+    /// A run of `chain` from `initial`. Its end must be given by [`until`](Self::until).
     ///
-    /// Unless others are named, method and setting are those of [`regime`], the energy is recorded 400 times, and contacts are not logged.
+    /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
     pub fn new(chain: Chain<f64>, initial: State<f64>) -> Self {
         let omega = chain.params().omega();
         let period = if omega > 0.0 { 2.0 * PI / omega } else { 1.0 };
@@ -85,7 +85,7 @@ impl Run {
         }
     }
 
-    /// The end of the run, which starts at time zero.
+    /// Sets the end time. The run starts at time zero.
     ///
     /// # Errors
     /// A time that is not finite or not positive.
@@ -97,15 +97,16 @@ impl Run {
         Ok(self)
     }
 
-    /// The method.
+    /// Sets the method.
     #[must_use]
     pub fn method(mut self, method: Method) -> Self {
         self.method = Some(method);
         self
     }
 
-    /// The tolerance: of the whole run for [`Method::Collocation`] and [`Method::CORRECTED`], of a step for the others that take one. Without a
-    /// [`method`](Self::method) collocation takes it.
+    /// Sets the tolerance: of the whole run for [`Method::Collocation`] and [`Method::CORRECTED`],
+    /// of a step for the other methods that take one. Without a [`method`](Self::method), the
+    /// method is collocation.
     ///
     /// # Errors
     /// A tolerance outside 1e-15 .. 0.1.
@@ -116,11 +117,12 @@ impl Run {
         Ok(self.setting(Setting::Tolerance(tol)))
     }
 
-    /// Equal steps of the length `h` or a little shorter, so that a whole number of them fits the span. Without a [`method`](Self::method)
-    /// contact-corrected splitting takes them.
+    /// Sets equal steps of length `h`, or slightly shorter so that a whole number of them fits the
+    /// span. Without a [`method`](Self::method), the method is contact-corrected splitting.
     ///
     /// # Errors
-    /// A step that is not finite or not positive, or of which more than 10^15 fill the span; no end given before.
+    /// A step that is not finite or not positive, or that fits the span more than 10^15 times; no
+    /// end given before.
     pub fn step(self, h: f64) -> Result<Self> {
         if !(h.is_finite() && h > 0.0) {
             return Err(Error::parameter("step", h, "finite and positive"));
@@ -129,21 +131,22 @@ impl Run {
         Ok(self.setting(steps))
     }
 
-    /// How finely the method works.
+    /// Sets the number of steps, the tolerance or the windows of the method.
     #[must_use]
     pub fn setting(mut self, setting: Setting) -> Self {
         self.setting = Some(setting);
         self
     }
 
-    /// What is kept on the way.
+    /// Sets what is recorded.
     #[must_use]
     pub fn records(mut self, records: Records) -> Self {
         self.records = records;
         self
     }
 
-    /// At how many times, beside the start, evenly spaced: the last is the end.
+    /// Sets the number of samples, not counting the initial state. Sample times are equally spaced;
+    /// the last one is the end.
     ///
     /// # Errors
     /// More than 10^6.
@@ -155,14 +158,15 @@ impl Run {
         Ok(self)
     }
 
-    /// Logs all contacts.
+    /// Asks for a log of all contacts.
     #[must_use]
     pub fn contacts(mut self) -> Self {
         self.contacts = true;
         self
     }
 
-    /// The unit of "steps per period": that of the resonators, or 1 without any, unless a scene knows better.
+    /// Sets the unit of time in "steps per period". The default is the period of the resonators, or
+    /// 1 without resonators.
     pub fn with_period(mut self, period: f64) -> Self {
         self.period = period;
         self
@@ -178,17 +182,17 @@ impl Run {
         &self.initial
     }
 
-    /// The period that steps are counted by.
+    /// Unit of time in "steps per period".
     pub fn period(&self) -> f64 {
         self.period
     }
 
-    /// How many samples are taken, beside the start.
+    /// Number of samples, not counting the initial state.
     pub fn sample_count(&self) -> usize {
         self.samples
     }
 
-    /// The end.
+    /// The end time.
     ///
     /// # Errors
     /// None was given.
@@ -199,7 +203,7 @@ impl Run {
         Ok(self.end)
     }
 
-    /// The span, of a state that is one of the chain.
+    /// The time span; fails if the initial state has another layout than the chain.
     fn span(&self) -> Result<(f64, f64)> {
         if self.initial.layout() != self.chain.layout() {
             let given = self.initial.as_slice().len();
@@ -208,10 +212,11 @@ impl Run {
         Ok((0.0, self.end()?))
     }
 
-    /// Method and setting: those that were given, or what they ask for.
+    /// Method and setting of the run. What was not given follows from what was given, or from
+    /// [`regime`] if neither was given.
     ///
     /// # Errors
-    /// No end was given where the choice needs it.
+    /// No end was given, and the choice depends on it.
     pub fn choice(&self) -> Result<(Method, Setting)> {
         Ok(match (self.method, self.setting) {
             (Some(method), Some(setting)) => (method, setting),
@@ -226,10 +231,11 @@ impl Run {
         })
     }
 
-    /// The method at work, for those who want to take the steps themselves.
+    /// The stepper of the method, for callers that take the steps themselves.
     ///
     /// # Errors
-    /// No end; a state of another chain; a setting of the wrong kind for the method, or outside its rule.
+    /// No end; a state of another chain; a setting of the wrong kind or outside the range that the
+    /// method accepts.
     pub fn stepper(&self) -> Result<Box<dyn Stepper<f64> + Send>> {
         let (span, (method, setting)) = (self.span()?, self.choice()?);
         method.start(self, self.initial.as_slice(), span, setting)
@@ -238,12 +244,13 @@ impl Run {
     /// Runs to the end.
     ///
     /// # Errors
-    /// A run that cannot start. One that fails on the way is a [`Trajectory`] with a `failure`, and has all that was kept.
+    /// A run that cannot start. A run that fails later returns a [`Trajectory`] with its `failure`
+    /// and with all that was recorded before.
     pub fn start(&self) -> Result<Trajectory> {
         self.start_with(&mut |_| ())
     }
 
-    /// The same; `progress` is told the time at every sample.
+    /// As [`start`](Self::start), and calls `progress` with the time of every sample.
     ///
     /// # Errors
     /// As [`start`](Self::start).
@@ -254,7 +261,8 @@ impl Run {
         Ok(recorder.trajectory(failure))
     }
 
-    /// The same by a stepper of your own in place of a method; contacts are not looked for.
+    /// As [`start_with`](Self::start_with), by a given stepper in place of a method. Contacts are
+    /// not logged.
     ///
     /// # Errors
     /// No end, or a state of another chain.
@@ -265,7 +273,8 @@ impl Run {
         Ok(recorder.trajectory(failure))
     }
 
-    /// The states at these times, one by one as they are asked for; times ascend, and none is after the end.
+    /// The states at the given times, as an iterator that integrates on demand. Times must ascend,
+    /// and none may lie after the end.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
@@ -281,7 +290,8 @@ impl Run {
     /// ```
     ///
     /// # Errors
-    /// A run that cannot start; times outside their rule. Items are errors where the run fails on the way or the process is asked to end.
+    /// A run that cannot start; times that break these rules. An item is an error if the run fails
+    /// on its way or the process is asked to end.
     pub fn at(&self, times: &[f64]) -> Result<States> {
         States::new(self, times)
     }

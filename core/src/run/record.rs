@@ -1,4 +1,4 @@
-//! What a run leaves behind, and the observer that keeps it.
+//! The result of a run, and the observer that collects it.
 
 use super::{Method, Run, Setting, method::start_logged};
 use crate::{
@@ -12,21 +12,22 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A run is called unstable when its energy exceeds the initial one by this factor: no accurate run comes near it.
+/// A run is called unstable when its energy exceeds the initial energy by this factor.
 const ENERGY_BOUND: f64 = 10.0;
 /// The same for the largest entry of a state that has no energy.
 const SIZE_BOUND: f64 = 1e3;
 
-/// Most numbers that profiles may hold (half a gigabyte); longer runs of longer chains keep every k-th sample.
+/// Largest number of state components in all profiles together (half a gigabyte, without the
+/// strains). Runs that would exceed it keep every k-th sample only.
 const MOST_NUMBERS: usize = 1 << 26;
 
-/// Numbers of a state that are looked at together.
+/// Length of the blocks in which a state is searched for values that are not finite.
 const BLOCK: usize = 512;
 
-/// What to keep on the way.
+/// What a run records at its sample times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Records {
-    /// Nothing but the end; nothing is checked on the way either.
+    /// Nothing: only the final state is kept, and only the final state is checked.
     End,
     /// Energies at the sample times.
     Energy,
@@ -34,16 +35,16 @@ pub enum Records {
     Profiles,
 }
 
-/// Energy at a time.
+/// Energy at a sample time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Time.
     pub t: f64,
-    /// Energy by kind; `None` where the strain ring has none.
+    /// Energy by kind; `None` for states of the strain ring that have no energy.
     pub energy: Option<Energy<f64>>,
 }
 
-/// Positions at a time.
+/// Strains and state at a sample time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Time.
@@ -54,38 +55,38 @@ pub struct Profile {
     pub state: Vec<f64>,
 }
 
-/// What a run leaves behind. A run that failed keeps all it had.
+/// The result of a run. If the run failed, the result contains all that was recorded before.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     /// Time reached.
     pub t: f64,
-    /// State there, in the chain's layout.
+    /// State at this time, in the layout of the chain.
     pub state: Vec<f64>,
-    /// Energy there, if the state has one.
+    /// Energy at this time, if the state has one.
     pub energy: Option<Energy<f64>>,
-    /// Largest `|E(t) - E(0)| / |E(0)|` seen (absolute where `E(0) = 0`).
+    /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`.
     pub energy_error: Option<f64>,
-    /// Energies on the way, the start included.
+    /// Energies at the sample times, the start included.
     pub samples: Vec<Sample>,
-    /// Profiles on the way.
+    /// Profiles at the sample times.
     pub profiles: Vec<Profile>,
-    /// Contacts in the order of their onsets, if they were asked for.
+    /// Contacts in the order of their onsets, if a log was asked for.
     pub contacts: Option<Vec<Contact>>,
     /// Work of the run, samples included.
     pub stats: Stats,
     /// Wall time of the run, samples included.
     pub wall: Duration,
-    /// The part of it that samples took: states brought to the sample times, energies, strains.
+    /// Part of `wall` spent on samples: states at the sample times, energies, strains.
     pub sampling: Duration,
-    /// Why it stopped before the end, if it did.
+    /// Why the run stopped before its end, if it did.
     pub failure: Option<Failed>,
 }
 
 impl Trajectory {
-    /// The same, if the run got to its end.
+    /// Returns the trajectory if the run reached its end.
     ///
     /// # Errors
-    /// Why it did not.
+    /// The failure that stopped the run.
     pub fn complete(self) -> Result<Self> {
         match self.failure {
             Some(failure) => Err(failure.into()),
@@ -94,10 +95,10 @@ impl Trajectory {
     }
 }
 
-/// A stepper whose samples are timed.
+/// A stepper that measures the time spent on samples.
 struct Timed<'a, S: ?Sized> {
     run: &'a mut S,
-    /// What its samples have taken.
+    /// Wall time of all samples so far.
     sampling: Duration,
 }
 
@@ -129,7 +130,7 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
     }
 }
 
-/// A method that knows its contacts, and hands what they do to a log.
+/// A method that knows its contacts, together with the log that collects them.
 struct Logged {
     run: Box<dyn ContactStepper + Send>,
     log: ContactLog,
@@ -168,22 +169,22 @@ fn nonzero(energy: f64) -> f64 {
     if energy == 0.0 { 1.0 } else { energy.abs() }
 }
 
-/// All that a run has at a time: it goes on from there.
+/// Everything that a run has recorded up to a time. A run can be continued from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// Time reached.
     pub t: f64,
-    /// State there.
+    /// State at this time.
     pub state: Vec<f64>,
-    /// Samples taken.
+    /// Number of samples taken.
     pub taken: usize,
     /// Largest `|E(t) - E(0)|`.
     pub largest: f64,
-    /// Energies so far.
+    /// Energies at the sample times so far.
     pub samples: Vec<Sample>,
     /// Profiles so far.
     pub profiles: Vec<Profile>,
-    /// Contacts, if they are asked for.
+    /// Contacts, if a log was asked for.
     pub contacts: Option<Vec<Contact>>,
     /// Work so far.
     pub stats: Stats,
@@ -194,7 +195,7 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// The start.
+    /// The record of a run at its start.
     pub fn new(run: &Run) -> Self {
         Self {
             t: 0.0,
@@ -211,21 +212,21 @@ impl Kept {
     }
 }
 
-/// The observer of a run: keeps what was asked for, and stops what has blown up.
+/// The observer of a run. It records the samples and stops runs that are unstable.
 pub struct Recorder<'a> {
     run: &'a Run,
     progress: &'a mut dyn FnMut(f64),
-    /// Samples from one kept profile to the next.
+    /// Number of samples from one profile to the next.
     stride: usize,
     has_energy: bool,
     initial_energy: Option<f64>,
     initial_size: f64,
-    /// What is kept.
+    /// Record of the run so far.
     pub kept: Kept,
 }
 
 impl<'a> Recorder<'a> {
-    /// Goes on with a run from what is kept; `progress` is told the time at every sample.
+    /// Continues a run from `kept`; `progress` is called with the time of every sample.
     pub fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
         let y = run.initial.as_slice();
         let has_energy = run.chain.has_energy(y);
@@ -240,10 +241,10 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Goes on by a method up to `end`, watched for contacts if they are kept.
+    /// Continues the run with a method up to `end`. Contacts are logged if the record has a log.
     ///
     /// # Errors
-    /// A leg that cannot start; inside, why it stopped on the way.
+    /// A leg that cannot start. The inner result is the failure that stopped the leg.
     pub fn go_on(&mut self, method: Method, setting: Setting, end: f64) -> Result<std::result::Result<(), Failed>> {
         let (run, state, start) = (self.run, &self.kept.state, self.kept.t);
         let span = (start, end);
@@ -261,13 +262,14 @@ impl<'a> Recorder<'a> {
             let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), log);
             (self.leg(&mut watch), watch.into_listener())
         };
-        // Contacts that are there at the start of the run have no onset, those at the start of a later leg had theirs before.
+        // Contacts that are closed at the start of the run have no onset. Those that are closed at
+        // the start of a later leg had their onset in an earlier leg.
         let (before, after) = (self.kept.contacts.take().unwrap_or_default(), log.contacts());
         self.kept.contacts = Some(if start > 0.0 { join(before, after, start) } else { after });
         Ok(result)
     }
 
-    /// Goes on with a stepper that starts from what is kept.
+    /// Continues the run with a stepper that starts from the record.
     pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
@@ -285,7 +287,7 @@ impl<'a> Recorder<'a> {
         result
     }
 
-    /// Where that was, as far as it has a place.
+    /// Adds the mean step and the place on the chain to a failure, where they apply.
     fn failed(&self, cause: Failure, h: Option<f64>, y: &[f64]) -> Failed {
         let chain = &self.run.chain;
         let (h, place) = match cause {
@@ -302,7 +304,7 @@ impl<'a> Recorder<'a> {
         Failed { cause, h, place }
     }
 
-    /// What the run leaves behind.
+    /// The result of the run.
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
@@ -314,10 +316,10 @@ impl<'a> Recorder<'a> {
         self.has_energy.then(|| self.run.chain.energy(y))
     }
 
-    /// Refuses a state that is not finite or that only an unstable method reaches.
+    /// Refuses a state that is not finite, or whose energy or size exceeds its bound.
     fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
         let step = self.kept.stats.steps + stats.steps;
-        // Block by block without a branch: the first look at a long state is a loop over vectors.
+        // No branch inside a block, so that the compiler can vectorise the loop.
         let lost = |block: &[f64]| block.iter().fold(false, |lost, value| lost | !value.is_finite());
         if y.chunks(BLOCK).any(lost) {
             let index = y.iter().position(|value| !value.is_finite()).unwrap_or_default();
@@ -331,7 +333,7 @@ impl<'a> Recorder<'a> {
         if energy.is_some() {
             self.kept.largest = self.kept.largest.max((value - initial).abs());
         }
-        // An energy that overflows is beyond every bound.
+        // An energy that overflows exceeds the bound too.
         if !value.is_finite() || initial > 0.0 && value > bound * initial {
             return Err(Failure::Unstable { quantity, initial, value, t, step });
         }

@@ -1,4 +1,4 @@
-//! Which method, which step: what `run` takes when nobody says.
+//! The default method and setting of a run.
 
 use super::{Method, Run, Setting, method::Split};
 use crate::{
@@ -7,21 +7,23 @@ use crate::{
 };
 use hertzchain_integrators::splitting::tables;
 
-/// `chi = omega/Omega_c` above which resonators are light: Strang's splitting on the exact linear flow then errs below 10^-6 at a tenth of the run time of
-/// collocation, or less.
+/// Value of `chi = omega/Omega_c` above which `regime` chooses Strang's splitting on the exact
+/// linear flow: its energy error is then below 10^-6, at a tenth of the run time of collocation or
+/// less.
 const LIGHT: f64 = 1e4;
-/// Its energy error is at most `0.036 (h omega)^2/chi` there (measured), as long as steps stay below the first resonance, at `h omega = pi`: the largest of the charts `light` and
-/// `stiffness`, where springs hold as much energy as contacts.
+/// Coefficient `c` of the bound `c (h omega)^2/chi` for the energy error of Strang's splitting
+/// above `LIGHT`. Measured: at most 0.036, over the charts `light` and `stiffness`, where springs
+/// hold as much energy as contacts, for steps below the first resonance at `h omega = pi`.
 const ERROR: f64 = 0.04;
 const GOAL: f64 = 1e-6;
-/// The longest step, times `omega`.
+/// Longest step of Strang's splitting, times `omega`.
 const LONGEST: f64 = 2.0;
-/// Tolerance of methods that take one.
+/// Default tolerance of methods that take one.
 pub(super) const TOLERANCE: f64 = 1e-10;
-/// Steps a period of the others.
+/// Default number of steps per period of the other methods.
 pub(super) const STEPS_PER_PERIOD: f64 = 512.0;
 
-/// A method at work, and why it is the one.
+/// Method and setting that `regime` chose, with its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regime {
     /// The method.
@@ -30,28 +32,31 @@ pub struct Regime {
     pub setting: Setting,
     /// The setting in words.
     pub wording: String,
-    /// Why, in words.
+    /// The reason, in words.
     pub reason: String,
 }
 
-/// How far beads overlap: the largest strain, or what two beads that meet at the largest speed each turn into overlap.
+/// Scale of the overlaps: the largest strain (in absolute value) or, if larger, the greatest
+/// overlap `A` of two beads that meet with the largest speed `V` each,
+/// `A^(alpha+1) = (alpha+1) V^2`.
 pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
     let (strain, power) = (max_norm(chain.strains(y)), chain.params().alpha + 1.0);
     let speed = max_norm(chain.layout().u_dot(y).iter().copied());
     strain.max((speed * speed * power).powf(power.recip()))
 }
 
-/// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
+/// Contact frequency `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`, with
+/// `overlap = A + delta_0`.
 pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
     (2.0 * alpha * overlap.powf(alpha - 1.0)).sqrt()
 }
 
-/// The method for a run, from the charts of stability.
+/// Chooses method and setting from the stability charts.
 ///
 /// | regime | method | setting | energy error measured there |
 /// |---|---|---|---|
 /// | `omega <= 10^4 Omega_c` | `collocation` | tolerance 10^-10 | below 10^-9 |
-/// | above: light resonators, or contacts that hardly press | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
+/// | above: light resonators, or weakly compressed contacts | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
 ///
 /// # Errors
 /// A run without an end.

@@ -8,18 +8,18 @@ use crate::{
 };
 use hertzchain_integrators::{Error as Failure, Stats, Stepper};
 
-/// The states of a run at given times, from [`Run::at`].
+/// An iterator over the states of a run at given times, from [`Run::at`].
 pub struct States {
     stepper: Box<dyn Stepper<f64> + Send>,
     times: std::vec::IntoIter<f64>,
-    /// A state of the chain, for its layout.
+    /// Buffer with the layout of the chain.
     state: State<f64>,
 }
 
 impl States {
     pub(super) fn new(run: &Run, times: &[f64]) -> Result<Self> {
         let end = run.end()?;
-        // Times that differ from the end by rounding only are the end.
+        // Accepts times that exceed the end by rounding.
         let last = end * (1.0 + 4.0 * f64::EPSILON);
         if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
             return Err(Error::parameter("times", wrong, "from zero to the end of the run"));
@@ -30,7 +30,7 @@ impl States {
         Ok(Self { stepper: run.stepper()?, times: Vec::from(times).into_iter(), state: run.initial().clone() })
     }
 
-    /// The work done so far.
+    /// Work done so far.
     pub fn stats(&self) -> Stats {
         self.stepper.stats()
     }
@@ -47,7 +47,7 @@ impl Iterator for States {
                 Ok(self.state.clone())
             }
             Err(failure) => {
-                // Nothing comes after a failure.
+                // The iterator ends after a failure.
                 self.times = Vec::new().into_iter();
                 Err(failure.into())
             }
@@ -55,7 +55,7 @@ impl Iterator for States {
     }
 }
 
-/// The state at time `t` of a stepper that has not gone beyond the step that holds it.
+/// The state at time `t`. The stepper must not have passed the step that contains `t`.
 pub fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
         if interrupt::asked() {

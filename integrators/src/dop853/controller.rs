@@ -1,27 +1,27 @@
-//! The step-size controller: what error to allow, and the step to try next.
+//! The step-size controller: the step to try next, from the error of the last ones.
 
 use super::step::Scale;
 use crate::{error::Error, real::Real};
 
-/// What an adaptive run is asked for. [`new`](Self::new) gives every rule but the tolerance its default.
+/// Options of an adaptive run. [`new`](Self::new) sets all but the tolerances to their defaults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<R> {
     /// Relative tolerance of every component.
     pub rtol: R,
     /// Absolute tolerance of every component.
     pub atol: R,
-    /// The first step to try; by default it is guessed from two slopes.
+    /// First step to try; by default it is estimated from two slopes.
     pub first_step: Option<R>,
-    /// The longest step; by default the whole span.
+    /// Longest step; by default the whole span.
     pub max_step: Option<R>,
-    /// How many steps may be tried, rejected ones included.
+    /// Largest number of trial steps, rejected ones included.
     pub max_steps: u64,
-    /// Stabilisation of the step size (Lund): 0, the default, is none; useful values are up to 0.04.
+    /// Stabilisation of the step size (Lund). The default is 0, none; useful values are up to 0.04.
     pub stabilisation: R,
 }
 
 impl<R: Real> Options<R> {
-    /// The same relative and absolute tolerance.
+    /// Equal relative and absolute tolerance.
     pub fn new(tolerance: R) -> Self {
         Self {
             rtol: tolerance,
@@ -33,7 +33,8 @@ impl<R: Real> Options<R> {
         }
     }
 
-    /// The options, if they obey their rules; `floor` is one for the relative tolerance, and how it reads.
+    /// Returns the options if each lies in its range. `floor` is the lower bound of the relative
+    /// tolerance in unit round-offs, and `rule` is its wording.
     pub(crate) fn checked(self, (floor, rule): (R, &'static str)) -> Result<Self, Error> {
         let positive = |value: R| value.is_finite() && value > R::zero();
         let rules = [
@@ -62,27 +63,27 @@ impl<R: Real> Options<R> {
 
 /// The unit round-off of the scalar: that of `f64`, or its square for double-double.
 ///
-/// `Float::epsilon` of a double-double is the smallest number that 1 can be told from, far below its rounding.
+/// The `Float::epsilon` of double-double is far below its unit round-off.
 pub(crate) fn round_off<R: Real>() -> R {
     let plain = R::of(f64::EPSILON);
     if R::decimal("0.1") == R::of(0.1) { plain } else { plain * plain }
 }
 
-/// What becomes of a trial, with the step to try next.
+/// The verdict on a trial step, with the step to try next.
 pub(crate) enum Verdict<R> {
     Accept(R),
     Reject(R),
 }
 
-/// Chooses steps by the error of the last ones.
+/// Chooses the next step from the errors of the last trials.
 pub(crate) struct Controller<R> {
     safety: R,
-    /// Bounds of `h / h_next`: when growing, when shrinking.
+    /// Lower and upper bound of `h / h_next`.
     bounds: (R, R),
     exponent: R,
     stabilisation: R,
     max_step: R,
-    /// The last accepted error, not below `floor`.
+    /// Error of the last accepted step, at least `floor`.
     memory: R,
     floor: R,
     /// Whether the last trial was rejected.
@@ -103,7 +104,7 @@ impl<R: Real> Controller<R> {
         }
     }
 
-    /// Judges a trial of length `h` by the norm of its error: 1 is just right.
+    /// Judges a trial of length `h` by the norm of its error, which must be at most 1.
     pub(crate) fn judge(&mut self, h: R, error: R) -> Verdict<R> {
         let (growing, shrinking) = self.bounds;
         let plain = error.powf(self.exponent);
@@ -114,28 +115,29 @@ impl<R: Real> Controller<R> {
         let stable = plain / self.memory.powf(self.stabilisation);
         let next = (h / growing.max(shrinking.min(stable / self.safety))).min(self.max_step);
         self.memory = error.max(self.floor);
-        // After a rejection the step may not grow at once.
+        // After a rejection the next step may not be longer.
         let next = if std::mem::take(&mut self.rejected) { next.min(h) } else { next };
         Verdict::Accept(next)
     }
 
-    /// The longest step.
+    /// Longest step.
     pub(crate) fn max_step(&self) -> R {
         self.max_step
     }
 }
 
-/// A first step, guessed in two parts around an explicit Euler step.
+/// Estimate of the first step, before and after an explicit Euler step.
 pub(crate) struct Guess<R> {
     scale: Scale<R>,
     max_step: R,
     slope: R,
-    /// The length of the Euler step.
+    /// Length of the Euler step.
     pub(crate) euler: R,
 }
 
 impl<R: Real> Guess<R> {
-    /// From the state and the slope at the start: an Euler step that changes the state by a hundredth.
+    /// The length of the Euler step, from state and slope at the start: it changes the state by
+    /// about a hundredth.
     pub(crate) fn new(scale: Scale<R>, max_step: R, y: &[R], slope: &[R]) -> Self {
         let square = norm(scale, y, slope.iter().copied());
         let size = norm(scale, y, y.iter().copied());
@@ -148,11 +150,12 @@ impl<R: Real> Guess<R> {
         Self { scale, max_step, slope: square.sqrt(), euler: guess.min(max_step) }
     }
 
-    /// From the slope after the Euler step: `h^8 max(|y'|, |y''|) = 0.01`, and at most a hundred Euler steps.
+    /// The first step, from the slope after the Euler step: `h^8 max(|y'|, |y''|) = 0.01`, and at
+    /// most a hundred Euler steps.
     pub(crate) fn refine(self, y: &[R], slope: &[R], after: &[R]) -> R {
         let change = slope.iter().zip(after).map(|(&before, &after)| after - before);
         let second = norm(self.scale, y, change).sqrt() / self.euler;
-        // An Euler step may leave where the field is defined.
+        // The Euler step may leave the domain of the field.
         let second = if second.is_finite() { second } else { R::zero() };
         let bend = second.max(self.slope);
         let h = if bend <= R::decimal("0.000000000000001") {

@@ -1,4 +1,4 @@
-//! Dense output: a polynomial of degree 7 through the last step, of order 7 uniformly.
+//! Dense output: a polynomial of degree 7 over the last step, of order 7 uniformly.
 
 use super::{
     step::{Leap, Row, Step, row, stages},
@@ -6,10 +6,10 @@ use super::{
 };
 use crate::{real::Real, system::VectorField};
 
-/// The polynomial
-/// `y0 + s (q1 + (1-s) (q2 + s (q3 + (1-s) (q4 + s (q5 + (1-s) (q6 + s q7))))))` over a step, `0 <= s <= 1`.
+/// The polynomial `y0 + s (q1 + (1-s) (q2 + s (q3 + (1-s) (q4 + s (q5 + (1-s) (q6 + s q7))))))`
+/// over a step, `0 <= s <= 1`.
 ///
-/// `q1`, `q2` and `q3` give it the states and slopes of both ends.
+/// `q1`, `q2` and `q3` make it match the states and slopes at both ends.
 pub(crate) struct Dense<R> {
     stages: Vec<(R, Row<R>)>,
     d: Vec<Row<R>>,
@@ -27,12 +27,13 @@ impl<R: Real> Dense<R> {
         }
     }
 
-    /// Forgets the polynomial.
+    /// Discards the polynomial.
     pub(crate) fn clear(&mut self) {
         self.ready = false;
     }
 
-    /// Makes the polynomial of the last step, unless it is there. Returns the number of evaluations.
+    /// Computes the polynomial of the last step, unless it is computed already. Returns the number
+    /// of evaluations.
     pub(crate) fn prepare<F: VectorField<R>>(&mut self, step: &mut Step<R>, field: &mut F, leap: Leap<R>) -> u64 {
         if self.ready {
             return 0;
@@ -56,7 +57,7 @@ impl<R: Real> Dense<R> {
         self.stages.len() as u64
     }
 
-    /// Writes the polynomial at `s`, the share of the step.
+    /// Writes the polynomial at `s`, the share of the step, into `y`.
     pub(crate) fn eval(&self, before: &[R], s: R, y: &mut [R]) {
         let r = R::one() - s;
         let [q1, q2, q3, q4, q5, q6, q7] = &self.q;

@@ -1,8 +1,8 @@
-//! DOP853: the explicit Runge-Kutta method of order 8 by Dormand and Prince, with error estimators of order 5 and 3 and
-//! dense output of order 7, controlled as by Hairer and Wanner.
+//! DOP853: the explicit Runge-Kutta method of order 8 by Dormand and Prince, with error estimators
+//! of order 5 and 3 and dense output of order 7, controlled as by Hairer and Wanner.
 //!
-//! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993,
-//! sections II.4 to II.6 and II.10.
+//! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.,
+//! Springer 1993, sections II.4 to II.6 and II.10.
 
 pub(crate) mod controller;
 pub(crate) mod dense;
@@ -16,7 +16,7 @@ use controller::{Controller, Guess, Verdict};
 use dense::Dense;
 use step::{Leap, Step};
 
-/// The method at work on `y' = f(t, y)`.
+/// DOP853 on `y' = f(t, y)`.
 pub struct Dop853<R, F> {
     field: F,
     step: Step<R>,
@@ -25,17 +25,17 @@ pub struct Dop853<R, F> {
     start: R,
     end: R,
     time: Twofold<R>,
-    /// The last step, while it can be looked into.
+    /// The last step, until the next trial.
     last: Option<Leap<R>>,
     round_off: R,
-    /// How far beyond a step the end may lie for the step to reach it.
+    /// A step is stretched to the end of the span if it covers the rest of it up to this factor.
     stretch: R,
     begun: bool,
     trials: u64,
     stats: Stats,
 }
 
-/// Refuses a start that no run can have.
+/// Refuses a span or a state that cannot be integrated.
 pub(crate) fn check_start<R: Real>(dim: usize, y0: &[R], (start, end): (R, R)) -> Result<(), Error> {
     let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
     if !start.is_finite() {
@@ -53,26 +53,28 @@ pub(crate) fn check_start<R: Real>(dim: usize, y0: &[R], (start, end): (R, R)) -
     Ok(())
 }
 
-/// Where steps come from.
+/// The rule for step lengths.
 enum Pace<R> {
-    /// The error of each step, and the step to try next.
+    /// Steps by error control; `next` is the step to try next.
     Controlled { options: Options<R>, controller: Controller<R>, next: R },
-    /// So many equal steps.
+    /// A given number of equal steps.
     Equal { h: Twofold<R>, steps: u64 },
 }
 
 impl<R: Real, F: VectorField<R>> Dop853<R, F> {
-    /// Runs `field` from `y0` at `start` to `end`, with steps as long as the tolerances allow.
+    /// Integrates `field` from `y0` at `start` to `end`, with steps as long as the tolerances
+    /// allow.
     ///
     /// # Errors
-    /// `end < start`, times or a state that are not finite, a state of the wrong length, options that break a rule.
+    /// `end < start`, times or a state that are not finite, a state of the wrong length, options
+    /// outside their ranges.
     pub fn new(field: F, y0: &[R], (start, end): (R, R), options: Options<R>) -> Result<Self, Error> {
         let options = options.checked((R::of(10.0), "a relative tolerance is finite and above 10 unit round-offs"))?;
         let controller = Controller::new(&options, end - start);
         Self::paced(field, y0, (start, end), Pace::Controlled { options, controller, next: R::zero() })
     }
 
-    /// Runs `field` in `steps` equal steps, whatever their error.
+    /// Integrates `field` in `steps` equal steps, without error control.
     ///
     /// # Errors
     /// As [`new`](Self::new), or no step for a span that is not empty.
@@ -105,7 +107,8 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         })
     }
 
-    /// Steps tried so far: accepted, rejected, and those rejected before the first was accepted.
+    /// Number of trial steps so far: accepted and rejected, those before the first accepted step
+    /// included.
     pub fn trials(&self) -> u64 {
         self.trials
     }
@@ -114,7 +117,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         Error::NotFinite { t: self.time.value().f64(), step: self.stats.steps, index }
     }
 
-    /// The first slope and, if nobody chose it, the first step.
+    /// Computes the first slope and, if none is given, the first step.
     fn begin(&mut self) -> Result<(), Error> {
         self.step.begin(&mut self.field, self.start);
         self.stats.force_evaluations += 1;
@@ -135,7 +138,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         Ok(())
     }
 
-    /// The step to try next.
+    /// The next trial step.
     fn propose(&self) -> Result<Leap<R>, Error> {
         let (from, end) = (self.time, Twofold::new(self.end));
         let t = from.value();
@@ -144,7 +147,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
                 if self.trials >= options.max_steps {
                     return Err(Error::TooManySteps { t: t.f64(), steps: self.trials });
                 }
-                // No tiny last step: one that nearly reaches the end is stretched to it.
+                // Avoids a tiny last step: a step that nearly reaches the end is stretched to it.
                 let last = t + self.stretch * *next > self.end;
                 (*next, if last { end } else { from + Twofold::new(*next) })
             }
@@ -174,9 +177,9 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
         self.time.value() >= self.end
     }
 
-    /// One accepted step, and the trials rejected on the way to it.
+    /// Makes one accepted step, after the trials that are rejected.
     ///
-    /// After an error only the last good state can be sampled, not the inside of the last step.
+    /// After an error only the last state reached can be sampled, not the inside of the last step.
     fn step(&mut self) -> Result<(), Error> {
         if !self.begun {
             self.begin()?;
@@ -200,7 +203,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
                     Verdict::Accept(h) => *next = h,
                     Verdict::Reject(h) => {
                         *next = h;
-                        // The search for a first step counts as no rejection.
+                        // Rejections before the first accepted step are not counted, as in the
+                        // authors' code.
                         self.stats.rejected += u64::from(self.stats.steps > 0);
                         continue;
                     }
@@ -216,8 +220,8 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
         }
     }
 
-    /// Inside the last step the state is that of dense output; the first look costs three evaluations. Anywhere else it
-    /// is the state reached.
+    /// Inside the last step the state is that of dense output; the first such sample of a step
+    /// costs three evaluations. For other times it is the state at the nearer end of the step.
     fn sample(&mut self, t: R, y: &mut [R]) {
         match self.last {
             Some(leap) if t <= leap.from.value() => y.copy_from_slice(self.step.before()),

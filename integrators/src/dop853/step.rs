@@ -7,10 +7,10 @@ use crate::{
     system::VectorField,
 };
 
-/// Components that one turn of an inner loop takes together. Arrays are padded to a multiple of it.
+/// Number of components per turn of an inner loop. Arrays are padded to a multiple of it.
 const LANES: usize = 8;
 
-/// Stages 1 to 12, the slope at the end, and three more for dense output.
+/// Number of slopes: stages 1 to 12, the slope at the end, and three more for dense output.
 pub(crate) const SLOPES: usize = 16;
 
 /// Weights of slopes in the working precision: `(index, weight)`, indices from 0.
@@ -21,12 +21,12 @@ pub(crate) fn row<R: Real>(weights: &Weights) -> Row<R> {
     weights.iter().map(|&(stage, weight)| (stage - 1, R::decimal(weight))).collect()
 }
 
-/// A table of stages in the working precision: nodes and rows.
+/// A table of stages in the working precision: nodes `c` and rows `a`.
 pub(crate) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
     table.iter().map(|&(c, a)| (R::decimal(c), row(a))).collect()
 }
 
-/// A step: where it leads from and to, and its length to the working precision.
+/// A step: its start, its end, and its length to the working precision.
 #[derive(Clone, Copy)]
 pub(crate) struct Leap<R> {
     pub(crate) from: Twofold<R>,
@@ -34,7 +34,7 @@ pub(crate) struct Leap<R> {
     pub(crate) h: R,
 }
 
-/// The bound `atol + rtol |y|` that local errors are measured against.
+/// The unit `atol + rtol |y|` of local errors.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale<R> {
     pub(crate) atol: R,
@@ -54,18 +54,18 @@ fn larger<R: Real>(a: R, b: R) -> R {
     if a > b { a } else { b }
 }
 
-/// The twelve-stage step and the arrays it works in.
+/// The twelve-stage step and its arrays.
 pub(crate) struct Step<R> {
     dim: usize,
     stages: Vec<(R, Row<R>)>,
     b: Row<R>,
     error_5: Row<R>,
     error_3: Row<R>,
-    /// The state at the start of a trial.
+    /// State at the start of a trial; after acceptance, the state reached.
     y: Vec<R>,
-    /// The trial's result; once it is accepted, the state before it.
+    /// Result of a trial; after acceptance, the state before the step.
     other: Vec<R>,
-    /// The state of a stage.
+    /// State of a stage.
     inner: Vec<R>,
     k: [Vec<R>; SLOPES],
 }
@@ -103,17 +103,17 @@ impl<R: Real> Step<R> {
         &self.other[..self.dim]
     }
 
-    /// Slope `index`, from 0: number 0 belongs to the start of the step, number 12 to its end.
+    /// Slope `index`, from 0; index 0 is the start of the step, index 12 its end.
     pub(crate) fn slope(&self, index: usize) -> &[R] {
         &self.k[index][..self.dim]
     }
 
-    /// The slope at the start of the run.
+    /// Computes the slope at the start of the run.
     pub(crate) fn begin<F: VectorField<R>>(&mut self, field: &mut F, t: R) {
         field.eval(t, &self.y[..self.dim], &mut self.k[0][..self.dim]);
     }
 
-    /// An explicit Euler step; its slope goes where the second stage will be.
+    /// Makes an explicit Euler step; its slope is stored as that of the second stage.
     pub(crate) fn euler<F: VectorField<R>>(&mut self, field: &mut F, t: R, h: R) {
         for ((inner, &y), &slope) in self.inner.iter_mut().zip(&self.y).zip(&self.k[0]) {
             *inner = y + h * slope;
@@ -121,7 +121,7 @@ impl<R: Real> Step<R> {
         field.eval(t + h, &self.inner[..self.dim], &mut self.k[1][..self.dim]);
     }
 
-    /// Slope `index` of the last accepted step, at the inner state `y + h sum a k`.
+    /// Computes slope `index` of the last accepted step, at the inner state `y + h sum a k`.
     pub(crate) fn slope_inside<F: VectorField<R>>(
         &mut self,
         field: &mut F,
@@ -134,19 +134,20 @@ impl<R: Real> Step<R> {
         field.eval(t, &self.inner[..self.dim], &mut self.k[index][..self.dim]);
     }
 
-    /// `out = h sum a k`; `out` is as long as [`padded`](Self::padded).
+    /// `out = h sum a k`; `out` has length [`padded`](Self::padded).
     pub(crate) fn combine(&self, out: &mut [R], h: R, a: &[(usize, R)]) {
         R::run(Combine { out, base: None, h, a, k: &self.k });
     }
 
-    /// Length of the arrays.
+    /// Length of the padded arrays.
     pub(crate) fn padded(&self) -> usize {
         self.y.len()
     }
 
-    /// Tries a step: eleven evaluations, as the first slope is there already.
+    /// Tries a step: eleven evaluations, as the first slope is known.
     ///
-    /// Returns the norm of its error in units of `scale` (zero if there is none), or a component that is not finite.
+    /// Returns the norm of the error in units of `scale` (zero without one), or the index of a
+    /// component that is not finite.
     pub(crate) fn attempt<F: VectorField<R>>(
         &mut self,
         field: &mut F,
@@ -159,7 +160,7 @@ impl<R: Real> Step<R> {
             let t = if index == 11 { leap.to.value() } else { leap.from.value() + *c * h };
             field.eval(t, &self.inner[..dim], &mut self.k[index][..dim]);
         }
-        // The slopes of dense output are free meanwhile.
+        // The slopes of dense output are not in use here and serve as buffers.
         let [slopes @ .., one, two, three] = &mut self.k;
         let sums = R::run(Finish {
             out: &mut self.other,
@@ -186,7 +187,8 @@ impl<R: Real> Step<R> {
         Ok(h * sums.error_5 * (R::of(dim as f64) * weight).recip().sqrt())
     }
 
-    /// Makes the trial the state reached, with the slope there. If that slope is not finite, leaves all as it was.
+    /// Accepts the trial: its result becomes the state reached, and the slope there is computed. If
+    /// that slope is not finite, the state does not change.
     pub(crate) fn accept<F: VectorField<R>>(&mut self, field: &mut F, t: R) -> Result<(), usize> {
         field.eval(t, &self.other[..self.dim], &mut self.k[12][..self.dim]);
         self.check(12)?;
@@ -194,22 +196,22 @@ impl<R: Real> Step<R> {
         Ok(())
     }
 
-    /// Takes an accepted step back; the first slope is still there.
+    /// Reverts an accepted step. The first slope is still valid.
     pub(crate) fn undo(&mut self) {
         std::mem::swap(&mut self.y, &mut self.other);
     }
 
-    /// Starts from another state.
+    /// Sets the state.
     pub(crate) fn load(&mut self, y: &[R]) {
         self.y[..self.dim].copy_from_slice(y);
     }
 
-    /// Forgets the last step: its last slope becomes the first of the next.
+    /// Ends the last step: the slope at its end becomes the first slope of the next.
     pub(crate) fn advance(&mut self) {
         self.k.swap(0, 12);
     }
 
-    /// The first component of a slope that is not finite, as an error.
+    /// Fails with the first component of slope `index` that is not finite.
     pub(crate) fn check(&self, index: usize) -> Result<(), usize> {
         if R::run(Zeros(&self.k[index])) == R::zero() {
             return Ok(());
@@ -217,14 +219,15 @@ impl<R: Real> Step<R> {
         self.slope(index).iter().position(|slope| !slope.is_finite()).map_or(Ok(()), Err)
     }
 
-    /// The first component with a slope or a result that is not finite; 0 if only sums of them overflow.
+    /// The first component whose slopes or result are not finite; 0 if only sums over components
+    /// overflow.
     fn culprit(&self) -> usize {
         let finite = |i: usize| self.other[i].is_finite() && self.k[..12].iter().all(|k| k[i].is_finite());
         (0..self.dim).find(|&i| !finite(i)).unwrap_or(0)
     }
 }
 
-/// Weights and slopes for a sum of `M` terms.
+/// Weights and slopes of a sum of `M` terms.
 #[inline(always)]
 fn terms<'a, R: Real, const M: usize>(a: &[(usize, R)], k: &'a [Vec<R>], len: usize) -> ([R; M], [&'a [R]; M]) {
     let mut weights = [R::zero(); M];
@@ -236,7 +239,7 @@ fn terms<'a, R: Real, const M: usize>(a: &[(usize, R)], k: &'a [Vec<R>], len: us
     (weights, slopes)
 }
 
-/// `sum a k` of component `i`. The terms are added in the order of the table.
+/// `sum a k` for component `i`. The terms are added in the order of the table.
 #[inline(always)]
 fn sum<R: Real, const M: usize>((a, k): (&[R; M], &[&[R]; M]), i: usize) -> R {
     let mut sum = a[0] * k[0][i];
@@ -246,8 +249,8 @@ fn sum<R: Real, const M: usize>((a, k): (&[R; M], &[&[R]; M]), i: usize) -> R {
     sum
 }
 
-// The loops below are functions of their own, and not methods, because `&mut` arguments tell the compiler that nothing
-// else is written through; without that it does not vectorise them.
+// The loops below are functions, not methods, because their `&mut` arguments tell the compiler that
+// nothing else aliases them; otherwise it does not vectorise the loops.
 
 /// `out = base + h sum a k`.
 #[inline(always)]
@@ -278,7 +281,7 @@ fn total<R: Real>(x: &[R], weight: R) -> R {
     lanes.into_iter().fold(R::zero(), |sum, lane| sum + lane)
 }
 
-/// Zero, if all components are finite; otherwise not a number.
+/// Zero if all components are finite, otherwise not a number.
 struct Zeros<'a, R>(&'a [R]);
 
 impl<R: Real> Kernel for Zeros<'_, R> {
@@ -331,15 +334,15 @@ impl<R: Real> Kernel for Combine<'_, R> {
 
 /// Sums over all components.
 struct Sums<R> {
-    /// Squares of the scaled error of order 5.
+    /// Sum of squares of the scaled errors of order 5.
     error_5: R,
-    /// Squares of the scaled error of order 3.
+    /// Sum of squares of the scaled errors of order 3.
     error_3: R,
-    /// Zero, unless a slope or the result is not finite.
+    /// Zero if the result and all slopes are finite, otherwise not a number.
     zero: R,
 }
 
-/// The result of a trial, and the sums its norm is made of.
+/// Computes the result of a trial and the sums for its error norm.
 struct Finish<'a, R> {
     out: &'a mut [R],
     scratch: [&'a mut [R]; 3],
@@ -371,19 +374,21 @@ impl<R: Real> Kernel for Finish<'_, R> {
     }
 }
 
-/// What turns slopes into a result and errors.
+/// The data for the result and the errors of a trial.
 struct Measure<'a, R> {
     h: R,
     scale: Scale<R>,
     /// The embedded formula of order 3.
     lower: (&'a [R; 3], &'a [&'a [R]; 3]),
-    /// Slopes 2 to 5, which are in no weight of the result; a field may swallow a NaN of theirs (`max` does).
+    /// Slopes 2 to 5, which have no weight in the result. They are checked because a field may lose
+    /// their NaN in the later stages (as `max` does).
     early: [&'a [R]; 4],
 }
 
-/// Makes the result from `error_3`, which holds the mean slope; then makes errors squares in units of the tolerance.
+/// Computes the result from `error_3`, which holds the mean slope; then replaces both errors by
+/// their squares in units of the tolerance.
 ///
-/// `all` becomes finite only where the result and all slopes are.
+/// An entry of `all` is finite only if the result and all slopes of the component are.
 #[inline(always)]
 fn measure_errors<R: Real>(
     out: &mut [R],

@@ -1,13 +1,13 @@
-//! The numbers of the method, as the authors print them; stages count from 1.
+//! The coefficients of the method, as its authors print them; stages count from 1.
 //!
-//! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993,
-//! sections II.5, II.6 and II.10; digits from the Fortran code `dop853.f` of E. Hairer and G. Wanner (version of
-//! October 11, 2009).
+//! E. Hairer, S. P. Norsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.,
+//! Springer 1993, sections II.5, II.6 and II.10; digits from the Fortran code `dop853.f` of E.
+//! Hairer and G. Wanner (version of October 11, 2009).
 
-/// Weights of stages: `(stage, weight)`, zeros left out.
+/// Weights of stages: `(stage, weight)`, without zeros.
 pub type Weights = [(usize, &'static str)];
 
-/// Stages 2 to 12: the node `c` and the row of `a`. Stage 1 is the slope at the start.
+/// Stages 2 to 12: the node `c` and the row `a`. Stage 1 is the slope at the start of the step.
 pub const STAGES: [(&str, &Weights); 11] = [
     // 2
     ("0.0526001519587677318785587544488", &[(1, "0.0526001519587677318785587544488")]),
@@ -147,7 +147,7 @@ pub const BHH: &Weights = &[
     (12, "0.0220588235294117647058823529412"),
 ];
 
-/// Stages 14 to 16, which only dense output needs. Stage 13 is the slope at the end of the step.
+/// Stages 14 to 16, for dense output only. Stage 13 is the slope at the end of the step.
 pub const DENSE_STAGES: [(&str, &Weights); 3] = [
     // 14
     (

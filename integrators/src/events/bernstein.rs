@@ -1,13 +1,15 @@
-//! A step as a polynomial whose coefficients bound it: what makes a search miss nothing.
+//! A step as a polynomial in the Bernstein basis, whose coefficients bound its values.
 
 use super::root::bracketed;
 
-/// Values that make a polynomial of degree 7, the degree of the dense output of DOP853.
+/// Number of values; they define a polynomial of degree 7, the degree of the dense output of
+/// DOP853.
 pub(crate) const NODES: usize = 8;
 
-/// A polynomial of degree 7 on `[0, 1]` in the basis of Bernstein: `sum c_j C(7, j) s^j (1-s)^{7-j}`.
+/// A polynomial of degree 7 on `[0, 1]` in the Bernstein basis: `sum c_j C(7, j) s^j (1-s)^{7-j}`.
 ///
-/// It lies between its smallest and its largest coefficient; halved, it lies between closer ones.
+/// Its values lie between its smallest and its largest coefficient. Halving the interval tightens
+/// these bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial([f64; NODES]);
 
@@ -23,7 +25,7 @@ impl Polynomial {
         c[0]
     }
 
-    /// The parts on `[0, s]` and `[s, 1]`, each on `[0, 1]` again (de Casteljau).
+    /// The parts on `[0, s]` and `[s, 1]`, each rescaled to `[0, 1]` (de Casteljau).
     pub(crate) fn split(&self, s: f64) -> (Self, Self) {
         let (mut left, mut right) = (self.0, self.0);
         for (level, left) in left.iter_mut().enumerate() {
@@ -35,7 +37,7 @@ impl Polynomial {
         (Self(left), Self(right))
     }
 
-    /// The polynomial run through from `s = 1` to `s = 0`.
+    /// The polynomial `p(1 - s)`.
     fn reversed(&self) -> Self {
         let mut c = self.0;
         c.reverse();
@@ -46,7 +48,8 @@ impl Polynomial {
         Self(self.0.map(|c| sign * c))
     }
 
-    /// The largest value on `[0, 1]`, to a part in a thousand million of the span of its coefficients.
+    /// The largest value on `[0, 1]`, to 1e-9 of the largest distance of a coefficient from the
+    /// first.
     pub fn largest(&self) -> f64 {
         let span = self.0.iter().fold(0.0f64, |span, c| span.max((c - self.0[0]).abs()));
         let mut best = self.0[0].max(self.0[NODES - 1]);
@@ -66,7 +69,8 @@ impl Polynomial {
         self.first_above_in((0.0, 1.0), level)
     }
 
-    /// The same for a polynomial on an interval given by its start and its length.
+    /// As [`first_above`](Self::first_above), for a polynomial on an interval given by its start
+    /// and its length.
     fn first_above_in(&self, (start, length): (f64, f64), level: f64) -> Option<f64> {
         if self.0.iter().all(|&c| c <= level) {
             return None;
@@ -74,7 +78,7 @@ impl Polynomial {
         if self.0[0] > level || length < f64::EPSILON {
             return Some(start);
         }
-        // One change of sign in the coefficients is one root (Descartes).
+        // One change of sign of the coefficients means one root (Descartes).
         let changes = self.0.windows(2).filter(|pair| (pair[0] > level) != (pair[1] > level)).count();
         if changes == 1 {
             let ends = ((0.0, self.0[0] - level), (1.0, self.0[NODES - 1] - level));
@@ -85,13 +89,14 @@ impl Polynomial {
         left.first_above_in((start, half), level).or_else(|| right.first_above_in((start + half, half), level))
     }
 
-    /// Whether the polynomial gets beyond the band on this side.
+    /// Whether the polynomial leaves the band on this side.
     pub(crate) fn visits(&self, positive: bool, band: f64) -> bool {
         self.times(if positive { 1.0 } else { -1.0 }).first_above(band).is_some()
     }
 
-    /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`, after the last zero at
-    /// `zero`. `positive` is the side before; with `late`, the polynomial is first waited for to come to that side.
+    /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`;
+    /// `zero` is the last zero before it. `positive` is the side before. With `late`, the search
+    /// begins where the polynomial first leaves the band on that side.
     pub(crate) fn first_crossing(&self, positive: bool, late: bool, band: f64) -> Option<(f64, f64)> {
         let to_far_side = self.times(if positive { -1.0 } else { 1.0 });
         let from = if late { to_far_side.times(-1.0).first_above(band)? } else { 0.0 };
@@ -104,13 +109,14 @@ impl Polynomial {
     }
 }
 
-/// Makes polynomials from values at fixed nodes.
+/// Computes polynomials from values at fixed nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolation {
-    /// Shares of the step, both ends included (Chebyshev and Lobatto).
+    /// The nodes, as shares of the step: Chebyshev-Lobatto points, both ends included.
     pub(crate) nodes: [f64; NODES],
     coefficients: [[f64; NODES]; NODES],
-    /// Coefficients lie within this many half-ranges of the values about their middle.
+    /// Coefficients differ from the middle of the values by at most this many times half their
+    /// range.
     stretch: f64,
 }
 
@@ -140,7 +146,8 @@ impl Interpolation {
         Polynomial(c)
     }
 
-    /// The certificate that saves most searches: whether the polynomial through these values surely stays on its side.
+    /// Whether the polynomial through these values certainly does not leave the band on the other
+    /// side. This test saves most searches.
     pub(crate) fn stays(&self, values: &[f64; NODES], positive: bool, band: f64) -> bool {
         let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));

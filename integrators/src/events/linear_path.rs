@@ -1,24 +1,25 @@
-//! One overlap along the exact linear flow, and all of its zeros.
+//! An overlap along the exact linear flow, and its zeros.
 
 use super::root::bracketed;
 use crate::real::Real;
 
-/// Sums of the few terms of a path are rounded by less than this share of the terms.
+/// Bound of the rounding error of a value, relative to the sum of its terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The path `g(t) = a + b t + c cos(omega t) + d sin(omega t)` of an overlap between two kicks; `a + b t` for `omega = 0`.
+/// The path `g(t) = a + b t + c cos(omega t) + d sin(omega t)` of an overlap between two kicks;
+/// `a + b t` for `omega = 0`.
 ///
-/// Its turning points are known in closed form, and between them it is monotone: so every zero can be isolated, however
-/// many periods an interval holds. No coefficient may be infinite.
+/// Its turning points are known in closed form, and between them it is monotone. Therefore every
+/// zero can be isolated, for any number of periods in an interval. Coefficients must be finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearPath<R> {
-    /// Overlap of the part that moves freely, at `t = 0`.
+    /// Overlap of the uniform motion, at `t = 0`.
     pub a: R,
-    /// Its rate.
+    /// Rate of the uniform motion.
     pub b: R,
-    /// Cosine amplitude; not looked at for `omega = 0`.
+    /// Cosine amplitude; not used for `omega = 0`.
     pub c: R,
-    /// Sine amplitude; not looked at for `omega = 0`.
+    /// Sine amplitude; not used for `omega = 0`.
     pub d: R,
     /// Frequency, at least zero.
     pub omega: R,
@@ -50,16 +51,18 @@ impl<R: Real> LinearPath<R> {
         if self.omega == R::zero() { R::zero() } else { self.c.hypot(self.d) }
     }
 
-    /// What rounding can do to a value up to `|t| <= reach`, generously.
+    /// A generous bound of the rounding error of a value for `|t| <= reach`.
     fn rounding(&self, reach: R) -> R {
         let phase = R::one() + self.omega * reach;
         R::of(ROUNDING) * (self.a.abs() + self.b.abs() * reach + self.amplitude() * phase)
     }
 
-    /// Numbers `(lo, hi)` with `lo <= g <= hi` on the interval between `t0` and `t1`, at the cost of one sine.
+    /// Bounds `(lo, hi)` with `lo <= g <= hi` on the interval between `t0` and `t1`, at the cost of
+    /// one sine.
     ///
-    /// The tighter of two bounds on either side: the line at both ends plus and minus the amplitude `A`; and, about the middle `m`
-    /// of an interval of half-length `l`, `g(m) +- (|g'(m)| l + A (omega l)^2 / 2)`.
+    /// On either side the tighter of two bounds: the line at the ends plus or minus the amplitude
+    /// `A`; and, with the middle `m` and the half-length `l` of the interval,
+    /// `g(m) +- (|g'(m)| l + A (omega l)^2 / 2)`.
     pub fn bounds(&self, t0: R, t1: R) -> (R, R) {
         let half = R::of(0.5);
         let (m, l, amplitude) = (half * (t0 + t1), half * (t1 - t0).abs(), self.amplitude());
@@ -73,7 +76,8 @@ impl<R: Real> LinearPath<R> {
         (lo - rounding, hi + rounding)
     }
 
-    /// A certificate that `g` does not take the value `level` between `t0` and `t1`. `false` says nothing.
+    /// Whether `g` certainly does not take the value `level` between `t0` and `t1`. `false` is no
+    /// statement.
     pub fn misses(&self, t0: R, t1: R, level: R) -> bool {
         let (lo, hi) = self.bounds(t0, t1);
         lo > level || hi < level
@@ -81,9 +85,10 @@ impl<R: Real> LinearPath<R> {
 
     /// Appends all zeros in `[t0, t1]`, `t0 <= t1`, in ascending order.
     ///
-    /// What counts is the sign of the computed values at the ends and at the turning points: between two that differ there is
-    /// one zero, and a value that is zero is one. So a double zero, which touches, is reported once, twice or not at all, as rounding has it.
-    /// A path that is zero throughout has none.
+    /// The signs of the computed values at the ends and at the turning points decide: between two
+    /// values of different sign there is one zero, and a value that is zero is a zero. A double
+    /// zero is therefore found once, twice or not at all, depending on rounding. A path that is
+    /// identically zero has none.
     pub fn roots(&self, t0: R, t1: R, out: &mut Vec<R>) {
         let amplitude = self.amplitude();
         if self.a == R::zero() && self.b == R::zero() && amplitude == R::zero() {
@@ -98,7 +103,7 @@ impl<R: Real> LinearPath<R> {
         }
     }
 
-    /// The part of `[t0, t1]` on which the line is no farther from zero than the amplitude.
+    /// The part of `[t0, t1]` on which the line lies within the amplitude of zero.
     fn within_reach(&self, t0: R, t1: R, amplitude: R) -> Option<(R, R)> {
         if self.b == R::zero() {
             return Some((t0, t1));
@@ -111,8 +116,8 @@ impl<R: Real> LinearPath<R> {
 
     /// Calls `visit` with every zero of `g'` inside `(t0, t1)`, in ascending order.
     ///
-    /// With `c + i d = A e^{i phi}` it reads `g' = b - A omega sin(omega t - phi)`: zero where `omega t = phi + k pi + (-1)^k sigma`,
-    /// `sin sigma = b / (A omega)`.
+    /// With `c + i d = A e^{i phi}`, `g' = b - A omega sin(omega t - phi)`. It vanishes where
+    /// `omega t = phi + k pi + (-1)^k sigma`, `sin sigma = b / (A omega)`.
     fn turning_points(&self, mut t0: R, t1: R, amplitude: R, mut visit: impl FnMut(R)) {
         let steepest = amplitude * self.omega;
         if steepest <= self.b.abs() {
@@ -130,7 +135,8 @@ impl<R: Real> LinearPath<R> {
         }
     }
 
-    /// Reports the zero, if there is one, of the monotone stretch from `from` up to but not including `t`, and moves on to `t`.
+    /// Reports the zero of the monotone part from `from` up to but not including `t`, if there is
+    /// one. Then moves `from` to `t`.
     fn monotone(&self, from: &mut (R, R), t: R, out: &mut Vec<R>) {
         let (start, end) = (*from, (t, self.at(t)));
         if start.1 == R::zero() && start.0 < t {
@@ -147,7 +153,7 @@ mod tests {
     use super::*;
     use twofloat::TwoFloat;
 
-    /// Numbers in (-1, 1) that look random.
+    /// Pseudo-random numbers in (-1, 1).
     fn random(mut seed: u64) -> impl FnMut() -> f64 {
         move || {
             seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -157,7 +163,7 @@ mod tests {
         }
     }
 
-    /// A path and an interval: from a thousandth of a period to forty.
+    /// A random path and a random interval, of a thousandth of a period to forty periods.
     fn random_case(next: &mut impl FnMut() -> f64) -> (LinearPath<f64>, f64, f64) {
         let omega = if next() > 0.8 { 0.0 } else { 10f64.powf(next()) };
         let slope = 10f64.powf(-2.0 * next().abs());
@@ -197,7 +203,7 @@ mod tests {
             for &t in &grid {
                 assert!(exact.iter().any(|&r| t <= r && r <= t + width), "case {case}: no zero near {t}");
             }
-            // What the grid did not see comes in pairs closer than the grid.
+            // Zeros that the grid misses come in pairs closer than the grid.
             let hidden: Vec<f64> =
                 exact.iter().copied().filter(|r| !grid.iter().any(|t| t <= r && *r <= t + width)).collect();
             assert!(hidden.chunks(2).all(|pair| pair.len() == 2 && pair[1] - pair[0] <= 2.0 * width), "case {case}");
@@ -250,7 +256,8 @@ mod tests {
         for (k, t) in found.iter().enumerate() {
             assert!((t - (k as f64 + 0.5) * std::f64::consts::PI / 1e5).abs() < 1e-15);
         }
-        // With a slope, only where the line is within reach: 2 of each period, and one where it comes and goes.
+        // With a slope, zeros exist only where the line is within the amplitude: 2 a period, and
+        // one at either end.
         let path = LinearPath { a: -1e3, b: 1.0, ..path };
         let found = roots(&path, 0.0, 2e3);
         assert!(found.len().abs_diff(63662) <= 2 && found.len() % 2 == 1, "{}", found.len());
@@ -266,7 +273,7 @@ mod tests {
             assert_eq!(found.len(), 2, "{s}");
             assert!((found[1] - s).abs() < 1e-16 / s && (found[0] + s).abs() < 1e-16 / s, "{s}: {found:?}");
         }
-        // The value at the turning point decides: just above zero, on it, below.
+        // The computed value at the turning point decides: just above zero, zero, just below.
         let touching = |a| LinearPath { a, b: 0.0, c: -1.0, d: 0.0, omega: 1.0 };
         assert_eq!(roots(&touching(1.0 + f64::EPSILON), -1.0, 1.0).len(), 0);
         assert_eq!(roots(&touching(1.0), -1.0, 1.0), [0.0]);

@@ -1,17 +1,21 @@
-//! A zero between two points at which the sign differs.
+//! A zero inside a bracket, between two points at which the sign differs.
 
 use crate::real::Real;
 
-/// Evaluations that are allowed: four a halving, for as many halvings as double-double has bits.
+/// Largest number of evaluations: four for each halving, and 110 halvings, the bits of
+/// double-double.
 const EVALUATIONS: usize = 4 * 110;
-/// A secant step ends this share of the bracket nearer to its middle, so that the other end comes near as well.
+/// A secant step is shifted towards the middle by this share of the bracket, so that it lands
+/// beyond the zero and the other end of the bracket moves too.
 const SHIFT: f64 = 1e-6;
 
-/// A zero of `f` in `[a, b]`, where `fa = f(a)` and `fb = f(b)` differ in sign or one of them is zero.
+/// A zero of `f` in `[a, b]`, where `fa = f(a)` and `fb = f(b)` differ in sign or one of them is
+/// zero.
 ///
-/// The secant of Anderson and Björck (1973), which lowers the value at an end that stays, and a bisection whenever three
-/// evaluations have not halved the bracket. Ends where `f` is zero, where the bracket has no inner point, or after 440
-/// evaluations. It asks for no tolerance: the epsilon of double-double says nothing.
+/// The secant method of Anderson and Björck (1973), which reduces the stored value at an end that
+/// does not move, with a bisection whenever three evaluations have not halved the bracket. The
+/// search ends where `f` is zero, where the bracket has no inner point, or after 440 evaluations.
+/// There is no tolerance, since the epsilon of double-double is far below its precision.
 pub(crate) fn bracketed<R: Real>(mut f: impl FnMut(R) -> R, (mut a, mut fa): (R, R), (mut b, mut fb): (R, R)) -> R {
     let (zero, half) = (R::zero(), R::of(0.5));
     let (mut wa, mut wb, mut last) = (fa, fb, None);
@@ -25,7 +29,7 @@ pub(crate) fn bracketed<R: Real>(mut f: impl FnMut(R) -> R, (mut a, mut fa): (R,
         let per_slope = width / (wb - wa);
         let secant = if wa.abs() < wb.abs() { a - wa * per_slope } else { b - wb * per_slope };
         let x = secant + (R::of(SHIFT) * width).copysign(middle - secant);
-        // Rounding may leave the bracket, and where `f` is infinite there is no secant.
+        // Rounding may put the secant outside the bracket, and where `f` is infinite there is none.
         let x = if tries <= 3 && a < x && x < b { x } else { middle };
         let fx = f(x);
         let left = (fx > zero) == (fa > zero);
@@ -40,7 +44,8 @@ pub(crate) fn bracketed<R: Real>(mut f: impl FnMut(R) -> R, (mut a, mut fa): (R,
     if fa.abs() <= fb.abs() { a } else { b }
 }
 
-/// The weight of Anderson and Björck for the end that stays, from the new and the old value at the other.
+/// The factor of Anderson and Björck for the end that stays, from the new and the old value at the
+/// other end.
 fn lowered<R: Real>(new: R, old: R) -> R {
     let weight = R::one() - new / old;
     if weight > R::zero() { weight } else { R::of(0.5) }
@@ -51,7 +56,8 @@ mod tests {
     use super::*;
     use twofloat::TwoFloat;
 
-    /// The zero and the number of evaluations; no point outside the bracket is ever asked for.
+    /// The zero and the number of evaluations; asserts that no point outside the bracket is
+    /// evaluated.
     fn counted<R: Real>(f: impl Fn(R) -> R, a: R, b: R) -> (R, usize) {
         let mut count = 0;
         let g = |x: R| {
@@ -62,7 +68,7 @@ mod tests {
         (bracketed(g, (a, f(a)), (b, f(b))), count)
     }
 
-    /// A function and three numbers that its test explains.
+    /// A function, the bracket and the zero.
     type Case = (fn(f64) -> f64, f64, f64, f64);
 
     #[test]

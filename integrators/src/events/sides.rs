@@ -1,30 +1,31 @@
-//! Remembered signs, and the search of one step for changes of them.
+//! The sides of event functions, and the search of one step for changes of side.
 
 use super::bernstein::{Interpolation, NODES, Polynomial};
 use crate::real::Real;
 
-/// Polynomials through a step are no better than this, relative to the values they go through.
+/// Relative accuracy of the polynomial over a step, in units of the largest value.
 const POLYNOMIAL_ROUNDING: f64 = 1e-14;
 
-/// Steps that a function may take to arrive on the side that its event has put it on.
+/// Number of steps within which a function must reach the side that its event put it on.
 const PATIENCE: u8 = 32;
 
-/// A change of side inside a step, in shares of it.
+/// A change of side inside a step; times are shares of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     pub(crate) index: usize,
-    /// From negative to positive.
+    /// Whether the function changes from negative to positive.
     pub(crate) rising: bool,
-    /// Where: the last zero before the band is left.
+    /// Time of the last zero before the band is left.
     pub(crate) zero: f64,
-    /// Where the band is left.
+    /// Time at which the band is left.
     left: f64,
 }
 
-/// The sides of all functions, and their values at the nodes of the step at hand.
+/// The sides of all functions, and their values at the nodes of the present step.
 pub(crate) struct Sides {
     positive: Vec<bool>,
-    /// Functions whose event was taken a little early: steps they have left to arrive on their side.
+    /// Functions whose event was fired early: number of steps left to reach the new side. Zero for
+    /// the others.
     late: Vec<u8>,
     values: Vec<[f64; NODES]>,
     band: f64,
@@ -42,37 +43,39 @@ impl Sides {
         }
     }
 
-    /// The shares of a step at which values are wanted.
+    /// The shares of a step at which values are needed.
     pub(crate) fn nodes(&self) -> [f64; NODES] {
         self.interpolation.nodes
     }
 
-    /// Takes the values at node `k`.
+    /// Stores the values at node `k`.
     pub(crate) fn put<R: Real>(&mut self, k: usize, values: &[R]) {
         for (nodes, value) in self.values.iter_mut().zip(values) {
             nodes[k] = value.f64();
         }
     }
 
-    /// The next step starts where this one ended.
+    /// Copies the values at the end of the last step to the start of the next.
     pub(crate) fn carry(&mut self) {
         for nodes in &mut self.values {
             nodes[0] = nodes[NODES - 1];
         }
     }
 
-    /// The band of the largest state so far: rounding does not shrink when a state passes through zero.
+    /// Raises the band. It belongs to the largest state so far, as rounding errors stay when a
+    /// state passes through zero.
     pub(crate) fn set_band(&mut self, band: f64) {
         self.band = self.band.max(band);
     }
 
-    /// The band of a function in the step at hand.
+    /// The band of a function in the present step.
     pub(crate) fn band(&self, index: usize) -> f64 {
         let largest = self.values[index].iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
         self.band.max(POLYNOMIAL_ROUNDING * largest)
     }
 
-    /// The sides at the start of a run, from the values at node 0: what is in the band is not positive.
+    /// Sets the sides at the start of a run from the values at node 0. Values inside the band count
+    /// as not positive.
     pub(crate) fn begin(&mut self) {
         for (positive, nodes) in self.positive.iter_mut().zip(&self.values) {
             *positive = nodes[0] > self.band;
@@ -83,12 +86,12 @@ impl Sides {
         self.positive[index]
     }
 
-    /// Whether its event was taken early, and it has still to arrive.
+    /// Whether the event of a function was fired early and the function has not reached its side.
     pub(crate) fn late(&self, index: usize) -> bool {
         self.late[index] > 0
     }
 
-    /// The polynomial of a function through the step.
+    /// The polynomial of a function over the step.
     pub(crate) fn polynomial(&self, index: usize) -> Polynomial {
         self.interpolation.through(&self.values[index])
     }
@@ -99,7 +102,7 @@ impl Sides {
         self.late[index] = PATIENCE;
     }
 
-    /// The first change of side of each function that has one, in no order.
+    /// The first change of side of each function that has one, in the order of indices.
     pub(crate) fn first_crossings(&self, found: &mut Vec<Crossing>) {
         found.clear();
         for index in 0..self.values.len() {
@@ -111,7 +114,8 @@ impl Sides {
         }
     }
 
-    /// All changes of side in the step, in the order of time; ties in the order of indices. Sides end as the step does.
+    /// All changes of side in the step, in the order of time, then of indices. The sides become
+    /// those at the end of the step.
     pub(crate) fn all_crossings(&mut self, found: &mut Vec<Crossing>) {
         self.first_crossings(found);
         for first in 0..found.len() {
@@ -130,7 +134,8 @@ impl Sides {
         found.sort_by(|x, y| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index)));
     }
 
-    /// At the end of a step: functions that were late have arrived, or wait on; one that never comes goes back to its side.
+    /// At the end of a step: marks late functions that have reached their side. One that does not
+    /// reach it in time gets the side of its value.
     pub(crate) fn settle(&mut self) {
         for index in 0..self.values.len() {
             if self.late(index) {

@@ -1,4 +1,4 @@
-//! Any stepper, watched for events.
+//! A stepper that is searched for events.
 
 use super::{
     Event, EventFunctions,
@@ -9,13 +9,14 @@ use super::{
 use crate::{drive::Stepper, error::Error, real::Real, stats::Stats};
 use std::ops::ControlFlow;
 
-/// Somebody who is told of events. Directions and terminal events are its business: it passes over what it does not want,
-/// and ends the run by breaking.
+/// A listener for events. It selects directions and terminal events itself: it ignores the events
+/// it does not need, and ends the run by returning `Break`.
 pub trait Listener<R> {
-    /// An event, with the state at its time.
+    /// Receives an event, with the state at its time.
     fn event(&mut self, event: Event<R>, y: &[R]) -> ControlFlow<()>;
 
-    /// A part of a step in which a function is positive: after the event that begins it, before the one that ends it.
+    /// Receives a part of a step in which a function is positive: after the event that begins it,
+    /// before the event that ends it.
     fn positive(&mut self, _part: &Part<R>) {}
 }
 
@@ -24,7 +25,7 @@ pub trait Listener<R> {
 pub struct Part<R> {
     /// Index of the function.
     pub index: usize,
-    /// From and to.
+    /// Start and end time.
     pub span: (R, R),
     /// The function over the span, as a polynomial on `[0, 1]`.
     pub polynomial: Polynomial,
@@ -32,17 +33,18 @@ pub struct Part<R> {
     pub band: f64,
 }
 
-/// A stepper whose steps are searched for events: eight samples a step, a polynomial through them that misses nothing,
-/// and the root of the sampled solution itself.
+/// A stepper whose steps are searched for events. Each step is sampled at eight times, all changes
+/// of side of the polynomial through the samples are found, and their times are refined on the
+/// sampled solution.
 ///
-/// A run that nobody watches is a run without this type, and pays nothing for it.
+/// The search costs nothing in runs that do not use this type.
 pub struct Watch<R, S, E, L> {
     stepper: S,
     functions: E,
     listener: L,
     sides: Sides,
     crossings: Vec<Crossing>,
-    /// Where in the step each function became positive.
+    /// Share of the step since which each function is positive.
     since: Vec<f64>,
     y: Vec<R>,
     g: Vec<R>,
@@ -77,7 +79,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         &self.listener
     }
 
-    /// Ends the watch and gives the listener back.
+    /// Ends the watch and returns the listener.
     pub fn into_listener(self) -> L {
         self.listener
     }
@@ -97,7 +99,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         self.listener.positive(&Part { index, span, polynomial, band });
     }
 
-    /// The time of a crossing: a root of the sampled solution near that of the polynomial.
+    /// The time of a crossing: a root of the sampled solution near the root of the polynomial.
     fn refine(&mut self, crossing: Crossing, from: R, to: R) -> R {
         let index = crossing.index;
         let at = |share: f64| if share >= 1.0 { to } else { from + (to - from) * R::of(share.max(0.0)) };
@@ -126,7 +128,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         guess
     }
 
-    /// Searches the step just taken.
+    /// Searches the last step.
     fn search(&mut self, from: R) {
         let to = self.stepper.time();
         self.sides.carry();

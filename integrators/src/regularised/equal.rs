@@ -10,10 +10,11 @@ use crate::{
     system::VectorField,
 };
 
-/// Newton iterations for the end of a leg: from a good guess two or three are enough.
+/// Largest number of Newton iterations for the end of a leg; a good guess needs two or three.
 const MOST_PASSES: usize = 12;
 
-/// The stops of a run: about when each comes, the function that vanishes there, and what is singular about it.
+/// The stops of a run: the approximate time of each, the function that vanishes there, and whether
+/// an onset or a release happens there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Itinerary<R> {
     stops: Vec<Stop<R>>,
@@ -27,7 +28,7 @@ struct Stop<R> {
 }
 
 impl<R: Real> Itinerary<R> {
-    /// From the events of a run in order of time; events closer than `together` share a stop.
+    /// From the events of a run in the order of time; events closer than `together` share a stop.
     pub fn new(events: &[Event<R>], together: R) -> Self {
         let mut stops: Vec<Stop<R>> = Vec::new();
         for &event in events {
@@ -42,27 +43,27 @@ impl<R: Real> Itinerary<R> {
         Self { stops }
     }
 
-    /// How many stops.
+    /// Number of stops.
     pub fn len(&self) -> usize {
         self.stops.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no stops.
     pub fn is_empty(&self) -> bool {
         self.stops.is_empty()
     }
 }
 
-/// How a leg between two stops is shared out.
+/// The division of a leg into steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Division<R> {
-    /// Steps of this length in time, the last of each leg shorter: what a solver does that stops at events.
+    /// Steps of this length in time, the last of each leg shorter, as without a map.
     Length(R),
-    /// This many equal steps in the mapped variable on every leg, with a map of power `q`.
+    /// A number of equal steps in the mapped variable on every leg, with a map of power `q`.
     Count {
-        /// Steps a leg.
+        /// Number of steps per leg.
         steps: u64,
-        /// The power of the map.
+        /// Power of the map.
         q: u32,
     },
 }
@@ -84,16 +85,16 @@ impl<R: Real> Division<R> {
         if let Self::Count { q, .. } = *self { q } else { 1 }
     }
 
-    /// Steps on a leg of this length.
+    /// Number of steps on a leg of this length.
     fn count(&self, length: R) -> u64 {
         match *self {
-            // A step that fits but for rounding is taken as it is.
+            // A step that fits up to rounding is not split.
             Self::Length(h) => (length / h * R::of(1.0 - 1e-9)).ceil().max(R::one()).f64() as u64,
             Self::Count { steps, .. } => steps,
         }
     }
 
-    /// Where step `k` of `count` begins, as `sigma`.
+    /// The `sigma` at which step `k` of `count` begins.
     fn node(&self, k: u64, count: u64, length: R) -> R {
         match *self {
             _ if k == count => R::one(),
@@ -103,12 +104,15 @@ impl<R: Real> Division<R> {
     }
 }
 
-/// Runs DOP853 from `y0` over the span and returns the state at its end and the number of steps, without error control.
+/// Integrates with DOP853 from `y0` over the span, without error control. Returns the state at the
+/// end and the number of steps.
 ///
-/// It stops at each event, found by Newton's method on its own solution; the itinerary is only where that starts.
+/// The integration stops at each event, which Newton's method finds on the computed solution. The
+/// itinerary gives the starting values only.
 ///
 /// # Errors
-/// A division or a problem that is not valid; a state that is not finite; a solution too coarse to have an event of the
+/// A division or a problem that is not valid; a state that is not finite; steps so long that the
+/// solution lacks an event of the itinerary.
 /// itinerary.
 pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     mut field: F,
@@ -153,7 +157,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
                 break;
             }
             pass += 1;
-            // Steps too coarse to have this event at all.
+            // The steps are too long for the solution to have this event.
             if pass == MOST_PASSES || miss.is_nan() || miss.abs() >= length {
                 return Err(Error::StepUnderflow { t: t.f64(), h: miss.f64() });
             }
@@ -166,7 +170,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     Ok((from, steps))
 }
 
-/// From `sigma = 0` to 1, and the number of steps.
+/// Integrates a leg from `sigma = 0` to 1; returns the number of steps.
 fn traverse<R: Real, F: VectorField<R>>(
     field: &mut Mapped<'_, R, F>,
     step: &mut Step<R>,

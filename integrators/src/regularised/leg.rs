@@ -1,4 +1,4 @@
-//! A leg, and how fast it goes.
+//! A leg, and the step lengths of a run.
 
 use super::TimeMap;
 use crate::{clock::Twofold, dop853::step::Leap, events::sides::Crossing, real::Real, system::VectorField};
@@ -24,7 +24,7 @@ impl<R: Real, F: VectorField<R>> VectorField<R> for Mapped<'_, R, F> {
     }
 }
 
-/// A stretch without events: where it starts, its map, how far we are, and what awaits us at `sigma = 1`.
+/// A leg: its origin, its map, the present `sigma`, and the event expected at `sigma = 1`.
 #[derive(Clone, Copy)]
 pub(super) struct Leg<R> {
     pub(super) origin: Twofold<R>,
@@ -43,7 +43,7 @@ impl<R: Real> Leg<R> {
         self.map.at(self.sigma)
     }
 
-    /// The same at a share of a step.
+    /// Time since the origin at a share of a step.
     pub(super) fn tau_in(&self, leap: Leap<R>, share: f64) -> R {
         self.map.at(leap.from.value() + leap.h * R::of(share))
     }
@@ -57,7 +57,8 @@ impl<R: Real> Leg<R> {
     }
 }
 
-/// The longest step that errors allow, in time and in the variable of singular ends.
+/// Step lengths that the errors allow, in time and in the variable `s = tau^{1/q}` of singular
+/// ends.
 #[derive(Clone, Copy)]
 pub(super) struct Pace<R> {
     pub(super) tau: R,

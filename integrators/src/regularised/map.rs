@@ -1,19 +1,20 @@
-//! Time maps: a variable in which a solution that feels a power of the distance from an event is smooth.
+//! Time maps: variables in which a solution with a power singularity at an event is smooth.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `sigma` | the variable, from 0 to 1 |
 //! | `tau` | time since the start of the leg, from 0 to its length `L` |
-//! | `a, b` | powers at the start and at the end; 1 where nothing is singular |
+//! | `a, b` | powers at the start and at the end; 1 where the solution is not singular |
 
 use crate::{clock::Twofold, real::Real};
 use std::fmt::Debug;
 
 /// `tau = L I(sigma)`, `I' = c sigma^{a-1} (1 - sigma)^{b-1}`, `I(0) = 0`, `I(1) = 1`.
 ///
-/// Near the start `tau` goes like `sigma^a`, near the end `L - tau` like `(1 - sigma)^b`: `a = b = 1` is no map,
-/// `b = 1` the one of an onset, `a = 1` that of a release, both larger the two-sided one. `I` is the regularised
-/// incomplete beta function, a polynomial. With `b = 1` it may be continued beyond `sigma = 1`.
+/// Near the start `tau` behaves like `sigma^a`, near the end `L - tau` like `(1 - sigma)^b`.
+/// `a = b = 1` is linear, `b = 1` fits an onset at the start, `a = 1` a release at the end. `I` is
+/// the regularised incomplete beta function, a polynomial. With `b = 1` the map may be continued
+/// beyond `sigma = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeMap<R> {
     length: R,
@@ -22,7 +23,7 @@ pub struct TimeMap<R> {
 }
 
 impl<R: Real> TimeMap<R> {
-    /// The map of a leg of this length, `a` and `b` from 1.
+    /// The map of a leg of this length; powers below 1 count as 1.
     pub fn new(length: R, a: u32, b: u32) -> Self {
         Self { length, a: a.max(1), b: b.max(1) }
     }
@@ -37,7 +38,8 @@ impl<R: Real> TimeMap<R> {
         self.length
     }
 
-    /// `C(n, k) sigma^k (1 - sigma)^{n-k}` summed over `ks`, with `n = a + b - 1`: terms of one sign.
+    /// `C(n, k) sigma^k (1 - sigma)^{n-k}` summed over `ks`, with `n = a + b - 1`. All terms are
+    /// positive on `(0, 1)`.
     fn sum(&self, sigma: R, ks: impl Iterator<Item = u32>) -> R {
         let n = self.a + self.b - 1;
         let power = |x: R, k: u32| num_traits::pow(x, k as usize);
@@ -45,12 +47,12 @@ impl<R: Real> TimeMap<R> {
         ks.fold(R::zero(), |sum, k| sum + term(k))
     }
 
-    /// `tau` at `sigma`, accurate relative to itself.
+    /// `tau` at `sigma`, with a small relative error.
     pub fn at(&self, sigma: R) -> R {
         self.length * self.sum(sigma, self.a..=self.a + self.b - 1)
     }
 
-    /// `L - tau` at `sigma`, accurate relative to itself.
+    /// `L - tau` at `sigma`, with a small relative error.
     pub fn before_end(&self, sigma: R) -> R {
         self.length * self.sum(sigma, 0..=self.a - 1)
     }
@@ -69,13 +71,15 @@ impl<R: Real> TimeMap<R> {
             return zero;
         }
         if self.a == 1 && self.b == 1 {
-            // To the last digit also in double-double, whose own division is not: time that is lost here is lost for good.
+            // The division of the crate `twofloat` loses digits in double-double, and times must
+            // not lose digits.
             return Twofold::new(tau).over(Twofold::new(self.length)).value();
         }
         if self.b > 1 && tau >= self.length {
             return one;
         }
-        // Newton's method on the end that is nearer, where the map is a power; it starts beyond the root of a convex branch.
+        // Newton's method from the nearer end, where the map is nearly a power; it starts beyond
+        // the root of a convex branch.
         let n = self.a + self.b - 1;
         let share = tau / self.length;
         let near_start = self.b == 1 || share < R::of(0.5);
@@ -98,8 +102,8 @@ impl<R: Real> TimeMap<R> {
         sigma
     }
 
-    /// How `sigma` counts near a singular end: there `s = tau^{1/q}` is this many times `sigma`. The length, where no end
-    /// is singular.
+    /// The factor between `sigma` and `s = tau^{1/q}` near a singular end (`s` is this many times
+    /// `sigma`). Without a singular end, the length.
     pub fn unit(&self) -> R {
         let q = self.a.max(self.b);
         let near = if self.a > 1 { binomial(self.a + self.b - 1, self.a) } else { 1.0 };
@@ -111,10 +115,13 @@ fn binomial(n: u32, k: u32) -> f64 {
     (0..k).fold(1.0, |c, i| c * f64::from(n - i) / f64::from(i + 1)).round()
 }
 
-/// The power `q` of the map for a field that goes like `(g)_+^alpha` near an event, under a method of order `p`.
+/// The power `q` of the map for a field that behaves like `(g)_+^alpha` near an event, for a method
+/// of order `p`.
 ///
-/// The smallest `q` with `q alpha` an integer (then the mapped solution is analytic), or with `q (alpha + 1) >= p` (then
-/// the one step at the event errs by no more than all others together): 1 for integers, 2 for half-integers, 4 for 6/5.
+/// The smallest `q` for which `q alpha` is an integer (the mapped solution is then analytic) or
+/// `q (alpha + 1) >= p` (the step at the event then errs by no more than all others together). For
+/// `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of the
+/// same number of steps.
 /// Larger ones cost: the same steps then err more.
 pub fn power(alpha: f64, p: u32) -> u32 {
     let analytic = |q: f64| (q * alpha - (q * alpha).round()).abs() < 1e-12;
@@ -163,7 +170,7 @@ mod tests {
         {
             assert_eq!(power(alpha, 8), q, "{alpha}");
         }
-        // Irrational: smooth enough instead of analytic.
+        // Irrational exponent: the second condition applies.
         assert_eq!(power(std::f64::consts::SQRT_2, 8), 4);
     }
 }

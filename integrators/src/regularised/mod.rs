@@ -1,20 +1,22 @@
-//! DOP853 that stops at every event and goes on in a variable in which the solution is smooth.
+//! DOP853 that stops at every event and continues in a variable in which the solution is smooth.
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `g, alpha` | event functions; near `g = 0` the field goes like `(g)_+^alpha` |
-//! | *leg* | a stretch between two events, in which no function changes its sign |
+//! | `g, alpha` | event functions; near `g = 0` the field behaves like `(g)_+^alpha` |
+//! | *leg* | time interval between two events; no function changes its sign inside |
 //! | `tau, sigma` | time since the leg's origin, and the mapped variable, see [`TimeMap`] |
-//! | `q` | power of the map at a singular end: after an onset (`g` rises), before a release (`g` falls) |
-//! | `s` | `tau^{1/q}`: steps near a singular end are remembered in it |
+//! | `q` | power of the map at a singular end: at the start after an onset (`g` rises), at the end before a release (`g` falls) |
+//! | `s` | `tau^{1/q}`: step lengths of legs with a singular end are stored in this variable |
 //!
-//! After an onset the force grows like `tau^alpha`, which no polynomial step in `tau` fits; in `sigma`, with
-//! `tau ~ sigma^q` and `q alpha` an integer, it is analytic. With `q = 1` the method only stops and restarts.
+//! After an onset the force grows like `tau^alpha`, which no polynomial in `tau` approximates to
+//! high order. In `sigma`, with `tau ~ sigma^q` and `q alpha` an integer, it is analytic. With
+//! `q = 1` the method stops and restarts at events but uses no map.
 //!
-//! Events are sought in every trial, also in one whose error is too large. The trial is then made again so that it ends on
-//! the first event, in the map that this event asks for, and again until the function vanishes there (Newton's method on
-//! the end of the leg). Events so close to an origin that their singularity, moved there, is below the tolerance share it:
-//! simultaneous contacts cost one stop and no tiny steps.
+//! Every trial step is searched for events, also one whose error is too large. If an event is
+//! found, the trial is repeated in the map that this event needs, so that the step ends on the
+//! first event; Newton's method moves the end of the leg until the function vanishes there. Events
+//! close to an origin share it if the move changes the state by less than the tolerance:
+//! simultaneous contacts then cost one stop and no tiny steps.
 
 mod equal;
 mod leg;
@@ -44,17 +46,20 @@ use crate::{
     system::VectorField,
 };
 
-/// Landings tried for one accepted step; then it goes on in the open, with a shorter step.
+/// Largest number of landings tried for one accepted step. After that, the event is given up and
+/// the step is shortened.
 const MOST_RETRIES: u32 = 24;
 
-/// Smallest relative tolerance, in unit round-offs. Errors of single steps below the rounding of the state still count: a
-/// tenth of it a step is where runs of thousands of steps end at their rounding.
+/// Smallest relative tolerance, in unit round-offs. It is below one because errors of steps add up:
+/// a run of thousands of steps ends with an error of the size of rounding if each step errs by a
+/// tenth of a unit round-off.
 const FLOOR: f64 = 0.05;
 
-/// So many steps from its origin a leg without an end in sight starts anew.
+/// Longest leg, in steps. A leg without a predicted event ends there, and the next one starts, so
+/// that times since the origin stay accurate and the mapped variable stays well scaled.
 const FAR: f64 = 64.0;
 
-/// Refuses a problem that cannot be run.
+/// Refuses a problem that cannot be integrated.
 pub(crate) fn check_problem<R: Real>(
     dim: usize,
     y0: &[R],
@@ -72,17 +77,17 @@ pub(crate) fn check_problem<R: Real>(
     Ok(())
 }
 
-/// How a leg has ended.
+/// Position of the end of a leg relative to its event.
 enum Arrival<R> {
-    /// On its event.
+    /// On the event.
     There,
-    /// This much time before its event (after it, if negative).
+    /// This much time before the event; after it, if negative.
     Off(R),
-    /// Nowhere near it.
+    /// No event near the end.
     Lost,
 }
 
-/// DOP853 through events: landed on each (`q = 1`), or regularised at each.
+/// DOP853 from event to event: landed on each (`q = 1`), or regularised at each.
 pub struct Regularised<R, F, E> {
     field: F,
     functions: E,
@@ -95,19 +100,19 @@ pub struct Regularised<R, F, E> {
     leg: Leg<R>,
     end: Twofold<R>,
     pace: Option<Pace<R>>,
-    /// The last step, while it can be looked into.
+    /// The last step with its leg, until the next one.
     last: Option<(Leg<R>, Leap<R>)>,
     sides: Sides,
     crossings: Vec<Crossing>,
     events: Vec<Event<R>>,
-    /// Events that are about to happen here.
+    /// Events that happen at the present position.
     pending: Vec<Event<R>>,
     y: Vec<R>,
     dy: Vec<R>,
     g: Vec<R>,
     rates: Vec<R>,
     fired_here: usize,
-    /// The length of legs, as a mean over the last few.
+    /// Mean length of the last legs.
     usual: R,
     done: bool,
     stats: Stats,
@@ -117,35 +122,37 @@ pub struct Regularised<R, F, E> {
 #[derive(Clone, Copy)]
 struct Landing<R> {
     crossing: Crossing,
-    /// When, since the origin of the leg.
+    /// Time of the event since the origin of the leg.
     tau: R,
-    /// Whether its singularity may be put where the trial starts; then it is pending, with all others like it.
+    /// Whether the event may be moved to the start of the trial. If so, it is pending, with all
+    /// others that may be moved there.
     here: bool,
-    /// Whether it, or another that shares its place, is a release.
+    /// Whether the event, or another that shares its place, is a release.
     released: bool,
 }
 
-/// What a trial showed.
+/// The outcome of a trial.
 enum Trial<R> {
-    /// An event inside it: go there.
+    /// An event lies inside the step: the next trial ends there.
     Land(Landing<R>),
-    /// Too large an error; the step to try next.
+    /// The error is too large. Value: the step to try next.
     Smaller(R),
-    /// It ends on its event but for this much time.
+    /// The step ends near its event. Value: the time still missing.
     Miss(Crossing, R),
-    /// Its event is not where it ends.
+    /// The event is not near the end of the step.
     Lost,
-    /// Good; the step to try next.
+    /// Accepted. Value: the step that the error allows next.
     Good(R),
 }
 
 impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
-    /// Runs `field` from `y0` over the span; near `functions = 0` the field goes like `(g)_+^alpha`. `q` is the power of
-    /// the map at singular ends, see [`power`]; 1 lands on events and no more.
+    /// Integrates `field` from `y0` over the span; near `functions = 0` the field behaves like
+    /// `(g)_+^alpha`. `q` is the power of the map at singular ends, see [`power`]; `q = 1` means no
+    /// map.
     ///
     /// # Errors
-    /// As [`Dop853::new`](crate::Dop853::new), but a relative tolerance may go down to a twentieth of the unit round-off;
-    /// or an `alpha` or a `q` that is not positive.
+    /// As [`Dop853::new`](crate::Dop853::new), but the relative tolerance may be as small as a
+    /// twentieth of the unit round-off; or `alpha <= 0`, or a `q` below 1 or above 64.
     pub fn new(
         field: F,
         functions: E,
@@ -160,7 +167,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let count = functions.count();
         let step = Step::new(y0);
         let mut regularised = Self {
-            // Its steps are in sigma: the longest step, which is one in time, is our own business.
+            // Steps are in sigma here; `propose` enforces the longest step, which is a time.
             controller: Controller::new(&Options { max_step: None, ..options }, R::infinity()),
             dense: Dense::new(step.padded()),
             step,
@@ -207,16 +214,16 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Error::NotFinite { t: self.time().f64(), step: self.stats.steps, index }
     }
 
-    /// The slope at the leg's present place, in its variable.
+    /// Computes the slope at the present position of the leg, in its variable.
     fn slope(&mut self) -> Result<(), Error> {
         self.step.begin(&mut self.leg.mapped(&mut self.field), self.leg.sigma);
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))
     }
 
-    /// The first step: guessed as DOP853 guesses it.
+    /// The first step, estimated as DOP853 does.
     fn guess(&mut self) -> Result<Pace<R>, Error> {
-        // In time itself: a leg of unit rate.
+        // In time: the map of a leg of unit length and power 1.
         let span = (self.end - self.leg.origin).value();
         let natural = Leg { map: TimeMap::new(R::one(), 1, 1), sigma: R::zero(), ..self.leg };
         let mut field = natural.mapped(&mut self.field);
@@ -235,14 +242,15 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Ok(Pace { tau, s: tau.powf(R::of(f64::from(self.q)).recip()) })
     }
 
-    /// How far past its event a function of this rate may be taken to have it: then the singularity that is left out
-    /// changes the state by a hundredth of the tolerance.
+    /// Largest time by which an event of a function with this rate may be shifted. The force
+    /// `(rate t)^alpha` left out then changes the state by about a hundredth of the absolute
+    /// tolerance.
     fn cluster(&self, rate: R) -> R {
         let strength = R::of(0.01) * self.options.atol / rate.abs().powf(self.alpha);
         strength.powf((self.alpha + R::one()).recip())
     }
 
-    /// Values of the functions at the nodes of the trial; the dense output is there.
+    /// Evaluates the functions at the nodes of the trial. The dense output must be prepared.
     fn look(&mut self, leg: &Leg<R>, leap: Leap<R>) {
         let nodes = self.sides.nodes();
         for (k, share) in nodes.into_iter().enumerate() {
@@ -259,24 +267,26 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             self.functions.values(t, y, &mut self.g);
             self.sides.put(k, &self.g);
         }
-        // That of the state before: the one after it may be far off.
+        // The band of the state before the step: the state after a bad trial may be large.
         self.sides.set_band(self.functions.band(self.step.before()).f64());
     }
 
-    /// How far from its place the singularity of a crossing may be put.
+    /// Largest time by which the event of a crossing may be shifted; negative if it may not be.
     fn width(&self, leg: &Leg<R>, leap: Leap<R>, crossing: &Crossing) -> R {
-        // One that has fired here already is not put here again.
+        // An event that has fired at this place is not moved here again.
         if self.sides.late(crossing.index) {
             return -R::one();
         }
-        // Not the slope itself: at a singular end the map has none.
+        // The rate is a difference quotient, not the slope at the crossing, because the map has no
+        // inverse slope at a singular end.
         let (near, polynomial) = (crossing.zero, self.sides.polynomial(crossing.index));
         let far = if near < 0.5 { near + 0.05 } else { near - 0.05 };
         let change = R::of(polynomial.at(far) - polynomial.at(near));
         self.cluster(change / (leg.tau_in(leap, far) - leg.tau_in(leap, near)))
     }
 
-    /// The first event in the trial; if it may be put where the trial starts, it is pending, with all others like it.
+    /// The first event in the trial. If it may be moved to the start of the trial, it becomes
+    /// pending, with all others that may be moved there.
     fn first_event(&mut self, leg: &Leg<R>, leap: Leap<R>) -> Option<Landing<R>> {
         self.sides.first_crossings(&mut self.crossings);
         let earlier = |x: &&Crossing, y: &&Crossing| x.zero.total_cmp(&y.zero).then(x.index.cmp(&y.index));
@@ -294,7 +304,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Some(Landing { crossing, tau, here, released })
     }
 
-    /// Makes one trial from the present place; `Good` leaves it accepted, anything else undone.
+    /// Makes one trial from the present position. `Good` leaves it accepted; otherwise it is
+    /// undone.
     fn attempt(&mut self, to: R) -> Result<Trial<R>, Error> {
         let leg = self.leg;
         let leap = Leap { from: Twofold::new(leg.sigma), to: Twofold::new(to), h: to - leg.sigma };
@@ -303,7 +314,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let error = self.step.attempt(&mut field, leap, Some(self.options.scale()));
         let error = match error.and_then(|error| self.step.accept(&mut field, to).map(|()| error)) {
             Ok(error) => error,
-            // A step out of free flight may end where forces overflow: a shorter one will not.
+            // A step from free flight may end where forces overflow: it is shortened.
             Err(index) => return self.overflow(index, leap.h),
         };
         let dense = self.dense.prepare(&mut self.step, &mut field, leap);
@@ -312,10 +323,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let arrives = leg.target.is_some() && to == R::one();
         let event = self.first_event(&leg, leap);
         let verdict = self.controller.judge(leap.h, error);
-        // The event that the leg ends on may show a little before it.
+        // The polynomial may place the event of this leg slightly before its end.
         let own = |crossing: &Crossing| arrives && leg.target.is_some_and(|target| target.index == crossing.index);
         let trial = match (event, verdict) {
-            // So far off that its events mean nothing.
+            // The error is so large that the events of the trial mean nothing.
             (_, Verdict::Reject(h)) if error * self.options.rtol > R::of(1e-3) => Trial::Smaller(h),
             (Some(landing), _) if !own(&landing.crossing) => Trial::Land(landing),
             (_, Verdict::Reject(h)) => Trial::Smaller(h),
@@ -337,7 +348,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Ok(trial)
     }
 
-    /// A trial that is not finite: a tenth of it is tried, as long as that may help.
+    /// A trial that is not finite: the next is a tenth as long, down to a smallest step.
     fn overflow(&mut self, index: usize, h: R) -> Result<Trial<R>, Error> {
         self.stats.force_evaluations += 11;
         self.stats.rejected += 1;
@@ -347,7 +358,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Ok(Trial::Smaller(h * R::of(0.1)))
     }
 
-    /// Whether the end of the leg is its event; `seen` is where the polynomial of the trial has it.
+    /// Whether the leg ends on its event; `seen` is the time of the event by the polynomial of the
+    /// trial.
     fn arrival(&mut self, leg: &Leg<R>, target: Crossing, seen: Option<R>) -> Arrival<R> {
         let t = leg.time(R::one()).value();
         self.field.eval(t, self.step.state(), &mut self.dy);
@@ -360,7 +372,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             return Arrival::There;
         }
         let (length, newton) = (leg.map.length() - leg.tau(), -(g / rate));
-        // Newton's method would lead to another zero: the polynomial knows better, if it has seen this one.
+        // Newton's method would lead to another zero. The polynomial is used instead, if it has a
+        // zero.
         let astray = target.rising != (rate > R::zero()) || newton.abs() > R::of(0.5) * length;
         match seen {
             Some(at) if astray => Arrival::Off(at - leg.map.length()),
@@ -370,7 +383,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         }
     }
 
-    /// Turns the leg towards an event at `tau` after its origin.
+    /// Sets the target of the leg: an event at time `tau` since its origin.
     fn aim(&mut self, target: Crossing, tau: R, released: bool) -> Result<(), Error> {
         let (a, b) = (self.leg.map.powers().0, if released { self.q } else { 1 });
         let now = self.leg.tau();
@@ -380,13 +393,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.slope()
     }
 
-    /// Starts a leg here, with power `a`, to the end of the span.
+    /// Starts a leg at `origin` with power `a`, up to the end of the span.
     fn set_out(&mut self, origin: Twofold<R>, a: u32) -> Result<(), Error> {
         self.leg = Leg { origin, map: TimeMap::new((self.end - origin).value(), a, 1), sigma: R::zero(), target: None };
         self.slope()
     }
 
-    /// No event where one was seen: on in the open, with a shorter step.
+    /// Drops the target of the leg, as no event was found there, and halves the step.
     fn give_up(&mut self, pace: &mut Pace<R>) -> Result<(), Error> {
         let (a, now) = (self.leg.map.powers().0, self.leg.tau());
         self.leg.map = TimeMap::new((self.end - self.leg.origin).value(), a, 1);
@@ -396,7 +409,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.slope()
     }
 
-    /// The pending events happen here: their functions change sides, and a leg starts that knows what is singular behind it.
+    /// Fires the pending events: their functions change sides, and a leg starts with the power that
+    /// an onset at its origin needs.
     fn fire(&mut self) -> Result<(), Error> {
         let origin = self.leg.time(self.leg.sigma);
         self.fired_here += self.pending.len();
@@ -412,13 +426,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.set_out(origin, a)
     }
 
-    /// The event that a leg has ended on, and those that share its place.
+    /// Fires the event on which the leg ended, and those that share its place.
     fn arrive(&mut self, target: Crossing) -> Result<(), Error> {
         let origin = self.leg.time(R::one());
         self.pending.clear();
-        // A straight line sees that far ahead; a weak event beyond it may never happen.
+        // Range of linear extrapolation; weak events beyond it may never happen.
         let sight = R::of(0.05) * self.leg.map.length();
-        // What will not have left the band by the end of a usual leg is at rest.
+        // Functions that do not leave the band within a usual leg count as at rest.
         let at_rest = self.functions.band(self.step.state()) / self.usual;
         for index in 0..self.g.len() {
             let (rising, rate) = (!self.sides.positive(index), self.rates[index]);
@@ -433,11 +447,13 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.fire()
     }
 
-    /// The step to try, as a `sigma` to end on: as far as errors allow, stretched or shared out so that none is tiny.
+    /// The `sigma` at which the next trial ends: as far as the error allows, stretched to the end
+    /// of the leg or to half the rest so that no step is tiny.
     fn propose(&self, pace: &mut Pace<R>) -> Result<R, Error> {
         let leg = &self.leg;
         let h = *pace.of(leg) / leg.map.unit();
-        // Where events are dense no trial goes far beyond the next one.
+        // The trial covers at most twice a usual leg or the time since the origin, whichever is
+        // longer.
         let reach = leg.tau().max(R::of(2.0) * self.usual);
         let most = self.options.max_step.map_or(reach, |most| most.min(reach));
         let h =
@@ -459,12 +475,14 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         Ok(to)
     }
 
-    /// Bookkeeping after an accepted step to `to`; `next` is the step that its error allows.
+    /// Updates leg and step lengths after an accepted step to `to`; `next` is the step that its
+    /// error allows.
     fn advance(&mut self, to: R, next: R, pace: &mut Pace<R>) -> Result<(), Error> {
         let leg = self.leg;
         let allowed = next * leg.map.unit();
         let tried = *pace.of(&leg);
-        // A step that was cut short and could have been as long as ever says nothing against longer ones.
+        // A step that was cut short, and whose error allows the largest growth, does not shorten
+        // the stored step length.
         let unbounded = next > R::of(5.9) * (to - leg.sigma);
         *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
@@ -478,7 +496,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
                 self.done = true;
                 Ok(())
             }
-            // Far from its origin a leg is smooth in time itself; and a time counted from far away is rounded.
+            // Far from its origin the solution is smooth in time itself, and times since the origin
+            // lose digits.
             None if leg.target.is_none() && self.leg.tau() > R::of(FAR) * pace.tau => {
                 self.set_out(self.leg.time(to), 1)
             }
@@ -527,7 +546,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                 Trial::Smaller(h) => *pace.of(&self.leg) = h * self.leg.map.unit(),
                 Trial::Land(landing) => {
                     retry += 1;
-                    // One that is here and has fired already is an error of the polynomial.
+                    // An event at a place where it has fired already is an error of the polynomial.
                     let again = !landing.here && landing.tau <= self.leg.tau();
                     if retry >= MOST_RETRIES || again {
                         self.give_up(&mut pace)?;

@@ -1,4 +1,4 @@
-//! Kicks that average the force over a window of time: no contact begins or ends unseen.
+//! Kicks that average the force over a window of time, so that short contacts are not missed.
 
 use crate::{
     clock::Twofold,
@@ -6,30 +6,34 @@ use crate::{
     system::{PathFlow, SplitFlow},
 };
 
-/// A flow whose kicks integrate the forces along the drift instead of sampling them, under [`Splitting`](super::Splitting).
+/// A flow whose kicks integrate the forces along the drift, for use with
+/// [`Splitting`](super::Splitting).
 ///
-/// The kick with share `b_i` acts at the time `c_i`, the sum of the drifts before it. Its window is
-/// `[B_{i-1} - c_i, B_i - c_i] h` relative to that, with `B_i` the sum of the first `i` kicks: the windows tile the step.
-/// Such a kick is a symmetric step of order 2 whatever the drifts are, so that a scheme keeps its order if it is a
-/// composition of Strang steps, drift first; any other has order 2. Forces `(g)_+^alpha` lower the order of a scheme with
-/// sampled kicks to `alpha + 1`, of one with averaged kicks to `alpha + 2`.
+/// The kick with share `b_i` acts at the time `c_i`, the sum of the drifts before it. Relative to
+/// that time its window is `[B_{i-1} - c_i, B_i - c_i] h`, with `B_i` the sum of the first `i`
+/// kicks: the windows tile the step. Such a kick is a symmetric step of order 2 for any drifts. A
+/// scheme therefore keeps its order if it is a composition of Strang steps, drift first; other
+/// schemes have order 2. Forces `(g)_+^alpha` lower the order to `alpha + 1` with sampled kicks and
+/// to `alpha + 2` with averaged kicks.
 ///
-/// It finds the windows by itself: a window begins where the kicks so far end, seen from where the drifts so far end.
+/// The windows follow from the calls: a window begins at the sum of the kicks so far, relative to
+/// the sum of the drifts so far.
 pub struct Averaged<R, S> {
     flow: S,
-    /// Kicks so far less drifts so far, in time.
+    /// Sum of the kicks so far minus sum of the drifts so far, as a time.
     ahead: Twofold<R>,
 }
 
 impl<R: Real, S: PathFlow<R>> Averaged<R, S> {
-    /// The flow at the start of a step.
+    /// Wraps `flow` at the start of a step.
     pub fn new(flow: S) -> Self {
         Self { flow, ahead: Twofold::zero() }
     }
 
     fn pass(&mut self, dt: Twofold<R>) {
         self.ahead = self.ahead - dt;
-        // Nothing is left at a step's end but rounding, which must not add up.
+        // At the end of a step only rounding errors remain; they are removed so that they do not
+        // add up.
         if self.ahead.value().abs() <= R::of(1e-10) * dt.value().abs() {
             self.ahead = Twofold::zero();
         }

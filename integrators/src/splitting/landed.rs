@@ -6,35 +6,37 @@ use crate::{
     system::ContactFlow,
 };
 
-/// Events nearer than this share of the step are one.
+/// Events closer than this share of the step are treated as simultaneous.
 const TOGETHER: f64 = 1e-9;
 
-/// What is known of a bond.
+/// The state of a bond during a step.
 #[derive(Clone, Copy)]
 struct Bond<R> {
-    /// `1` in contact, `-1` apart; `0` for one that is at rest on the verge.
+    /// `1` in contact, `-1` apart, `0` at rest inside the dead band.
     side: R,
     /// Overlap and its rate at the start of the step.
     start: (R, R),
-    /// The same at its end.
+    /// Overlap and its rate at the end of the step.
     end: (R, R),
-    /// Nothing more to look for in this step.
+    /// Whether the search of this step is finished for the bond.
     settled: bool,
 }
 
-/// Where a bond seems to change its side.
+/// An estimated change of side of a bond.
 struct Crossing<R> {
     bond: usize,
-    /// When, from the start of the step.
+    /// Estimated time since the start of the step.
     about: R,
-    /// A time at which it seems to be on the other side.
+    /// A time at which the bond is estimated to be on the other side.
     beyond: R,
 }
 
-/// A splitting scheme whose steps end on every event: a step in which a contact begins or ends is taken again, up to there.
+/// A splitting scheme whose steps end on events: a step in which a contact begins or ends is
+/// repeated with its end on the event.
 ///
-/// The time of an event is a zero of the overlap through the numerical flow itself. It counts if the overlap gets beyond the
-/// flow's dead band on the other side; overlaps inside a step are told by the cubics through both ends.
+/// The time of an event is a zero of the overlap along the numerical flow itself. It counts if the
+/// overlap leaves the dead band of the flow on the other side. Inside a step, overlaps are
+/// estimated by the cubics that match values and rates at both ends.
 pub struct Landed<R, S> {
     flow: S,
     /// The flow at the start of the last step.
@@ -53,10 +55,10 @@ pub struct Landed<R, S> {
 }
 
 impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
-    /// Runs `scheme` on `flow`, which holds the state at `start`, to `end` in steps of `(end - start)/steps` and those
-    /// that events make.
+    /// Runs `scheme` on `flow`, which holds the state at `start`, to `end` in steps of
+    /// `(end - start)/steps`, shortened by events.
     ///
-    /// `first` is what compositions begin with.
+    /// `first` is the flow with which compositions begin.
     ///
     /// # Errors
     /// As [`Splitting::new`](super::Splitting::new).
@@ -83,14 +85,15 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
         landed.look();
         let band = landed.band;
         for bond in &mut landed.bonds {
-            // On the verge, the side is the one it is about to take.
+            // Inside the band the side is the one to which the overlap moves.
             let (g, rate) = bond.end;
             bond.side = if g.abs() > band { sign(g) } else { sign(rate) };
         }
         Ok(landed)
     }
 
-    /// The state after a step of this length from the start of the last one, and the overlaps there.
+    /// Computes the state after a step of this length from the start of the last one, and its
+    /// overlaps.
     fn advance(&mut self, length: R) {
         self.flow.copy_from(&self.before);
         step(&mut self.flow, &self.pairs, length, &mut self.stats);
@@ -98,14 +101,15 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
     }
 
     fn look(&mut self) {
-        // Of the largest state so far: rounding does not shrink when a state passes through zero.
+        // The band is that of the largest state so far, as rounding errors stay when a state passes
+        // through zero.
         self.band = self.band.max(self.flow.overlaps(&mut self.overlaps, &mut self.rates));
         for (bond, (&g, &rate)) in self.bonds.iter_mut().zip(self.overlaps.iter().zip(&self.rates)) {
             bond.end = (g, rate);
         }
     }
 
-    /// The overlap of a bond, in contact if that is its side, after a step of this length.
+    /// The overlap of a bond, multiplied by its side, after a step of this length.
     fn towards(&mut self, bond: usize, length: R) -> R {
         self.mirror.copy_from(&self.before);
         step(&mut self.mirror, &self.pairs, length, &mut self.stats);
@@ -113,7 +117,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
         self.bonds[bond].side * self.overlaps[bond]
     }
 
-    /// The earliest change of side in a step of this length.
+    /// The earliest estimated change of side in a step of this length.
     fn first_crossing(&self, length: R) -> Option<Crossing<R>> {
         let crossings = self.bonds.iter().enumerate().filter_map(|(k, bond)| {
             let (about, beyond) = crossing(bond, length, self.band)?;
@@ -122,7 +126,7 @@ impl<R: Real, S: ContactFlow<R>> Landed<R, S> {
         crossings.reduce(|first, next| if next.about < first.about { next } else { first })
     }
 
-    /// The length of the step that ends on a crossing, if there is one.
+    /// The length of the step that ends on a crossing, if the crossing exists.
     fn landing(&mut self, Crossing { bond, beyond, .. }: Crossing<R>) -> Option<R> {
         let (start, end) = (self.bonds[bond].side * self.bonds[bond].start.0, self.towards(bond, beyond));
         if end >= R::zero() {
@@ -159,12 +163,12 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
         }
         let (mut length, mut target) = (full.value(), None);
         self.advance(length);
-        // Every turn settles a bond for this step.
+        // Each iteration settles one bond for this step.
         while let Some(crossing) = self.first_crossing(length) {
             let bond = crossing.bond;
             self.bonds[bond].settled = true;
             match self.landing(crossing) {
-                // It happened at the start, where the step before has landed.
+                // The event lies at the start of the step, where the last step has landed.
                 Some(zero) if zero <= near => self.bonds[bond].side = -self.bonds[bond].side,
                 Some(zero) => {
                     (length, target) = (zero, Some(bond));
@@ -191,7 +195,7 @@ impl<R: Real, S: ContactFlow<R>> Stepper<R> for Landed<R, S> {
         Ok(())
     }
 
-    /// Inside the last step one shorter step leads there from its start.
+    /// For times inside the last step, one shorter step is made from its start.
     fn sample(&mut self, t: R, y: &mut [R]) {
         let reached = self.time.value();
         if (t - reached).abs() <= R::of(4.0) * R::epsilon() * t.abs() {
@@ -227,7 +231,7 @@ fn sign<R: Real>(x: R) -> R {
     if x == R::zero() { x } else { x.signum() }
 }
 
-/// When a bond seems to change its side in a step, and a time at which it seems to be on the other.
+/// Estimated time of a change of side in a step, and a time at which the bond is on the other side.
 fn crossing<R: Real>(bond: &Bond<R>, length: R, band: R) -> Option<(R, R)> {
     let (zero, one) = (R::zero(), R::one());
     if bond.settled || bond.side == zero {
@@ -242,7 +246,8 @@ fn crossing<R: Real>(bond: &Bond<R>, length: R, band: R) -> Option<(R, R)> {
     Some((about * length, beyond * length))
 }
 
-/// The cubic on `[0, 1]` with given values and slopes at the ends: `c_0 + c_1 s + c_2 s^2 + c_3 s^3`.
+/// The cubic on `[0, 1]` with given values and slopes at the ends:
+/// `c_0 + c_1 s + c_2 s^2 + c_3 s^3`.
 struct Cubic<R>([R; 4]);
 
 impl<R: Real> Cubic<R> {
@@ -256,7 +261,8 @@ impl<R: Real> Cubic<R> {
         c0 + s * (c1 + s * (c2 + s * c3))
     }
 
-    /// Where it has its minimum on the line: the zero of `c_1 + 2 c_2 s + 3 c_3 s^2` at which the slope rises.
+    /// The position of its local minimum: the zero of `c_1 + 2 c_2 s + 3 c_3 s^2` at which the
+    /// slope rises.
     fn minimum(&self) -> Option<R> {
         let [_, c1, c2, c3] = self.0;
         let discriminant = c2 * c2 - R::of(3.0) * c1 * c3;
@@ -264,7 +270,7 @@ impl<R: Real> Cubic<R> {
             return None;
         }
         let root = discriminant.sqrt();
-        // Of the two forms of the solution, the one without cancellation.
+        // The form of the solution without cancellation.
         let s = if c2 > R::zero() { -c1 / (c2 + root) } else { (root - c2) / (R::of(3.0) * c3) };
         s.is_finite().then_some(s)
     }
@@ -284,7 +290,7 @@ mod tests {
             }
         }
         assert_eq!(Cubic::<f64>::new((0.5, -1.0), (0.5, 1.0)).minimum(), Some(0.5));
-        // A parabola that opens downwards, and a line, have none.
+        // A parabola that opens downwards, and a line, have no minimum.
         assert_eq!(Cubic::<f64>::new((0.5, 1.0), (0.5, -1.0)).minimum(), None);
         assert_eq!(Cubic::<f64>::new((0.5, 1.0), (1.5, 1.0)).minimum(), None);
     }

@@ -1,16 +1,17 @@
-//! Splitting schemes: const data, and one loop that runs them all.
+//! Splitting schemes: const data, and the loop that runs them.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `a_i`, `b_i` | shares of the step given to the i-th drift and the i-th kick |
 //! | `gamma_i` | shares given to the Strang steps of a symmetric composition |
 //!
-//! Every scheme is turned into pairs (kick, drift). Where two steps meet, the last pair of one and the first of the next
-//! are merged, so that a drift-first scheme with s kicks costs s sweeps a step, and one that kicks first costs one less
-//! than it has kicks.
+//! Every scheme is converted to pairs (kick, drift). Where two steps meet, the last pair of one and
+//! the first pair of the next are merged. A drift-first scheme with s kicks therefore costs s
+//! sweeps a step; a kick-first scheme costs one sweep less than it has kicks.
 //!
-//! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, and [`Averaged`] is a flow whose kicks integrate
-//! the force instead of sampling it.
+//! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, [`Averaged`] is a flow whose
+//! kicks integrate the force, and [`Corrected`] corrects the state after contacts that begin or
+//! end.
 
 mod averaged;
 pub mod corrected;

@@ -1,8 +1,8 @@
-//! A scheme as data, and the pairs that the loop runs.
+//! A splitting scheme as data, and the (kick, drift) pairs of its steps.
 
 use crate::{clock::Twofold, real::Real};
 
-/// Which flow a symmetric composition starts and ends with.
+/// The flow with which a symmetric composition starts and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum First {
     /// Drift, kick, drift.
@@ -11,10 +11,12 @@ pub enum First {
     Kick,
 }
 
-/// The shorter half of a palindrome, without its innermost entries: those follow from the sums being one.
+/// The first half of a palindrome of coefficients, without the innermost entries, which follow
+/// because each sum is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coefficients {
-    /// `gamma_1, gamma_2, ..`: a symmetric composition of an odd number of Strang steps, without the middle one.
+    /// `gamma_1, gamma_2, ..`: a symmetric composition of an odd number of Strang steps, without
+    /// the middle one.
     Composition(&'static [&'static str]),
     /// Drifts `a_1, ..` and kicks `b_1, ..` of a scheme that begins and ends with a drift.
     DriftFirst {
@@ -35,13 +37,13 @@ pub enum Coefficients {
 /// A symmetric splitting scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
-    /// Short name, the one users type.
+    /// Short name for users.
     pub name: &'static str,
     /// Order on smooth problems with forces that depend on positions only.
     pub order: u32,
     /// Where the coefficients come from.
     pub source: &'static str,
-    /// The numbers.
+    /// The coefficients.
     pub coefficients: Coefficients,
 }
 
@@ -49,7 +51,7 @@ pub struct Scheme {
 pub(crate) type Pair<R> = (Twofold<R>, Twofold<R>);
 
 impl Scheme {
-    /// Kicks a step, once neighbouring steps are merged: the number of force evaluations a step costs.
+    /// Number of kicks, and so of force evaluations, per step, once neighbouring steps are merged.
     pub fn stages(&self) -> usize {
         match self.coefficients {
             Coefficients::Composition(gammas) => 2 * gammas.len() + 1,
@@ -58,9 +60,10 @@ impl Scheme {
         }
     }
 
-    /// The drifts `a_i` and the kicks `b_i` of one step, in the order in which they act, and which acts first.
+    /// The drifts `a_i` and the kicks `b_i` of one step, in the order in which they act, and which
+    /// acts first.
     ///
-    /// `first` decides for compositions; the other tables know.
+    /// `first` applies to compositions; other tables determine it themselves.
     pub fn flows<R: Real>(&self, first: First) -> (First, Vec<Twofold<R>>, Vec<Twofold<R>>) {
         match self.coefficients {
             Coefficients::Composition(gammas) => {
@@ -85,7 +88,7 @@ impl Scheme {
         }
     }
 
-    /// One step as (kick, drift) pairs; a missing kick or drift at the ends is zero.
+    /// One step as (kick, drift) pairs; a missing kick at the start or drift at the end is zero.
     pub(crate) fn pairs<R: Real>(&self, first: First) -> Vec<Pair<R>> {
         let (first, mut drifts, mut kicks) = self.flows(first);
         match first {
@@ -96,13 +99,14 @@ impl Scheme {
     }
 }
 
-/// Number of outer flows (those at both ends) and of inner flows, from the entries given for each.
+/// Number of outer flows (those at both ends) and of inner flows, from the numbers of given
+/// entries.
 const fn sizes(outer: usize, inner: usize) -> (usize, usize) {
     let total = if outer == inner { 2 * outer + 2 } else { 2 * outer + 1 };
     (total, total - 1)
 }
 
-/// The palindrome of length `total` with sum one whose first entries are given.
+/// The palindrome of length `total` and sum one that begins with the given entries.
 fn palindrome<R: Real>(given: &[&str], total: usize) -> Vec<Twofold<R>> {
     let mut half: Vec<Twofold<R>> = given.iter().map(|text| Twofold::decimal(text)).collect();
     let one = Twofold::new(R::one());

@@ -1,15 +1,16 @@
-//! The loop that runs every scheme.
+//! The loop that runs all schemes.
 
 use super::scheme::{First, Pair, Scheme};
 use crate::{clock::Twofold, drive::Stepper, error::Error, real::Real, stats::Stats, system::SplitFlow};
 
-/// A splitting scheme at work with a fixed number of equal steps.
+/// A splitting scheme with a fixed number of equal steps.
 ///
-/// The last pair of each step is held back and merged with the first of the next; [`sample`](Stepper::sample) applies it to
-/// a copy, so that looking at a run does not change its bits.
+/// The last pair of each step is kept back and merged with the first of the next.
+/// [`sample`](Stepper::sample) applies it to a copy, so that samples do not change the bits of a
+/// run.
 pub struct Splitting<R, S> {
     flow: S,
-    /// The copy that samples are taken from; made when somebody first looks.
+    /// The copy of the flow for samples; made at the first sample.
     mirror: Option<S>,
     pairs: Vec<Pair<R>>,
     seam: Pair<R>,
@@ -24,7 +25,7 @@ pub struct Splitting<R, S> {
 impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     /// Runs `scheme` on `flow`, which holds the state at `start`, to `end` in `steps` equal steps.
     ///
-    /// `first` is what compositions begin with.
+    /// `first` is the flow with which compositions begin.
     ///
     /// # Errors
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
@@ -53,7 +54,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     }
 }
 
-/// Refuses a span or a number of steps that no run can have.
+/// Refuses a span or a number of steps that cannot be integrated.
 pub(super) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Error> {
     let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
     if !start.is_finite() {
@@ -68,7 +69,7 @@ pub(super) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Err
     Ok(())
 }
 
-/// Applies one pair and counts its kick. Pairs without a kick stand only at the head of a drift-first step.
+/// Applies one pair and counts its kick. Only the first pair of a drift-first step has no kick.
 #[inline]
 fn apply<R: Real, S: SplitFlow<R>>(flow: &mut S, (kick, drift): Pair<R>, kicks: &mut u64) {
     if kick == Twofold::zero() {
@@ -102,12 +103,12 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
         Ok(())
     }
 
-    /// At the end of a step the last pair is applied to a copy. Inside the last step one shorter step of the same scheme
-    /// leads back from its end: as accurate as the run.
+    /// At the end of a step the last pair is applied to a copy. For times inside the last step, one
+    /// shorter step of the same scheme goes back from its end, which is as accurate as the run.
     fn sample(&mut self, t: R, y: &mut [R]) {
         let reached = self.time_after(self.taken);
         let share = (Twofold::new(t) - reached).over(self.h);
-        // Times that differ by rounding only are the same time.
+        // Times that differ by rounding are taken as equal.
         let inside = (t - reached.value()).abs() > R::of(4.0) * R::epsilon() * t.abs();
         let mirror = match &mut self.mirror {
             Some(mirror) => {

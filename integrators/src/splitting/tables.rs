@@ -1,11 +1,13 @@
-//! The coefficients. Numbers only.
+//! The coefficients of the splitting schemes.
 //!
-//! Sources print 15 to 40 digits. Every table is the solution of its order conditions that lies nearest to the printed
-//! one, to 40 digits; where a family of solutions exists, digits beyond the printed ones only keep it on the family.
+//! Sources print 15 to 40 digits. Each table is the solution of its order conditions nearest to the
+//! printed one, to 40 digits. Where solutions form a family, the digits beyond the printed ones
+//! only keep the table on the family.
 
 use super::scheme::{Coefficients, Scheme};
 
-/// Strang's splitting: velocity Verlet when the drift is the kinetic energy and the kick comes first.
+/// Strang's splitting: velocity Verlet when the drift is the kinetic energy and the kick comes
+/// first.
 pub const STRANG: Scheme = Scheme {
     name: "strang",
     order: 2,
@@ -32,7 +34,8 @@ pub const SUZUKI4: Scheme = Scheme {
     ]),
 };
 
-/// Blanes and Moan's fourth-order Nyström scheme with six stages. It is of order 4 for any two flows.
+/// Blanes and Moan's fourth-order Nyström scheme with six stages. It is of order 4 for any two
+/// flows.
 pub const SRKN6_4: Scheme = Scheme {
     name: "srkn6-4",
     order: 4,
@@ -47,7 +50,8 @@ pub const SRKN6_4: Scheme = Scheme {
     },
 };
 
-/// Generalised order (8, 6, 4): a kick of size `eps` leaves an error `eps h^8 + eps^2 h^6 + eps^3 h^4`.
+/// Generalised order (8, 6, 4): a kick of size `eps` leaves an error
+/// `eps h^8 + eps^2 h^6 + eps^3 h^4`.
 pub const ABA864: Scheme = Scheme {
     name: "aba864",
     order: 4,
@@ -136,7 +140,8 @@ pub const SRKN11_6: Scheme = Scheme {
     },
 };
 
-/// Blanes and Moan's sixth-order Nyström scheme with fourteen stages, drift first; order 6 as in [`SRKN11_6`].
+/// Blanes and Moan's sixth-order Nyström scheme with fourteen stages, drift first; order 6 as in
+/// [`SRKN11_6`].
 pub const SRKN14_6: Scheme = Scheme {
     name: "srkn14-6",
     order: 6,
@@ -162,7 +167,8 @@ pub const SRKN14_6: Scheme = Scheme {
     },
 };
 
-/// Yoshida's eighth-order composition with fifteen stages, solution D: by far the smallest error of his five.
+/// Yoshida's eighth-order composition with fifteen stages, solution D, which has the smallest error
+/// of his five.
 pub const YOSHIDA8: Scheme = Scheme {
     name: "yoshida8",
     order: 8,

@@ -1,7 +1,9 @@
-//! The step of contact-corrected splitting from a tolerance of the whole run.
+//! Number of steps of contact-corrected splitting for a tolerance of the whole run.
 //!
-//! Two runs over the whole span, at `n` and `sqrt(2) n` steps, differ by three times the error of the finer one, since the order is four. The steps that the
-//! tolerance needs follow from that; runs are repeated, nearer to these, until they are at most twice those of the finer run.
+//! The order is four. Two runs over the whole span, with `n` and `sqrt(2) n` steps, therefore
+//! differ by three times the error of the finer run, and the number of steps for the tolerance
+//! follows from this error. If it is more than twice that of the finer run, the pair is repeated
+//! with more steps.
 
 use super::{Method, Setting};
 use crate::run::Run;
@@ -13,25 +15,29 @@ use crate::{
 use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
 use std::{f64::consts::SQRT_2, ops::ControlFlow};
 
-/// Tolerances that can be met: below are roundings.
+/// Accepted tolerances. Rounding errors prevent smaller ones.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=0.1;
-/// Steps a period in the first run.
+/// Number of steps per period in the first run.
 const FIRST: f64 = 16.0;
-/// The error that steps are chosen for, in units of the tolerance: so much less, as estimates are no bounds.
+/// Error that the number of steps is chosen for, in units of the tolerance. It is less than one
+/// because the estimate is not a bound.
 const GOAL: f64 = 0.25;
-/// The order.
+/// Order of the method.
 const ORDER: f64 = 4.0;
-/// Steps of the run, at most, in units of those of the last one that told its error.
+/// Largest accepted ratio of the number of steps to that of the finer run of the pair.
 const FARTHEST: f64 = 2.0;
-/// The number of steps grows by no more than this factor from one pair of runs to the next.
+/// Largest growth of the number of steps from one pair of runs to the next.
 const FASTEST: f64 = 16.0;
-/// More steps than a run of years takes.
+/// Largest number of steps in the coarser run of a pair.
 const MOST_STEPS: f64 = 1e12;
 
-/// The number of steps with which the largest relative error of a column of the state at the end, `u, v, u', v'`, is at most `tol`, by the estimate above.
+/// Number of steps for which the estimated error of the state at the end is at most `tol`. The
+/// error is the largest relative error of a column `u, v, u', v'` of the state, in the maximum
+/// norm.
 ///
 /// # Errors
-/// A tolerance below 1e-13 or above 0.1, one that estimates do not reach, or what ends a run.
+/// A tolerance below 1e-13 or above 0.1; a tolerance that no number of steps up to 1e12 reaches by
+/// the estimate; the error that ends a run.
 pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
     if !TOLERANCES.contains(&tol) {
         return Err(Error::parameter("tol", tol, "contact-corrected splitting takes tolerances from 1e-13 to 0.1"));
@@ -52,7 +58,7 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
         if factor <= FARTHEST {
             return Ok(at_samples(run, span, (finer * factor.max(0.5)).ceil() as u64));
         }
-        // Below the tolerance, finer steps only add roundings.
+        // The error is below the tolerance and does not decrease: it consists of rounding errors.
         if error > last && error < tol {
             return Ok(at_samples(run, span, finer as u64));
         }
@@ -64,7 +70,8 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     }
 }
 
-/// As many steps or more, so that the samples of a whole run are at ends of steps: one inside a step costs as much as many steps.
+/// Rounds the number of steps up to a multiple of the number of samples, for a run over the whole
+/// span. Samples then fall on ends of steps; a sample inside a step costs as much as many steps.
 fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
     let whole = run.end().is_ok_and(|end| span == (0.0, end));
     match run.sample_count() as u64 {
@@ -73,7 +80,7 @@ fn at_samples(run: &Run, span: (f64, f64), steps: u64) -> u64 {
     }
 }
 
-/// The largest relative difference of a column of the state.
+/// Largest relative difference of a column of the state, in the maximum norm.
 fn distance(layout: Layout, a: &[f64], b: &[f64]) -> f64 {
     let n = layout.sites();
     let columns = a.chunks(n).zip(b.chunks(n));
@@ -87,7 +94,7 @@ fn distance(layout: Layout, a: &[f64], b: &[f64]) -> f64 {
     })
 }
 
-/// Sees nothing, and stops when the process is asked to.
+/// An observer that takes no samples and stops the run when the process is asked to end.
 struct Interruptible;
 
 impl Observer<f64> for Interruptible {
