@@ -1,4 +1,4 @@
-//! From the envelope to the chain and back.
+//! Maps between the modulation envelope and the state of the chain.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,26 +9,34 @@
 //!
 //! # Envelope to chain
 //!
-//! (eq:xy_app) and its exact derivative in `t` (eq:xy_v_app), in which "c.c." belongs to the terms with `Z` only:
+//! (eq:xy_app) and its exact derivative in `t` (eq:xy_v_app), in which "c.c." belongs to the terms
+//! with `Z` only:
 //!
 //! ```text
 //! x_n = epsilon (M_n + kappa (Z_n e^{i omega t} + c.c.)),    y_n = epsilon (M_n - kappa/rho (Z_n e^{i omega t} + c.c.))
 //! ```
 //!
-//! `dZ/dtau` is the flow itself; `dM/dtau` follows from the constraint on the `b_n`, differentiated ([`Dps::mean_strain_rates`]).
+//! `dZ/dtau` is the right side of the flow. `dM/dtau` follows from the constraint on the `b_n`,
+//! differentiated ([`Dps::mean_strain_rates`]).
 //!
-//! A chain that starts from it departs by `epsilon^{alpha-1}`, relative to the oscillation, up to a fixed `t`, but by `epsilon^{(alpha-1)/2}` up to a fixed
-//! `tau`: in the next order the mean strains have a velocity of `epsilon^{alpha-1}`, and without it they swing about the constraint at a frequency like
-//! `epsilon^{(alpha-1)/2}`. With resonators `rho` times heavier these swings are `rho` times larger relative to `y`.
+//! A chain that starts from the ansatz departs from it by `epsilon^{alpha-1}`, relative to the
+//! oscillation, up to a fixed `t`, but by `epsilon^{(alpha-1)/2}` up to a fixed `tau`: in the next
+//! order the mean strains have a velocity of size `epsilon^{alpha-1}`, and without that velocity
+//! they swing about the constraint at a frequency of order `epsilon^{(alpha-1)/2}`. With resonators
+//! `rho` times heavier these swings are `rho` times larger relative to `y`.
 //!
 //! # Chain to envelope
 //!
-//! The ansatz has two combinations of `x` and `y` that keep `Z` and `M` apart: `x - y = epsilon omega^2 (Z e^{i omega t} + c.c.)`, and
-//! `(x + rho y) / (1 + rho) = epsilon M`. [`project`] takes the first against `e^{-i omega t}` and the second against 1, over a period, and takes
-//! the mean of that over all periods that contain the time: in sum a weight that is a triangle over two periods. Its transform has a double zero
-//! at each harmonic, so that slopes of the envelope leave no trace; curvature does, `epsilon^{2 (alpha-1)} T^2/12` of `d^2/dtau^2` of `M`, and of
-//! `Z - 3/(4 pi^2) conj(Z) e^{-2 i omega t}`. So it inverts the ansatz to the order `epsilon^{2 (alpha-1)}`. What a *chain* does is the ansatz to the order `epsilon^{alpha-1}` only, which bounds how well its envelope
-//! is defined at all.
+//! Two combinations of `x` and `y` separate `Z` from `M` in the ansatz:
+//! `x - y = epsilon omega^2 (Z e^{i omega t} + c.c.)` and `(x + rho y) / (1 + rho) = epsilon M`.
+//! [`project`] integrates the first against `e^{-i omega t}` and the second against 1 over a
+//! period, and takes the mean of these integrals over all periods that contain the time. In sum
+//! that is a weight with the shape of a triangle over two periods. The transform of the triangle
+//! has a double zero at each harmonic, so slopes of the envelope cause no error. Its curvature
+//! causes an error of `epsilon^{2 (alpha-1)} T^2/12` times `d^2/dtau^2` of `M`, and of
+//! `Z - 3/(4 pi^2) conj(Z) e^{-2 i omega t}`. The projection therefore inverts the ansatz to the
+//! order `epsilon^{2 (alpha-1)}`. The motion of a *chain* agrees with the ansatz to the order
+//! `epsilon^{alpha-1}` only, and its envelope is defined no better than that.
 
 use super::{Constraint, Dps, Ends, Form, Layout};
 use crate::{
@@ -39,7 +47,7 @@ use hertzchain_integrators::VectorField;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// The chain state that an envelope stands for, to first order in its size.
+/// The first-order chain state of an envelope of given size.
 ///
 /// ```
 /// use hertzchain::{chain::Params, dps::{Ansatz, Constraint, Ends, Form, Layout}};
@@ -61,7 +69,8 @@ impl Ansatz {
     /// The ansatz whose envelope obeys the generalised DpS equations (eq:xy_app).
     ///
     /// # Errors
-    /// As [`Dps::generalised`]; `epsilon` not finite and positive; displacements of a ring with mean strains whose sum is not held at zero.
+    /// As [`Dps::generalised`]; `epsilon` not finite and positive; displacements on a ring, unless
+    /// the constraint is `MeanStrain(0)`.
     pub fn generalised(params: Params, constraint: Constraint, layout: Layout, epsilon: f64) -> Result<Self> {
         if layout.form == Form::Displacements && layout.ends == Ends::Ring && constraint != Constraint::MeanStrain(0.0)
         {
@@ -71,8 +80,10 @@ impl Ansatz {
         Self::new(params, layout, epsilon, Dps::generalised(params, constraint, layout)?)
     }
 
-    /// The ansatz of Newton's cradle, whose envelope obeys the DpS equation: `u_n = epsilon kappa (A_n e^{i omega t} + c.c.)`, `omega = sqrt(kappa)`
-    /// (eq:approx_zn), resonators at rest.
+    /// The ansatz of Newton's cradle, whose envelope obeys the DpS equation.
+    ///
+    /// `u_n = epsilon kappa (A_n e^{i omega t} + c.c.)` with `omega = sqrt(kappa)` (eq:approx_zn);
+    /// the resonators are at rest.
     ///
     /// # Errors
     /// As [`Dps::plain`]; `epsilon` not finite and positive.
@@ -92,9 +103,11 @@ impl Ansatz {
         self.epsilon.powf(self.params.alpha - 1.0) * t
     }
 
-    /// The state of the chain at time `t` (eq:xy_app), (eq:xy_v_app), from the state `z` of the flow at [`slow_time`](Self::slow_time)`(t)`.
+    /// The state of the chain at time `t` (eq:xy_app), (eq:xy_v_app), from the state `z` of the
+    /// flow at [`slow_time`](Self::slow_time)`(t)`.
     ///
-    /// Strains `x, y` in the strain form; displacements otherwise, those of the `B_n` with sum zero.
+    /// The sites hold strains `x, y` in the strain form and displacements otherwise; the mean
+    /// displacements `B_n` have sum zero.
     ///
     /// # Panics
     /// If `z` is not of the length of the flow's state.
@@ -117,7 +130,7 @@ impl Ansatz {
     }
 }
 
-/// A site at time `t`, from `Z`, `M` and their slow derivatives.
+/// State of one site at time `t`, from `Z`, `M` and their slow derivatives.
 pub(crate) fn first_order(
     params: Params,
     epsilon: f64,
@@ -133,7 +146,7 @@ pub(crate) fn first_order(
     Site { u: mean + swing, v: mean - swing / rho, u_dot: mean_rate + rate, v_dot: mean_rate - rate / rho }
 }
 
-/// What [`project`] finds.
+/// The envelope that [`project`] returns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Envelope {
     /// `Z_n`: real parts, then imaginary parts, as the state of [`Dps`].
@@ -142,16 +155,18 @@ pub struct Envelope {
     pub means: Vec<f64>,
 }
 
-/// Samples a period: forces have `alpha` derivatives and positions two more, so harmonics from the 63rd on, which samples cannot tell from the
-/// first, are below 1e-8 for spheres.
+/// Samples per period. A contact force has `alpha` derivatives and positions have two more, so the
+/// harmonics that alias to the first (the 63rd and higher) are below 1e-8 for spheres.
 const SAMPLES: i32 = 64;
 
-/// The envelope at time `t` of a motion of a chain with moving resonators, from its states between `t - T` and `t + T`, `T = 2 pi/omega`.
+/// The envelope at time `t` of a motion of a chain with moving resonators, from its states between
+/// `t - T` and `t + T`, `T = 2 pi/omega`.
 ///
-/// `state` is asked for the states at increasing times, in the layout of the chain: `[u, v, ..]`.
+/// `state` is called with increasing times and returns the state in the layout of the chain:
+/// `[u, v, ..]`.
 ///
 /// # Errors
-/// No moving resonators; `epsilon` not finite and positive; what `state` says.
+/// No moving resonators; `epsilon` not finite and positive; any error of `state`.
 ///
 /// # Panics
 /// If states have different lengths.

@@ -1,4 +1,5 @@
-//! Standing waves of the generalised DpS equations with a kink: the profiles of dark breathers (Sec. 6).
+//! Standing waves of the generalised DpS equations with a kink: the profiles of dark breathers
+//! (Sec. 6).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,19 +10,24 @@
 //! | `G_n` | `h_alpha(b_n, p_n) p_n`, first harmonic of the force |
 //! | `mu` | `2 omega^3 (omega_b - omega)`, the paper's `mu-bar`: its `2 kappa omega^3` agrees at `kappa = 1` only |
 //!
-//! Neighbours are in antiphase, with one phase slip at the kink. So the stationary equations (eq:DpSsw2) are equations between positive numbers,
+//! Neighbours are in antiphase, with one phase slip at the kink. So the stationary equations
+//! (eq:DpSsw2) are equations between positive numbers,
 //!
 //! ```text
 //! p_n = G_{n-1} + 2 G_n + G_{n+1},    g_alpha(b_n, p_n) = C,    b_K = c,
 //! ```
 //!
-//! closed by symmetry: `G_0 = 0`, `G_{K+1} = G_K` with the kink on a site, `K = N`; `G_0 = -G_1`, `G_{K+1} = G_{K-1}` with the kink on a bond, `K = N + 1`, which
-//! is the site `-N`. That is a ring of `2N + 1` sites. A kink turns the alternating signs over, and so does going once round an odd ring; on an even one there must
-//! be a second kink, and the background between the two is another one.
+//! and symmetry closes them: `G_0 = 0`, `G_{K+1} = G_K`, `K = N` for a kink on a site;
+//! `G_0 = -G_1`, `G_{K+1} = G_{K-1}`, `K = N + 1` for a kink on a bond, where site `N + 1` is the
+//! site `-N` of the ring of `2N + 1` sites. A kink reverses the alternating signs, and so does one
+//! turn round an odd ring. On an even ring there must be a second kink, and the background between
+//! the two kinks is a different one.
 //!
-//! Newton's method has all `p_n`, `b_n` for unknowns. The `b_n` are eliminated: `delta G = phi delta p + w (delta C - e)` with `w = G_b / g_b`,
-//! `phi = G_p - w g_p > 0` and `e = g - C`. What is left has three diagonals, `1/phi_n - 2` and `-1`. In the background
-//! `1/phi > 4`, since at constant force `G` bends down as a function of `p` and has the chord `h = 1/4`: the elimination starts there.
+//! The unknowns of Newton's method are all `p_n` and `b_n`. The `b_n` are eliminated by
+//! `delta G = phi delta p + w (delta C - e)` with `w = G_b / g_b`, `phi = G_p - w g_p > 0` and
+//! `e = g - C`. The remaining matrix has three diagonals, `1/phi_n - 2` and `-1`. In the background
+//! `1/phi > 4`, since at constant force `G` is concave in `p` and has the chord `h = 1/4`; the
+//! elimination therefore starts in the background.
 
 use super::{Averages, Center, Values};
 use crate::{
@@ -29,14 +35,16 @@ use crate::{
     error::{Error, Result},
 };
 
-/// Exponents: the size of a profile is a power `1/(alpha-1)`; tables end at the last.
+/// Exponents with profiles. The size of a profile is a power `1/(alpha-1)`; the tables of
+/// [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
 const MOST_SITES: usize = 100_001;
-/// Steps of Newton's method.
+/// Largest number of steps of Newton's method.
 const MOST: usize = 50;
-/// The last step is at most this, relative to the background: its square is below any rounding.
+/// Bound on the last step, relative to the background; the square of it is below rounding.
 const ENOUGH: f64 = 1e-12;
-/// The residual is then at most this; it is a few roundings but for `alpha` near one, whose profiles are large powers.
+/// Bound on the residual after the last step. A residual is a few roundings, and more for `alpha`
+/// near one, where profiles are large powers.
 const SETTLED: f64 = 1e-11;
 
 /// A dark profile on a ring: real `a_n` and `b_n` with one kink (eq:DpSsw2), `mu = 1`.
@@ -57,26 +65,32 @@ pub struct DarkProfile {
     sites: usize,
     c: f64,
     background: f64,
-    /// Of the half chain.
+    /// `p_n` and `b_n` of the half chain.
     p: Vec<f64>,
     b: Vec<f64>,
-    /// `b_0` of a kink on a site.
+    /// `b_0` if the kink is on a site.
     middle: f64,
     newton: Vec<f64>,
 }
 
 impl DarkProfile {
-    /// The profile on a ring of `sites = 2N + 1` sites `-N, .., N`, with the kink on the site 0 or on the bond between the sites 0 and 1, and the mean strain `c` of
-    /// the background; by Newton's method from `a_n = (-1)^n a tanh(n - n_0)` (eq:an_ini), `a` that of the background.
+    /// The profile on a ring of `sites = 2N + 1` sites `-N, .., N`, with mean strain `c` in the
+    /// background.
+    ///
+    /// The kink is on the site 0 or on the bond between the sites 0 and 1. Newton's method starts
+    /// from `a_n = (-1)^n a tanh(n - n_0)` (eq:an_ini), where `a` is the amplitude of the
+    /// background.
     ///
     /// # Errors
-    /// `alpha` outside `[1.01, 10]`; no moving resonators; an even number of sites, or one outside `3 ..= 100001`; `c` not finite, or so far below zero that there is
-    /// no background; a Newton iteration that does not settle on one kink.
+    /// `alpha` outside `[1.01, 10]`; no moving resonators; an even number of sites, or one outside
+    /// `3 ..= 100001`; `c` not finite, or so far below zero that there is no background; a Newton
+    /// iteration that does not converge to a profile with one kink.
     pub fn new(params: Params, center: Center, sites: usize, c: f64) -> Result<Self> {
         Self::from_guess(params, center, sites, c, None)
     }
 
-    /// The same from a guess of another amplitude; that of (eq:an_ini) is one.
+    /// The same profile from an initial guess of the given amplitude; without one, the amplitude of
+    /// the background (eq:an_ini).
     pub(crate) fn from_guess(
         params: Params,
         center: Center,
@@ -117,7 +131,7 @@ impl DarkProfile {
         self.params
     }
 
-    /// Where the kink is.
+    /// The symmetry: whether the kink is on a site or on a bond.
     pub fn center(&self) -> Center {
         self.center
     }
@@ -133,7 +147,8 @@ impl DarkProfile {
         -most..=most
     }
 
-    /// The index of a site's mirror image in the half chain, and whether it is that image; `None` on the kink.
+    /// The index in the half chain that holds site `n` or its mirror image, and whether `n` is the
+    /// image; `None` on the kink.
     fn place(&self, n: i64) -> Option<(usize, bool)> {
         let (length, most) = (self.sites as i64, (self.sites / 2) as i64);
         let n = n.rem_euclid(length);
@@ -149,7 +164,7 @@ impl DarkProfile {
     /// `delta^- a_n` at `mu = 1`; periodic in `n`. Odd about a site; `a_{1-n} = a_n` about a bond.
     pub fn a(&self, n: i64) -> f64 {
         let Some((k, image)) = self.place(n) else { return 0.0 };
-        // (-1)^n of the site that the half chain holds, k + 1.
+        // The sign (-1)^n belongs to the site that the half chain holds, n = k + 1.
         let a = if k % 2 == 0 { -self.p[k] } else { self.p[k] };
         if image && self.center == Center::Site { -a } else { a }
     }
@@ -159,25 +174,33 @@ impl DarkProfile {
         self.place(n).map_or(self.middle, |(k, _)| self.b[k])
     }
 
-    /// Amplitude `a` and mean strain `b = c` far from a kink: `4 h_alpha(c, a) = 1`, at `c = 0` with the closed form of `h_alpha(0, 1)`.
+    /// Amplitude `a` and mean strain `b = c` far from a kink.
+    ///
+    /// They solve `4 h_alpha(c, a) = 1`; at `c = 0` by the closed form of `h_alpha(0, 1)`.
     pub fn background(&self) -> (f64, f64) {
         (self.background, self.c)
     }
 
-    /// The residual before each step of Newton's method and after the last, see [`residual`](Self::residual).
+    /// The residual before each step of Newton's method and after the last; see
+    /// [`residual`](Self::residual).
     pub fn newton(&self) -> &[f64] {
         &self.newton
     }
 
-    /// The largest residual of (eq:DpSsw2): of the first equation over the amplitude of the background, or of the second over the mean force.
+    /// The largest residual of (eq:DpSsw2).
+    ///
+    /// The first equation is taken relative to the amplitude of the background, the second relative
+    /// to the mean force.
     pub fn residual(&self) -> f64 {
         self.newton.last().copied().unwrap_or(f64::NAN)
     }
 
-    /// `mu = 2 omega^3 (omega_b - omega)`, at which a breather of this frequency is the profile times `mu^{1/(alpha-1)}`.
+    /// `mu = 2 omega^3 (omega_b - omega)`: the breather of frequency `omega_b` is the profile times
+    /// `mu^{1/(alpha-1)}`.
     ///
     /// # Errors
-    /// `omega_b` not finite or not above `omega`: `mu sum a_n^2 = sum h_alpha (delta^- a_n)^2` over a ring has no other sign.
+    /// `omega_b` not finite or not above `omega`: `mu sum a_n^2 = sum h_alpha (delta^- a_n)^2` over
+    /// a ring, so `mu` is positive.
     pub fn mu(&self, omega_b: f64) -> Result<f64> {
         let omega = self.params.omega();
         if !(omega_b.is_finite() && omega_b > omega) {
@@ -188,13 +211,15 @@ impl DarkProfile {
         Ok(2.0 * omega.powi(3) * (omega_b - omega))
     }
 
-    /// The strains `(x, y)` of the breather of frequency `omega_b`, to first order, where it is at rest (eq:xy_sw), sites `-N, .., N`:
+    /// The strains `(x, y)` of the breather of frequency `omega_b` at rest, to first order
+    /// (eq:xy_sw), on the sites `-N, .., N`:
     ///
     /// ```text
     /// x_n(0) = mu^{1/(alpha-1)} (b_n + 2 kappa a_n),    y_n(0) = mu^{1/(alpha-1)} (b_n - 2 kappa/rho a_n)
     /// ```
     ///
-    /// with zero velocities, on a ring of strains. Relative errors are of the order `(omega_b - omega) / omega`, with a large factor.
+    /// The velocities are zero. The error relative to the strains is of the order
+    /// `(omega_b - omega) / omega`, with a large factor.
     ///
     /// # Errors
     /// As [`mu`](Self::mu).
@@ -206,10 +231,12 @@ impl DarkProfile {
     }
 }
 
-/// The amplitude with `4 h_alpha(c, a) = 1`: neighbours in antiphase. Of two such the larger one.
+/// The amplitude with `4 h_alpha(c, a) = 1` (neighbours in antiphase); the larger one where there
+/// are two.
 ///
-/// For `c < 0` and `alpha < 2`, `h_alpha(c, a)` falls as long as the contact never opens and rises later; the smaller amplitude belongs to
-/// a nearly linear chain of contacts that stay closed.
+/// For `c < 0` and `alpha < 2`, `h_alpha(c, a)` decreases in `a` while the contact does not open
+/// and increases later. The smaller amplitude then belongs to a nearly linear chain of contacts
+/// that stay closed.
 fn background(averages: &Averages, c: f64) -> Result<f64> {
     if !c.is_finite() {
         return Err(Error::parameter("c", c, "the mean strain of the background is finite"));
@@ -226,7 +253,7 @@ fn background(averages: &Averages, c: f64) -> Result<f64> {
     if c == 0.0 {
         return Ok(unstrained);
     }
-    // Where the contact begins to close (c > 0), or opens at all (c < 0).
+    // The amplitude at which the contact begins to close (c > 0) or to open (c < 0).
     let edge = c.abs() / (2.0 * kappa);
     let least = if c > 0.0 {
         edge
@@ -242,7 +269,8 @@ fn background(averages: &Averages, c: f64) -> Result<f64> {
     Ok(bisect(least.max(f64::EPSILON * unstrained), |r| averages.h(c, r) > 0.25))
 }
 
-/// The least double above `low` that is `beyond`, if all are from one on.
+/// The least double above `low` with `beyond`, if `beyond` is false up to some value and true from
+/// there on.
 fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (low, 2.0 * low);
     while !beyond(high) && high.is_finite() {
@@ -257,13 +285,13 @@ fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// The half chain under Newton's method.
+/// The unknowns of Newton's method on the half chain, and what is fixed.
 struct Half<'a> {
     averages: &'a Averages,
     center: Center,
     sites: usize,
     c: f64,
-    /// Amplitude that residuals and steps are relative to.
+    /// Amplitude of the background; residuals and steps are relative to it.
     size: f64,
     p: Vec<f64>,
     b: Vec<f64>,
@@ -272,7 +300,7 @@ struct Half<'a> {
 }
 
 impl<'a> Half<'a> {
-    /// (eq:an_ini) times an amplitude, and the `b_n` that belong to it.
+    /// The guess (eq:an_ini) with an amplitude, and the `b_n` that satisfy the constraint with it.
     fn start(averages: &'a Averages, center: Center, sites: usize, c: f64, size: f64, amplitude: f64) -> Self {
         let (count, n_0) = match center {
             Center::Site => (sites / 2, 0.0),
@@ -285,7 +313,7 @@ impl<'a> Half<'a> {
         Self { averages, center, sites, c, size, p, b, force }
     }
 
-    /// Newton's method: the residuals on the way.
+    /// Runs Newton's method; returns the residual before each step and after the last.
     fn settle(&mut self) -> Result<Vec<f64>> {
         let (mut residuals, mut change) = (Vec::new(), f64::INFINITY);
         for _ in 0..=MOST {
@@ -326,18 +354,19 @@ impl<'a> Half<'a> {
         first.chain(second).fold(0.0, f64::max)
     }
 
-    /// A step of Newton's method; how large it was.
+    /// Takes a step of Newton's method; returns the largest change of a `p_n` relative to the
+    /// background.
     fn step(&mut self, bonds: &[Values], defects: &[f64]) -> f64 {
         let last = self.p.len() - 1;
         let w: Vec<f64> = bonds.iter().map(|bond| bond.drh_db / bond.dg_db).collect();
         let phi: Vec<f64> = bonds.iter().zip(&w).map(|(bond, w)| bond.drh_dr - w * bond.dg_dr).collect();
         let excess: Vec<f64> = bonds.iter().map(|bond| bond.g - self.force).collect();
-        // delta G = at_rest + delta C per_force.
+        // delta G = delta_g[0] + delta C delta_g[1].
         let sides = (0..=last).map(|k| [-defects[k] - w[k] / phi[k] * excess[k], w[k] / phi[k]]).collect();
         let delta_g = self.eliminate(&phi, sides);
         let delta_p =
             |k: usize, force: f64| (delta_g[k][0] + force * delta_g[k][1] - w[k] * (force - excess[k])) / phi[k];
-        // The last b stays c: delta C = g_p delta p there, which is linear in delta C.
+        // b_K stays c, hence delta C = g_p delta p_K, and delta p_K is linear in delta C.
         let (constant, slope) = (delta_p(last, 0.0), delta_p(last, 1.0) - delta_p(last, 0.0));
         let force = bonds[last].dg_dr * constant / (1.0 - bonds[last].dg_dr * slope);
         let mut change = 0.0f64;
@@ -352,11 +381,13 @@ impl<'a> Half<'a> {
         change
     }
 
-    /// Solves for two right sides at once, from the background to the kink and back.
+    /// Solves the system of three diagonals for two right sides, eliminating from the background to
+    /// the kink.
     fn eliminate(&self, phi: &[f64], mut sides: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
         let last = phi.len() - 1;
         let mut pivots: Vec<f64> = phi.iter().map(|phi| phi.recip() - 2.0).collect();
-        // What the symmetries add: on the last diagonal or beside it, and on the first.
+        // The symmetries change the last diagonal entry or the entry beside it, and the first
+        // diagonal entry.
         let lower = |k: usize| if k == last && self.center == Center::Bond { -2.0 } else { -1.0 };
         match self.center {
             Center::Site => pivots[last] -= 1.0,

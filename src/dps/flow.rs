@@ -1,4 +1,5 @@
-//! The modulation equations as flows: generalised DpS (eq:S1new), (eq:S2new), (eq:S1newS), and DpS (eq:DpSlr).
+//! The modulation equations as flows: generalised DpS (eq:S1new), (eq:S2new), (eq:S1newS), and DpS
+//! (eq:DpSlr).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,23 +9,29 @@
 //! | `C` | the mean force `g_alpha(b_n, r_n)`, the same in every bond |
 //! | `sigma` | coupling of a bond: `h_alpha / (2 omega^3)`, or `omega_0 r^{alpha-1}` |
 //!
-//! Both equations are `i dA/dtau = delta^+ [sigma D]`, and `i dD/dtau = delta^- delta^+ [sigma D]` in the strain form.
+//! Both equations are `i dA/dtau = delta^+ [sigma D]`, and `i dD/dtau = delta^- delta^+ [sigma D]`
+//! in the strain form.
 //!
 //! # Structure
 //!
-//! The mean potential of a bond, `W(b, r) = 1/(2 pi) int_0^{2 pi} (-b + 2 kappa r cos t)_+^{alpha+1} / (alpha+1) dt`, has the slopes
-//! `dW/db = -g_alpha` and `dW/dr = 2 kappa r h_alpha`. Where the `b_n` obey the constraint, `E = W + C b` for a given `C` (a Legendre
-//! transform: `dE = (C - g) db + 2 kappa r h dr`), and `sum W` for a given `sum b_n`, so have the slope `2 kappa r h_alpha` in `r`: `b_n`
-//! and `C` need no derivative. Hence
+//! The mean potential of a bond,
+//! `W(b, r) = 1/(2 pi) int_0^{2 pi} (-b + 2 kappa r cos t)_+^{alpha+1} / (alpha+1) dt`, has the
+//! slopes `dW/db = -g_alpha` and `dW/dr = 2 kappa r h_alpha`. For a given `C`, let `E = W + C b` (a
+//! Legendre transform: `dE = (C - g) db + 2 kappa r h dr`); for a given `sum b_n`, let `E = W`.
+//! Where the `b_n` obey the constraint, `sum E` has the slope `2 kappa r_n h_alpha` in each `r_n`,
+//! and derivatives of `b_n` and `C` do not enter. Hence
 //!
 //! ```text
 //! i dA_n/dtau = - dH / d conj(A_n),      H = 1 / (2 kappa omega^3) sum_n E(r_n)
 //! ```
 //!
-//! and `H`, `sum |A_n|^2` (phase) and `sum A_n` (translation) are conserved. `W` is homogeneous of degree `alpha + 1`, so Euler's identity gives
-//! it without another integral: `(alpha+1) W = 2 kappa r (r h_alpha) - b g_alpha`. DpS has `H = 2 omega_0 / (alpha+1) sum r_n^{alpha+1}`.
+//! and `H`, `sum |A_n|^2` (phase) and `sum A_n` (translation) are conserved. `W` is homogeneous of
+//! degree `alpha + 1`, so Euler's identity gives `W` without another integral:
+//! `(alpha+1) W = 2 kappa r (r h_alpha) - b g_alpha`. DpS has
+//! `H = 2 omega_0 / (alpha+1) sum r_n^{alpha+1}`.
 //!
-//! The factor of (eq:S1new) is `2 i omega^3`; the paper prints `2 i kappa omega^3`, which agrees at `kappa = 1` only.
+//! The factor of (eq:S1new) is `2 i omega^3`; the paper prints `2 i kappa omega^3`, which agrees at
+//! `kappa = 1` only.
 
 use super::{Averages, Values};
 use crate::{
@@ -33,43 +40,46 @@ use crate::{
 };
 use hertzchain_integrators::VectorField;
 
-/// What the mean strains obey besides `g_alpha(b_n, r_n) = C` for all `n` (eq:S2new).
+/// The condition on the mean strains in addition to `g_alpha(b_n, r_n) = C` for all `n` (eq:S2new).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Constraint {
-    /// `C > 0` is given and constant, as the paper has it (eq:g_alpha). With free ends, the force that presses on them.
+    /// The mean force `C > 0` is given and constant, as in the paper (eq:g_alpha). With free ends
+    /// it is the force on the ends.
     Force(f64),
-    /// The mean of the `b_n` over a ring is given; `C` follows and changes in time.
+    /// The mean of the `b_n` over a ring is given; `C` follows from it and changes in time.
     ///
-    /// A ring that starts without mean velocity keeps `sum (x_n + rho y_n)`, to leading order `(1 + rho) epsilon sum b_n`.
+    /// A ring that starts without mean velocity keeps `sum (x_n + rho y_n)`, to leading order
+    /// `(1 + rho) epsilon sum b_n`.
     MeanStrain(f64),
 }
 
-/// What the state holds, and its length.
+/// The complex numbers of the state, and how many they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// The `N` amplitudes `A_n` (eq:S1new).
     Displacements,
-    /// The strains `D_n` (eq:S1newS): `N` on a ring, `D_1 = A_1 - A_N` the first; `N - 1` between free ends, `D_2 = A_2 - A_1` the first.
+    /// The strains `D_n` (eq:S1newS): `N` on a ring, from `D_1 = A_1 - A_N` on; `N - 1` between
+    /// free ends, from `D_2 = A_2 - A_1` on.
     Strains,
 }
 
 /// What is beyond the first and the last site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// Each other.
+    /// The first and the last site are neighbours.
     Ring,
-    /// Nothing that oscillates.
+    /// Nothing is beyond the ends: the oscillating force there is zero.
     Free,
 }
 
-/// The chain that a flow lives on.
+/// The chain on which a modulation equation is posed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Number of sites, `N >= 2`.
     pub sites: usize,
-    /// Its ends.
+    /// What is beyond the first and the last site.
     pub ends: Ends,
-    /// What the state holds.
+    /// The complex numbers of the state.
     pub form: Form,
 }
 
@@ -78,10 +88,11 @@ impl Layout {
         self.sites - usize::from(self.ends == Ends::Free)
     }
 
-    /// Displacements of all sites, with sum zero, whose strains are given.
+    /// Displacements of all sites with the given strains; their sum is zero.
     pub(super) fn stacked(self, strains: &[f64]) -> Vec<f64> {
         let mut displacements = vec![0.0; self.sites];
-        // A ring's first strain closes it and is not needed.
+        // The first strain of a ring belongs to the bond that closes it and follows from the
+        // others.
         let skip = strains.len() + 1 - displacements.len();
         for n in 1..displacements.len() {
             displacements[n] = displacements[n - 1] + strains[n - 1 + skip];
@@ -105,9 +116,10 @@ enum Coupling {
     Plain { alpha: f64, omega_0: f64 },
 }
 
-/// A modulation equation; a [`VectorField`] in the slow time.
+/// A modulation equation: a [`VectorField`] in the slow time.
 ///
-/// The state is real, `[Re z_1, .., Re z_M, Im z_1, .., Im z_M]` with the `M` complex numbers that [`Form`] says.
+/// The state is real, `[Re z_1, .., Re z_M, Im z_1, .., Im z_M]`; [`Form`] says which `M` complex
+/// numbers these are.
 ///
 /// ```
 /// use hertzchain::{chain::Params, dps::{Constraint, Dps, Ends, Form, Layout}};
@@ -122,18 +134,21 @@ enum Coupling {
 pub struct Dps {
     coupling: Coupling,
     layout: Layout,
-    /// `D`, then `sigma D`: a component at a time.
+    /// Real and imaginary parts of `D`, later of `sigma D`.
     strains: [Vec<f64>; 2],
     radii: Vec<f64>,
     means: Vec<f64>,
 }
 
 impl Dps {
-    /// The generalised DpS equations at finite `rho`: `2 i omega^3 dA/dtau = delta^+ [h_alpha(b, r) D]`, `g_alpha(b_n, r_n) = C`.
+    /// The generalised DpS equations at finite `rho` (eq:S1new), (eq:S2new).
+    ///
+    /// `2 i omega^3 dA/dtau = delta^+ [h_alpha(b, r) D]` with `g_alpha(b_n, r_n) = C`.
     ///
     /// # Errors
-    /// `rho` not in `(0, inf)`; `kappa` not positive; `alpha` outside `(0, 10]`; fewer than two sites; `C` not finite and positive; a mean strain that
-    /// is not finite, or one for free ends.
+    /// `rho` not in `(0, inf)`; `kappa` not positive; `alpha` outside `(0, 10]`; fewer than two
+    /// sites; `C` not finite and positive; a mean strain that is not finite, or one given for free
+    /// ends.
     pub fn generalised(params: Params, constraint: Constraint, layout: Layout) -> Result<Self> {
         params.validate()?;
         if params.resonators() != Resonators::Moving {
@@ -160,7 +175,8 @@ impl Dps {
         Self::new(Coupling::Generalised { averages, constraint, omega: params.omega() }, layout)
     }
 
-    /// The DpS equation of Newton's cradle: `i dA/dtau = omega_0 delta^+ [r^{alpha-1} D]` (eq:DpSlr), `B = 0`.
+    /// The DpS equation of Newton's cradle (eq:DpSlr):
+    /// `i dA/dtau = omega_0 delta^+ [r^{alpha-1} D]`, `B = 0`.
     ///
     /// `omega_0 = h_alpha(0, 1) / (2 kappa^{3/2})`, which is (eq:defom0) times `kappa^{alpha-3/2}`.
     ///
@@ -176,7 +192,7 @@ impl Dps {
         Ok(Self { coupling, layout, strains: [zeros.clone(), zeros.clone()], radii: zeros.clone(), means: zeros })
     }
 
-    /// Complex numbers in the state.
+    /// Number `M` of complex numbers in the state.
     fn len(&self) -> usize {
         match self.layout.form {
             Form::Displacements => self.layout.sites,
@@ -184,10 +200,11 @@ impl Dps {
         }
     }
 
-    /// The mean strains `b_n = delta^- B_n` of all bonds at the state `y`, in the order of the strains; zeros for DpS.
+    /// The mean strains `b_n = delta^- B_n` of all bonds at the state `y`, in the order of the
+    /// strains; zeros for DpS.
     ///
-    /// Where the given mean strain leaves every bond open (`b >= 2 kappa mean(r_n)`), `C` is zero and only bounds, `b_n >= 2 kappa r_n`, are known:
-    /// these are the ones given.
+    /// Where a given mean strain leaves every bond open (`b >= 2 kappa mean(r_n)`), `C` is zero and
+    /// only the bounds `b_n >= 2 kappa r_n` are known; the bounds `2 kappa r_n` are returned.
     ///
     /// # Panics
     /// If `y` is not of length [`dim`](VectorField::dim).
@@ -197,9 +214,11 @@ impl Dps {
         &self.means
     }
 
-    /// The rates `db_n/dtau` of the mean strains at the state `y`, of which `dy` is the slope `dy/dtau`; zeros for DpS.
+    /// The rates `db_n/dtau` of the mean strains at the state `y` with the slope `dy = dy/dtau`;
+    /// zeros for DpS.
     ///
-    /// The constraint, differentiated: `dg/db db_n + dg/dr dr_n = dC`, with `dC = 0` for a given force and `sum db_n = 0` for a given mean strain.
+    /// They solve the differentiated constraint `dg/db db_n + dg/dr dr_n = dC`, with `dC = 0` for a
+    /// given force and `sum db_n = 0` for a given mean strain.
     ///
     /// # Panics
     /// If `y` or `dy` is not of length [`dim`](VectorField::dim).
@@ -212,11 +231,12 @@ impl Dps {
             return vec![0.0; self.radii.len()];
         };
         let [re, im] = &self.strains;
-        // Of each bond: its rate at constant force, and db/dC.
+        // For each bond: db/dtau at constant force, and db/dC.
         let bonds: Vec<(f64, f64)> = (0..self.radii.len())
             .map(|n| {
                 let (r, Values { dg_db, dg_dr, .. }) = (self.radii[n], averages.values(self.means[n], self.radii[n]));
-                // A contact that never closes has no slopes, and nothing moves it; g is even in r.
+                // The average of a contact that stays open has no slopes, and its rate is zero. g
+                // is even in r.
                 if dg_db == 0.0 || r == 0.0 {
                     return (0.0, if dg_db == 0.0 { 0.0 } else { dg_db.recip() });
                 }
@@ -232,10 +252,11 @@ impl Dps {
         bonds.iter().map(|(own, per_force)| own + force_rate * per_force).collect()
     }
 
-    /// The energy `H` at the state `y`, conserved.
+    /// The energy `H` at the state `y`; the flow conserves it.
     ///
-    /// With a given force it is counted from the chain at rest: `(alpha+1) E = 2 kappa r (r h) + alpha C (b + C^{1/alpha})`; with a given mean strain
-    /// `E = W`. See the module for where it comes from.
+    /// For a given force, `H` is zero for the chain at rest:
+    /// `(alpha+1) E = 2 kappa r (r h) + alpha C (b + C^{1/alpha})`. For a given mean strain
+    /// `E = W`. The section "Structure" of the source file derives both.
     ///
     /// # Panics
     /// If `y` is not of length [`dim`](VectorField::dim).
@@ -263,12 +284,13 @@ impl Dps {
         }
     }
 
-    /// `sum |A_n|^2` at the state `y`, conserved.
+    /// `sum |A_n|^2` at the state `y`; the flow conserves it.
     ///
-    /// In the strain form, of the `A_n` with sum zero whose differences the strains are.
+    /// In the strain form, the `A_n` are those with the given strains and sum zero.
     ///
     /// # Errors
-    /// Strains of a ring whose sum is not zero, to 1e-12 of the sum of their sizes: no periodic `A_n` has them.
+    /// Strains on a ring with a sum above 1e-12 of the sum of their sizes: no periodic `A_n` has
+    /// them.
     ///
     /// # Panics
     /// If `y` is not of length [`dim`](VectorField::dim).
@@ -293,7 +315,7 @@ impl Dps {
         assert_eq!(y.len(), 2 * self.len(), "the state has two reals for each complex number");
     }
 
-    /// Strains and their sizes from the state.
+    /// Computes strains and their sizes from the state.
     fn load(&mut self, y: &[f64]) {
         self.check(y);
         for (part, strains) in y.chunks_exact(self.len()).zip(&mut self.strains) {
@@ -312,7 +334,7 @@ impl Dps {
         }
     }
 
-    /// Mean strains from the constraint.
+    /// Computes the mean strains from the constraint.
     fn close(&mut self) {
         let Coupling::Generalised { averages, constraint, .. } = &self.coupling else { return };
         let c = match *constraint {
@@ -324,13 +346,13 @@ impl Dps {
         }
     }
 
-    /// `sigma D` in place of `D`.
+    /// Replaces `D` by `sigma D`.
     fn couple(&mut self) {
         let [re, im] = &mut self.strains;
         for (n, (re, im)) in re.iter_mut().zip(im).enumerate() {
             let r = self.radii[n];
             let sigma = match &self.coupling {
-                // sigma D vanishes with D, whatever sigma does.
+                // sigma D vanishes with D, also where sigma is infinite.
                 _ if r == 0.0 => 0.0,
                 Coupling::Generalised { averages, omega, .. } => {
                     averages.force(self.means[n], r).1 / r / (2.0 * omega.powi(3))
@@ -342,20 +364,23 @@ impl Dps {
     }
 }
 
-/// `z_n - z_{n-1}`.
+/// Writes `z_n - z_{n-1}`.
 fn difference(z: &[f64], differences: &mut [f64]) {
     for (difference, pair) in differences.iter_mut().zip(z.windows(2)) {
         *difference = pair[1] - pair[0];
     }
 }
 
-/// The `C` at which the mean of the `b_n` with `g_alpha(b_n, r_n) = C` is `b`; zero if no contact closes.
+/// The `C` at which the `b_n` with `g_alpha(b_n, r_n) = C` have the mean `b`; zero if no contact
+/// closes.
 ///
-/// Newton's method in `height = C^{1/alpha}`, of which the `b_n` are nearly linear functions, with bisection where it leaves the bracket.
+/// Newton's method for `height = C^{1/alpha}`, in which the `b_n` are nearly linear, with bisection
+/// where a step leaves the bracket.
 fn mean_force(averages: &Averages, radii: &[f64], b: f64) -> f64 {
     let (alpha, count) = (averages.alpha(), radii.len() as f64);
     let swing = 2.0 * averages.kappa() * radii.iter().sum::<f64>() / count;
-    // A contact's overlap is between its mean force's and that plus its whole swing.
+    // C^{1/alpha} lies between -b_n - S_n and -b_n + S_n in each bond (S_n = 2 kappa r_n): take the
+    // mean.
     let (mut low, mut high) = ((-b - swing).max(0.0), swing - b);
     if high <= 0.0 {
         return 0.0;
@@ -365,7 +390,8 @@ fn mean_force(averages: &Averages, radii: &[f64], b: f64) -> f64 {
     }
     let close = 2.0 * f64::EPSILON * (swing + b.abs());
     let mut height = 0.5 * (low + high);
-    // Bisection alone takes 1100 halvings from the widest bracket; Newton's method a handful.
+    // Bisection alone takes up to 1100 halvings from the widest bracket; Newton's method takes a
+    // few steps.
     for _ in 0..1200 {
         let (mut excess, mut slope) = (-b, 0.0);
         for &r in radii {
@@ -389,7 +415,7 @@ impl VectorField<f64> for Dps {
         2 * self.len()
     }
 
-    /// `d Re z = Im (i dz)`, `d Im z = -Re (i dz)`; autonomous.
+    /// `d Re z = Im (i dz)`, `d Im z = -Re (i dz)`; the equation is autonomous.
     fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
         self.load(y);
         self.close();
@@ -405,7 +431,8 @@ impl VectorField<f64> for Dps {
 impl Layout {
     /// `delta^+ F`, or `delta^- delta^+ F`, of the fluxes `F = sigma D`.
     fn shift(&self, fluxes: &[f64], out: &mut [f64]) {
-        // Beyond free ends there is no flux. Bond n is before site n, so the first bond of a free chain is that of its second site.
+        // Beyond free ends the flux is zero. Bond n is before site n, so the first bond of a free
+        // chain is that of its second site.
         let last = fluxes.len() - 1;
         let (before, after) = match self.ends {
             Ends::Ring => (fluxes[last], fluxes[0]),

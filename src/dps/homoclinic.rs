@@ -1,4 +1,5 @@
-//! Homoclinic solutions of the stationary DpS equation (dpsstat): the profiles of bright breathers (Theorem homoclinic).
+//! Homoclinic solutions of the stationary DpS equation (dpsstat): profiles of bright breathers
+//! (Theorem homoclinic).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -12,33 +13,38 @@
 //! b_n = (b_n + b_{n+1})^alpha + (b_{n-1} + b_n)^alpha,
 //! ```
 //!
-//! with `b_{-n} = b_n` about a site and `b_{1-n} = b_n` about a bond. Its tail decays doubly exponentially, `ln b_{n+1} / ln b_n -> alpha`, and so a relative error
-//! of `b_n` is `alpha` times as large in `b_{n+1}`: a tail down to the smallest double asks for more digits in the middle than a double has.
-//! Petviashvili's iteration finds the middle in double precision, the tail follows site by site, and Newton's method brings all of it to [`PRECISION`]
-//! bits. Its matrix has three diagonals and nearly unit entries in the tail, where the elimination starts.
+//! with `b_{-n} = b_n` about a site and `b_{1-n} = b_n` about a bond. The tail decays doubly
+//! exponentially, `ln b_{n+1} / ln b_n -> alpha`, so a relative error of `b_n` becomes `alpha`
+//! times as large in `b_{n+1}`: a tail down to the smallest double needs more digits in the middle
+//! than a double has. Petviashvili's iteration computes the middle in double precision, the tail is
+//! extended site by site, and Newton's method refines both to [`PRECISION`] bits. The Newton matrix
+//! has three diagonals, and in the tail its diagonal is nearly one; the elimination starts there.
 
 use super::Averages;
 use crate::error::{Error, Result};
 use dashu_float::{FBig, round::mode::HalfEven};
 use serde::{Deserialize, Serialize};
 
-/// The uniform solution and the width of the middle leave the range of doubles below the first; tables end at the second.
+/// Exponents with solutions. Below 1.01 the uniform solution and the width of the middle leave the
+/// range of doubles; the tables of [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
-/// Bits that Newton's method works with: those of a double, and what the tail loses.
+/// Bits in Newton's method: those of a double, and those that the tail loses.
 const PRECISION: usize = 128;
-/// The middle ends where `b_n` falls below this; it is more than the exact solution has.
+/// The initial guess of the middle ends where `b_n` is below this share of its height; the exact
+/// solution has fewer sites above it.
 const MIDDLE: f64 = 1e-30;
-/// Where it stops to be good, as a share of its largest value.
+/// Share of the largest `b_n` below which the middle is not accurate enough to be kept.
 const GOOD: f64 = 1e-8;
-/// The tail ends this far below the smallest normal double, so that the zero behind it is none.
+/// The tail ends at this multiple of the smallest normal double, so that the zero after its end has
+/// no effect.
 const BEYOND: f64 = 1e-40;
-/// Iterations that a middle may take, and steps of Newton's method.
+/// Largest number of iterations for the middle; below it, of steps of Newton's method.
 const MOST: usize = 100_000;
 const MOST_NEWTON: usize = 20;
 
 type Big = FBig<HalfEven, 2>;
 
-/// What a profile is symmetric about.
+/// The symmetry of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -49,7 +55,7 @@ pub enum Center {
     Bond,
 }
 
-/// A homoclinic solution, of full double precision in every `a_n` that is a normal double.
+/// A homoclinic solution, accurate to double precision in every `a_n` that is a normal double.
 ///
 /// ```
 /// use hertzchain::dps::{Center, Homoclinic};
@@ -68,7 +74,7 @@ pub struct Homoclinic {
 }
 
 impl Homoclinic {
-    /// The solution of this exponent and symmetry.
+    /// The solution of the given exponent and symmetry.
     ///
     /// # Errors
     /// `alpha` outside `[1.01, 10]`.
@@ -80,7 +86,8 @@ impl Homoclinic {
         let good = middle.iter().take_while(|b| **b > GOOD * middle[0]);
         let mut b: Vec<Big> = good.map(|b| big(*b)).collect();
         let beyond = big(f64::MIN_POSITIVE) * big(BEYOND);
-        // What follows the end in a power of it is too little where alpha is near one: then once more.
+        // For alpha near one the appended tail is too small and its refined end is not beyond; then
+        // append again.
         while b.last().is_none_or(|last| *last > beyond) {
             extend(alpha, &mut b, &beyond);
             b = refined(alpha, center, b)?;
@@ -100,7 +107,7 @@ impl Homoclinic {
         self.center
     }
 
-    /// `a_n`; zero beyond the last that is a normal double.
+    /// `a_n`; zero where it is too small for a normal double.
     pub fn a(&self, n: i64) -> f64 {
         let k = match self.center {
             Center::Bond if n > 0 => n.unsigned_abs() - 1,
@@ -124,16 +131,18 @@ impl Homoclinic {
         self.omega_0
     }
 
-    /// The largest `|a_n + delta^+ [|delta^- a_n|^{alpha-1} delta^- a_n]| / |a_n|`: of the rounded `a_n`, so no less than roundings make it.
+    /// The largest `|a_n + delta^+ [|delta^- a_n|^{alpha-1} delta^- a_n]| / |a_n|`.
+    ///
+    /// It is evaluated for the rounded `a_n`, and so it is of the size of the rounding errors.
     pub fn residual(&self) -> f64 {
         let force = |n: i64| (self.a(n).abs() + self.a(n - 1).abs()).powf(self.alpha);
         let off = |n: i64| (1.0 - (force(n + 1) + force(n)) / self.a(n).abs()).abs();
-        // In the last ones forces are subnormal.
+        // Forces of the last sites are subnormal; these sites are left out.
         self.sites().filter(|n| self.a(*n).abs() > f64::MIN_POSITIVE / f64::EPSILON).map(off).fold(0.0, f64::max)
     }
 }
 
-/// The site on the near side of the first of the half chain, as an index of the half chain.
+/// Index in the half chain of the site to the left of its first site.
 fn inner(center: Center) -> usize {
     match center {
         Center::Site => 1,
@@ -141,16 +150,20 @@ fn inner(center: Center) -> usize {
     }
 }
 
-/// The right side of the equation on the half chain, which ends in zero.
+/// The right side of the equation on the half chain, with zero after its end.
 fn forces(alpha: f64, center: Center, b: &[f64]) -> Vec<f64> {
     let at = |k: usize| b.get(k).copied().unwrap_or(0.0);
     let force = |k: usize, before: f64| (at(k) + at(k + 1)).powf(alpha) + (before + at(k)).powf(alpha);
     (0..b.len()).map(|k| force(k, if k == 0 { at(inner(center)) } else { at(k - 1) })).collect()
 }
 
-/// The middle by Petviashvili's iteration: `b <- S^{alpha/(alpha-1)} F(b)`, `S = <b, b> / <b, F(b)>`, for an `F` homogeneous of degree `alpha`.
+/// The middle by Petviashvili's iteration.
+///
+/// `b <- S^{alpha/(alpha-1)} F(b)` with `S = <b, b> / <b, F(b)>`, for an `F` homogeneous of degree
+/// `alpha`.
 fn middle(alpha: f64, center: Center) -> Result<Vec<f64>> {
-    // The uniform solution b = 2 (2b)^alpha, under a bell as wide as a slow modulation of it would be.
+    // Guess: the uniform solution b = 2 (2b)^alpha times a Gaussian as wide as a slow modulation
+    // would be.
     let height = (-(alpha + 1.0) / (alpha - 1.0)).exp2();
     let shift = if center == Center::Site { 0.0 } else { 0.5 };
     let bell = |k: usize| height * (-0.5 * (alpha - 1.0).min(1.0) * (k as f64 + shift).powi(2)).exp();
@@ -172,7 +185,7 @@ fn middle(alpha: f64, center: Center) -> Result<Vec<f64>> {
     Err(Error::parameter("alpha", alpha, "the iteration for the middle of a homoclinic settles"))
 }
 
-/// The tail from the end to beyond a value: `b_{n+1} = b_n^alpha`.
+/// Appends `b_{n+1} = b_n^alpha` until the last value is not above `beyond`.
 fn extend(alpha: f64, b: &mut Vec<Big>, beyond: &Big) {
     let power = big(alpha);
     while let Some(last) = b.last()
@@ -182,14 +195,15 @@ fn extend(alpha: f64, b: &mut Vec<Big>, beyond: &Big) {
     }
 }
 
-/// Newton's method to full precision.
+/// Newton's method in [`PRECISION`] bits.
 fn refined(alpha: f64, center: Center, mut b: Vec<Big>) -> Result<Vec<Big>> {
     let (power, zero) = (big(alpha), big(0.0));
-    // The square of this is left, times what the tail makes of it.
+    // The error that remains is the square of this, times the amplification in the tail.
     let enough = big(2.0f64.powi(-64));
     for _ in 0..MOST_NEWTON {
         let n = b.len();
-        // Forces and stiffnesses of the bonds: bond k is before site k, the first one closes the half chain.
+        // Forces and stiffnesses of the bonds. Bond k is before site k; bond 0 closes the half
+        // chain by symmetry.
         let closing = b[inner(center)].clone();
         let bonds: Vec<(Big, Big)> = (0..=n)
             .map(|k| {
@@ -206,7 +220,7 @@ fn refined(alpha: f64, center: Center, mut b: Vec<Big>) -> Result<Vec<Big>> {
         for k in (0..n).rev() {
             pivots[k] = big(1.0) - &bonds[k].1 - &bonds[k + 1].1;
             sides[k] = &bonds[k].0 + &bonds[k + 1].0 - &b[k];
-            // What the half chain closes on.
+            // Bond 0 adds to the pivot (about a bond) or to the upper entry (about a site).
             let mut upper = -bonds[k + 1].1.clone();
             if k == 0 && center == Center::Bond {
                 pivots[0] -= &bonds[0].1;

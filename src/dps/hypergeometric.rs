@@ -1,22 +1,25 @@
-//! Gauss's `F(a, b; c; w)` on `0 <= w <= 1`, tabulated once for several `(a, b, c)` that share `p = c - a - b`.
+//! Gauss's `F(a, b; c; w)` on `0 <= w <= 1`, tabulated for several `(a, b, c)` with the same
+//! `p = c - a - b`.
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `w, v` | the argument and `v = 1 - w`, each to its own last digit |
+//! | `w, v` | the argument and `v = 1 - w`, each accurate to its own last digit |
 //! | `p = m + epsilon` | the power of the singular branch `v^p` at `w = 1`; `m` an integer, `-3/4 <= epsilon < 1/4` |
 //! | `E(v)` | `(v^epsilon - 1) / epsilon`; `ln v` at `epsilon = 0` |
 //! | `sigma_n, beta_n` | `F = sum_n v^n (sigma_n + beta_n E(v))` about `w = 1`, with `beta_n = 0` for `n < m` |
 //!
-//! Near `w = 1` the connection formula reads `F = A F_1(v) + B v^p F_2(v)`. At integer `p` its two branches have poles that
-//! cancel and leave a logarithm. Summed as `sigma` and `beta` they have none: one form holds for every `p`.
+//! Near `w = 1` the connection formula reads `F = A F_1(v) + B v^p F_2(v)`. At integer `p` the two
+//! branches have poles that cancel and leave a logarithm. The sums with `sigma_n` and `beta_n` have
+//! no poles, and one form holds for every `p`.
 
 use std::f64::consts::PI;
 
 /// Pieces of equal width in `w`. The last [`NEAR`] of them, `v <= 1/4`, hold the two series in `v`.
 const PIECES: usize = 16;
 const NEAR: usize = 4;
-/// Coefficients of a piece. The singularity `w = 1` is nine half-widths away from the centre of the nearest piece that holds `F`
-/// itself: Chebyshev coefficients fall like 17.9^{-n}, and 17.9^{-13} = 5e-17.
+/// Coefficients of a piece. The singularity `w = 1` is nine half-widths away from the centre of the
+/// nearest piece that tabulates `F` itself: its Chebyshev coefficients fall like 17.9^{-n},
+/// and 17.9^{-13} = 5e-17.
 const COEFFICIENTS: usize = 13;
 
 /// The parameters of `F(a, b; c; w)`.
@@ -25,19 +28,20 @@ pub(super) struct Parameters {
     pub(super) a: f64,
     pub(super) b: f64,
     pub(super) c: f64,
-    /// `1 / (Gamma(c - a) Gamma(c - b))`, from who knows its zeros better than the rounded `c` does.
+    /// `1 / (Gamma(c - a) Gamma(c - b))`. The caller computes it: the zeros cannot be found from
+    /// the rounded `c`.
     pub(super) end: f64,
 }
-/// A polynomial in the local variable of its piece, `|t| <= 1`, for each of `K` functions.
+/// For each of `K` functions, a polynomial in the local variable of a piece, `|t| <= 1`.
 type Piece<const K: usize> = [[f64; K]; COEFFICIENTS];
 
-/// A place in the tables: all that functions with the same `epsilon` share.
+/// A position in the tables; the same for all functions with the same `epsilon`.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     piece: usize,
     t: f64,
     v: f64,
-    /// `E(v)`, where `v <= 1/4`.
+    /// `E(v)` for `v <= 1/4`, zero otherwise.
     e: f64,
 }
 
@@ -60,20 +64,22 @@ fn power_quotient(v: f64, epsilon: f64) -> f64 {
     if epsilon == 0.0 { v.ln() } else { (epsilon * v.ln()).exp_m1() / epsilon }
 }
 
-/// Tables of `K` functions `F(a, b; c; w)` of one `p`.
+/// Tables of `K` functions `F(a, b; c; w)` with the same `p`.
 #[derive(Clone, Debug)]
 pub(super) struct Hypergeometric<const K: usize> {
     m: i32,
     /// `F` in `w`, then `sum_{n >= 2} sigma_n v^{n-2}` in `v`.
     regular: [Piece<K>; PIECES],
-    /// `sigma_0` and `sigma_1`: where they vanish, a fit would leave a rounding error larger than `v^p`.
+    /// `sigma_0` and `sigma_1`, kept apart: where they vanish, a fitted polynomial would leave a
+    /// rounding error larger than `v^p`.
     leading: [[f64; K]; 2],
-    /// `sum_{n >= m} beta_n v^{n-m}` in `v`, the piece at `v = 0` last.
+    /// `sum_{n >= m} beta_n v^{n-m}` in `v`; the last piece is the one at `v = 0`.
     singular: [Piece<K>; NEAR],
 }
 
 impl<const K: usize> Hypergeometric<K> {
-    /// Tables for `p = m + epsilon`, relative error a few 1e-15 (of the largest term of the series, where `F` changes sign).
+    /// Tables for `p = m + epsilon`. The relative error is a few 1e-15 (of the largest term of the
+    /// series, where `F` changes sign).
     pub(super) fn new(parameters: [Parameters; K], m: usize, epsilon: f64) -> Self {
         let mut tables = Self {
             m: m as i32,
@@ -104,12 +110,12 @@ impl<const K: usize> Hypergeometric<K> {
         tables
     }
 
-    /// The `K` values; infinite with their sign at `v = 0` where `p <= 0`.
+    /// The `K` values at a place; infinite, with a sign, at `v = 0` where `p <= 0`.
     #[inline]
     pub(super) fn at(&self, place: Place) -> [f64; K] {
         let mut values = horner(&self.regular[place.piece], place.t);
         if place.piece >= PIECES - NEAR {
-            // v^m E(v) -> 0 at v = 0 for every m > 0, which 0 * inf would not tell.
+            // v^m E(v) -> 0 at v = 0 for every m > 0; the product 0 * inf would be NaN.
             let factor = match self.m {
                 0 => place.e,
                 _ if place.v == 0.0 => 0.0,
@@ -131,7 +137,8 @@ fn put<const K: usize>(piece: &mut Piece<K>, k: usize, coefficients: [f64; COEFF
     }
 }
 
-/// The polynomials of a piece at `t`, even and odd powers apart: half the chain of dependent operations.
+/// The polynomials of a piece at `t`, with even and odd powers apart: this halves the chain of
+/// dependent operations.
 #[inline]
 fn horner<const K: usize>(piece: &Piece<K>, t: f64) -> [f64; K] {
     let square = t * t;
@@ -148,15 +155,16 @@ fn horner<const K: usize>(piece: &Piece<K>, t: f64) -> [f64; K] {
     even
 }
 
-/// The polynomial in `t` through `f` at the Chebyshev nodes of `[-1, 1]`, by its powers.
+/// The powers of the polynomial in `t` that interpolates `f` at the Chebyshev nodes of `[-1, 1]`.
 ///
-/// Its Chebyshev coefficients fall by 17.9 and more, the powers in `T_n` grow by `1 + sqrt 2`: nothing cancels.
+/// Its Chebyshev coefficients fall by at least 17.9 each, and the powers in `T_n` grow by
+/// `1 + sqrt 2` each, so there is no cancellation.
 fn fit(f: impl Fn(f64) -> f64) -> [f64; COEFFICIENTS] {
     let n = COEFFICIENTS as f64;
     let angle = |j: usize| PI * (j as f64 + 0.5) / n;
     let values: [f64; COEFFICIENTS] = std::array::from_fn(|j| f(angle(j).cos()));
     let mut powers = [0.0; COEFFICIENTS];
-    // T_k and T_{k+1} by their powers: T_{k+1} = 2 t T_k - T_{k-1}.
+    // T_k and T_{k+1} as polynomials in t: T_{k+1} = 2 t T_k - T_{k-1}.
     let (mut now, mut next) = ([0.0; COEFFICIENTS], [0.0; COEFFICIENTS]);
     (now[0], next[1]) = (1.0, 1.0);
     for k in 0..COEFFICIENTS {
@@ -179,10 +187,10 @@ fn power_series(Parameters { a, b, c, .. }: Parameters, w: f64) -> f64 {
     })
 }
 
-/// `1 + q_0 + q_0 q_1 + ..`, up to the last term that matters; the quotients tend to at most 3/4.
+/// `1 + q_0 + q_0 q_1 + ..`, up to the last term that matters; the quotients tend to 3/4 at most.
 fn geometric(quotient: impl Fn(usize) -> f64) -> f64 {
     let (mut sum, mut term, mut n) = (1.0, 1.0, 0);
-    // Small parameters make a first term small, never the tenth alone.
+    // A small parameter can make an early term small; the test therefore starts with the tenth.
     while n < 10 || f64::abs(term) > 1e-18 * f64::abs(sum) {
         term *= quotient(n);
         sum += term;
@@ -199,24 +207,28 @@ struct Branches {
 }
 
 impl Branches {
-    /// Terms of either series: `4^{-32}` is left at `v = 1/4`, `m <= 11` of them before the singular branch starts.
+    /// Terms of either series: 32 terms leave `4^{-32}` at `v = 1/4`, and `m <= 11` of them precede
+    /// the singular branch.
     const TERMS: usize = 44;
 
     fn new(parameters: Parameters, m: usize, epsilon: f64) -> Self {
         let Parameters { a, b, c, end } = parameters;
         let p = m as f64 + epsilon;
-        // n(n - p) y_n = (n-1+a)(n-1+b) y_{n-1} for the powers v^n, and for v^{n+epsilon} the same with n + epsilon.
+        // For the powers v^n: n(n - p) y_n = (n-1+a)(n-1+b) y_{n-1}; for the powers v^{n+epsilon}
+        // the same with n + epsilon.
         let numerator = |x: f64| (x - 1.0 + a) * (x - 1.0 + b);
         let below = |n: f64| n * (n - p);
         let above = |n: f64| (n + epsilon) * (n - m as f64);
         let ratio = |n: f64| numerator(n) / below(n);
-        // (numerator/above at n + epsilon - numerator/below at n) / epsilon, the difference taken by hand.
+        // (numerator/above at n + epsilon - numerator/below at n) / epsilon, with the difference
+        // formed in closed form.
         let ratio_quotient = |n: f64| {
             let (slope, bend) = (2.0 * n - 2.0 + a + b + epsilon, 2.0 * n - p + epsilon);
             (slope * below(n) - numerator(n) * bend) / (below(n) * above(n))
         };
 
-        // beta_m = epsilon B, B = Gamma(c) Gamma(-p) / (Gamma(a) Gamma(b)), the pole of Gamma(-p) divided out.
+        // beta_m = epsilon B, B = Gamma(c) Gamma(-p) / (Gamma(a) Gamma(b)), the pole of Gamma(-p)
+        // divided out.
         let poles: f64 = (1..=m).map(|j| -(epsilon + j as f64)).product();
         let first = -per_gamma(a) * per_gamma(b) / (per_gamma(c) * per_gamma(1.0 - epsilon) * poles);
         let mut beta = vec![first];
@@ -225,9 +237,9 @@ impl Branches {
             beta.push(beta.last().unwrap_or(&0.0) * numerator(n + epsilon) / above(n));
         }
 
-        // sigma_n for n < m is the regular branch, which starts with A = Gamma(c) Gamma(p) / (Gamma(c-a) Gamma(c-b)). The
-        // recurrence has a pole near n = m: sigma_m follows from the value at v = 1/4 instead, the end of the tables, so that its
-        // error falls with v.
+        // For n < m, sigma_n is the regular branch, which starts with A = Gamma(c) Gamma(p) /
+        // (Gamma(c-a) Gamma(c-b)). The recurrence has a pole near n = m. Therefore sigma_m follows
+        // from the value of F at v = 1/4, the end of these tables; its error falls with v.
         let mut sigma = vec![0.0; Self::TERMS];
         if m > 0 {
             sigma[0] = end / (per_gamma(c) * per_gamma(p));
@@ -259,7 +271,7 @@ fn polynomial(coefficients: &[f64], x: f64) -> f64 {
 
 /// `1 / Gamma(x)`, zero at the poles; relative error about 2e-15 for `|x| < 20`.
 pub(crate) fn per_gamma(x: f64) -> f64 {
-    /// Where Stirling's series with the terms below is good to 1e-18.
+    /// Stirling's series with the terms below has an error of 1e-18 from here on.
     const FAR: f64 = 20.0;
     let (mut product, mut x) = (1.0, x);
     while x < FAR {
@@ -285,7 +297,8 @@ mod tests {
 
     #[test]
     fn closed_forms_hold_up_to_the_singularity() {
-        // F(1/2, 1; 3/2; w) = artanh(x)/x with w = x^2, p = 0 (a logarithm); F(-1/2, b; b; w) = v^{1/2}.
+        // F(1/2, 1; 3/2; w) = artanh(x)/x with w = x^2, p = 0 (a logarithm);
+        // F(-1/2, b; b; w) = v^{1/2}.
         let of = |a: f64, b: f64, c: f64| Parameters { a, b, c, end: per_gamma(c - a) * per_gamma(c - b) };
         let log = Hypergeometric::new([of(0.5, 1.0, 1.5)], 0, 0.0);
         let root = Hypergeometric::new([of(-0.5, 1.3, 1.3)], 1, -0.5);

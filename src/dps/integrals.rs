@@ -2,20 +2,22 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `b, r` | mean strain and amplitude of the bond `-b + 2 kappa r cos t` |
-//! | `S = 2 kappa r` | its swing; `q = S / (-b)` |
-//! | `d = S - b` | its largest overlap; no contact for `d <= 0` |
-//! | `e = S + b` | twice its swing less `d`; the contact opens for `e > 0`, and never for `e <= 0` |
+//! | `b, r` | mean strain and amplitude of a bond with the overlap `-b + 2 kappa r cos t` |
+//! | `S = 2 kappa r` | amplitude of the overlap; `q = S / (-b)` |
+//! | `d = S - b` | largest overlap; there is no contact for `d <= 0` |
+//! | `e = S + b` | minus the least overlap; the contact opens for `e > 0`, and stays closed for `e <= 0` |
 //! | `I_n` | `1/(2 pi) int_0^{2 pi} cos(n t) (-b + S cos t)_+^alpha dt`: `g_alpha = I_0`, `r h_alpha = I_1` |
 //!
-//! Every `I_n` is a hypergeometric function (Mehler's integral, and the binomial series averaged term by term):
+//! Every `I_n` is a hypergeometric function (Mehler's integral, and the binomial series averaged
+//! term by term):
 //!
 //! ```text
 //! opens:         I_n = Gamma(alpha+1) / (sqrt(pi) Gamma(alpha+3/2)) d^alpha sqrt(w) F(1/2-n, 1/2+n; alpha+3/2; w),  w = d / (2S)
 //! never opens:   I_n = (-b)^alpha (q/2)^n binomial(alpha, n) F((n-alpha)/2, (n+1-alpha)/2; n+1; q^2)
 //! ```
 //!
-//! Derivatives are the same with `alpha - 1`: `dI_n/db = -alpha I_n`, `dI_n/dS = alpha (I_{n-1} + I_{n+1}) / 2`.
+//! Derivatives are the same with `alpha - 1`: `dI_n/db = -alpha I_n`,
+//! `dI_n/dS = alpha (I_{n-1} + I_{n+1}) / 2`.
 
 use super::hypergeometric::{Hypergeometric, Parameters, Place, per_gamma};
 use crate::error::{Error, Result};
@@ -28,9 +30,10 @@ use std::f64::consts::PI;
 /// r h_alpha(b, r) = 1/(2 pi) int_0^{2 pi} e^{-it} (-b + 2 kappa r cos t)_+^alpha dt     (its first harmonic)
 /// ```
 ///
-/// Both vanish for `b >= 2 kappa r`. Relative errors are below 1e-13, up to the limits `r -> 0`, `b -> 2 kappa r` and
-/// `b -> -2 kappa r`, wherever the result is a normal number. The arguments are finite with `r >= 0`: the methods give `NaN` for
-/// `NaN` and for `r < 0`; [`Averages::checked`] says what is wrong instead.
+/// Both vanish for `b >= 2 kappa r`. Relative errors are below 1e-13, up to the limits `r -> 0`,
+/// `b -> 2 kappa r` and `b -> -2 kappa r`, wherever the result is a normal number. The arguments
+/// are finite with `r >= 0`: the methods give `NaN` for `NaN` and for `r < 0`;
+/// [`Averages::checked`] returns an error instead.
 ///
 /// ```
 /// use hertzchain::dps::Averages;
@@ -45,20 +48,22 @@ use std::f64::consts::PI;
 pub struct Averages {
     alpha: f64,
     kappa: f64,
-    /// `Gamma(alpha + 1) / (sqrt(pi) Gamma(alpha + 1/2))`, of the slopes.
+    /// `Gamma(alpha + 1) / (sqrt(pi) Gamma(alpha + 1/2))`, the factor of the derivatives.
     front: f64,
-    /// `alpha + 1/2 = m + epsilon`.
+    /// `epsilon = alpha + 1/2 - m`, with an integer `m`; in `[-3/4, 1/4)`.
     epsilon: f64,
-    /// `n = 0, 1` with `alpha` and `n = 0, 1, 2` with `alpha - 1`, of a contact that opens.
+    /// Tables for a contact that opens: `n = 0, 1` with `alpha`, and `n = 0, 1, 2` with
+    /// `alpha - 1`.
     opening: (Hypergeometric<2>, Hypergeometric<3>),
-    /// The same of one that never opens.
+    /// The same tables for a contact that stays closed.
     closed: (Hypergeometric<2>, Hypergeometric<3>),
 }
 
 /// `g_alpha`, `h_alpha` and their derivatives.
 ///
-/// Where `b -> -2 kappa r` the slopes behave like `|b + 2 kappa r|^{alpha - 1/2}`: for `alpha <= 1/2` they are infinite at
-/// `b = -2 kappa r`. For `alpha < 1/2` all but `g` and `h` also diverge as `b -> 2 kappa r` from below; at `b >= 2 kappa r` all are zero.
+/// Near `b = -2 kappa r` the derivatives behave like `|b + 2 kappa r|^{alpha - 1/2}`: for
+/// `alpha <= 1/2` they are infinite at `b = -2 kappa r`. For `alpha < 1/2` all but `g` and `h` also
+/// diverge as `b -> 2 kappa r` from below; at `b >= 2 kappa r` all are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Values {
     /// `g_alpha`.
@@ -80,7 +85,8 @@ pub struct Values {
 }
 
 impl Values {
-    /// All values times those of `factor`, a function of the degree of homogeneity in `(b, r)` less `alpha`.
+    /// Scales each value by `factor` of its degree of homogeneity in `(b, r)`, counted from
+    /// `alpha`.
     fn scale(self, factor: impl Fn(i32) -> [f64; 2]) -> Self {
         let [same, one, two] = [0, -1, -2].map(|degree| {
             let [x, y] = factor(degree);
@@ -99,7 +105,7 @@ impl Values {
     }
 }
 
-/// One bond: its overlaps, each without cancellation.
+/// One bond, with its extreme overlaps computed without cancellation.
 #[derive(Clone, Copy)]
 struct Bond {
     b: f64,
@@ -111,7 +117,7 @@ struct Bond {
     e: f64,
 }
 
-/// A bond by what happens to its contact.
+/// The three cases of a contact: it stays open, it opens in each period, or it stays closed.
 enum Contact {
     Never,
     Opens { root_w: f64, place: Place },
@@ -119,7 +125,7 @@ enum Contact {
 }
 
 impl Averages {
-    /// Tables for one `alpha` and `kappa`: about a millisecond.
+    /// Tables for one `alpha` and `kappa`; this takes about a millisecond.
     ///
     /// # Errors
     /// `alpha` outside `(0, 10]`; `kappa` not finite and positive.
@@ -133,8 +139,8 @@ impl Averages {
         // alpha + 1/2 = m + epsilon with -3/4 <= epsilon < 1/4, from differences that do not round.
         let m = (alpha + 0.75).round() as usize;
         let epsilon = alpha - (m as f64 - 0.5);
-        // `less` is 1 for the exponent alpha - 1. 1/Gamma(c - b) = (x-1) .. (x-n) / Gamma(x), x = alpha - less + 1, has a zero at
-        // each integer alpha < n + less.
+        // `less` is 1 for the exponent alpha - 1. With x = alpha - less + 1,
+        // 1/Gamma(c - b) = (x-1) .. (x-n) / Gamma(x) has a zero at each integer alpha < n + less.
         let mehler = |n: u32, less: f64| {
             let (x, order) = (alpha - less + 1.0, f64::from(n));
             let zeros: f64 = (1..=n).map(|j| alpha - (less - 1.0 + f64::from(j))).product();
@@ -182,12 +188,13 @@ impl Averages {
         self.force(b, r).1
     }
 
-    /// `h_alpha(b, r)`; at `r = 0` its limit, `kappa alpha (-b)^{alpha-1}` for `b < 0` and zero for `b >= 0`.
+    /// `h_alpha(b, r)`; at `r = 0` its limit, `kappa alpha (-b)^{alpha-1}` for `b < 0` and zero for
+    /// `b >= 0`.
     pub fn h(&self, b: f64, r: f64) -> f64 {
         self.values(b, r).h
     }
 
-    /// `(g_alpha, r h_alpha)`: both harmonics of the contact force at the cost of one.
+    /// `(g_alpha, r h_alpha)`: both harmonics of the contact force in one evaluation.
     #[inline]
     pub fn force(&self, b: f64, r: f64) -> (f64, f64) {
         match self.exponent_shift(b, r) {
@@ -209,7 +216,7 @@ impl Averages {
         }
     }
 
-    /// [`values`](Self::values) for arguments that come from outside.
+    /// [`values`](Self::values) with arguments that are checked first.
     ///
     /// # Errors
     /// `b` or `r` not finite; `r < 0`.
@@ -225,19 +232,21 @@ impl Averages {
 
     /// The mean strain `b` at which `g_alpha(b, r) = c`, for `c >= 0` and `r >= 0`.
     ///
-    /// `-c^{1/alpha}` at `r = 0`; at `c = 0`, where every `b >= 2 kappa r` is an answer, the least of them. `NaN` for arguments
-    /// outside their rule and for a `2 kappa r` that overflows.
+    /// It is `-c^{1/alpha}` at `r = 0`. At `c = 0` every `b >= 2 kappa r` is a solution, and the
+    /// least is returned. The result is `NaN` for `c < 0`, for `r < 0`, and for a `2 kappa r` that
+    /// overflows.
     ///
-    /// Newton's method for `ln g` as a function of `ln d`, whose slope goes from `alpha + 1/2` (short contacts) to `alpha`, with
-    /// bisection where its steps do not halve: four evaluations in the mean, 44 at most among 1e5 pairs, for `alpha` near zero, where `g` has all
-    /// but a jump at `b = -2 kappa r`.
+    /// Newton's method for `ln g` as a function of `ln d`, whose slope goes from `alpha + 1/2`
+    /// (short contacts) to `alpha`, with bisection where its steps do not halve. Among 1e5 pairs it
+    /// takes four evaluations in the mean and 44 at most. The largest counts are for `alpha` near
+    /// zero, where `g` nearly jumps at `b = -2 kappa r`.
     pub fn mean_strain(&self, c: f64, r: f64) -> f64 {
         self.mean_strain_counted(c, r).0
     }
 
     /// [`mean_strain`](Self::mean_strain) and the number of evaluations it took.
     pub fn mean_strain_counted(&self, c: f64, r: f64) -> (f64, u32) {
-        /// Three times what bisection alone takes from the widest bracket, 1400 in ln d.
+        /// Three times the bisections from the widest bracket, which is 1400 wide in ln d.
         const MOST: u32 = 200;
         let (swing, height) = (2.0 * self.kappa * r, self.root(c));
         if !(c >= 0.0 && r >= 0.0 && swing.is_finite()) {
@@ -246,12 +255,13 @@ impl Averages {
         if swing == 0.0 || height == 0.0 || height.is_infinite() || swing < f64::EPSILON.powi(2) * height {
             return (swing - height, 0);
         }
-        // The overlap is at most d and at least d - 2S, so height <= d <= height + 2S.
+        // The overlap at every time lies in [d - 2S, d], so height <= d <= height + 2S.
         let (mut low, mut high) = (height, height + 2.0 * swing);
-        // g ~ d^alpha (d / 2S)^{1/2} where contacts are short; elsewhere g >= (-b)^alpha for alpha >= 1.
+        // Guess: g ~ d^alpha (d / 2S)^{1/2} where contacts are short; elsewhere g >= (-b)^alpha for
+        // alpha >= 1.
         let short = (2.0 * swing / height).sqrt() * (self.alpha + 0.5) / self.front;
         let mut d = (height * short.powf((self.alpha + 0.5).recip())).clamp(low, height + swing);
-        // Steps in ln d, the last and the one before it: bisection follows where they do not halve.
+        // Sizes of the last two steps in ln d; bisection follows where they do not halve.
         let (mut last, mut before) = (f64::INFINITY, f64::INFINITY);
         for count in 1..=MOST {
             let bond = Bond { b: swing - d, r, swing, d, e: 2.0 * swing - d };
@@ -273,13 +283,15 @@ impl Averages {
         (swing - d, MOST)
     }
 
-    /// `c^{1/alpha}`; one step of Newton's method takes away the rounding of `1/alpha`, which `ln c / alpha` magnifies.
+    /// `c^{1/alpha}`. One step of Newton's method removes the error from the rounding of `1/alpha`,
+    /// which `ln c` multiplies.
     fn root(&self, c: f64) -> f64 {
         let root = c.powf(self.alpha.recip());
         if root > 0.0 && root.is_finite() { root - root * (root.powf(self.alpha) / c - 1.0) / self.alpha } else { root }
     }
 
-    /// `k` such that `2^k (b, r)` has a swing well inside the range of doubles; zero but for the most extreme `kappa r`.
+    /// The `k` for which `2^k (b, r)` has an amplitude well inside the range of doubles; zero
+    /// except for extreme `kappa r`.
     #[inline]
     fn exponent_shift(&self, b: f64, r: f64) -> i32 {
         const FAR: f64 = 1e250;
@@ -287,7 +299,7 @@ impl Averages {
         if swing > FAR {
             -500
         } else if swing < FAR.recip() && r > 0.0 && b.abs() < FAR.sqrt().recip() {
-            // A tiny swing next to a much larger b needs no care.
+            // A tiny swing next to a much larger b needs no shift.
             500
         } else {
             0
@@ -297,7 +309,7 @@ impl Averages {
     /// `2^{-k (alpha + degree)}`, as two factors.
     #[cold]
     fn unscale(&self, k: i32, degree: i32) -> [f64; 2] {
-        // alpha + degree would round, and 2^k magnifies it.
+        // The sum alpha + degree would be rounded, and 2^k would magnify the error.
         let base = f64::from(-k / 2).exp2();
         [base.powf(self.alpha) * base.powi(degree); 2]
     }
@@ -308,7 +320,7 @@ impl Averages {
         let swing = 2.0 * self.kappa * r;
         let (mut d, mut e) = (swing - b, swing + b);
         if d.abs() < 0.5 * swing || e.abs() < 0.5 * swing {
-            // What rounding took from the swing counts where it cancels.
+            // Where the swing cancels against b, its own rounding error is added back.
             let lost = (2.0 * self.kappa).mul_add(r, -swing);
             (d, e) = (d + lost, e + lost);
         }
@@ -329,10 +341,11 @@ impl Averages {
         }
     }
 
-    /// `x^{(alpha-1)/2}`: products of two of them, taken apart, stay in range where the result does.
+    /// `x^{(alpha-1)/2}`: multiplied one after the other, two of them stay in range where the
+    /// result does.
     #[inline]
     fn half_power(&self, x: f64) -> f64 {
-        // alpha - 1 would round, and ln x magnifies it.
+        // alpha - 1 would be rounded, and ln x would magnify the error.
         let root = x.sqrt();
         if self.alpha == 1.5 { root.sqrt() } else { x.powf(0.5 * self.alpha) / root }
     }
@@ -394,7 +407,7 @@ impl Averages {
                 }
             }
         };
-        // Euler's identity for a function of degree alpha; unlike h + r dh/dr it never cancels.
+        // Euler's identity for a function of degree alpha; h + r dh/dr would cancel.
         values.drh_dr = alpha * values.h - b * values.dh_db;
         values
     }

@@ -1,4 +1,7 @@
-//! The modulation (DpS) equations of small oscillations: the averages that couple amplitudes `A_n` and mean strains `B_n`, their flows, and the way to the chain and back.
+//! The modulation (DpS) equations of small oscillations.
+//!
+//! Averages that couple amplitudes `A_n` and mean strains `B_n`, the flows, their standing waves,
+//! and the maps to the chain and back.
 
 mod ansatz;
 mod dark;
