@@ -2,13 +2,15 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `X(s)` | the branch between two of its points, over the chord from one (`s = 0`) to the other (`s = 1`) |
+//! | `X(s)` | the branch between two of its points, parametrised by their chord from the one (`s = 0`) to the other (`s = 1`) |
 //! | `psi(s)` | test function, zero at the bifurcation |
 //!
-//! - `tau` through -1: `psi = tau + 1`, a period doubling. `tau` through 1: `psi = 1 - tau`.
-//! - two real `tau` that meet and become complex: `psi = (tau_1 - tau_2)^2/4`, which goes through zero linearly where `tau` has a root. Of signatures that differ,
-//!   if they meet on the circle. Collisions of which nothing stronger than a modulus of `1 + weak` comes are left out: the bands of a long ring are full of them.
-//! - a fold: `psi` is the parameter's part of the tangent.
+//! - `tau` crosses -1: `psi = tau + 1`, a period doubling. `tau` crosses 1: `psi = 1 - tau`.
+//! - Two real `tau` meet and become complex: `psi = (tau_1 - tau_2)^2/4`, which has a simple zero
+//!   where `tau` has a square root. If they meet on the circle, their signatures differ. Collisions
+//!   that lead to no modulus above `1 + weak` are left out: in the bands of a long ring there are
+//!   many of them.
+//! - A fold: `psi` is the component of the tangent along the parameter.
 
 use super::{
     continuation::{Continuation, Place, Scales},
@@ -20,13 +22,13 @@ use crate::error::{Error, Result};
 use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 
-/// What happens at a point of a branch.
+/// The kinds of bifurcation that are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BifurcationKind {
-    /// A pair of multipliers goes through -1.
+    /// A pair of multipliers crosses -1.
     PeriodDoubling,
-    /// A pair goes through 1.
+    /// A pair crosses 1.
     PlusOne,
     /// Two pairs meet on the circle and leave it, or the other way round.
     KreinCollision,
@@ -36,53 +38,56 @@ pub enum BifurcationKind {
     Fold,
 }
 
-/// A point of a branch where something happens.
+/// A bifurcation point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bifurcation {
-    /// What.
+    /// The kind of bifurcation.
     pub kind: BifurcationKind,
     /// Value of the parameter.
     pub parameter: f64,
-    /// `tau` there; 1 at a fold.
+    /// `tau` at the bifurcation; 1 at a fold.
     pub tau: f64,
     /// The orbit.
     pub orbit: Orbit,
-    /// Strains `z` of the mode of that `tau`, the largest 1; empty at a fold or collision.
+    /// Strains `z` of the eigenvector of `tau`, scaled to the largest entry 1; empty at a fold or
+    /// collision.
     pub mode: Vec<f64>,
 }
 
-/// Parts that a stretch between two points is cut into at most, until each has one bifurcation.
+/// Largest number of times that a stretch between two points is halved, until each part has one
+/// bifurcation.
 const MOST_CUTS: u32 = 5;
-/// Evaluations of a test function at most.
+/// Largest number of evaluations of a test function.
 const MOST_TRIALS: u32 = 60;
-/// A bifurcation is located to this share of the stretch.
+/// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-10;
-/// Quartets are the same on both sides if their real parts are that near, and neither has less than this share of the other's imaginary part.
+/// A quartet is the same on both sides if the real parts of `tau` differ by at most `NEAR`, and the
+/// imaginary part on the other side is at least `ALIKE` of that on this side.
 const NEAR: f64 = 0.05;
 const ALIKE: f64 = 0.3;
-/// Inside a stretch, where bifurcations are told apart.
+/// The value of `weak` inside a stretch, where bifurcations are separated.
 const WEAK_INSIDE: f64 = 1e-4;
 
 /// A test function.
 #[derive(Clone, Copy, Debug)]
 enum Test {
-    /// The `k`-th smallest real `tau` against -1.
+    /// The `k`-th smallest real `tau`, from `k = 0`, crosses -1.
     MinusOne(usize),
-    /// The `k`-th largest against 1.
+    /// The `k`-th largest real `tau`, from `k = 0`, crosses 1.
     PlusOne(usize),
-    /// Two `tau` that meet near this value.
+    /// Two `tau` meet near this value.
     Collision(f64),
-    /// The parameter's part of the tangent.
+    /// The component of the tangent along the parameter changes its sign.
     Fold,
 }
 
-/// A point with its multipliers.
+/// An orbit with its multipliers.
 struct Known {
     orbit: Orbit,
     spectrum: Spectrum,
 }
 
-/// A stretch of a branch over a chord.
+/// The part of a branch between two of its points, and their chord.
 struct Stretch<'a> {
     continuation: &'a Continuation,
     place: Place,
@@ -110,7 +115,7 @@ impl<'a> Stretch<'a> {
         Ok(Known { orbit, spectrum })
     }
 
-    /// `psi`, and the `tau` it belongs to.
+    /// The value of `psi`, and its `tau`.
     fn test(&self, test: Test, at: &Known) -> Option<(f64, f64)> {
         match test {
             Test::MinusOne(k) => reals(&at.spectrum).get(k).map(|&tau| (tau + 1.0, tau)),
@@ -123,7 +128,8 @@ impl<'a> Stretch<'a> {
         }
     }
 
-    /// The zero of `psi` by the rule of false position (Illinois), from known ends.
+    /// The zero of `psi` by the rule of false position (Illinois variant), with the values at both
+    /// ends known.
     fn locate(&self, mut test: Test, a: &Known, b: &Known) -> Option<Bifurcation> {
         let (mut left, mut right) = ((0.0, self.test(test, a)?.0), (1.0, self.test(test, b)?.0));
         if left.1 * right.1 > 0.0 {
@@ -163,24 +169,24 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Real `tau` that belong to no exact multiplier, from the smallest.
+/// The real `tau` that are not exactly known, in increasing order.
 fn reals(spectrum: &Spectrum) -> Vec<f64> {
     let mut reals: Vec<f64> = spectrum.free().filter(|(tau, _)| tau.im == 0.0).map(|(tau, _)| tau.re).collect();
     reals.sort_by(f64::total_cmp);
     reals
 }
 
-/// Which quartets count.
+/// The selection of quartets that count.
 #[derive(Clone, Debug)]
 struct Quartets {
-    /// Of a modulus above `1 + weak`.
+    /// Only those with a modulus above `1 + weak`.
     weak: f64,
-    /// With `Re tau` near one of these, if given.
+    /// If given: only those with `Re tau` near one of these values.
     near: Option<Vec<f64>>,
 }
 
 impl Quartets {
-    /// Their `tau` in the upper half plane.
+    /// The `tau` of the selected quartets in the upper half plane.
     fn of(&self, spectrum: &Spectrum) -> Vec<Complex<f64>> {
         let strong = |tau: &Complex<f64>| (tau + (tau * tau - 1.0).sqrt()).norm().ln().abs() > self.weak.ln_1p();
         let near = |tau: &Complex<f64>| {
@@ -190,15 +196,18 @@ impl Quartets {
         upper.filter(|tau| strong(tau) && near(tau)).collect()
     }
 
-    /// Those that tell the collisions just found apart.
+    /// The selection that separates the collisions just found.
     fn among(&self, found: &[Test]) -> Self {
         let near = found.iter().filter_map(|test| if let Test::Collision(near) = test { Some(*near) } else { None });
         Self { weak: self.weak.min(WEAK_INSIDE), near: Some(near.collect()) }
     }
 }
 
-/// Mean and `(tau_1 - tau_2)^2/4` of the two `tau` that are nearest to meeting near a value: conjugates, or real ones that may leave their axis. Two that
-/// have just met have no signature.
+/// Mean and `(tau_1 - tau_2)^2/4` of the two `tau` that are nearest to a collision at the given
+/// value.
+///
+/// They are conjugates, or real neighbours that may leave the axis: their signatures differ, or are
+/// zero as after a collision.
 fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
     let mut axis: Vec<(f64, i8)> =
         spectrum.free().filter(|(tau, _)| tau.im == 0.0).map(|(tau, krein)| (tau.re, krein)).collect();
@@ -208,12 +217,13 @@ fn pair_near(spectrum: &Spectrum, near: f64) -> Option<(f64, f64)> {
         (0.5 * (w[0].0 + w[1].0), half * half)
     });
     let complex = spectrum.free().filter(|(tau, _)| tau.im > 0.0).map(|(tau, _)| (tau.re, -tau.im * tau.im));
-    // The distance of the nearer one of the two from the value.
+    // The distance of the value from the mean, plus half the distance of the two.
     let apart = |&(mean, square): &(f64, f64)| (mean - near).abs() + square.abs().sqrt();
     real.chain(complex).min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
-/// What happens between two points: the tests whose functions change sign, and whether they account for all that changed.
+/// The tests whose functions change sign between two points, and whether these tests explain all
+/// changes.
 fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
     let any = Quartets { weak: 0.0, near: None };
     let (mut found, mut real_pairs) = (Vec::new(), [0i64; 2]);
@@ -222,7 +232,7 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
             let same = |other: &Complex<f64>| (other.re - tau.re).abs() <= NEAR && other.im >= ALIKE * tau.im;
             if !any.of(theirs).iter().any(same) {
                 found.push(Test::Collision(tau.re));
-                // Each takes two from the real axis.
+                // Each collision takes two tau from the real axis.
                 real_pairs[0] -= 2 * sign * i64::from(tau.re < -1.0);
                 real_pairs[1] -= 2 * sign * i64::from(tau.re > 1.0);
             }
@@ -247,9 +257,11 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
 }
 
 impl Continuation {
-    /// The bifurcations between the points of a branch, in their order along it; quartets up to a modulus of `1 + weak` are passed over.
+    /// The bifurcations between the points of a branch, in the order of the points, with the folds
+    /// last.
     ///
-    /// Every stretch has at most one of each, or is cut until it has; what cannot be told apart after 5 cuts is left out.
+    /// Quartets with a modulus up to `1 + weak` are left out. A stretch with more than one
+    /// bifurcation is halved up to 5 times; bifurcations that are not separated then are left out.
     pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
         let known: Vec<Known> = orbits
             .iter()
@@ -290,7 +302,9 @@ impl Continuation {
 }
 
 impl Bifurcation {
-    /// The first orbit of doubled period beyond a period doubling: `Z + size max|Z| z` corrected at fixed distance along `z`.
+    /// The first orbit of doubled period after a period doubling.
+    ///
+    /// The guess is `Z + size max|Z| z`; it is corrected at fixed distance along `z`.
     ///
     /// # Errors
     /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
@@ -307,7 +321,8 @@ impl Bifurcation {
         }
         let omega_b = 0.5 * self.orbit.setting.omega_b;
         let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
-        // Near a pitchfork the frequency changes with the square of the amplitude; its scale is of no account.
+        // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of
+        // the parameter does not matter.
         let continuation = Continuation {
             parameter: super::Parameter::OmegaB,
             to: 1.01 * omega_b,

@@ -2,13 +2,13 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `X = (Z/s, p/P)` | strains in units of their size `s` and `sqrt(2N)`, parameter in units `P` of the range asked for |
+//! | `X = (Z/s, p/P)` | strains in units of their size `s = sqrt(2N) max abs(Z)`, with `2N` strains; parameter in units of the range `P` asked for |
 //! | `F(X) = 0` | the equations of the orbit ([`shooting`](super::Shooting)) |
 //! | `t` | unit tangent of the branch, `F_X t = 0` |
 //! | `ds` | length of the predictor `X + ds t`; the corrector solves `F(X) = 0` with `t . (X - predictor) = 0` |
 //!
-//! The parameter may turn back at a fold; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications of
-//! Bifurcation Theory*, pp. 359-384.
+//! At a fold the parameter turns back; the equations with the arclength stay regular there. Source:
+//! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
 
 use super::{
     setting::{Parameter, Setting},
@@ -23,52 +23,54 @@ use crate::{
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// How a branch is followed.
+/// Settings of a continuation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Continuation {
     /// The parameter that varies.
     pub parameter: Parameter,
-    /// Where it is to go.
+    /// The value of the parameter at which the branch ends.
     pub to: f64,
-    /// Its largest change from point to point, positive.
+    /// The largest change of the parameter from point to point, positive.
     pub step: f64,
-    /// Points at most.
+    /// Largest number of points.
     pub most_points: usize,
-    /// Whether the parameter itself counts the way, in place of the arclength: such a branch ends at a fold.
+    /// Whether the branch is followed in the parameter itself, not in arclength; such a branch ends
+    /// at a fold.
     pub natural: bool,
     /// How orbits are solved for.
     pub shooting: Shooting,
 }
 
-/// Why a branch ended.
+/// The reason why a branch ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// The parameter is where it was to go.
+    /// The parameter has its final value.
     Reached,
-    /// As many points as were asked for.
+    /// The branch has the largest number of points.
     MostPoints,
-    /// It turned back and left by the side where it began.
+    /// The branch turned back and the parameter passed its first value.
     TurnedBack,
-    /// No orbit at the shortest step.
+    /// No orbit was found with the shortest step.
     Lost,
     /// The eigenvalues of the next orbit did not converge.
     NoMultipliers,
 }
 
-/// `ds` at most: strains may change by half their size from point to point.
+/// Largest `ds`: strains may change by half their size from point to point.
 const LONGEST: f64 = 0.5;
-/// `ds` at least, in units of the first one.
+/// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
-/// Steps of the corrector at most, and the numbers that a good `ds` takes.
+/// Largest number of corrector steps. With fewer than `GOOD_CORRECTIONS` of them `ds` grows, up to
+/// `MANY_CORRECTIONS` it stays, and with more it shrinks.
 const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
 const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
-/// A correction below this is the last.
+/// A correction below this is the last one.
 const LAST_CORRECTION: f64 = 1e-9;
-/// Residuals above this, over the size of the strains, are no orbit.
+/// Largest residual of an orbit, in units of the largest strain.
 const SOLVED: f64 = 1e-12;
-/// Relative change of a parameter for differences of `F`.
+/// Relative change of the parameter for difference quotients of `F`.
 const DIFFERENCE: f64 = 1e-6;
 
 /// A point of a branch, and its tangent.
@@ -78,32 +80,33 @@ pub(super) struct Place {
     pub(super) tangent: DVector<f64>,
 }
 
-/// Scales of `X`.
+/// Units of `X`: `s` and `P`.
 #[derive(Clone, Copy)]
 pub(super) struct Scales {
     pub(super) strain: f64,
     pub(super) parameter: f64,
 }
 
-/// A branch as far as it was followed, and all that it takes to go on.
+/// A branch up to its last orbit, with everything needed to continue it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// How it is followed.
+    /// How the branch is followed.
     pub continuation: Continuation,
-    /// Its orbits, one at least, in their order along it.
+    /// The orbits, at least one, in their order along the branch.
     pub orbits: Vec<Orbit>,
     /// Length of the next predictor.
     pub ds: f64,
-    /// Why it ended; `None` while it goes on.
+    /// Why the branch ended; `None` while it can continue.
     pub end: Option<End>,
-    /// What its breathers are symmetric about, if they are breathers.
+    /// Symmetry of the breathers, if the orbits are breathers.
     pub center: Option<Center>,
-    /// Collisions of multipliers of which no modulus above `1 + weak` comes are not located; no bifurcation is, if `None`.
+    /// Bound for collisions of multipliers: those that lead to no modulus above `1 + weak` are not
+    /// located. `None`: no bifurcations are located.
     pub weak: Option<f64>,
 }
 
 impl Trail {
-    /// The branch through `start`, not yet followed.
+    /// A branch that has only its first orbit, `start`.
     ///
     /// # Errors
     /// Numbers of the continuation outside their rules.
@@ -114,13 +117,15 @@ impl Trail {
         Ok(Self { continuation, orbits: vec![start], ds, end: None, center: None, weak: None })
     }
 
-    /// Where it began, and where it is.
+    /// The first and the last orbit.
     fn ends(&self) -> Option<[&Orbit; 2]> {
         Some([self.orbits.first()?, self.orbits.last()?])
     }
 
-    /// Asks it to go on: to another end, by other steps, up to another number of points. One that reached its end, or turned back,
-    /// and is given no other end stays as it is.
+    /// Changes the settings so that the branch can continue: the end, the step and the largest
+    /// number of points.
+    ///
+    /// A branch that reached its end or turned back stays as it is unless another end is given.
     ///
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
@@ -142,11 +147,14 @@ impl Trail {
         Ok(self)
     }
 
-    /// Follows it from its last orbit to where its parameter is to go; `seen` is told after every new orbit. A branch that was stopped on the way goes on
-    /// with the same bits.
+    /// Follows the branch from its last orbit to the final value of the parameter.
+    ///
+    /// `seen` is called after every new orbit. A branch that was stopped on the way continues with
+    /// the same bits.
     ///
     /// # Errors
-    /// Numbers outside their rules; [`Error::Stopped`] if the process was asked to end: the branch goes on from there. One that ends early is no error: it says why.
+    /// Numbers outside their rules; [`Error::Stopped`] if the process was asked to end, after which
+    /// the branch can continue. A branch that ends early is not an error: the [`End`] says why.
     pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
         let Continuation { parameter, to, most_points, .. } = self.continuation;
         let Some([first, _]) = self.ends() else { return Err(Error::parameter("orbits", 0, "at least one")) };
@@ -170,7 +178,7 @@ impl Trail {
             self.ds = ds;
             let back = (p - from) * direction < 0.0;
             self.end = if (p - to) * direction >= 0.0 { Some(End::Reached) } else { back.then_some(End::TurnedBack) };
-            // Told with the end: what is kept of a branch that is whole is whole.
+            // `end` is set before the call, so that a branch saved by `seen` has it.
             seen(self);
         };
         self.end = Some(end);
@@ -181,7 +189,8 @@ impl Trail {
     fn next(&self, from: f64, direction: f64) -> Option<(Orbit, f64)> {
         let orbit = self.orbits.last()?;
         let scales = self.continuation.scales(orbit, from);
-        // The tangent is on the side of the last step, or of the parameter's end.
+        // The tangent points along the last step or, at the first orbit, towards the final value of
+        // the parameter.
         let before = match &self.orbits[..] {
             [.., a, b] => self.continuation.chord(a, b, scales).normalize(),
             _ => {
@@ -196,7 +205,7 @@ impl Trail {
 }
 
 impl Continuation {
-    /// Checks its numbers.
+    /// Checks the numbers of the settings.
     pub(super) fn validate(&self, from: f64) -> Result<()> {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
@@ -210,24 +219,28 @@ impl Continuation {
         Ok(())
     }
 
-    /// Follows the branch through `start` to where its parameter is to go; `seen` is told of every new orbit.
+    /// Follows the branch from `start` to the final value of the parameter; `seen` is called with
+    /// every new orbit.
     ///
     /// # Errors
-    /// Numbers outside their rules. A branch that ends early is no error: it says why.
+    /// As [`Trail::extend`].
     pub fn follow(&self, start: Orbit, mut seen: impl FnMut(&Orbit)) -> Result<(Vec<Orbit>, End)> {
         let mut trail = Trail::new(*self, start)?;
         let end = trail.extend(|trail| trail.orbits.last().into_iter().for_each(&mut seen))?;
         Ok((trail.orbits, end))
     }
 
-    /// The next point beyond `place` by a predictor of length `ds`, or half of it, and so on; and the length for the one after it.
+    /// The next point after `place`, and the length `ds` for the point after it.
+    ///
+    /// The predictor has the length `ds` at first; the length is halved until the corrector
+    /// converges.
     fn next(&self, place: &Place, scales: Scales, direction: f64, ds: f64) -> Option<(Orbit, f64)> {
         let now = place.orbit.setting.get(self.parameter);
         let rate = place.tangent[place.tangent.len() - 1] * scales.parameter;
         let shortest = SHORTEST * self.step / scales.parameter;
         let mut ds = ds.min(LONGEST).min(self.step / rate.abs());
         loop {
-            // The last step lands on the end.
+            // The last step ends at the final value.
             let lands = rate * direction > 0.0 && (self.to - now).abs() <= 1.001 * (rate * ds).abs();
             let next = if lands || self.natural {
                 let to = if lands { self.to } else { now + rate.abs() * ds * direction };
@@ -250,7 +263,7 @@ impl Continuation {
         }
     }
 
-    /// From one orbit to another.
+    /// The difference of two orbits in the units of `X`.
     pub(super) fn chord(&self, a: &Orbit, b: &Orbit, scales: Scales) -> DVector<f64> {
         let along = (b.setting.get(self.parameter) - a.setting.get(self.parameter)) / scales.parameter;
         let chord = a.z.iter().zip(&b.z).map(|(a, b)| (b - a) / scales.strain);
@@ -274,7 +287,7 @@ impl Continuation {
         Ok(Equations { residual, jacobian })
     }
 
-    /// The unit tangent on the side of `before`.
+    /// The unit tangent with a positive product with `before`.
     pub(super) fn tangent(&self, orbit: &Orbit, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
         let Equations { residual, jacobian } = self.extended(&orbit.setting, &orbit.z, scales)?;
         let rows = residual.len();
@@ -286,7 +299,7 @@ impl Continuation {
         Ok(tangent.normalize())
     }
 
-    /// The next point, by arclength; and the steps of the corrector.
+    /// The next point by arclength, and the number of corrector steps.
     pub(super) fn step(&self, place: &Place, scales: Scales, ds: f64) -> Result<(Orbit, usize)> {
         let columns = place.orbit.z.len();
         let t = &place.tangent;
@@ -302,7 +315,8 @@ impl Continuation {
             let size = z.amax();
             let relative = residual.amax() / size;
             let stalled = Error::Stalled { steps: newton.len(), best: None };
-            // The hyperplane is the predictor's, and is never left.
+            // All iterates are in the hyperplane of the predictor: its equation has the residual
+            // zero.
             let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
             let step = by.norm();
             newton.push(NewtonStep { residual: relative, step });
@@ -321,7 +335,8 @@ impl Continuation {
         }
     }
 
-    /// The orbit at the value `to` of the parameter, from the tangent; and the steps of Newton's method.
+    /// The orbit at the value `to` of the parameter, and the number of steps of Newton's method;
+    /// the guess is on the tangent.
     pub(super) fn naturally(&self, place: &Place, scales: Scales, to: f64) -> Result<(Orbit, usize)> {
         let columns = place.orbit.z.len();
         let by = (to - place.orbit.setting.get(self.parameter)) / (place.tangent[columns] * scales.parameter);

@@ -1,13 +1,18 @@
-//! Eigenvalues of a real matrix by the real Schur form `A = Q S Q^T`, and eigenvectors by inverse iteration on `S`.
+//! Eigenvalues of a real matrix by the real Schur form `A = Q S Q^T`; eigenvectors by inverse
+//! iteration on `S`.
 
 use nalgebra::{Complex, DMatrix, DVector, Dyn, Schur};
 
-/// Relative sizes of what counts as zero below the diagonal, one tried after the other.
+/// Relative sizes below which an entry under the diagonal counts as zero; tried one after the
+/// other.
 const ZERO: [f64; 3] = [f64::EPSILON, 4.0 * f64::EPSILON, 32.0 * f64::EPSILON];
-/// Iterations an eigenvalue takes at most; two or three are usual.
+/// Largest number of iterations for an eigenvalue; two or three are usual.
 const MOST: usize = 60;
 
-/// The Schur form. The library's iteration has no exceptional shifts and, rarely, goes round in a cycle: it is then begun anew with a looser end.
+/// The Schur form.
+///
+/// The library's iteration has no exceptional shifts and, rarely, cycles; then it is started again
+/// with a looser tolerance.
 pub(super) fn schur(a: &DMatrix<f64>) -> Option<Schur<f64, Dyn>> {
     ZERO.into_iter().find_map(|zero| Schur::try_new(a.clone(), zero, MOST * a.nrows()))
 }
@@ -15,21 +20,26 @@ pub(super) fn schur(a: &DMatrix<f64>) -> Option<Schur<f64, Dyn>> {
 /// An eigenvalue and its eigenvector.
 pub(super) type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
 
-/// Eigenvalues and unit eigenvectors; pairs of conjugates stand side by side. `None` if the iteration did not converge.
+/// Eigenvalues and unit eigenvectors; conjugate pairs are next to each other. `None` if the
+/// iteration did not converge.
 pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
     let schur = schur(a)?;
     let values = schur.complex_eigenvalues();
     let (q, s) = schur.unpack();
     let (q, least) = (q.map(Complex::from), f64::EPSILON * s.norm());
     let pairs = values.iter().map(|&value| {
-        // The solution is the eigenvector to rounding, as the shift is an eigenvalue to rounding.
+        // One step suffices: the shift is an eigenvalue to rounding, so the solution is the
+        // eigenvector to rounding.
         let vector = &q * solve_quasi_triangular(&s, value, least);
         (value, vector.unscale(vector.norm()))
     });
     Some(pairs.collect())
 }
 
-/// `(S - shift) x = (1, .., 1)`, `S` upper triangular but for blocks of two. No pivot is smaller than `least`.
+/// Solves `(S - shift) x = (1, .., 1)`, where `S` is upper triangular with blocks of size two on
+/// its diagonal.
+///
+/// A pivot below `least` is replaced by `least`.
 fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> DVector<Complex<f64>> {
     let floor = |pivot: Complex<f64>| if pivot.norm() < least { Complex::from(least) } else { pivot };
     let mut x = DVector::from_element(s.nrows(), Complex::from(1.0));
@@ -39,7 +49,8 @@ fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> 
         let first = if pair { i - 2 } else { i - 1 };
         let last = s[(i - 1, i - 1)] - shift;
         if pair {
-            // By elimination: where the block is near a multiple of 1, both pivots are roundings, and no determinant can stand for them.
+            // Elimination: where the block is nearly a multiple of 1, both pivots are roundings,
+            // and a determinant would lose them.
             let corner = s[(first, first)] - shift;
             let mut upper = [corner, Complex::from(s[(first, i - 1)]), x[first]];
             let mut lower = [Complex::from(s[(i - 1, first)]), last, x[i - 1]];
@@ -60,7 +71,7 @@ fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> 
             }
         }
         i = first;
-        // A vector that grows without bound is an eigenvector; its length does not matter.
+        // The vector may grow without bound; only its direction matters.
         let size = x.iter().map(|x| x.norm()).fold(0.0, f64::max);
         if size > 1e100 {
             x.unscale_mut(size);
@@ -75,7 +86,7 @@ mod tests {
 
     #[test]
     fn two_eigenvalues_that_roundings_made_complex_have_eigenvectors() {
-        // A multiple of 1 but for roundings, in three sizes, before and behind other eigenvalues.
+        // A multiple of 1 up to roundings of three sizes, between other eigenvalues.
         for delta in [1e-14, 1e-15, 1e-18] {
             #[rustfmt::skip]
             let s = DMatrix::from_row_slice(5, 5, &[

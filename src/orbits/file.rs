@@ -1,7 +1,8 @@
-//! Orbits and branches as files, read back to the bit.
+//! Files of orbits and branches, read back to the bit.
 //!
-//! A branch is an NPZ file: `settings.json`, with what holds for all of it, and arrays with a row for each of its orbits; `parameter`, `x`, `y` and `residual`
-//! are read back, others are for those who look. An orbit of its own is the JSON that `breather dark` writes.
+//! A branch is an NPZ file: `settings.json` with what holds for the whole branch, and arrays with a
+//! row for each orbit. The arrays `parameter`, `x`, `y` and `residual` are read back; other arrays
+//! are for readers of the file. A single orbit is the JSON that `breather dark` writes.
 
 use super::{
     continuation::{Continuation, End, Trail},
@@ -17,15 +18,15 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::{fs::File, io::Read, path::Path};
 
-/// What the first settings of a branch file must be.
+/// Format and version of a branch file.
 const FORMAT: &str = "hertzchain branch";
 const VERSION: u64 = 1;
-/// Longest file of one orbit.
+/// Longest file of one orbit, in bytes.
 const MOST_BYTES: u64 = 1 << 26;
-/// What a zip archive with a member begins with.
+/// First bytes of a zip archive that has a member.
 const ZIP: &[u8] = b"PK\x03\x04";
 
-/// What a branch file begins with.
+/// The format and version in the settings of a branch.
 #[derive(Deserialize)]
 #[serde(expecting = "the settings of a branch")]
 struct Stamp {
@@ -33,7 +34,7 @@ struct Stamp {
     version: u64,
 }
 
-/// What holds for all of a branch.
+/// The settings of a branch.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "the settings of a branch")]
 struct Settings {
@@ -42,7 +43,7 @@ struct Settings {
     program: String,
     #[serde(deserialize_with = "Option::deserialize")]
     center: Option<Center>,
-    /// That of the first orbit.
+    /// Setting of the first orbit.
     setting: Setting,
     continuation: Continuation,
     #[serde(deserialize_with = "Option::deserialize")]
@@ -53,7 +54,7 @@ struct Settings {
     end: Option<End>,
 }
 
-/// What the JSON of an orbit says of itself.
+/// Format and version in the JSON of an orbit.
 pub(crate) const ORBIT_FORMAT: (&str, u64) = ("hertzchain orbit", 1);
 
 /// The keys of the JSON of an orbit that determine it.
@@ -71,7 +72,7 @@ struct OrbitFile {
     omega_b: f64,
     turns: u32,
     c_x: f64,
-    /// The centre it was solved for; that measured is near it.
+    /// The centre that the orbit was solved for; the measured centre `c_x` is near it.
     c_x_asked: Option<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
@@ -85,23 +86,24 @@ fn orbit_version() -> u64 {
     ORBIT_FORMAT.1
 }
 
-/// An orbit of a branch.
+/// Choice of an orbit on a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pick {
-    /// By its number, from 0; from the last, -1, if negative.
+    /// By number: from 0 on, or from the last one back, -1, if negative.
     Point(i64),
-    /// With the parameter nearest to a value on the branch.
+    /// The orbit whose parameter is nearest to the value, which must be in the range of the branch.
     At(f64),
 }
 
-/// A residual above this is no orbit; rounded files have less.
+/// Largest residual, relative to the strains, of an orbit in a file; orbits rounded for printing
+/// have less.
 const ORBIT: f64 = 1e-8;
 
-/// Frequencies in an orbit, over its own, at most.
+/// Largest frequency of contacts and resonators in units of that of the orbit.
 const FASTEST: f64 = 1e3;
 
 impl Trail {
-    /// The settings as JSON.
+    /// The settings that are written to the file.
     pub(crate) fn settings(&self) -> Result<impl Serialize> {
         let first = self.orbits.first().ok_or_else(|| Error::parameter("orbits", 0, "at least one"))?;
         Ok(Settings {
@@ -118,10 +120,10 @@ impl Trail {
         })
     }
 
-    /// The bytes of its file, with `more` arrays in it.
+    /// The bytes of the branch's file, with the arrays `more` added.
     ///
     /// # Errors
-    /// No orbit, and what the archive writer says.
+    /// A branch without orbits, and errors of the archive writer.
     pub fn npz(&self, more: Vec<Array<'_>>) -> Result<Vec<u8>> {
         let of = |value: &dyn Fn(&Orbit) -> f64| self.orbits.iter().map(value).collect::<Vec<f64>>();
         let mut arrays = vec![
@@ -136,11 +138,12 @@ impl Trail {
         npz_with(SETTINGS, &to_json(&self.settings()?), &arrays)
     }
 
-    /// The branch in a file: the orbits have the bits they had, but not how each was found.
+    /// Reads a branch: the orbits have the bits they had when written; their Newton steps are not
+    /// in the file.
     ///
     /// # Errors
-    /// A file that cannot be read; [`Error::Content`], with the key and the rule, for one that is not as it was written, or of another version, or whose
-    /// numbers are outside their rules.
+    /// A file that cannot be read; [`Error::Content`], with the key and the rule, for a file with
+    /// another structure or version, or with numbers outside their rules.
     pub fn load(path: &Path) -> Result<Self> {
         let file = Archive::read(path)?;
         let trail = Self::from_archive(&file)?;
@@ -151,7 +154,9 @@ impl Trail {
         Ok(trail)
     }
 
-    /// What an archive says of a branch, after every check that needs no integration: that strains are those of orbits is for [`load`](Self::load).
+    /// Reads a branch from an archive, with all checks that need no integration.
+    ///
+    /// [`load`](Self::load) checks in addition that the strains are those of orbits.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -202,7 +207,7 @@ impl Trail {
         Ok(Self { continuation, orbits, ds, end, center, weak })
     }
 
-    /// One of its orbits.
+    /// The chosen orbit.
     ///
     /// # Errors
     /// A number or a value that is not on the branch.
@@ -237,11 +242,14 @@ impl Trail {
 }
 
 impl Orbit {
-    /// The orbit in a file that `breather dark` has written, or that picked of a branch file; after checks: numbers within their rules, and a residual that is an orbit's.
+    /// Reads an orbit that `breather dark` has written, or the picked orbit of a branch file.
+    ///
+    /// The numbers are checked, and the residual is measured again.
     ///
     /// # Errors
-    /// A file that cannot be read; [`Error::Content`] for one that lacks a key or has a wrong one, numbers outside their rules, and strains that are no orbit;
-    /// a branch without a pick, or a pick that is not there.
+    /// A file that cannot be read; [`Error::Content`] for a missing or wrong key, numbers outside
+    /// their rules, and strains that are not those of an orbit; a branch without a pick, or a pick
+    /// that is not on the branch.
     pub fn load(path: &Path, pick: Option<Pick>, shooting: &Shooting) -> Result<Self> {
         let fail = |source| Error::File { path: path.to_owned(), source };
         let mut start = Vec::new();
@@ -259,7 +267,9 @@ impl Orbit {
         Err(Error::Content { path: path.to_owned(), place: "orbit".to_owned(), rule })
     }
 
-    /// What the JSON of an orbit says, after every check that needs no integration; its residual, unknown, is infinite. [`load`](Self::load) measures it.
+    /// Reads the JSON of an orbit, with all checks that need no integration.
+    ///
+    /// The residual is unknown and set to infinity; [`load`](Self::load) measures it.
     ///
     /// # Errors
     /// The key, and the rule that it breaks.
@@ -278,9 +288,12 @@ impl Orbit {
         read.orbit().map_err(|why| why.to_string())
     }
 
-    /// The same with the residual measured anew. Any orbit that starts at rest is at rest after half a period, whatever it was solved by.
+    /// The orbit with its residual measured again.
+    ///
+    /// An orbit that starts at rest is at rest after half a period, so the half-period equations
+    /// apply to both formulations.
     fn measured(self, shooting: &Shooting) -> Result<Self> {
-        // Strains that are none of an orbit may take for ever.
+        // The integration of strains far from any orbit may take too long.
         if self.setting.haste(&self.z) > FASTEST {
             let rule = "contacts and resonators of an orbit are at most 1000 times as fast as it is";
             return Err(Error::parameter("strains", self.amplitude(), rule));
@@ -311,7 +324,7 @@ impl OrbitFile {
     }
 }
 
-/// A setting of a ring that our orbits can be on.
+/// Checks a setting; a ring for orbits has an odd number of sites.
 fn checked(setting: &Setting) -> Result<()> {
     setting.chain()?;
     if setting.sites.is_multiple_of(2) {

@@ -8,35 +8,39 @@
 //!
 //! # Half the size
 //!
-//! `M = M(T)` obeys `M^{-1} = R M R`, so `(M + M^{-1})/2 = diag(A, A')`: the eigenvalues of `A` are the `tau = (lambda + 1/lambda)/2`, each for
-//! a pair of multipliers, and `A z = tau z` gives the eigenvector `(M - 1/lambda)(z, 0) = ((lambda - 1/lambda)/2 z, C z)` of `lambda`. A real `tau`
-//! in `[-1, 1]` is a pair exactly on the circle, and the fourfold multiplier 1 of two Jordan blocks is a double `tau = 1` with two
-//! eigenvectors: nothing there is defective.
+//! `M = M(T)` obeys `M^{-1} = R M R`, so `(M + M^{-1})/2 = diag(A, A')`. The eigenvalues of `A` are
+//! the `tau = (lambda + 1/lambda)/2`, each for a pair of multipliers, and `A z = tau z` gives the
+//! eigenvector `(M - 1/lambda)(z, 0) = ((lambda - 1/lambda)/2 z, C z)` of `lambda`. A real `tau` in
+//! `[-1, 1]` is a pair exactly on the circle. The fourfold multiplier 1 of two Jordan blocks is a
+//! double `tau = 1` with two eigenvectors, which is not defective.
 //!
-//! `M` is symplectic, so `G C` is symmetric and `G C A` as well: the left eigenvector of `tau` is `G C z`. Hence the condition of `tau`,
-//! `|z| |G C z| / |z^T G C z|`, and the Krein signature of `e^{i theta}`, `0 < theta < pi`: the sign of `-z^T G C z / sin theta`. Definite pairs cannot leave the circle when they
-//! meet; pairs of opposite signature can.
+//! `M` is symplectic, so `G C` and `G C A` are symmetric, and the left eigenvector of `tau` is
+//! `G C z`. Hence the condition number of `tau` is `|z| |G C z| / |z^T G C z|`, and the Krein
+//! signature of `e^{i theta}`, `0 < theta < pi`, is the sign of `-z^T G C z / sin theta`. Pairs of
+//! the same signature stay on the circle when they meet; pairs of opposite signature can leave it.
 
 use super::eigen::{Eigenpair, eigen, schur};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Where a multiplier is.
+/// Position of a multiplier in the complex plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// One of the four that are 1: shift of time, of frequency, of the mean strain, and drift.
+    /// One of the four that equal 1: shift of time, change of frequency, change of the mean strain,
+    /// and drift.
     Trivial,
-    /// `exp(+-i omega T)`: the sum of all beads against that of all resonators, a linear oscillator.
+    /// `exp(+-i omega T)`: the sum of all beads relative to that of all resonators is a linear
+    /// oscillator.
     Linear,
     /// On the unit circle.
     Circle,
     /// Real and positive.
     Real,
-    /// Real and negative: beyond a period doubling.
+    /// Real and negative, as after a period doubling.
     Negative,
-    /// One of four, off the circle and off the axis.
+    /// One of four, neither on the circle nor on the real axis.
     Quartet,
 }
 
@@ -51,42 +55,45 @@ pub struct Multiplier {
     pub modulus: f64,
     /// Estimated error of the modulus.
     pub error: f64,
-    /// Where it is.
+    /// Position in the complex plane.
     pub kind: Kind,
-    /// Krein signature of one on the circle; 0 elsewhere.
+    /// Krein signature of a multiplier on the circle; 0 elsewhere.
     pub krein: i8,
 }
 
-/// How good a spectrum is.
+/// Measured errors of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Quality {
-    /// `max |M^T J M - J| / max |J|`, on strains of sum zero on a strain ring.
+    /// `max |M^T J M - J| / max |J|`; on a strain ring restricted to strains of sum zero.
     pub symplectic_defect: f64,
     /// `max |A z - tau z| / (|A| |z|)`.
     pub eigen_residual: f64,
-    /// `|tau - 1|` of the two that are 1.
+    /// `|tau - 1|` of the two `tau` that are 1 in theory.
     pub trivial: [f64; 2],
-    /// `|tau - cos(omega T)|` of the one that is that, on a strain ring.
+    /// `|tau - cos(omega T)|` of the `tau` that is `cos(omega T)` in theory, on a strain ring.
     pub linear: f64,
-    /// Largest relative distance of the multipliers of the whole `M(T)`, by the same solver, from those given here; that of a fourfold 1 which it
-    /// splits is left out. Not a number if these did not converge.
+    /// Largest relative distance of the multipliers given here from those that the same solver
+    /// finds for the whole `M(T)`.
+    ///
+    /// The fourfold multiplier 1 is left out, since the solver splits it. Not a number if the
+    /// solver does not converge.
     pub pairing: f64,
 }
 
 /// The multipliers of an orbit.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
-    /// All of them, the largest modulus first, conjugates side by side.
+    /// All multipliers, the largest modulus first, with conjugates next to each other.
     pub multipliers: Vec<Multiplier>,
-    /// Every `tau`, in the order of the largest of their multipliers.
+    /// All `tau`, in the order of the largest multiplier of each.
     pub tau: Vec<Complex<f64>>,
-    /// How good they are.
+    /// Measured errors.
     pub quality: Quality,
-    /// For each `tau`.
+    /// Eigenvector, kind and signature for each `tau`.
     modes: Vec<Vectors>,
 }
 
-/// What belongs to a `tau`.
+/// The eigenvector `z` of a `tau`, `C z`, the kind and the signature.
 #[derive(Clone, Debug)]
 struct Vectors {
     z: DVector<Complex<f64>>,
@@ -96,8 +103,10 @@ struct Vectors {
 }
 
 impl Spectrum {
-    /// The multipliers of the reversible orbit of period `period` whose half period has the tangent map `half`, `dim x dim`; `None` if the eigenvalues
-    /// of a matrix do not converge, or if `half` is singular.
+    /// The multipliers of a reversible orbit of period `period` from the tangent map `half` of its
+    /// half period, `dim x dim`.
+    ///
+    /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
     pub(crate) fn new(chain: &Chain<f64>, half: &DMatrix<f64>, period: f64) -> Option<Self> {
         let n = half.nrows() / 2;
         let monodromy = by_reversal(half)?;
@@ -139,7 +148,8 @@ impl Spectrum {
         Some(Self { multipliers, tau, quality, modes })
     }
 
-    /// Every `tau` of no exact multiplier, and the signature of one on the circle.
+    /// Every `tau` except those of the kinds `Trivial` and `Linear`, with its signature (of the
+    /// form `z^T G C z`).
     pub(super) fn free(&self) -> impl Iterator<Item = (Complex<f64>, i8)> + '_ {
         let exact = |kind: Kind| matches!(kind, Kind::Trivial | Kind::Linear);
         self.tau
@@ -149,14 +159,16 @@ impl Spectrum {
             .map(|(tau, mode)| (*tau, mode.krein))
     }
 
-    /// The strains `z`, `A z = tau z`, of the real `tau` nearest to a value, the largest 1.
+    /// The strains `z`, `A z = tau z`, of the computed `tau` nearest to the given value, scaled to
+    /// the largest entry 1.
     pub(super) fn strains_of(&self, tau: f64) -> Vec<f64> {
         let apart = |k: usize| (self.tau[k] - tau).norm();
         let nearest = (0..self.tau.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)));
         nearest.map_or(Vec::new(), |k| scaled_to_one(&self.modes[k].z))
     }
 
-    /// The real part of the eigenvector `(Z, Z')` of multiplier `k`, the largest entry 1: `((lambda - 1/lambda)/2 z, C z)`.
+    /// The real part of the eigenvector `((lambda - 1/lambda)/2 z, C z)` of multiplier `k`, scaled
+    /// to the largest entry 1.
     pub fn direction(&self, k: usize) -> Vec<f64> {
         let Multiplier { re, im, .. } = self.multipliers[k];
         let lambda = Complex::new(re, im);
@@ -165,7 +177,7 @@ impl Spectrum {
         scaled_to_one(&DVector::from_iterator(2 * z.len(), z.iter().map(|z| z * half).chain(c_z.iter().copied())))
     }
 
-    /// The largest modulus that is not rounding.
+    /// The largest modulus, at least 1.
     pub fn largest(&self) -> f64 {
         self.multipliers.iter().map(|m| m.modulus).fold(1.0, f64::max)
     }
@@ -176,7 +188,7 @@ struct Mode {
     tau: Complex<f64>,
     z: DVector<Complex<f64>>,
     c_z: DVector<Complex<f64>>,
-    /// Sign of `z^T G C z`, of a real `tau`.
+    /// Sign of `z^T G C z` for a real `tau`; 0 otherwise.
     krein: i8,
     /// Estimated error of `tau`.
     error: f64,
@@ -196,18 +208,20 @@ impl Mode {
         let (c_z, dual) = (c * &z, momentum * &z);
         let form = z.dot(&dual);
         let error = rounding * z.norm() * dual.norm() / form.norm();
-        // The vector of a real tau is real but for a factor.
+        // The eigenvector of a real tau is real up to a factor.
         let krein = if tau.im == 0.0 { z.dotc(&dual).re.signum() as i8 } else { 0 };
         Self { tau, z, c_z, krein, error, kind: None, modulus_error: 0.0 }
     }
 
-    /// Kind and error of the modulus; `known` are all `tau`, their signatures and errors.
+    /// Sets the kind and the error of the modulus; `known` holds `tau`, signature and error of all
+    /// modes.
     fn classify(&mut self, known: &[(f64, i8, f64)]) {
         if self.kind.is_some() {
             return;
         }
         let Complex { re, im } = self.tau;
-        // A pair that its error could have split is on the circle or on the axis.
+        // If the error of tau can have made the pair complex, tau counts as real: on the circle or
+        // on the axis.
         if im.abs() <= self.error {
             self.tau.im = 0.0;
         }
@@ -231,7 +245,7 @@ impl Mode {
         });
     }
 
-    /// `lambda` outside or on the circle, with `Im lambda >= 0` on it.
+    /// The `lambda` outside or on the circle, with `Im lambda >= 0` on the circle.
     fn lambda(&self) -> Complex<f64> {
         let tau = self.tau;
         if tau.im == 0.0 && tau.re.abs() <= 1.0 {
@@ -245,7 +259,7 @@ impl Mode {
         if self.tau.im == 0.0 && self.tau.re.abs() <= 1.0 { 1.0 } else { self.lambda().norm() }
     }
 
-    /// The two multipliers of this `tau`; its conjugate has the other two of a quartet.
+    /// The two multipliers of this `tau`; the other two of a quartet belong to the conjugate `tau`.
     fn multipliers(&self) -> [Multiplier; 2] {
         let (lambda, kind) = (self.lambda(), self.kind.unwrap_or(Kind::Circle));
         let circle = matches!(kind, Kind::Circle | Kind::Linear | Kind::Trivial);
@@ -258,7 +272,7 @@ impl Mode {
     }
 }
 
-/// The real part of a vector whose largest entry is turned to 1.
+/// The real part of a vector after its largest entry is scaled to 1.
 fn scaled_to_one(vector: &DVector<Complex<f64>>) -> Vec<f64> {
     let largest = vector.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).copied().unwrap_or(Complex::ONE);
     vector.iter().map(|z| (z / largest).re).collect()
@@ -274,7 +288,8 @@ fn by_reversal(half: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     half.clone().lu().solve(&reversed(half.clone())).map(reversed)
 }
 
-/// `G`: masses; on a strain ring over `-delta^+ delta^-`, inverted on what has mean zero.
+/// The metric `G`: masses; on a strain ring times the inverse of `-delta^+ delta^-` on vectors of
+/// mean zero.
 fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
     let n = chain.sites();
     let inverse: Vec<f64> = (0..n)
@@ -294,7 +309,8 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
     })
 }
 
-/// `max |M^T J M - J| / max |J|` with `J = [0 G; -G 0]`, after a projection on sum zero on a strain ring.
+/// `max |M^T J M - J| / max |J|` with `J = [0 G; -G 0]`; on a strain ring for columns projected to
+/// sum zero.
 fn symplectic_defect(chain: &Chain<f64>, monodromy: &DMatrix<f64>) -> f64 {
     let (g, n) = (metric(chain), monodromy.nrows() / 2);
     let mut j = DMatrix::zeros(2 * n, 2 * n);

@@ -7,7 +7,8 @@ use hertzchain_integrators::{
 };
 use nalgebra::DMatrix;
 
-/// A state and the derivatives of its entries by the first entries of the state at 0, a column for each of these.
+/// A state and its derivatives by the first entries of the state at 0, one column for each of these
+/// entries.
 #[derive(Clone, Debug)]
 pub(super) struct Moment {
     pub(super) t: f64,
@@ -15,7 +16,9 @@ pub(super) struct Moment {
     pub(super) columns: DMatrix<f64>,
 }
 
-/// The state and its derivatives by the first `columns` entries of `start`, at 0 and then wherever a window ends, up to `t`.
+/// The state and its derivatives by the first `columns` entries of `start` at the time `t`.
+///
+/// `seen` is called at 0 and at the end of each window of the integration, `t` included.
 pub(super) fn flow(
     chain: &Chain<f64>,
     start: &[f64],

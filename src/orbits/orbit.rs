@@ -1,4 +1,4 @@
-//! What is asked of an orbit that was found.
+//! Measurements of an orbit: states, extent, error of periodicity, multipliers.
 
 use super::{
     floquet::Spectrum,
@@ -10,10 +10,10 @@ use crate::{
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 
-/// Samples of a period among which extremes are looked for; a multiple of 4.
+/// Samples a period from which extremes are computed; a multiple of 4.
 const SAMPLES: u32 = 64;
 
-/// Vertical centres (eq:center) and amplitudes (eq:amp) of the first bond, `n = -N`.
+/// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// `K_x`.
@@ -42,14 +42,14 @@ impl Orbit {
         max_norm(self.z.iter().copied())
     }
 
-    /// The state `(Z, Z')` it starts from.
+    /// The state `(Z, Z')` at `t = 0`.
     pub fn start(&self) -> Vec<f64> {
         let mut start = self.z.clone();
         start.resize(2 * self.z.len(), 0.0);
         start
     }
 
-    /// States at the times `times`, which increase.
+    /// States at the given times, which increase.
     ///
     /// # Errors
     /// An integration that fails.
@@ -68,18 +68,21 @@ impl Orbit {
         Ok(states)
     }
 
-    /// Centres and amplitudes of the first bond: largest and smallest of 64 samples a period, each moved to the extreme near it by a parabola.
+    /// Centres and amplitudes of the first site.
+    ///
+    /// They are the largest and the smallest of 64 samples a period, each moved to the top of a
+    /// parabola through it and its neighbours.
     ///
     /// # Errors
     /// An integration that fails.
     pub fn extent(&self, tol: f64) -> Result<Extent> {
-        // The second half of the period is the first one backwards.
+        // By reversibility the second half of the period repeats the first one backwards.
         let times: Vec<f64> =
             (0..=SAMPLES / 2).map(|k| self.setting.period() * f64::from(k) / f64::from(SAMPLES)).collect();
         let states = self.states(tol, &times)?;
         let [(k_x, c_x), (k_y, c_y)] = [0, self.setting.sites].map(|entry| {
             let mut values: Vec<f64> = states.iter().map(|state| state[entry]).collect();
-            // Even about both ends.
+            // Strains are even about both ends.
             values.insert(0, values[1]);
             values.push(values[values.len() - 2]);
             let top = values.windows(3).map(summit).fold(f64::NEG_INFINITY, f64::max);
@@ -99,7 +102,7 @@ impl Orbit {
         Ok(max_norm(apart) / self.amplitude())
     }
 
-    /// Its Floquet multipliers.
+    /// The Floquet multipliers of the orbit.
     ///
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.
@@ -112,7 +115,8 @@ impl Orbit {
     }
 }
 
-/// The middle of three values, or the top of the parabola through them if it is between their neighbours.
+/// The top of the parabola through three values if it lies next to the middle one, and that one
+/// otherwise.
 fn summit(w: &[f64]) -> f64 {
     let (slope, bend) = (0.5 * (w[2] - w[0]), w[0] - 2.0 * w[1] + w[2]);
     if bend < 0.0 && slope.abs() < -0.5 * bend { w[1] - 0.5 * slope * slope / bend } else { w[1] }

@@ -1,4 +1,4 @@
-//! What determines an orbit, besides the branch it is on.
+//! The numbers that determine an orbit, except for the choice of a branch.
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
@@ -7,7 +7,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A number that a branch of orbits is followed in.
+/// A number of the setting that can vary along a branch of orbits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Parameter {
@@ -25,7 +25,7 @@ pub enum Parameter {
 }
 
 impl Parameter {
-    /// All of them, by name.
+    /// All parameters with their names.
     pub const ALL: [(&'static str, Self); 5] = [
         ("omega_b", Self::OmegaB),
         ("rho", Self::Rho),
@@ -34,7 +34,7 @@ impl Parameter {
         ("c_x", Self::Cx),
     ];
 
-    /// Its name.
+    /// The name of the parameter in files and on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, parameter)| *parameter == self).map_or("", |(name, _)| name)
     }
@@ -49,20 +49,22 @@ pub struct Setting {
     pub sites: usize,
     /// Frequency `omega_b = 2 pi/T`.
     pub omega_b: f64,
-    /// Vertical centre of the first bond (eq:center), the mean of its strains at `t = 0` and `T/(2 turns)`.
+    /// Vertical centre of the first site (eq:center): the mean of its strains `x` at `t = 0` and
+    /// `T/(2 turns)`.
     pub c_x: f64,
-    /// How often the background swings in a period: 1, or 2 where the period is doubled.
+    /// Oscillations of the background in a period: 1, or 2 where the period is doubled.
     pub turns: u32,
 }
 
-/// What the tangent map of contact collocation is there for.
+/// Largest ring for which the tangent map of contact collocation is made.
 const MOST_SITES: usize = 256;
 
 impl Setting {
-    /// Checks every number.
+    /// The chain of the setting, after all numbers are checked.
     ///
     /// # Errors
-    /// The first one outside its rule: moving resonators and `alpha > 1`; 3 to 256 sites; `omega_b` positive; a finite centre; one turn or two.
+    /// The first number that breaks its rule: moving resonators and `alpha > 1`; 3 to 256 sites;
+    /// `omega_b` positive; a finite centre; `turns` 1 or 2.
     pub fn chain(&self) -> Result<Chain<f64>> {
         let Self { params, sites, omega_b, c_x, turns } = *self;
         params.validate()?;
@@ -88,7 +90,10 @@ impl Setting {
         Chain::new(params, Boundary::StrainRing, sites)
     }
 
-    /// How fast contacts under these strains and resonators are, in units of `omega_b`; infinite for strains that are not finite.
+    /// Frequency of contacts under the given strains, or of resonators if higher, in units of
+    /// `omega_b`.
+    ///
+    /// Infinite for strains that are not finite.
     pub(crate) fn haste(&self, strains: &[f64]) -> f64 {
         let Self { params, omega_b, .. } = *self;
         let size =
@@ -101,7 +106,7 @@ impl Setting {
         2.0 * PI / self.omega_b
     }
 
-    /// One of its numbers.
+    /// The value of a parameter.
     pub fn get(&self, parameter: Parameter) -> f64 {
         match parameter {
             Parameter::OmegaB => self.omega_b,
@@ -112,7 +117,7 @@ impl Setting {
         }
     }
 
-    /// The same with another value of one of its numbers, unchecked.
+    /// The setting with another value of a parameter, unchecked.
     #[must_use]
     pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
         *match parameter {

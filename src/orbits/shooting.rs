@@ -3,11 +3,13 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `Z = (x, y)` | strains at `t = 0`, where all velocities are zero |
-//! | `F(Z) = 0` | what makes the orbit periodic, and the centre `C_x` |
+//! | `F(Z) = 0` | conditions of periodicity, and the centre `C_x` |
 //!
-//! The full state has two Jordan blocks at the multiplier 1: a shift of phase with the change of frequency, and a uniform strain with
-//! uniform drift. States at rest leave one null vector, the derivative by the mean strain; one more equation, for `C_x`, makes
-//! `F` regular. `F` has an equation more than unknowns, since `sum (x' + rho y')` is conserved: it is solved by least squares, exactly.
+//! The derivative of the flow over a period has two Jordan blocks at the multiplier 1: shift of
+//! phase with change of frequency, and uniform strain with uniform drift. Among states at rest one
+//! null vector is left, the derivative by the mean strain; one more equation, for `C_x`, makes the
+//! derivative of `F` injective. `F` has one equation more than unknowns, since `sum (x' + rho y')`
+//! is conserved; the least squares solution satisfies all of them.
 
 use super::{
     flow::{Moment, flow},
@@ -21,27 +23,28 @@ use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use serde::{Deserialize, Serialize};
 
-/// What is solved for `Z`.
+/// The equations that are solved for `Z`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Formulation {
-    /// `Z'(T/2) = 0` and `(x_1(0) + x_1(T/2))/2 = C_x` (`T/4` where the period is doubled): by reversibility the second half of the period is the first
-    /// one backwards.
+    /// `Z'(T/2) = 0` and `(x_1(0) + x_1(T/2))/2 = C_x` (`T/4` where the period is doubled): by
+    /// reversibility the second half of the period is the first one backwards.
     #[default]
     HalfPeriod,
-    /// `P_T (Z, 0) = (Z, 0)` with the time average of `x_1` at `C_x` (eq:extra_constraint), as in the paper.
+    /// `P_T (Z, 0) = (Z, 0)` with the time average of `x_1` at `C_x` (eq:extra_constraint), as in
+    /// the paper.
     FullPeriod,
 }
 
-/// How orbits are searched for.
+/// Settings of the search for an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shooting {
-    /// What is solved.
+    /// The equations.
     pub formulation: Formulation,
     /// Tolerance of the flow, relative to the size of the state.
     pub tol: f64,
-    /// Steps of Newton's method at most.
+    /// Largest number of steps of Newton's method.
     pub most_steps: usize,
 }
 
@@ -54,40 +57,41 @@ impl Default for Shooting {
 /// A step of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NewtonStep {
-    /// `max |F(Z)|` before it, velocities over `omega_b`, in units of `max |Z|`.
+    /// `max |F(Z)|` before the step, in units of `max |Z|`; velocities are divided by `omega_b`.
     pub residual: f64,
-    /// `max` of its change of `Z`, in the same unit.
+    /// `max` of the change of `Z`, in units of `max |Z|`.
     pub step: f64,
 }
 
-/// A periodic orbit, or the best that was found.
+/// A periodic orbit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Orbit {
-    /// What it is an orbit of.
+    /// Chain, frequency and centre.
     pub setting: Setting,
     /// `[x(0), y(0)]`.
     pub z: Vec<f64>,
     /// `max |F(Z)|` in units of `max |Z|`.
     pub residual: f64,
-    /// How it was found.
+    /// Steps of Newton's method on the way to the orbit.
     pub newton: Vec<NewtonStep>,
 }
 
-/// After a step below this the next would be below rounding, by quadratic convergence.
+/// A step below this is the last: by quadratic convergence the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
-/// Residuals above this are no orbit: rounding is near 1e-16.
+/// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
-/// No step is longer than this, in units of `max |Z|`: a seed is better than that.
+/// Longest step, in units of `max |Z|`; seeds are closer than that.
 const LONGEST_STEP: f64 = 1.0;
 
-/// `F`, and its derivative by `Z`.
+/// `F` and its derivative by `Z`.
 pub(super) struct Equations {
     pub(super) residual: DVector<f64>,
     pub(super) jacobian: DMatrix<f64>,
 }
 
 impl Shooting {
-    /// `F` at `z`, with its Jacobian or, cheaper, without (then with no columns).
+    /// `F` at `z`; with its Jacobian if `derivative`, else with a Jacobian of no columns, which is
+    /// cheaper.
     pub(super) fn equations(&self, setting: &Setting, z: &[f64], derivative: bool) -> Result<Equations> {
         let chain = setting.chain()?;
         let columns = if derivative { z.len() } else { 0 };
@@ -107,7 +111,7 @@ impl Shooting {
         }
     }
 
-    /// From `(z, 0)` over the time `t`.
+    /// The flow from `(z, 0)` over the time `t`.
     pub(super) fn flow(
         &self,
         chain: &Chain<f64>,
@@ -121,8 +125,9 @@ impl Shooting {
         flow(chain, &start, t, columns, self.tol, seen)
     }
 
-    /// The mean of `x_1` over a period, by the trapezoidal rule: for a period that is even about its middle, and exact where the second half is the
-    /// first one with the other sign.
+    /// The mean of `x_1` over a period by the trapezoidal rule with 64 samples.
+    ///
+    /// The rule is exact for a constant plus a part that changes its sign after half a period.
     fn mean_strain(&self, chain: &Chain<f64>, z: &[f64], period: f64) -> Result<f64> {
         const SAMPLES: u32 = 64;
         let mut state = z.to_vec();
@@ -143,8 +148,9 @@ impl Shooting {
     /// The orbit near the strains `seed = [x(0), y(0)]`.
     ///
     /// # Errors
-    /// A setting outside its rules; a seed of another length, not finite or zero; a seed whose flow fails; and [`Error::Stalled`] with the best
-    /// iterate where Newton's method does not get to a residual of 1e-12.
+    /// A setting outside its rules; a seed of another length, not finite or zero; a seed whose flow
+    /// fails; and [`Error::Stalled`] with the best iterate where the residual of Newton's method
+    /// does not fall to 1e-12.
     pub fn solve(&self, setting: &Setting, seed: &[f64]) -> Result<Orbit> {
         if seed.len() != 2 * setting.sites {
             return Err(Error::parameter("seed", format!("{} numbers", seed.len()), "two strains a site: x, then y"));
@@ -190,7 +196,8 @@ fn iterate(Orbit { setting, z, residual, .. }: Orbit) -> Iterate {
     Iterate { z, residual, place: format!("omega_b = {omega_b}, rho = {}", params.rho) }
 }
 
-/// The vector that makes `|matrix x - right|` least; `None` where the matrix has not full rank.
+/// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full
+/// rank.
 pub(super) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (columns, qr) = (matrix.ncols(), matrix.qr());
     let mut right = right.clone();
@@ -199,7 +206,8 @@ pub(super) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Optio
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// `F = [Z'(T/2) / omega_b, (x_1(0) + x_1(T/(2 turns)))/2 - C_x]`, from the states at these two times.
+/// `F = [Z'(T/2) / omega_b, (x_1(0) + x_1(T/(2 turns)))/2 - C_x]`, from the moments `T/2` and
+/// `T/(2 turns)`.
 fn half_period(setting: &Setting, z: &[f64], end: &Moment, turn: &Moment) -> Equations {
     let n = z.len();
     let residual = DVector::from_column_slice(&end.state[n..]) / setting.omega_b;
@@ -229,9 +237,11 @@ fn full_period(setting: &Setting, z: &[f64], end: &Moment, mean: f64, slopes: &M
     Equations { residual, jacobian }
 }
 
-/// `int M_1 dt`, the derivatives of `int x_1 dt` by `Z`: the trapezoidal rule with its correction by slopes, good enough for a Jacobian.
+/// `int M_1 dt`, the derivatives of `int x_1 dt` by `Z`.
+///
+/// The trapezoidal rule with its correction by slopes is accurate enough for a Jacobian.
 struct Mean {
-    /// Where the velocity of the first bond is in a state.
+    /// Index of the velocity of the first site in a state.
     velocity: usize,
     sum: DVector<f64>,
     before: Option<(f64, [DVector<f64>; 2])>,
