@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `q, a, b, phi` | wave number, amplitude, mean strain, phase of (eq:An_tw) |
-//! | `epsilon` | amplitude of the strain: `x_n` swings by `2 kappa epsilon a` about `epsilon b` |
+//! | `epsilon` | size of the wave: `x_n` oscillates with amplitude `2 kappa epsilon a` about `epsilon b` |
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
 mod modes;
@@ -34,10 +34,10 @@ pub struct TravellingWave {
     omega_tw: f64,
 }
 
-/// The shape of a wave, all but its size.
+/// The numbers of a wave except for its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Wave number, radians a site.
+    /// Wave number, radians per site.
     pub q: f64,
     /// Amplitude `a > 0`.
     pub a: f64,
@@ -47,24 +47,24 @@ pub struct Shape {
     pub phi: f64,
 }
 
-/// What fixes the size of a wave.
+/// The number that determines the size of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// `epsilon` itself.
+    /// The size `epsilon`.
     Epsilon(f64),
-    /// `omega_tw - omega`.
+    /// The detuning `omega_tw - omega > 0`, from which `epsilon` follows.
     Detuning(f64),
 }
 
 impl TravellingWave {
-    /// The wave of the given shape and size, with `epsilon` and `omega_tw` tied by (eq:w_tw):
+    /// The wave of the given shape and size, where `epsilon` and `omega_tw` satisfy (eq:w_tw):
     /// `omega_tw = omega + 2 epsilon^{alpha-1} / omega^3 sin^2(q/2) h_alpha(b, a)`.
     ///
     /// The paper prints `kappa omega^3` for `omega^3`; the two agree at `kappa = 1`.
     ///
     /// # Errors
-    /// No moving resonators; `alpha = 1` with a detuning (the frequency does not depend on the size); a number that is not
-    /// finite or outside its rule.
+    /// No moving resonators; a detuning with `alpha = 1` (the frequency does not depend on the
+    /// size) or with `q = 0`; a number that is not finite or outside its rule.
     pub fn new(params: Params, shape: Shape, size: Size) -> Result<Self> {
         params.validate()?;
         if params.resonators() != Resonators::Moving {
@@ -115,7 +115,7 @@ impl TravellingWave {
         self.params
     }
 
-    /// The shape.
+    /// Wave number, amplitude, mean strain and phase.
     pub fn shape(&self) -> Shape {
         let &Self { q, a, b, phi, .. } = self;
         Shape { q, a, b, phi }
@@ -141,7 +141,8 @@ impl TravellingWave {
         2.0 * self.epsilon * self.params.kappa * self.a
     }
 
-    /// The strains of site `n` at time `t` and their rates (eq:xytw_app); at `t = 0` the initial data (eq:ini_tw).
+    /// The strains of site `n` at time `t` and their rates (eq:xytw_app); at `t = 0` the initial
+    /// data (eq:ini_tw).
     pub fn site(&self, n: usize, t: f64) -> Site<f64> {
         let (sin, cos) = (n as f64 * self.q - self.omega_tw * t + self.phi).sin_cos();
         let (mean, x, rho) = (self.epsilon * self.b, self.amplitude(), self.params.rho);
@@ -149,7 +150,8 @@ impl TravellingWave {
         Site { u: mean + x * cos, v: mean - x / rho * cos, u_dot: rate, v_dot: -rate / rho }
     }
 
-    /// The relative errors `(E_x, E_y)` of the ansatz at time `t` against strains `x, y` (eq:relerr_tw).
+    /// The relative errors `(E_x, E_y)` of the ansatz at time `t` with respect to strains `x, y`
+    /// (eq:relerr_tw).
     pub fn errors(&self, t: f64, x: &[f64], y: &[f64]) -> (f64, f64) {
         let largest = |values: &[f64], ansatz: fn(Site<f64>) -> f64| {
             max_norm(values.iter().enumerate().map(|(n, value)| ansatz(self.site(n, t)) - value))
@@ -170,7 +172,8 @@ mod tests {
 
     #[test]
     fn sizes_are_those_of_the_paper() {
-        // Sec. 4: 0.057, 6.37e-4, 0.514, 0.0516; the first to 16 digits from an independent computation.
+        // Sec. 4: 0.057, 6.37e-4, 0.514, 0.0516; the first to 16 digits from an independent
+        // computation.
         let epsilon = |q, d| wave(1.0 / 3.0, q, Size::Detuning(d)).epsilon();
         assert!((epsilon(0.2, 0.001) / 0.057_113_112_999_943_07 - 1.0).abs() < 1e-12);
         for (q, d, printed, digit) in
@@ -186,7 +189,8 @@ mod tests {
 
     #[test]
     fn the_frequency_scales_as_the_model_does() {
-        // Times by s, lengths by l: kappa by s^-2, l^{alpha-1} = s^-2. The paper's printed factor fails this at kappa != 1.
+        // Times scale by s, so kappa scales by s^-2, and lengths by l with l^{alpha-1} = s^-2. The
+        // factor printed in the paper violates this at kappa != 1.
         let shape = Shape { q: 0.7, a: 1.0, b: 0.3, phi: 0.0 };
         let at = |kappa: f64, epsilon: f64| {
             // 2 kappa epsilon a and epsilon b are the lengths; keep both proportional.

@@ -1,8 +1,9 @@
-//! Eigenmodes of modulated waves: what to start a chain with, and what to look for in it.
+//! Eigenmodes of modulated waves: initial states with a mode added, and the share of a mode in a
+//! state.
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `w_n` | `U e^{ipn} + conj(V) e^{-ipn}`, change of `D_n` over the wave's phase factor, see the module `stability` |
+//! | `w_n` | `U e^{ipn} + conj(V) e^{-ipn}`, change of `D_n` divided by the wave's phase factor, see the module `stability` |
 //! | `lambda` | eigenvalue of `(U, V)` |
 //! | `c` | share of the mode in a perturbation: `c = ell . (U, V)`, `ell` the left eigenvector, `ell . (U, V)_mode = 1` |
 
@@ -10,30 +11,33 @@ use super::{Eigenvalue, Modulation, Shape, TravellingWave};
 use crate::{chain::Site, dps::first_order};
 use num_complex::Complex64;
 
-/// The mode of the first of [`Modulation::eigenvalues`] at a wave number.
+/// The mode at a wave number that belongs to the first of [`Modulation::eigenvalues`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mode {
     modulation: Modulation,
     p: f64,
     lambda: Complex64,
-    /// `(U, V)`, of length one, `U V` real and not negative: at `p = pi` the two terms of `w_n` then add up.
+    /// `(U, V)`, of length one, with `U V` real and not negative, so that at `p = pi` the two terms
+    /// of `w_n` add up.
     right: [Complex64; 2],
     left: [Complex64; 2],
 }
 
 impl Mode {
-    /// The mode at wave number `p`; `None` where the two eigenvalues and their modes are one, as at `p = 0` and at the edge of a band.
+    /// The mode at wave number `p`; `None` where the eigenvalue is double and has one mode, as at
+    /// `p = 0` and at the edge of a band.
     pub fn new(modulation: &Modulation, p: f64) -> Option<Self> {
         let Eigenvalue { growth, frequency } = modulation.eigenvalues(p)[0];
         let lambda = Complex64::new(growth, frequency);
         let [[a, b], [c, d]] = modulation.matrix(p).map(|row| row.map(|x| Complex64::new(0.0, x)));
-        // Either row gives the right vector, either column the left one; one of the two may vanish.
+        // Either row gives the right vector and either column the left vector; one of the two may
+        // vanish.
         let right = unit(longer([b, lambda - a], [lambda - d, c]))?;
         let left = unit(longer([c, lambda - a], [lambda - d, b]))?;
         let phase = Complex64::from_polar(1.0, -0.5 * (right[0] * right[1]).arg());
         let right = right.map(|z| z * phase);
         let product = dot(left, right);
-        // Parallel to 1e-6: an eigenvalue that is double to 1e-12.
+        // A product below 1e-6 means an eigenvalue that is double to 1e-12.
         (product.norm() > 1e-6).then(|| Self {
             modulation: *modulation,
             p,
@@ -43,12 +47,12 @@ impl Mode {
         })
     }
 
-    /// Its eigenvalue.
+    /// The eigenvalue of the mode.
     pub fn eigenvalue(&self) -> Eigenvalue {
         Eigenvalue { growth: self.lambda.re, frequency: self.lambda.im }
     }
 
-    /// `w_n` and its slow derivative at the slow time zero.
+    /// `w_n` and its derivative by the slow time, at the slow time zero.
     fn perturbation(&self, n: f64) -> [Complex64; 2] {
         let turn = Complex64::from_polar(1.0, self.p * n);
         let [u, v] = self.right;
@@ -56,7 +60,8 @@ impl Mode {
         [w(1.0.into()), w(self.lambda)]
     }
 
-    /// `D_n` of the wave with `size a` times the mode added, and its slow derivative, at the slow time zero.
+    /// `D_n` of the wave plus `size a` times the mode, and its derivative by the slow time, at the
+    /// slow time zero.
     pub fn amplitude(&self, size: f64, n: usize) -> [Complex64; 2] {
         let Shape { q, a, phi, .. } = self.modulation.shape();
         let [w, dw] = self.perturbation(n as f64).map(|w| size * a * w);
@@ -65,7 +70,8 @@ impl Mode {
         [carrier * (a + w), carrier * (i_omega * (a + w) + dw)]
     }
 
-    /// Site `n` of the full chain from this, at `t = 0`, with `b_n = b + size a (db/dr) Re w_n`.
+    /// Site `n` of the full chain at `t = 0` for these amplitudes, with
+    /// `b_n = b + size a (db/dr) Re w_n`.
     pub fn site(&self, wave: &TravellingWave, size: f64, n: usize) -> Site<f64> {
         let Shape { a, b, .. } = self.modulation.shape();
         let slope = size * a * self.modulation.mean_slope();
@@ -73,12 +79,15 @@ impl Mode {
         first_order(wave.params(), wave.epsilon(), 0.0, self.amplitude(size, n), [b + w, dw])
     }
 
-    /// The share `c` of the mode in a perturbation of the `D_n` of a wave: complex, proportional to `e^{lambda tau}`.
+    /// The share `c` of the mode in a perturbation of the `D_n` of a wave: complex, proportional to
+    /// `e^{lambda tau}`.
     ///
-    /// At `p = pi` the sidebands `U` and `conj(V)` are one; half of it counts as each. The phase and the size are those of the wave as it is, not as theory has it: `w_n = a delta_n / D_n`, with the `D_n` averaged over the ring.
+    /// At `p = pi` the sidebands `U` and `conj(V)` coincide, and each is given half of their sum.
+    /// Phase and size of the wave are taken from the given `D_n`: `w_n = a delta_n / D_n`, with the
+    /// `D_n` averaged over the ring.
     ///
     /// # Panics
-    /// If `wave` and `changed` have not the same length.
+    /// If `wave` and `changed` have different lengths.
     pub fn share(&self, wave: &[Complex64], changed: &[Complex64]) -> Complex64 {
         assert_eq!(wave.len(), changed.len(), "two states of one ring");
         let Shape { q, .. } = self.modulation.shape();
@@ -93,7 +102,9 @@ impl Mode {
     }
 }
 
-/// `D_n` of a state of the strain ring at time `t`, from what beads do against resonators:
+/// `D_n` of a state of the strain ring at time `t`.
+///
+/// It follows from the motion of beads relative to resonators,
 /// `x - y = 2 kappa epsilon (1 + 1/rho) Re(D e^{i omega t})`, and its rate to first order.
 pub(crate) fn strains(wave: &TravellingWave, t: f64, [x, y, x_dot, y_dot]: [&[f64]; 4]) -> Vec<Complex64> {
     let (params, omega) = (wave.params(), wave.params().omega());

@@ -1,21 +1,25 @@
-//! Perturbed travelling waves (eq:dA0_ptb): every amplitude of the envelope is drawn anew about that of the wave.
+//! Perturbed travelling waves (eq:dA0_ptb): the amplitude of each site is drawn at random near that
+//! of the wave.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `D_n` | `delta^- A_n`, complex amplitude of strain `n` |
-//! | `b_n` | `delta^- B_n`, its mean |
+//! | `b_n` | `delta^- B_n`, mean of strain `n` |
 //! | `zeta` | largest relative change of real and imaginary part of `D_n` |
-//! | `C` | mean force `g_alpha(b, a)` of the wave, and of every bond of the perturbed one (eq:g_alpha) |
+//! | `C` | mean force `g_alpha(b, a)` of the wave, and of each bond of the perturbed wave (eq:g_alpha) |
 //!
-//! The initial state of the chain is (eq:xy_app), (eq:xy_v_app) at `t = 0`; at later times the ansatz follows the flow (eq:S1newS).
+//! The initial state of the chain is (eq:xy_app), (eq:xy_v_app) at `t = 0`; at later times the
+//! ansatz follows the flow (eq:S1newS).
 //!
-//! # Which mean strains
+//! # The choice of the mean strains
 //!
-//! The paper holds `C` constant. A ring conserves the mean of `x_n' + rho y_n'` instead, so that the mean of `(x_n + rho y_n) / (1 + rho)`, to leading order that
-//! of `epsilon b_n`, moves at the constant speed that it starts with. With constant `C` the mean of the `b_n` follows that of the `r_n`, which the
-//! perturbation moves at second order in `zeta`: in the first run of the paper by 1.3e-6 at `zeta = 0.01` and 1.4e-4 at 0.1, of which the chain follows a
-//! hundredth. There a given mean strain is right and a given force is not, but the two ansatzes differ by 3e-5 of the amplitude where both are 8e-2 from the
-//! chain. So the paper's choice is the one that scenes take.
+//! The paper holds `C` constant. A ring conserves the mean of `x_n' + rho y_n'` instead, so the
+//! mean of `(x_n + rho y_n) / (1 + rho)`, which is that of `epsilon b_n` to leading order, moves at
+//! its constant initial speed. With constant `C` the mean of the `b_n` follows that of the `r_n`,
+//! which the perturbation changes at second order in `zeta`. In the first run of the paper the
+//! change is 1.3e-6 at `zeta = 0.01` and 1.4e-4 at 0.1, and the chain follows a hundredth of it.
+//! There a given mean strain is right and a given force is not, but the two ansatzes differ by 3e-5
+//! of the amplitude where both are 8e-2 from the chain. Scenes therefore make the paper's choice.
 
 use super::TravellingWave;
 use crate::{
@@ -37,8 +41,10 @@ pub struct PerturbedWave {
 }
 
 impl PerturbedWave {
-    /// The wave on a ring of so many sites, with `D_n(0) = a [(1 + zeta_n^(1)) cos(nq + phi) - i (1 + zeta_n^(2)) sin(nq + phi)]` (eq:dA0_ptb): all `zeta_n`
-    /// are independent, uniform in `(-zeta, zeta)`, and follow from the seed.
+    /// The wave on a ring of `sites` sites, perturbed (eq:dA0_ptb).
+    ///
+    /// `D_n(0) = a [(1 + zeta_n^(1)) cos(nq + phi) - i (1 + zeta_n^(2)) sin(nq + phi)]`, where all
+    /// `zeta_n` are independent, uniform in `[-zeta, zeta)`, and determined by the seed.
     ///
     /// # Errors
     /// `zeta` outside `(0, 1)`, fewer than two sites, a mean force that underflows.
@@ -68,12 +74,12 @@ impl PerturbedWave {
         &self.wave
     }
 
-    /// `zeta`.
+    /// The largest relative change `zeta`.
     pub fn zeta(&self) -> f64 {
         self.zeta
     }
 
-    /// The seed.
+    /// The seed of the random numbers.
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -83,7 +89,8 @@ impl PerturbedWave {
         &self.amplitudes
     }
 
-    /// The paper's constraint (eq:g_alpha): the mean force is `C = g_alpha(b, a)` for all time.
+    /// The constraint of the paper (eq:g_alpha): the mean force is `C = g_alpha(b, a)` at all
+    /// times.
     pub fn constraint(&self) -> Constraint {
         Constraint::Force(self.force)
     }
@@ -96,7 +103,7 @@ impl PerturbedWave {
         Dps::generalised(self.wave.params, constraint, self.layout())
     }
 
-    /// The way from the `D_n` to the chain (eq:xy_app).
+    /// The map from the `D_n` to the chain (eq:xy_app).
     ///
     /// # Errors
     /// As [`Ansatz::generalised`].

@@ -11,45 +11,59 @@
 //!
 //! # The linear problem
 //!
-//! Let `D_n = (a + w_n) e^{i (Omega tau - q n)}` and `b_n = b + beta_n` in (eq:S1newS), (eq:S2new). To first order the force in a bond changes by
-//! `g_b beta_n + g_r Re w_n`, which is the same for all `n`, hence zero for all but uniform perturbations, whether the force or the mean
-//! strain of the ring is given. So `beta_n = -(g_r / g_b) Re w_n`, and `sigma` changes by `s (sigma/a) Re w_n` with
-//! `s = (a/h) (h_r - h_b g_r / g_b)`. With `w_n = U e^{ipn} + conj(V) e^{-ipn}` this is
+//! Let `D_n = (a + w_n) e^{i (Omega tau - q n)}` and `b_n = b + beta_n` in (eq:S1newS), (eq:S2new).
+//! To first order the force in a bond changes by `g_b beta_n + g_r Re w_n`, which is the same for
+//! all `n`. It is therefore zero for all perturbations that are not uniform, whether the force or
+//! the mean strain of the ring is given. So `beta_n = -(g_r / g_b) Re w_n`, and `sigma` changes by
+//! `s (sigma/a) Re w_n` with `s = (a/h) (h_r - h_b g_r / g_b)`. With
+//! `w_n = U e^{ipn} + conj(V) e^{-ipn}` this is
 //!
 //! ```text
 //! dU/dtau = -i alpha_- U + i (s sigma/2) K_- V        alpha_-+ = Omega - (1 + s/2) sigma K_-+
 //! dV/dtau =  i alpha_+ V - i (s sigma/2) K_+ U
 //! ```
 //!
-//! whose eigenvalues are `lambda = -i sigma (2 + s) sin q sin p +- sqrt(Q)`, with `K_+ K_- = 4 (cos p - cos q)^2`,
-//! `K_+ + K_- = 4 (1 - cos p cos q)` and a difference of squares:
+//! whose eigenvalues are `lambda = -i sigma (2 + s) sin q sin p +- sqrt(Q)`, with
+//! `K_+ K_- = 4 (cos p - cos q)^2`, `K_+ + K_- = 4 (1 - cos p cos q)` and a difference of squares:
 //!
 //! ```text
 //! Q = -16 sigma^2 sin^2(p/2) [cos q + s cos^2(q/2)] [cos q sin^2(p/2) + s sin^2(q/2) cos^2(p/2)]
 //! ```
 //!
-//! A uniform perturbation (`p = 0`) has `lambda = 0` twice: a shift of the phase, and a change of the amplitude, which changes `Omega` and so
-//! makes the phase grow like `tau`, not exponentially. Only how much `Omega` changes depends on what is given: `s` as above with the
-//! force, `a h_r / h` in its place with the mean strain.
+//! A uniform perturbation (`p = 0`) has `lambda = 0` twice. One is a shift of the phase. The other
+//! is a change of the amplitude, which changes `Omega`, so that the phase grows like `tau`, not
+//! exponentially. The change of `Omega` depends on what is given: it has the factor `s` as above
+//! with a given force, and `a h_r / h` in place of `s` with a given mean strain.
 //!
-//! # What follows
+//! # Consequences
 //!
 //! - The wave is unstable if and only if `s cos q < 0` and `cos q + s cos^2(q/2) != 0`.
-//! - Then, with `tan(p_c/2) = sqrt(-s / cos q) |sin(q/2)|`: if `s (cos q + s cos^2(q/2)) < 0`, the discriminant at `p -> 0`, long waves grow, with `0 < p < p_c`,
-//!   fastest that with `sin^2(p/2) = sin^2(p_c/2) / 2`; else short ones, with `p_c < p <= pi`, fastest `p = pi`.
-//! - `s = (<cos^2> - <cos>^2) / <sin^2> - 1`, means with the weight `(2 kappa a cos t - b)_+^{alpha-1}`. So `-1 < s`; it depends on `alpha` and `b / (2 kappa a)`
-//!   only. Known values: `alpha - 1 - (alpha+1) <cos>^2` with `<cos> = Gamma((alpha+1)/2)^2 / (Gamma(alpha/2) Gamma(alpha/2 + 1))` at `b = 0`; `1/alpha - 1` at `b = -2 kappa a`;
-//!   about `-alpha (alpha-1) / 4 (2 kappa a / b)^2` for `b -> -inf`, where the chain is linear and every wave neutral; `-1` for `b -> 2 kappa a`.
-//!   It is negative for every `alpha > 1` (on a grid, no proof): a larger amplitude pushes beads apart until the mean force is what it was, and that
-//!   weakens the contacts. So waves with `|q| > pi/2` are stable, those with `|q| < pi/2` are not.
-//! - `rho` and `kappa` change rates, never stability. `rho` enters through `omega^3` in `sigma` only: `lambda` is proportional to `(1 + 1/rho)^{-3/2}`. The growth
-//!   `epsilon^{alpha-1} lambda` per unit of `t` is `kappa^{-1/2} X^{alpha-1} (1 + 1/rho)^{-3/2}` times a function of `q, p, alpha, b / (2 kappa a)`, where `X = 2 kappa epsilon a`
-//!   is the swing of the strain. So `lambda / Omega` depends on those four alone.
-//! - That the force is the same in every bond takes mean strains that follow at once. They have the inertia of beads and resonators: in the full chain
-//!   `(1 + rho) epsilon^{alpha-1} d^2 beta/dtau^2 = -delta^+ delta^- (g_b beta_n + g_r Re w_n)`. So `(1 + rho) epsilon^{alpha-1} |lambda|^2` must be small beside `K(p) |g_b|`: for heavy
+//! - Let the wave be unstable, and `tan(p_c/2) = sqrt(-s / cos q) |sin(q/2)|`. If
+//!   `s (cos q + s cos^2(q/2)) < 0`, the discriminant at `p -> 0` is positive: long waves grow,
+//!   with `0 < p < p_c`, and the fastest has `sin^2(p/2) = sin^2(p_c/2) / 2`. Otherwise short waves
+//!   grow, with `p_c < p <= pi`, and the fastest has `p = pi`.
+//! - `s = (<cos^2> - <cos>^2) / <sin^2> - 1`, where the means have the weight
+//!   `(2 kappa a cos t - b)_+^{alpha-1}`. So `s > -1`, and `s` depends on `alpha` and
+//!   `b / (2 kappa a)` only. Known values: at `b = 0`, `alpha - 1 - (alpha+1) <cos>^2` with
+//!   `<cos> = Gamma((alpha+1)/2)^2 / (Gamma(alpha/2) Gamma(alpha/2 + 1))`; at `b = -2 kappa a`,
+//!   `1/alpha - 1`; for `b -> -inf`, about `-alpha (alpha-1) / 4 (2 kappa a / b)^2`, where the
+//!   chain is linear and each wave neutral; for `b -> 2 kappa a`, `-1`. On a grid `s` is negative
+//!   for all `alpha > 1` (there is no proof): a larger amplitude pushes beads apart until the mean
+//!   force has its old value, which weakens the contacts. So waves with `|q| > pi/2` are stable,
+//!   and those with `|q| < pi/2` are unstable.
+//! - `rho` and `kappa` change rates, not stability. `rho` enters only through `omega^3` in `sigma`:
+//!   `lambda` is proportional to `(1 + 1/rho)^{-3/2}`. The growth `epsilon^{alpha-1} lambda` per
+//!   unit of `t` is `kappa^{-1/2} X^{alpha-1} (1 + 1/rho)^{-3/2}` times a function of
+//!   `q, p, alpha, b / (2 kappa a)`, where `X = 2 kappa epsilon a` is the amplitude of the strain.
+//!   So `lambda / Omega` depends on these four numbers alone.
+//! - The force is the same in each bond only if the mean strains follow it at once. They have the
+//!   inertia of beads and resonators: in the full chain
+//!   `(1 + rho) epsilon^{alpha-1} d^2 beta/dtau^2 = -delta^+ delta^- (g_b beta_n + g_r Re w_n)`. So
+//!   `(1 + rho) epsilon^{alpha-1} |lambda|^2` must be small compared with `K(p) |g_b|`: for heavy
 //!   resonators only very small waves obey this theory.
-//! - The DpS equation of Newton's cradle (`rho = inf`, eq:DpSlr) has no mean strain, `sigma = omega_0 a^{alpha-1}` and `s = alpha - 1 > 0`: there it is the waves with
-//!   `|q| > pi/2` that are unstable.
+//! - The DpS equation of Newton's cradle (`rho = inf`, eq:DpSlr) has no mean strain,
+//!   `sigma = omega_0 a^{alpha-1}` and `s = alpha - 1 > 0`; there the waves with `|q| > pi/2` are
+//!   unstable.
 
 use super::{Shape, Size, TravellingWave};
 use crate::{
@@ -68,14 +82,14 @@ pub struct Eigenvalue {
     pub frequency: f64,
 }
 
-/// Which perturbations of a wave grow.
+/// The perturbations of a wave that grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// None.
+    /// No perturbation grows.
     Neutral,
-    /// Those with wave numbers from zero to an edge.
+    /// Perturbations with wave numbers from zero to an edge grow.
     LongWaves,
-    /// Those with wave numbers from an edge to `pi`.
+    /// Perturbations with wave numbers from an edge to `pi` grow.
     ShortWaves,
 }
 
@@ -113,15 +127,17 @@ pub struct Modulation {
 }
 
 impl Modulation {
-    /// The problem for a wave of the given shape; with `rho = inf`, of the DpS equation of Newton's cradle.
+    /// The problem for a wave of the given shape; for `rho = inf`, that of the DpS equation of
+    /// Newton's cradle.
     ///
     /// # Errors
-    /// What [`TravellingWave::new`] refuses of parameters and shape, but for `rho = inf`, where `b` must be zero; `alpha > 10`; a coupling or a slope that is no normal
-    /// number: `b` too near `2 kappa a`, or at `-2 kappa a` for `alpha <= 1/2`.
+    /// As [`TravellingWave::new`] for parameters and shape, except that `rho = inf` is allowed with
+    /// `b = 0`; `alpha > 10`; a coupling or a slope that is not a normal number: `b` too near
+    /// `2 kappa a`, or at `-2 kappa a` for `alpha <= 1/2`.
     pub fn new(params: Params, shape: Shape) -> Result<Self> {
         let Shape { q, a, b, .. } = shape;
         let fixed = params.resonators() == Resonators::Fixed;
-        // The cradle's waves obey the same rules.
+        // Waves of the cradle have the same rules for the shape.
         TravellingWave::new(if fixed { Params { rho: 1.0, ..params } } else { params }, shape, Size::Epsilon(1.0))?;
         if fixed && b != 0.0 {
             return Err(Error::parameter("b", b, "the DpS equation of rho = inf has no mean strain: b = 0"));
@@ -137,7 +153,8 @@ impl Modulation {
         Ok(Self { shape, sigma, slope, mean_slope, cos_q: cosine(q) })
     }
 
-    /// The problem for a wave of the same amplitude and mean strain with another wave number, finite.
+    /// The problem for a wave of the same amplitude and mean strain with another, finite wave
+    /// number.
     pub fn at(&self, q: f64) -> Self {
         Self { shape: Shape { q, ..self.shape }, cos_q: cosine(q), ..*self }
     }
@@ -152,14 +169,15 @@ impl Modulation {
         self.sigma
     }
 
-    /// `s = d ln sigma / d ln r` at `r = a`, the mean force held fixed.
+    /// `s = d ln sigma / d ln r` at `r = a`, at fixed mean force.
     ///
-    /// The difference of two large slopes as `b -> 2 kappa a`: the error grows like that of a rounding over `1 - b / (2 kappa a)`.
+    /// As `b -> 2 kappa a` it is the difference of two large slopes: the relative error grows like
+    /// a rounding divided by `1 - b / (2 kappa a)`.
     pub fn slope(&self) -> f64 {
         self.slope
     }
 
-    /// `db/dr = -g_r / g_b` at `r = a`, the mean force held fixed.
+    /// `db/dr = -g_r / g_b` at `r = a`, at fixed mean force.
     pub fn mean_slope(&self) -> f64 {
         self.mean_slope
     }
@@ -181,9 +199,11 @@ impl Modulation {
         -16.0 * self.sigma.powi(2) * sin2_p * self.wave_factor() * perturbation
     }
 
-    /// The two eigenvalues at wave number `p`, the growing one first; where none grows, that of the higher frequency.
+    /// The two eigenvalues at wave number `p`: the growing one first; if none grows, that with the
+    /// larger signed frequency first.
     ///
-    /// `lambda(-p) = conj(lambda(p))`, and with `lambda` also `-conj(lambda)` is one. At `p = 0` both are zero.
+    /// `lambda(-p) = conj(lambda(p))`, and if `lambda` is an eigenvalue, so is `-conj(lambda)` at
+    /// `-p`. At `p = 0` both are zero.
     pub fn eigenvalues(&self, p: f64) -> [Eigenvalue; 2] {
         let (q, root) = (self.shape.q, self.discriminant(p).abs().sqrt());
         let frequency = -self.sigma * (2.0 + self.slope) * q.sin() * p.sin();
@@ -201,10 +221,10 @@ impl Modulation {
         self.eigenvalues(p)[0].growth
     }
 
-    /// Which perturbations grow on an infinite chain.
+    /// The kind of perturbations that grow on an infinite chain.
     pub fn verdict(&self) -> Verdict {
         let factor = self.wave_factor();
-        // Long waves have no room to grow under a wave that is uniform.
+        // For a uniform wave the band of growing long waves is empty.
         let uniform = (0.5 * self.shape.q).sin() == 0.0;
         match () {
             () if self.slope * self.cos_q >= 0.0 || factor == 0.0 => Verdict::Neutral,
@@ -214,7 +234,8 @@ impl Modulation {
         }
     }
 
-    /// The ends of the unstable wave numbers in `[0, pi]`, if there are any; neither zero nor `p_c` grow, `pi` does.
+    /// The ends of the band of growing wave numbers in `[0, pi]`, if there is one. The ends `0` and
+    /// `p_c` do not grow themselves; `pi` does.
     pub fn band(&self) -> Option<(f64, f64)> {
         let edge = || 2.0 * ((-self.slope / self.cos_q).sqrt() * (0.5 * self.shape.q).sin().abs()).atan();
         match self.verdict() {
@@ -224,15 +245,15 @@ impl Modulation {
         }
     }
 
-    /// The fastest growing wave number in `[0, pi]` and its growth rate, if any grows.
+    /// The fastest growing wave number in `[0, pi]` and its growth rate, if there is a growing one.
     pub fn fastest(&self) -> Option<(f64, f64)> {
         let (from, to) = self.band()?;
-        // The growth is a parabola in sin^2(p/2).
+        // The square of the growth rate is a parabola in sin^2(p/2).
         let p = if from > 0.0 { PI } else { 2.0 * ((0.5 * to).sin() * 0.5_f64.sqrt()).asin() };
         Some((p, self.growth(p)))
     }
 
-    /// The matrix of `d(U, V)/dtau = i M (U, V)`, row by row; it is real.
+    /// The real matrix `M` of `d(U, V)/dtau = i M (U, V)`, by rows.
     pub(super) fn matrix(&self, p: f64) -> [[f64; 2]; 2] {
         let [minus, plus] = [-1.0, 1.0].map(|sign| self.sigma * chord(self.shape.q + sign * p));
         let (omega, s) = (self.slow_frequency(), self.slope);
@@ -240,7 +261,8 @@ impl Modulation {
     }
 }
 
-/// `cos q`; zero where it is no more than the rounding of `q`, whose square root would pass for a growth.
+/// `cos q`, and zero where it is at most the rounding error of `q`, since its square root would
+/// look like a growth rate.
 fn cosine(q: f64) -> f64 {
     if q.cos().abs() <= f64::EPSILON * q.abs() { 0.0 } else { q.cos() }
 }
