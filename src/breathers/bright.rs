@@ -1,16 +1,18 @@
-//! Long-lived bright breathers: homoclinic solutions of the stationary DpS equation put on the chain (Theorem longlivedb).
+//! Long-lived bright breathers: homoclinic solutions of the stationary DpS equation as initial
+//! states of the chain (Theorem longlivedb).
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `a_n` | homoclinic solution of (dpsstat), its middle in the middle of the chain |
+//! | `a_n` | homoclinic solution of (dpsstat), centred in the chain |
 //! | `epsilon` | size: `u_n(0) = 2 epsilon a_n` |
 //! | `mu` | `epsilon^{alpha-1} / kappa`, contact force over spring force |
 //! | `Omega_b, T_b` | frequency `sqrt(kappa) (1 + omega_0 mu)` and period `2 pi/Omega_b` |
 //! | `T` | `2 pi/omega_0`; the theorem speaks of times up to the horizon `T / (mu sqrt(kappa))` |
 //! | core | fewest sites, symmetric about the centre, that hold a share of 0.999 of `sum a_n^2` |
 //!
-//! The paper has `kappa = 1`. With time in units of `1/sqrt(kappa)` and displacements in units of `kappa^{1/(alpha-1)}` every chain has (eq:Hertz), and what
-//! the theorem says is turned back to the chain's own units.
+//! The paper has `kappa = 1`. With time in units of `1/sqrt(kappa)` and displacements in units of
+//! `kappa^{1/(alpha-1)}` a chain with any `kappa > 0` has the form (eq:Hertz); the statements of
+//! the theorem are given in the original units of the chain.
 
 use crate::{
     chain::{Chain, Layout, Params, Resonators, Site},
@@ -24,7 +26,8 @@ const CORE_SHARE: f64 = 0.999;
 /// Share of `sum |a_n|` that may lie beyond the ends of the chain.
 const CUT_OFF: f64 = 1e-6;
 
-/// A bright breather of the DpS equation in the middle of a chain, and how far a chain is from it.
+/// A bright breather of the DpS equation in the middle of a chain, and the distance of a state of
+/// the chain from it.
 ///
 /// ```
 /// use hertzchain::{breathers::BrightBreather, chain::Params, dps::Center};
@@ -41,16 +44,20 @@ pub struct BrightBreather {
     sites: usize,
 }
 
-/// How far a chain is from its breather, in units that the theorem bounds (diff_u_l1norm), (diff_v_l1norm).
+/// Distance of a state from the breather, in the units of the theorem's bounds (diff_u_l1norm),
+/// (diff_v_l1norm).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Norms {
-    /// `E_u = |u - u~|_1 / (epsilon mu)`; at `kappa = 1` over `epsilon^alpha`.
+    /// `E_u = |u - u~|_1 / (epsilon mu)`; the divisor is `epsilon^alpha` at `kappa = 1`.
     pub u: f64,
-    /// `E_u' = |u' - u~'|_1 / (epsilon mu sqrt(kappa))`; at `kappa = 1` over `epsilon^alpha`.
+    /// `E_u' = |u' - u~'|_1 / (epsilon mu sqrt(kappa))`; the divisor is `epsilon^alpha` at
+    /// `kappa = 1`.
     pub u_dot: f64,
-    /// `E_v = |v|_1 / (epsilon mu)`; at `kappa = 1` over `epsilon^alpha`. Zero where resonators are at rest.
+    /// `E_v = |v|_1 / (epsilon mu)`; the divisor is `epsilon^alpha` at `kappa = 1`. Zero where
+    /// resonators are at rest.
     pub v: f64,
-    /// `E_v' = |v'|_1 / (epsilon mu^2 sqrt(kappa))`; at `kappa = 1` over `epsilon^{2 alpha - 1}`.
+    /// `E_v' = |v'|_1 / (epsilon mu^2 sqrt(kappa))`; the divisor is `epsilon^{2 alpha - 1}` at
+    /// `kappa = 1`.
     pub v_dot: f64,
 }
 
@@ -60,7 +67,7 @@ impl Norms {
         [self.u, self.u_dot, self.v, self.v_dot]
     }
 
-    /// The larger of each.
+    /// The larger value of each norm.
     #[must_use]
     pub fn max(&self, other: &Self) -> Self {
         let [u, u_dot, v, v_dot] = std::array::from_fn(|k| self.all()[k].max(other.all()[k]));
@@ -69,12 +76,17 @@ impl Norms {
 }
 
 impl BrightBreather {
-    /// The breather `a^1` (about a site) or `a^2` (about a bond) of size `epsilon` in the middle of `sites` beads: `n = 0` is bead `(sites - 1) / 2`, counted
-    /// from 0 and rounded down, and so a chain is symmetric about its centre if `sites` is odd and even, respectively.
+    /// The breather `a^1` (about a site) or `a^2` (about a bond) of size `epsilon` in the middle of
+    /// `sites` beads.
+    ///
+    /// Site `n = 0` is bead `(sites - 1) / 2`, counted from 0 and rounded down. The state is
+    /// symmetric about the middle of the chain if `sites` is odd (about a site) or even (about a
+    /// bond).
     ///
     /// # Errors
-    /// No resonators (`rho = 0` or `kappa = 0`); `epsilon` not finite and positive; `alpha` outside `[1.01, 10]`; a chain too short for all but `10^-6`
-    /// of `sum |a_n|`.
+    /// No resonators (`rho = 0` or `kappa = 0`); `epsilon` not finite and positive; `alpha` outside
+    /// `[1.01, 10]`; a chain that cuts off more than `10^-6` of `sum |a_n|`; an
+    /// `epsilon^{alpha-1} / kappa` whose square overflows or underflows.
     pub fn new(params: Params, center: Center, epsilon: f64, sites: usize) -> Result<Self> {
         params.validate()?;
         if params.resonators() == Resonators::None {
@@ -105,7 +117,7 @@ impl BrightBreather {
         self.params
     }
 
-    /// The size.
+    /// The size `epsilon`.
     pub fn epsilon(&self) -> f64 {
         self.epsilon
     }
@@ -115,7 +127,7 @@ impl BrightBreather {
         &self.profile
     }
 
-    /// Beads of its chain.
+    /// Number of beads of the chain.
     pub fn sites(&self) -> usize {
         self.sites
     }
@@ -130,7 +142,8 @@ impl BrightBreather {
         self.epsilon.powf(self.params.alpha - 1.0) / self.params.kappa
     }
 
-    /// `Omega_b = sqrt(kappa) (1 + omega_0 mu)`; at `kappa = 1` it is `1 + omega_0 epsilon^{alpha-1}`.
+    /// `Omega_b = sqrt(kappa) (1 + omega_0 mu)`; at `kappa = 1` it is
+    /// `1 + omega_0 epsilon^{alpha-1}`.
     pub fn omega_b(&self) -> f64 {
         self.params.kappa.sqrt() * (1.0 + self.omega_0() * self.mu())
     }
@@ -145,12 +158,14 @@ impl BrightBreather {
         2.0 * PI / self.omega_0() / self.params.kappa.sqrt()
     }
 
-    /// `T / mu`, up to where the theorem bounds the norms; at `kappa = 1` it is `T epsilon^{1-alpha}`.
+    /// The horizon `T / (mu sqrt(kappa))`: the theorem bounds the norms up to this time. At
+    /// `kappa = 1` it is `T epsilon^{1-alpha}`.
     pub fn horizon(&self) -> f64 {
         self.slow_period() / self.mu()
     }
 
-    /// `1/(rho mu^2)`: the constant `C_r` that the theorem asks for; at `kappa = 1` it is `rho^{-1} epsilon^{-2(alpha-1)}`.
+    /// `1/(rho mu^2)`, which the theorem bounds by its constant `C_r`; at `kappa = 1` it is
+    /// `rho^{-1} epsilon^{-2(alpha-1)}`.
     pub fn mass_condition(&self) -> f64 {
         (self.params.rho * self.mu().powi(2)).recip()
     }
@@ -162,22 +177,24 @@ impl BrightBreather {
 
     /// `a_n` of bead `i`.
     pub fn a(&self, i: usize) -> f64 {
-        // No zeros with a sign beyond the profile.
+        // The sum turns -0 outside the profile to 0.
         self.profile.a(i as i64 - self.origin() as i64) + 0.0
     }
 
-    /// Bead `i` at time `t` by (time-periodic_osc): `u~ = 2 epsilon a cos(Omega_b t)`, `u~' = -2 epsilon sqrt(kappa) a sin(Omega_b t)`, `v~ = v~' = 0`.
-    /// At `t = 0` it is the initial state (ini_num).
+    /// Bead `i` at time `t` by (time-periodic_osc); at `t = 0` it is the initial state (ini_num).
+    ///
+    /// `u~ = 2 epsilon a cos(Omega_b t)`, `u~' = -2 epsilon sqrt(kappa) a sin(Omega_b t)`,
+    /// `v~ = v~' = 0`.
     pub fn site(&self, i: usize, t: f64) -> Site<f64> {
         let (sin, cos) = (self.omega_b() * t).sin_cos();
         let u = 2.0 * self.epsilon * self.a(i);
         Site { u: u * cos, v: 0.0, u_dot: -self.params.kappa.sqrt() * u * sin, v_dot: 0.0 }
     }
 
-    /// How far the state `y` is from the breather at time `t` (diff_u_l1norm), (diff_v_l1norm).
+    /// Distance of the state `y` from the breather at time `t` (diff_u_l1norm), (diff_v_l1norm).
     ///
     /// # Panics
-    /// If the layout has other sites than the breather, or `y` another length.
+    /// If `layout` has another number of sites than the breather, or `y` another length.
     pub fn norms(&self, t: f64, layout: Layout, y: &[f64]) -> Norms {
         assert_eq!((layout.sites(), layout.dim()), (self.sites, y.len()), "a state of the breather's chain");
         let (mu, rate) = (self.mu(), self.params.kappa.sqrt());
@@ -192,7 +209,8 @@ impl BrightBreather {
         }
     }
 
-    /// The core: the fewest beads, symmetric about the centre, whose `a_n^2` sum to at least 0.999 of all.
+    /// The core: the fewest beads, symmetric about the centre, that hold at least 0.999 of
+    /// `sum a_n^2`.
     pub fn core(&self) -> Range<usize> {
         let energy = |n: i64| self.profile.a(n).powi(2);
         let whole: f64 = self.profile.sites().map(energy).sum();
@@ -203,8 +221,8 @@ impl BrightBreather {
         origin.saturating_sub(m as usize)..(origin + (m + last) as usize + 1).min(self.sites)
     }
 
-    /// The share of the energy that is in the [`core`](Self::core), that of a contact divided equally between its two beads
-    /// ([`Chain::site_energies`]).
+    /// The share of the energy that is in the [`core`](Self::core). The energy of a contact is
+    /// divided equally between its two beads ([`Chain::site_energies`]).
     pub fn core_share(&self, chain: &Chain<f64>, y: &[f64]) -> f64 {
         let energies = chain.site_energies(y);
         energies[self.core()].iter().sum::<f64>() / energies.iter().sum::<f64>()
@@ -215,8 +233,9 @@ impl BrightBreather {
 mod tests {
     use super::*;
 
-    // Truth: squares of the profiles, added by hand: about a bond 0.99994 with a_{-2}, .., a_3 and 0.99050 without the outer two, about a site 0.999998 with
-    // a_{-3}, .., a_3 and 0.998975 without.
+    // Truth: squares of the profiles, added by hand. About a bond: 0.99994 with a_{-2}, .., a_3
+    // and 0.99050 without the outer two. About a site: 0.999998 with a_{-3}, .., a_3 and 0.998975
+    // without the outer two.
     #[test]
     fn the_core_of_a_breather_of_spheres_is_six_beads_or_seven() {
         let params = Params::new(1.5, 1.0, 1000.0).unwrap();

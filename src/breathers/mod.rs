@@ -1,4 +1,5 @@
-//! Breathers: the trivial ones, whose beads never touch; long-lived bright ones, which are nearly solutions; dark ones, which are exact.
+//! Breathers: trivial ones without contact force, long-lived bright ones, which are approximate,
+//! and dark ones, which are exact.
 
 mod bright;
 mod dark;

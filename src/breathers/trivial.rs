@@ -1,11 +1,12 @@
-//! The exact solutions without contact (uncpl): by Theorem nobreath the only localised ones that are periodic.
+//! The exact solutions without contact force (uncpl); by Theorem nobreath the only localised
+//! solutions that are periodic.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `a_n, phi_n` | amplitude and phase of the oscillation of `u_n - v_n` |
 //! | `b_n` | mean position; `b_n - b_{n-1}` is at least `l_n` (constraint2) |
-//! | `l_n` | `rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|`: with less the beads press |
-//! | `d_n` | what `b_n` is more than the sum of the `l_k`: nondecreasing |
+//! | `l_n` | `rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|`, the least gap without contact force |
+//! | `d_n` | `b_n` minus the sum of the `l_k`, `k <= n`: nondecreasing |
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators, Site},
@@ -13,10 +14,11 @@ use crate::{
 };
 use hertzchain_integrators::{Stats, Stepper, Twofold};
 
-/// Roundings of the mean positions that a gap may be too small by: `b_n` is a sum.
+/// Tolerance of gaps, in roundings of the mean positions: a `b_n` is a sum and has rounding errors.
 const ROUNDINGS: f64 = 4.0;
 
-/// `u_n = rho/(1+rho) a_n cos(omega t + phi_n) + b_n`, `v_n = -1/(1+rho) a_n cos(omega t + phi_n) + b_n` (uncpl).
+/// `u_n = rho/(1+rho) a_n cos(omega t + phi_n) + b_n`,
+/// `v_n = -1/(1+rho) a_n cos(omega t + phi_n) + b_n` (uncpl).
 ///
 /// ```
 /// use hertzchain::{breathers::TrivialBreather, chain::Params};
@@ -35,10 +37,13 @@ pub struct TrivialBreather {
 }
 
 impl TrivialBreather {
-    /// The breather with amplitudes `a_n >= 0`, phases `phi_n` and offsets `d_n`: `b_n = d_n + sum_{k <= n} l_k`, with `a = 0` before the first site.
+    /// The breather with amplitudes `a_n >= 0`, phases `phi_n` and offsets `d_n`.
+    ///
+    /// `b_n = d_n + sum_{k <= n} l_k`, with `a = 0` before the first site.
     ///
     /// # Errors
-    /// No moving resonators; arrays of different lengths; negative amplitudes, decreasing offsets, numbers that are not finite.
+    /// No moving resonators; arrays of different lengths; negative amplitudes, decreasing offsets,
+    /// numbers that are not finite.
     pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, offsets: &[f64]) -> Result<Self> {
         if offsets.len() != amplitudes.len() {
             return Err(Error::parameter("d", format!("{} numbers", offsets.len()), "as many offsets as amplitudes"));
@@ -62,7 +67,7 @@ impl TrivialBreather {
     /// The breather with given mean positions `b_n`.
     ///
     /// # Errors
-    /// As [`new`](Self::new); the first bond with `b_n - b_{n-1} < l_n` by more than roundings.
+    /// As [`new`](Self::new); a bond with `b_n - b_{n-1} < l_n` by more than roundings.
     pub fn with_means(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, means: Vec<f64>) -> Result<Self> {
         if means.len() != amplitudes.len() {
             return Err(Error::parameter("b", format!("{} numbers", means.len()), "as many means as amplitudes"));
@@ -82,7 +87,10 @@ impl TrivialBreather {
         }
     }
 
-    /// The breather that a state of a chain is part of: free ends, every site's centre of mass at rest, gaps that (constraint2) allows. `None` for all others.
+    /// The breather that has the given state at time zero; `None` if there is none.
+    ///
+    /// The chain has free ends, the centre of mass of each site is at rest, and the gaps satisfy
+    /// (constraint2).
     pub fn of_state(chain: &Chain<f64>, y: &[f64]) -> Option<Self> {
         let (params, layout) = (chain.params(), chain.layout());
         let (v, v_dot) = (layout.v(y)?, layout.v_dot(y)?);
@@ -101,7 +109,7 @@ impl TrivialBreather {
         Self::with_means(params, amplitudes, phases, means).ok()
     }
 
-    /// Checked amplitudes and phases.
+    /// A breather with checked amplitudes and phases, and mean positions zero.
     fn oscillating(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>) -> Result<Self> {
         params.validate()?;
         if params.resonators() != Resonators::Moving {
@@ -120,7 +128,7 @@ impl TrivialBreather {
         Ok(Self { means: vec![0.0; amplitudes.len()], params, amplitudes, phases })
     }
 
-    /// The same breather moved as a whole, so that the mean of the `b_n` is zero.
+    /// The breather moved as a whole, so that the mean of the `b_n` is zero.
     #[must_use]
     pub fn centred(mut self) -> Self {
         let middle = self.means.iter().sum::<f64>() / self.means.len().max(1) as f64;
@@ -148,7 +156,8 @@ impl TrivialBreather {
         &self.means
     }
 
-    /// `l_n`, the least gap of bond `n` to the left of site `n`; before the first site there is `a = 0`.
+    /// `l_n`, the least gap of the bond to the left of site `n`, with `a = 0` before the first
+    /// site.
     pub fn least_gap(&self, n: usize) -> f64 {
         let a = self.amplitudes[n];
         let Some(k) = n.checked_sub(1) else { return self.share() * a };
@@ -156,7 +165,7 @@ impl TrivialBreather {
         self.share() * (a - before).hypot(2.0 * (a * before).sqrt() * half.sin())
     }
 
-    /// `b_n - b_{n-1} - l_n` for `n >= 1`: how far beads stay apart when they are closest.
+    /// `b_n - b_{n-1} - l_n` for `n >= 1`: the distance of the beads when they are closest.
     pub fn slack(&self, n: usize) -> f64 {
         self.means[n] - self.means[n - 1] - self.least_gap(n)
     }
@@ -171,7 +180,8 @@ impl TrivialBreather {
         1.0 / (1.0 + 1.0 / self.params.rho)
     }
 
-    /// The state of site `n` at time `t`, exactly: the phase `omega t` is formed to twice the working precision.
+    /// The state of site `n` at time `t`, exact to rounding: the phase `omega t` is formed in twice
+    /// the working precision.
     pub fn site(&self, n: usize, t: f64) -> Site<f64> {
         let omega = self.params.omega_twofold::<f64>();
         let turn = Twofold::two_pi();
@@ -184,7 +194,9 @@ impl TrivialBreather {
     }
 }
 
-/// A trivial breather as a stepper, for [`Run::start_by`](crate::run::Run::start_by): one step goes to the end, and any time is exact.
+/// A trivial breather as a stepper, for [`Run::start_by`](crate::run::Run::start_by).
+///
+/// One step goes to the end; samples are exact at any time.
 pub struct ClosedForm<'a> {
     breather: &'a TrivialBreather,
     end: f64,
@@ -192,7 +204,7 @@ pub struct ClosedForm<'a> {
 }
 
 impl<'a> ClosedForm<'a> {
-    /// A breather up to the time `end`.
+    /// The stepper of a breather up to the time `end`.
     pub fn new(breather: &'a TrivialBreather, end: f64) -> Self {
         Self { breather, end, t: 0.0 }
     }
