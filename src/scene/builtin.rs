@@ -1,6 +1,6 @@
-//! The scenes that come with the program.
+//! The built-in scenes.
 
-/// `(name, TOML)` of every built-in scene, in the order in which they are listed.
+/// `(name, TOML)` of each built-in scene, in the order of the list.
 pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("tw-q15", include_str!("builtin/tw-q15.toml")),
     ("tw-q45", include_str!("builtin/tw-q45.toml")),

@@ -1,4 +1,4 @@
-//! A scene as it stands in a TOML file.
+//! The contents of a scene file in TOML.
 
 use crate::{
     chain::{Boundary, Params},
@@ -14,34 +14,35 @@ use toml::{
     de::{DeTable, DeValue, Deserializer},
 };
 
-/// So much of a line or a number is shown in a message.
+/// Largest number of characters of a line or a number in a message.
 const SHOWN: usize = 60;
 
-/// The whole file. Keys that nobody knows are errors.
+/// The whole file. Unknown keys are errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// Short name (that of the file without its extension if left out, else `scene`).
+    /// Short name; if left out, the name of the file without its extension, or `scene`.
     #[serde(default)]
     pub name: String,
-    /// One line that says what it shows.
+    /// One line on what the scene shows.
     #[serde(default)]
     pub summary: String,
     /// The chain.
     pub chain: ChainSection,
     /// The initial state.
     pub initial: Initial,
-    /// How long it runs.
+    /// The time span.
     pub span: Span,
-    /// What is recorded.
+    /// The records.
     #[serde(default)]
     pub record: Record,
-    /// By which method it runs, unless somebody names another; by what its regime asks for, if left out.
+    /// The method; if left out, it follows from the regime of the chain. A method named by the
+    /// caller has precedence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<MethodSection>,
 }
 
-/// `[chain]`.
+/// The section `[chain]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChainSection {
@@ -55,9 +56,9 @@ pub struct ChainSection {
     /// Mass ratio resonator to bead (0, no resonators, if left out); `inf` for the cradle.
     #[serde(default)]
     pub rho: f64,
-    /// What holds the ends.
+    /// The conditions at the ends.
     pub boundary: Boundary,
-    /// Static overlap of every bond.
+    /// Static overlap of each bond.
     #[serde(default)]
     pub precompression: f64,
 }
@@ -69,13 +70,14 @@ impl ChainSection {
     }
 }
 
-/// `[initial]`, by `kind`.
+/// The section `[initial]`; the key `kind` names the variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Initial {
-    /// (eq:ini_tw) on a strain ring. Exactly one of `epsilon` and `detuning = omega_tw - omega`.
+    /// The wave (eq:ini_tw) on a strain ring, with exactly one of `epsilon` and
+    /// `detuning = omega_tw - omega`.
     TravellingWave {
-        /// Wave number over pi.
+        /// Wave number divided by pi.
         q_over_pi: f64,
         /// Amplitude.
         a: f64,
@@ -87,44 +89,48 @@ pub enum Initial {
         /// Size of the wave.
         #[serde(skip_serializing_if = "Option::is_none")]
         epsilon: Option<f64>,
-        /// Frequency above `omega`.
+        /// Frequency minus `omega`.
         #[serde(skip_serializing_if = "Option::is_none")]
         detuning: Option<f64>,
-        /// Largest relative perturbation of the amplitudes (eq:dA0_ptb), from 0 (none, as if left out) to below 1.
+        /// Largest relative perturbation of the amplitudes (eq:dA0_ptb), from 0 (none; the default)
+        /// to below 1.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         zeta: Option<f64>,
         /// Seed of the perturbation (1 if left out).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         seed: Option<u64>,
     },
-    /// Everything at rest but one bead.
+    /// All sites at rest except for one bead.
     SingleBead {
-        /// Which bead, from 0.
+        /// The bead, counted from 0.
         site: usize,
-        /// Its displacement.
+        /// Displacement of the bead.
         #[serde(default)]
         displacement: f64,
-        /// Its velocity.
+        /// Velocity of the bead.
         #[serde(default)]
         velocity: f64,
     },
-    /// `u_n = v_n = amplitude sin(pi mode (n+1)/(N+1))`, at rest: a mode of a precompressed chain between walls.
+    /// `u_n = v_n = amplitude sin(pi mode (n+1)/(N+1))` at rest, a mode of a precompressed chain
+    /// between walls.
     NormalMode {
         /// Number of half waves.
         mode: u32,
         /// Amplitude.
         amplitude: f64,
     },
-    /// (uncpl): beads that never touch.
+    /// The exact solution (uncpl) without contact force.
     TrivialBreather(TrivialSection),
-    /// (ini_num): beads displaced by `2 epsilon a_n`, a homoclinic solution of (dpsstat), all else at rest.
+    /// The state (ini_num): beads displaced by `2 epsilon a_n`, a homoclinic solution of (dpsstat),
+    /// with everything else at zero.
     BrightBreather {
-        /// What the profile is symmetric about: `site` (`a^1`) or `bond` (`a^2`).
+        /// The symmetry of the profile: about a `site` (`a^1`) or a `bond` (`a^2`).
         center: Center,
         /// Size of the breather.
         epsilon: f64,
     },
-    /// Any state, array by array; an array left out is zero. Strains and their rates on a strain ring.
+    /// Any state, array by array; an array left out is zero. On a strain ring the arrays are
+    /// strains and their rates.
     State {
         /// Displacements of the beads.
         #[serde(default)]
@@ -141,11 +147,13 @@ pub enum Initial {
     },
 }
 
-/// `[initial]` of kind `trivial-breather`: amplitudes, phases and mean positions, each said in one way.
+/// The section `[initial]` of kind `trivial-breather`: amplitudes, phases and mean positions, each
+/// given in one way.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrivialSection {
-    /// `a_n`, site by site; or `a_n = amplitude e^{-|n - center| / decay}` from the three below.
+    /// `a_n`, site by site; otherwise `a_n = amplitude e^{-|n - center| / decay}` from the next
+    /// three keys.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitudes: Option<Vec<f64>>,
     /// Site of the centre, between sites if fractional.
@@ -160,21 +168,23 @@ pub struct TrivialSection {
     /// `phi_n`, site by site, in radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phases: Option<Vec<f64>>,
-    /// `(phi_n - phi_{n-1}) / pi`, the same for all (1, antiphase, if left out).
+    /// `(phi_n - phi_{n-1}) / pi`, the same for all bonds (1, antiphase, if left out).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_step_over_pi: Option<f64>,
     /// Mean positions `b_n`, site by site.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub b: Option<Vec<f64>>,
-    /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`, as close as contacts allow where it does not rise.
+    /// `d_n`, site by site: the mean positions are `b_n = d_n + sum l_k`. Where `d_n` is constant
+    /// the beads touch but do not press.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub d: Option<Vec<f64>>,
-    /// Gap beyond what contacts demand, the same for all bonds (0 if left out); the mean of the `b_n` is then zero.
+    /// Increase of `d_n` from site to site, the same for all bonds (0 if left out); the mean of the
+    /// `b_n` is then zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gap: Option<f64>,
 }
 
-/// `[span]`: exactly one of `periods` and `until`.
+/// The section `[span]`, with exactly one of `periods` and `until`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Span {
@@ -184,33 +194,35 @@ pub struct Span {
     /// End time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
-    /// The unit that steps per period refer to, for scenes without a frequency of their own (1 if left out).
+    /// Unit of time for steps per period, for scenes without a frequency of their own (1 if left
+    /// out).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<f64>,
 }
 
-/// `[method]`: an integrator, and at most one of the others.
+/// The section `[method]`: an integrator, and at most one of the other keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MethodSection {
     /// Name of the integrator.
     pub integrator: String,
-    /// Tolerance, for one that takes it.
+    /// Tolerance, for an integrator that takes one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tol: Option<f64>,
-    /// Step, made smaller where a whole number of steps must fit the span.
+    /// Step; it is reduced where a whole number of steps must fit the span.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<f64>,
-    /// Steps a period of the scene.
+    /// Steps per period of the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_period: Option<f64>,
 }
 
 impl MethodSection {
-    /// A run by this method.
+    /// The run with this method and setting.
     ///
     /// # Errors
-    /// An unknown integrator; more than one of the settings, or one that the integrator does not take or that is outside its rule.
+    /// An unknown integrator; more than one setting; a setting that the integrator does not take or
+    /// that is outside its rule.
     pub fn of(&self, run: Run) -> Result<Run> {
         let &Self { ref integrator, tol, step, steps_per_period } = self;
         let method = Method::named(integrator)?;
@@ -236,31 +248,32 @@ impl MethodSection {
     }
 }
 
-/// `[record]`.
+/// The section `[record]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// Number of equally spaced times at which energy and strains are kept; 0: the end only. If left out, a scene takes
-    /// [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its period is known, see [`by_default`](Self::by_default).
+    /// Number of equally spaced times at which energy and strains are kept; 0: the end only.
+    ///
+    /// If left out, a scene takes [`FEWEST_SAMPLES`](Self::FEWEST_SAMPLES), or more where its
+    /// period is known; see [`by_default`](Self::by_default).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<usize>,
 }
 
 impl Record {
-    /// Samples of a short run that does not say how many.
+    /// Least default number of samples.
     pub const FEWEST_SAMPLES: usize = 400;
-    /// Most samples of a run that does not say how many.
+    /// Largest default number of samples.
     pub const MOST_SAMPLES: usize = 10_000;
-    /// Samples a period of a run that does not say how many, unless they are more than
-    /// [`MOST_SAMPLES`](Self::MOST_SAMPLES) in all.
+    /// Default number of samples per period, up to [`MOST_SAMPLES`](Self::MOST_SAMPLES) in all.
     pub const PER_PERIOD: f64 = 16.0;
 
-    /// This many samples.
+    /// Records with the given number of samples.
     pub fn of(samples: usize) -> Self {
         Self { samples: Some(samples) }
     }
 
-    /// The number of samples of a run that does not say how many, by its length in periods, if a period is known.
+    /// The default number of samples, from the length of the run in periods, if a period is known.
     ///
     /// ```
     /// use hertzchain::scene::Record;
@@ -276,19 +289,23 @@ impl Record {
 }
 
 impl SceneFile {
-    /// Reads a scene; `file` is what messages call it.
+    /// Reads a scene from `text`; messages call it `file`.
     ///
     /// # Errors
-    /// The line, the key and the rule; the nearest key, where one is unknown; a number that a double cannot hold.
+    /// Errors with the line, the key and the rule; for an unknown key, with the nearest known one.
+    /// A number that a double cannot hold is an error.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         Self::parse_with(text, file, &[])
     }
 
-    /// Reads a scene with some keys changed. A change is a line of TOML with a dotted key, such as `chain.rho=3`; a value
-    /// that is no TOML is taken as a string, so that `chain.boundary=ring` needs no quotation marks.
+    /// Reads a scene with some keys changed.
+    ///
+    /// A change is a line of TOML with a dotted key, such as `chain.rho=3`. A value that is not
+    /// TOML is taken as a string, so that `chain.boundary=ring` needs no quotation marks.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); a change in place of a line where it is to blame.
+    /// As [`parse`](Self::parse); the message names the change instead of a line if the change
+    /// causes the error.
     pub fn parse_with(text: &str, file: &str, changes: &[String]) -> Result<Self> {
         let fail = |message| Error::Scene { file: file.to_owned(), message };
         let source = Source { text, changes };
@@ -309,7 +326,8 @@ impl SceneFile {
         Ok(scene)
     }
 
-    /// Where the value of the parameter `name` stands, for messages: its line, or the change that set it, and its key.
+    /// The place of the parameter `name` for messages: its line, or the change that set it, and its
+    /// key.
     pub(super) fn place(text: &str, changes: &[String], name: &str) -> Option<String> {
         let source = Source { text, changes };
         let lines = source.lines().ok()?;
@@ -328,14 +346,16 @@ impl SceneFile {
     }
 }
 
-/// What a scene is read from: the text of a file and the changes to it. Bytes are counted through both.
+/// The sources of a scene: the text of a file and the changes. Positions in bytes are counted
+/// through all of them.
 struct Source<'a> {
     text: &'a str,
     changes: &'a [String],
 }
 
 impl Source<'_> {
-    /// Where each change begins: one byte after the text or the change before it.
+    /// The changes and the position at which each begins: one byte after the text, or `QUOTES + 1`
+    /// after the end of the change before it.
     fn starts(&self) -> impl Iterator<Item = (usize, &String)> {
         self.changes.iter().scan(self.text.len() + 1, |next, change| {
             let start = *next;
@@ -344,7 +364,8 @@ impl Source<'_> {
         })
     }
 
-    /// The changes as TOML, each behind so many blanks that its bytes are counted from where it begins.
+    /// The changes as TOML, each after as many blanks as its position, so that the parser reports
+    /// positions in the whole source.
     fn lines(&self) -> std::result::Result<Vec<String>, String> {
         let line = |(start, change): (usize, &String)| {
             let Some((key, value)) = change.split_once('=') else {
@@ -357,7 +378,7 @@ impl Source<'_> {
         self.starts().map(line).collect()
     }
 
-    /// The line, or the change, in which the byte `at` is.
+    /// The line or the change that holds the byte `at`.
     fn place(&self, at: usize) -> String {
         match self.starts().take_while(|(start, _)| *start <= at).last() {
             Some((_, change)) => format!("--set {}", one_line(change)),
@@ -366,10 +387,10 @@ impl Source<'_> {
     }
 }
 
-/// Quotation marks and escapes that a change may get.
+/// Bytes reserved for the quotation marks and escapes that a change may get.
 const QUOTES: usize = 1 << 12;
 
-/// Puts the entries of `change` into `table`, in place of those of the same keys.
+/// Inserts the entries of `change` into `table`; they replace entries of the same keys.
 fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) {
     for (key, value) in change {
         match (table.get_mut(&key).map(toml::Spanned::get_mut), value.get_ref()) {
@@ -385,12 +406,12 @@ fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) {
     }
 }
 
-/// A key with a value that is no table.
+/// A key whose value is not a table.
 struct Leaf<'a> {
-    /// As in `chain.alpha`.
+    /// The dotted key, such as `chain.alpha`.
     key: String,
     value: &'a DeValue<'a>,
-    /// Where the value is.
+    /// The position of the value in the source.
     span: Range<usize>,
 }
 
@@ -406,7 +427,7 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
 }
 
 impl Leaf<'_> {
-    /// That doubles can hold its numbers.
+    /// Checks that doubles can hold the numbers of the value.
     fn held(&self) -> std::result::Result<(), String> {
         fn of(value: &DeValue<'_>) -> std::result::Result<(), String> {
             match value {
@@ -427,11 +448,13 @@ fn line(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|&byte| byte == b'\n').count()
 }
 
-/// The message of an error of the reader, with the line and the key that it is about. `table` is the scene, where it could be read as TOML.
+/// The message of an error of the reader, with the line and the key of its cause.
+///
+/// `table` is the scene, if it could be read as TOML.
 fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Spanned<DeTable<'_>>>) -> String {
     let text = source.text;
     let message = in_words(&error.message().lines().collect::<Vec<_>>().join("; "));
-    // serde says: unknown field `x`, expected one of `a`, `b`.
+    // Form of the message of serde: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let hint = match names.split_first() {
         Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
@@ -468,8 +491,11 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     one_line(&message)
 }
 
-/// The key of `[initial]` that a message is about: the first with which it appears. A table of one kind or another is read as a whole, and of an error in it
-/// nobody knows where it was.
+/// The key of `[initial]` that causes a message.
+///
+/// The reader reads a table with a `kind` as a whole and does not know where an error in it is.
+/// Here the keys are inserted one after the other; the first key with which the message appears is
+/// the cause.
 fn culprit(message: &str, table: &toml::Spanned<DeTable<'_>>) -> Option<String> {
     let file = Table::deserialize(Deserializer::from(table.clone())).ok()?;
     let initial = file.get("initial")?.as_table()?;

@@ -1,4 +1,4 @@
-//! Scenes: a named, complete set-up. Chain, initial state, time span, what to record.
+//! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
 mod builtin;
 mod file;
@@ -16,29 +16,31 @@ use crate::{
 use builtin::BUILTIN;
 use std::{f64::consts::PI, path::Path};
 
-/// More sites than any machine's memory holds states of.
+/// Largest number of sites; a state of that size takes 3.2 GB.
 const MOST_SITES: usize = 100_000_000;
-/// Longest scene file: states of millions of sites have room.
+/// Longest scene file in bytes; arrays of millions of sites fit.
 const MOST_BYTES: u64 = 1 << 28;
-/// More samples than a figure can show or a file should hold.
+/// Largest number of samples.
 const MOST_SAMPLES: usize = 1_000_000;
 
-/// Contact forces below 1e-250 count as none: a state has some that are well above.
+/// Least size of the contact forces of a state. Forces below about 1e-250 count as zero; this is
+/// far above.
 const LEAST_FORCE: f64 = 1e-200;
-/// Energies beyond this would overflow on the way.
+/// Largest energy of a state; beyond it intermediate results would overflow.
 const MOST_ENERGY: f64 = 1e300;
 
-/// Seed of a perturbation that has none of its own.
+/// Seed of a perturbation if none is given.
 const DEFAULT_SEED: u64 = 1;
 const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 
-/// Theory that a scene can be held against.
+/// The theory with which a run of a scene can be compared.
 #[derive(Clone, Debug)]
 pub enum Theory {
     /// The first-order wave (eq:xytw_app).
     Wave(TravellingWave),
-    /// The same, perturbed (eq:dA0_ptb): its ansatz (eq:xy_app) takes a run of the modulation equations.
+    /// The first-order wave, perturbed (eq:dA0_ptb); its ansatz (eq:xy_app) needs a run of the
+    /// modulation equations.
     PerturbedWave(PerturbedWave),
     /// The exact solution (uncpl).
     Breather(TrivialBreather),
@@ -46,7 +48,7 @@ pub enum Theory {
     Bright(BrightBreather),
 }
 
-/// A scene that has been checked: ready to run.
+/// A scene that has been checked and can be run.
 #[derive(Clone, Debug)]
 pub struct Scene {
     file: SceneFile,
@@ -55,12 +57,12 @@ pub struct Scene {
     theory: Option<Theory>,
     period: f64,
     end: f64,
-    /// Whether the number of samples is that of the file, not one by default.
+    /// Whether the number of samples is given, not the default.
     says_samples: bool,
 }
 
 impl Scene {
-    /// A scene with every key, each explained, as TOML: a start for one's own.
+    /// A scene in TOML with every key and an explanation of each, as a start for new scenes.
     pub const TEMPLATE: &str = include_str!("template.toml");
 
     /// Names and one-line summaries of the built-in scenes.
@@ -97,7 +99,7 @@ impl Scene {
         Self::load_with(name_or_file, &[])
     }
 
-    /// The same with some keys changed, see [`SceneFile::parse_with`].
+    /// A built-in scene or a file with some keys changed; see [`SceneFile::parse_with`].
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -112,7 +114,7 @@ impl Scene {
         Self::parse_with(&Self::source(name_or_file)?, name_or_file, changes)
     }
 
-    /// The scene in a text; `file` is what messages call it.
+    /// The scene in `text`; messages call it `file`.
     ///
     /// # Errors
     /// See [`SceneFile::parse`] and [`build`](Self::build).
@@ -120,7 +122,7 @@ impl Scene {
         Self::parse_with(text, file, &[])
     }
 
-    /// The scene in a text with some keys changed, see [`SceneFile::parse_with`].
+    /// The scene in `text` with some keys changed; see [`SceneFile::parse_with`].
     ///
     /// # Errors
     /// As [`parse`](Self::parse).
@@ -148,7 +150,7 @@ impl Scene {
         if let Some(samples) = file.record.samples.filter(|samples| *samples > MOST_SAMPLES) {
             return Err(Error::parameter("samples", samples, "at most 10^6"));
         }
-        // To the chain -0 is zero; in a file it is a slip.
+        // The chain takes -0 as zero; in a file it is a mistake.
         for (name, value) in
             [("kappa", section.kappa), ("rho", section.rho), ("precompression", section.precompression)]
         {
@@ -194,7 +196,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Sets the number of samples where the scene does not say it.
+    /// Sets the number of samples to its default if it is not given.
     fn sample(&mut self) {
         if !self.says_samples {
             let has_frequency = self.chain.params().resonators() != Resonators::None || self.theory.is_some();
@@ -203,7 +205,7 @@ impl Scene {
         }
     }
 
-    /// The same scene until another time.
+    /// The scene with another end time.
     ///
     /// # Errors
     /// A time that is not finite or not positive.
@@ -217,10 +219,12 @@ impl Scene {
         Ok(self)
     }
 
-    /// The same wave with another perturbation of its amplitudes; `zeta = 0`: none. The seed is 1 if left out.
+    /// The scene with another perturbation of the wave's amplitudes; none for `zeta = 0`. The
+    /// default seed is 1.
     ///
     /// # Errors
-    /// A scene that is no travelling wave; `zeta` outside `[0, 1)`; a seed without perturbation.
+    /// A scene that is not a travelling wave; `zeta` outside `[0, 1)`; a seed without a
+    /// perturbation.
     pub fn perturbed(&self, zeta: f64, seed: Option<u64>) -> Result<Self> {
         let mut file = self.file.clone();
         let Initial::TravellingWave { zeta: own_zeta, seed: own_seed, .. } = &mut file.initial else {
@@ -233,10 +237,10 @@ impl Scene {
         Self::build(file)
     }
 
-    /// The wave of a scene, without its perturbation.
+    /// The travelling wave of the scene, without its perturbation.
     ///
     /// # Errors
-    /// A scene that is no travelling wave.
+    /// A scene that is not a travelling wave.
     pub fn wave(&self) -> Result<&TravellingWave> {
         match &self.theory {
             Some(Theory::Wave(wave)) => Ok(wave),
@@ -250,7 +254,7 @@ impl Scene {
         &self.file.name
     }
 
-    /// The file it came from, as it runs.
+    /// The contents of the scene file, with changed and default values in place.
     pub fn file(&self) -> &SceneFile {
         &self.file
     }
@@ -265,12 +269,13 @@ impl Scene {
         &self.initial
     }
 
-    /// Theory to hold it against, if there is one.
+    /// The theory with which a run can be compared, if there is one.
     pub fn theory(&self) -> Option<&Theory> {
         self.theory.as_ref()
     }
 
-    /// The exact solution, where there is one: of the kind `trivial-breather`, and of states that are one.
+    /// The exact solution, if there is one: for the kind `trivial-breather`, and for states that
+    /// belong to such a solution.
     pub fn exact(&self) -> Option<&TrivialBreather> {
         match &self.theory {
             Some(Theory::Breather(breather)) => Some(breather),
@@ -278,8 +283,10 @@ impl Scene {
         }
     }
 
-    /// The unit of "steps per period": `2 pi/omega_tw` for waves, `T_b` for bright breathers, `2 pi/omega` with resonators (`2 pi/sqrt(kappa)` for the
-    /// cradle), else what the scene states.
+    /// The unit of "steps per period".
+    ///
+    /// It is `2 pi/omega_tw` for waves, `T_b` for bright breathers, `2 pi/omega` with resonators
+    /// (`2 pi/sqrt(kappa)` for the cradle), and otherwise the `period` of the file.
     pub fn period(&self) -> f64 {
         self.period
     }
@@ -294,7 +301,8 @@ impl Scene {
         self.file.record.samples.unwrap_or(0)
     }
 
-    /// The amplitude that errors are divided by, where theory gives one: `2 epsilon kappa a` for waves, `2 epsilon max |a_n|` for bright breathers.
+    /// The amplitude that errors are divided by, if theory gives one: `2 epsilon kappa a` for
+    /// waves, `2 epsilon |a_0|` for bright breathers.
     pub fn amplitude(&self) -> Option<f64> {
         match &self.theory {
             Some(Theory::Wave(wave)) => Some(wave.amplitude()),
@@ -309,12 +317,13 @@ impl Scene {
         self.chain.strains(y)
     }
 
-    /// The scene as a run: by the method that it names, or by what its chain asks for, unless another is named.
+    /// The scene as a run, with the method that the scene names, or else the one that suits its
+    /// chain.
     pub fn run(&self) -> Run {
         self.checked_run().expect("a scene is checked when it is built")
     }
 
-    /// Method and setting, where the scene names a method.
+    /// Method and setting, if the scene names a method.
     pub fn choice(&self) -> Option<(Method, Setting)> {
         self.file.method.as_ref()?;
         self.run().choice().ok()
@@ -329,7 +338,8 @@ impl Scene {
         }
     }
 
-    /// What is evaluated and what is left out where the scene has an [exact](Self::exact) solution and nobody asks for an integrator.
+    /// In words: what is evaluated and what is left out where the scene has an [exact](Self::exact)
+    /// solution and no integrator is asked for.
     pub fn plan_in_closed_form(&self) -> Vec<String> {
         vec![
             self.plan_of_sites(),
@@ -365,7 +375,8 @@ impl Scene {
         }
     }
 
-    /// What an integrator does and what is left out, in words, a line each; `events`: whether contacts are logged.
+    /// In words, one line each: what an integrator does and what is left out. `events`: whether
+    /// contacts are logged.
     pub fn plan(&self, events: bool) -> Vec<String> {
         let resonators = self.plan_of_sites();
         let law = match self.chain.params().alpha {
@@ -417,12 +428,12 @@ impl Scene {
     }
 }
 
-/// Refuses a state whose contact forces would be lost to underflow, or whose energy to overflow.
+/// Refuses a state whose contact forces would underflow or whose energy would overflow.
 fn within_range(chain: &Chain<f64>, initial: &State<f64>) -> Result<()> {
     let (y, law, alpha) = (initial.as_slice(), chain.law(), chain.params().alpha);
     let [far, fast] = [&y[..y.len() / 2], &y[y.len() / 2..]].map(|half| max_norm(half.iter().copied()));
     let size = far.max(fast);
-    // What moves at a speed v comes to overlaps g with g^(alpha + 1) of the order of v^2.
+    // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
     let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
     if size > 0.0 && chain.precompression() == 0.0 && force < LEAST_FORCE {
         let rule = "underflow: contact forces amplitude^alpha below 1e-200 are lost; scale the state up";
@@ -584,7 +595,7 @@ fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
         (None, step) => {
             let step = step.unwrap_or(1.0);
             finite("phase_step_over_pi", step)?;
-            // A phase between neighbours is as good as one of many turns less.
+            // Phases are needed up to whole turns only.
             Ok((0..sites).map(|i| PI * (i as f64 * step % 2.0)).collect())
         }
         _ => Err(Error::parameter("initial", "[initial]", "give at most one of `phases` and `phase_step_over_pi`")),
