@@ -1,14 +1,15 @@
-//! Grids of independent points: the one place that hands them out, keeps what was computed and brings results into order.
+//! Grids of independent points: distribution over threads, storage of results, and their order.
 //!
 //! | word | meaning |
 //! |---|---|
-//! | *point* | where something is computed that asks no other point: parameters, a seed, a method |
-//! | *row* | what came of a point: a value, or why there is none |
-//! | *store* | a file with a line for every point that was computed; see [`Store`] |
-//! | *backend* | who computes: the threads of this process, or whoever takes numbers and gives back text; see [`Backend`] |
+//! | *point* | input of a computation that is independent of all others: parameters, a seed, a method |
+//! | *row* | result of a point: a value, or the reason why there is none |
+//! | *store* | a file with a line for each computed point; see [`Store`] |
+//! | *backend* | whatever computes points: the threads of this process, or other workers that take numbers and return text; see [`Backend`] |
 //!
-//! [`map`] is for points that live in memory and end together; [`sweep`] for those that may fail one by one, take long, are killed and go on.
-//! Results are in the order of the grid, whatever the order of the work, and the same for any number of threads.
+//! [`map`] is for points in memory whose computations end together. [`sweep`] is for points that
+//! may fail one by one or take long, in runs that may be interrupted and resumed. Results are in
+//! the order of the grid, for any order of the work, and the same for any number of threads.
 
 mod store;
 mod threads;
@@ -32,20 +33,24 @@ use std::{
     },
 };
 
-/// Why there is no value of a point that was not begun, or broken off.
+/// The reason for the missing value of a point that was not begun, or was interrupted.
 const STOPPED: &str = "not computed: stopped by a signal";
 
-/// What came of a point: a value, or why there is none.
+/// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
 
-/// Who computes points.
+/// Computes points.
 ///
-/// Points go out as their numbers in the grid and come back as text: a worker may be another process that has the same grid.
+/// The input is the number of a point in the grid and the output is text, so a worker may be
+/// another process that has the same grid.
 pub trait Backend {
-    /// Calls `done(k, work(k))` for every `k` of `todo`, once, in any order, as soon as `work(k)` is there; `done` in this process, `work` anywhere.
+    /// Calls `done(k, work(k))` once for every `k` of `todo`, in any order, as soon as `work(k)`
+    /// has returned.
+    ///
+    /// `done` is called in this process; `work` may run anywhere.
     ///
     /// # Errors
-    /// The first of `done`, and then as little more as can be.
+    /// The first error of `done`; then the backend stops as soon as it can.
     fn run(
         &self,
         todo: &[usize],
@@ -54,7 +59,7 @@ pub trait Backend {
     ) -> Result<()>;
 }
 
-/// Counts what is done, on any thread, and tells it.
+/// Counts finished points, on any thread, and reports the count.
 pub struct Tally<'a> {
     done: AtomicU64,
     total: u64,
@@ -62,12 +67,12 @@ pub struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    /// Nothing of `total` is done; `tell` hears how many of how many.
+    /// A count of zero out of `total`; `tell` is called with the count and the total.
     pub fn new(total: usize, tell: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
         Self { done: AtomicU64::new(0), total: total as u64, tell }
     }
 
-    /// One more is done.
+    /// Counts one more point.
     pub fn tick(&self) {
         self.add(1);
     }
@@ -77,7 +82,7 @@ impl<'a> Tally<'a> {
         (self.tell)(self.done.fetch_add(count, Ordering::Relaxed) + count, self.total);
     }
 
-    /// [`map`], counted.
+    /// [`map`] that counts each item.
     pub fn map<T: Sync, U: Send>(&self, items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
         map(items, |item| {
             let result = f(item);
@@ -87,25 +92,26 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// The rows of a grid.
+/// The rows of a grid, and their origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept<U> {
     /// A row for each point, in the order of the grid.
     pub rows: Vec<Row<U>>,
-    /// How many of them were in the store.
+    /// Number of rows that were in the store.
     pub resumed: usize,
-    /// How many were not computed, since the process was asked to end: failed rows that are not kept.
+    /// Number of points not computed because the process was asked to end; their rows are failures
+    /// and are not kept.
     pub missing: usize,
 }
 
 impl<U> Swept<U> {
-    /// How many were computed now.
+    /// Number of rows that were computed in this call.
     pub fn computed(&self) -> usize {
         self.rows.len() - self.resumed - self.missing
     }
 }
 
-/// A row as it is kept and as it travels.
+/// A row as it is stored and sent.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Kept<U> {
@@ -113,11 +119,14 @@ enum Kept<U> {
     Failure(String),
 }
 
-/// Computes every point of a grid that is not in the store, keeps each as soon as it is there, and gives the rows in the order of the grid.
+/// Computes the points of a grid that are not in the store, keeps each row as soon as it is there,
+/// and returns the rows in the order of the grid.
 ///
-/// A point whose work fails or panics is a failed row with the reason; the others go on. A failed row is kept like any other: take its line out of
-/// the store, and it is computed again. Values travel as JSON, in the store or not, so that a row is the same whether it was resumed or not: they hold no
-/// number that is not finite.
+/// A point whose work fails or panics gives a failed row with the reason; the others continue. A
+/// failed row is kept like any other, unless the process was asked to end; if its line is removed
+/// from the store, the point is computed again. Values are converted to JSON and back, with or
+/// without a store, so that resumed and new rows are the same. They must not hold numbers that are
+/// not finite.
 ///
 /// ```
 /// use hertzchain::sweep::{Threads, sweep};
@@ -127,7 +136,8 @@ enum Kept<U> {
 /// ```
 ///
 /// # Errors
-/// A point that is twice in the grid; a store that cannot be written, or whose lines do not hold such values.
+/// A point that is in the grid twice; a store that cannot be written, or whose lines do not hold
+/// such values; a row that the backend changed or left out.
 pub fn sweep<T, U>(
     points: &[T],
     store: Option<&mut Store>,
@@ -179,7 +189,7 @@ where
     Ok(Swept { rows, resumed, missing })
 }
 
-/// Points as text, by which the store knows them.
+/// The points as JSON text, which identifies them in the store.
 fn keys<T: Serialize>(points: &[T]) -> Result<Vec<String>> {
     let refused = |why: serde_json::Error| Error::parameter("point", why, "a point of a grid can be written as JSON");
     let keys = points.iter().map(|point| serde_json::to_string(point).map_err(refused)).collect::<Result<Vec<_>>>()?;
@@ -190,12 +200,13 @@ fn keys<T: Serialize>(points: &[T]) -> Result<Vec<String>> {
     }
 }
 
-/// The row of a point, whatever its work does. None is begun once the process was asked to end.
+/// The row of a point, also if its work fails or panics. No work is begun after the process was
+/// asked to end.
 fn attempt<U>(work: impl FnOnce() -> Result<U>) -> Row<U> {
     if interrupt::asked() {
         return Err(STOPPED.to_owned());
     }
-    // Nothing that a point has begun outlives its panic: all it shares with others is read only.
+    // Unwinding is safe: what points share is read only, and what a point made is dropped.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(result) => result.map_err(|error| error.to_string()),
         Err(panic) => Err(format!("panicked: {}", message(&*panic))),
@@ -207,7 +218,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }
 
-/// A row as text that reads back; one that does not is a failed row.
+/// A row as text that reads back to the same type; a row for which this fails becomes a failed row.
 fn text<U: Serialize + DeserializeOwned>(row: Row<U>) -> String {
     let kept = match row {
         Ok(value) => Kept::Value(value),
@@ -229,7 +240,7 @@ fn read<U: DeserializeOwned>(text: &str) -> std::result::Result<Row<U>, String> 
     }
 }
 
-/// A lock that a panic elsewhere does not take from us: what it guards is whole between two calls.
+/// Locks a mutex, also after a panic of another thread: its data are consistent between two calls.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

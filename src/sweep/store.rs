@@ -1,10 +1,13 @@
-//! A file that grows by a line with every point that is computed.
+//! A file that gets one more line for every computed point.
 //!
-//! Every line is `CHECK JSON`, the check 16 hexadecimal digits of the FNV-1a hash of the JSON. The first line says whose points these are: study,
-//! program and settings; its check is the fingerprint of the study, and the checks of all other lines go on from it, so that a line of another study
-//! fits nowhere. A line is handed to the system in one piece. What a kill leaves of it has no end of line: it is dropped, and the point computed again. Anything else
-//! that is not as it was written is refused, and never written over. Lines are synced once a second: a failure of the power costs the points of about that time.
-//! A store belongs to one run at a time.
+//! A line is `CHECK JSON`, where the check is the FNV-1a hash of the JSON in 16 hexadecimal digits.
+//! The first line says to which study the points belong: study, program and settings. The hashes of
+//! all other lines continue that of the first, so that a line of another study is refused.
+//!
+//! A line is handed to the system in one call. If the process is killed, a partial line has no end
+//! of line: it is dropped, and its point is computed again. All other content that is not as it was
+//! written is refused and not overwritten. Lines are synced once a second, so a failure of the
+//! power costs the points of about one second. A store belongs to one run at a time.
 
 use crate::{
     error::{Error, Result},
@@ -22,29 +25,29 @@ use std::{
 
 /// The version of the format.
 const VERSION: u64 = 1;
-/// Lines are brought to the disk so often.
+/// Time between two syncs to the disk.
 const SYNC: Duration = Duration::from_secs(1);
 /// The basis of FNV-1a, 64 bits.
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-/// Its prime.
+/// The prime of FNV-1a, 64 bits.
 const PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// The points of one study that were computed, in a file; see the [module](super).
+/// The computed points of one study, in a file; see the [module](super).
 #[derive(Debug)]
 pub struct Store {
     folder: Folder,
     name: String,
     file: File,
-    /// When it was last brought to the disk.
+    /// Time of the last sync to the disk.
     synced: Instant,
-    /// Bytes that are whole lines.
+    /// Length of the whole lines, in bytes.
     length: u64,
     header: String,
     lines: Vec<Line>,
     at: HashMap<String, usize>,
 }
 
-/// A point and what came of it, as text.
+/// A point and its row, as text.
 #[derive(Debug)]
 struct Line {
     key: String,
@@ -61,17 +64,19 @@ struct Payload<'a> {
 }
 
 impl Store {
-    /// Opens the store `name` of a folder, or makes it. `settings`: all that results depend on beside the point.
+    /// Opens the store `name` of a folder, or creates it. `settings` holds all that results depend
+    /// on besides the point.
     ///
     /// # Errors
-    /// A file that is no store, is that of another study, or is not as it was written, with its line; one that another run has open; what the system says.
+    /// A file that is not a store, belongs to another study, or is not as it was written, with the
+    /// line; a store that another run has open; errors of the system.
     pub fn open(folder: &Folder, name: &str, study: &str, settings: &Value) -> Result<Self> {
         let path = folder.path().join(name);
         let fail = |source| Error::File { path: path.clone(), source };
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(fail)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => return Err(refused(&path, 1, "in use by another run")),
-            // Where files cannot be locked, nobody can look.
+            // Where files cannot be locked, no check is possible.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
         let mut bytes = Vec::new();
@@ -92,12 +97,12 @@ impl Store {
         Ok(store)
     }
 
-    /// How many points it holds.
+    /// Number of points in the store.
     pub fn len(&self) -> usize {
         self.lines.len()
     }
 
-    /// Whether it holds none.
+    /// Whether the store has no points.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
@@ -110,7 +115,7 @@ impl Store {
         Error::File { path: self.path(), source }
     }
 
-    /// Takes what the file holds, and cuts off what a kill has left of a last line.
+    /// Reads the content of the file, and removes a partial last line.
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
         let head = self.head();
@@ -127,7 +132,7 @@ impl Store {
         if whole == 0 { self.write(&head) } else { Ok(()) }
     }
 
-    /// Takes a line, of this number from 1 on.
+    /// Reads the line with the given number, counted from 1.
     fn take(&mut self, number: usize, line: &[u8]) -> std::result::Result<(), String> {
         let altered = || "not as it was written: its check does not fit".to_owned();
         let text = std::str::from_utf8(line).ok().and_then(|line| line.strip_suffix('\n')).ok_or_else(altered)?;
@@ -145,17 +150,17 @@ impl Store {
         known.map_or(Ok(()), |before| Err(format!("the point of line {} again", before + 2)))
     }
 
-    /// The row of a point, if it is there.
+    /// The row of a point, if the store has it.
     pub(super) fn get(&self, key: &str) -> Option<&str> {
         self.at.get(key).map(|&k| self.lines[k].row.as_str())
     }
 
-    /// The row of a point is none of this study.
+    /// The error for a row that does not hold a value of this study.
     pub(super) fn corrupt(&self, key: &str, why: &str) -> Error {
         refused(&self.path(), self.at.get(key).map_or(1, |&k| k + 2), format!("no value of this study: {why}"))
     }
 
-    /// Keeps the row of a point.
+    /// Appends the row of a point.
     pub(super) fn append(&mut self, key: &str, row: String) -> Result<()> {
         let line = Line { key: key.to_owned(), row };
         self.write(&self.written(&line))?;
@@ -164,7 +169,9 @@ impl Store {
         Ok(())
     }
 
-    /// Brings the lines of a finished grid into its order, before those of other grids: the same bytes, whatever the order of the work was.
+    /// Rewrites the file in the order of the grid, with points of other grids at the end.
+    ///
+    /// The bytes are then the same for any order of the work.
     pub(super) fn settle(&mut self, keys: &[String]) -> Result<()> {
         let of_grid: HashSet<&String> = keys.iter().collect();
         let others = self.lines.iter().map(|line| &line.key).filter(|key| !of_grid.contains(key));
@@ -187,7 +194,8 @@ impl Store {
 
     fn write(&mut self, line: &str) -> Result<()> {
         if let Err(source) = self.file.write_all(line.as_bytes()) {
-            // What a full disk took of the line is none: the next one must not go on from there.
+            // A full disk may have taken a part of the line: remove it, so that the next line does
+            // not continue it.
             drop(self.file.set_len(self.length));
             return Err(self.fail(source));
         }
@@ -204,7 +212,7 @@ fn refused(path: &Path, line: usize, rule: impl Into<String>) -> Error {
     Error::Content { path: path.to_owned(), place: format!("line {line}"), rule: rule.into() }
 }
 
-/// FNV-1a, from where another left off: any one byte changed changes it.
+/// FNV-1a, continued from the hash `from`. A change of one byte always changes the hash.
 fn fnv(from: u64, text: &str) -> u64 {
     text.bytes().fold(from, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }
@@ -213,7 +221,7 @@ fn digits(check: u64) -> String {
     format!("{check:016x}")
 }
 
-/// In what the header of another store differs from ours.
+/// The first difference between the header of another store and ours, as a message.
 fn difference(ours: &str, theirs: &str) -> String {
     let parsed = |text| serde_json::from_str::<Value>(text).unwrap_or_default();
     let (ours, theirs) = (parsed(ours), parsed(theirs));

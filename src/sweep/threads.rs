@@ -1,9 +1,9 @@
-//! The threads of this process; one after the other without the feature `parallel`.
+//! Computation on the threads of this process, or on one thread without the feature `parallel`.
 
 use super::Backend;
 use crate::error::Result;
 
-/// All cores, or as many threads as `RAYON_NUM_THREADS` says.
+/// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Threads;
 
@@ -30,20 +30,20 @@ impl Backend for Threads {
     }
 }
 
-/// What `f` makes of every item, in the order of the items, computed on all cores.
+/// The results of `f` for all items, in the order of the items, computed on all cores.
 #[cfg(feature = "parallel")]
 pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
     use rayon::prelude::*;
     items.par_iter().map(f).collect()
 }
 
-/// What `f` makes of every item.
+/// The results of `f` for all items, in the order of the items.
 #[cfg(not(feature = "parallel"))]
 pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
     items.iter().map(f).collect()
 }
 
-/// Runs `work` where whatever it does runs on one thread.
+/// Runs `work` in a thread pool of one thread, so that parallel parts of it use one thread too.
 #[cfg(feature = "parallel")]
 pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
     use crate::error::Error;
