@@ -8,22 +8,24 @@ use std::{
 };
 use tempfile::{Builder, NamedTempFile};
 
-/// What begins the name of a file that is being written.
+/// First characters of the name of a file that is being written.
 const UNFINISHED: &str = ".hertzchain-";
 
-/// A folder that can be written to. Its files appear whole or not at all.
+/// A folder for results. Its files appear whole or not at all.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
-    /// Makes the folder, and those above it, unless they are there; and checks that a file can be written.
+    /// Creates the folder and those above it, unless they exist, and checks that a file can be
+    /// written in it.
     ///
-    /// Call it before the work whose results it shall hold. What a process that was killed had not finished writing is removed.
+    /// Call it before the computation whose results it shall hold. Unfinished files of killed
+    /// processes are removed.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self> {
         let folder = Self { path: path.into() };
         let fail = |source| Error::File { path: folder.path.clone(), source };
@@ -33,15 +35,15 @@ impl Folder {
         Ok(folder)
     }
 
-    /// A file to be written, held by a lock as long as its process lives.
+    /// A temporary file, locked as long as its process lives.
     fn unfinished(&self) -> std::io::Result<NamedTempFile> {
         let file = Builder::new().prefix(UNFINISHED).tempfile_in(&self.path)?;
-        // Where files cannot be locked, leftovers stay.
+        // Where files cannot be locked, unfinished files stay.
         let _ = file.as_file().try_lock();
         Ok(file)
     }
 
-    /// Removes the files that nobody is writing any more.
+    /// Removes temporary files whose process has ended.
     fn sweep(&self) {
         let entries = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
         for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED)) {
@@ -51,23 +53,23 @@ impl Folder {
         }
     }
 
-    /// Where it is.
+    /// The path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes a file whole: a temporary file beside it, synced, then renamed.
+    /// Writes a file whole: a temporary file in the same folder is written, synced and renamed.
     ///
     /// # Errors
-    /// What the system says; the file is then as it was before.
+    /// Errors of the system; the file is then as it was before.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
         self.write_with(name, |file| file.write_all(bytes))
     }
 
-    /// The same with a file that is written bit by bit, by `content`.
+    /// Writes a file whole, with the closure `content` writing it in parts.
     ///
     /// # Errors
-    /// What the system says, or `content`; the file is then as it was before.
+    /// Errors of the system or of `content`; the file is then as it was before.
     pub fn write_with(&self, name: &str, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<PathBuf> {
         let path = self.path.join(name);
         let fail = |source| Error::File { path: path.clone(), source };
@@ -75,7 +77,7 @@ impl Folder {
         content(file.as_file_mut()).and_then(|()| file.as_file().sync_all()).map_err(fail)?;
         #[cfg(unix)]
         {
-            // A temporary file is for its owner only; a result is for whom the folder is.
+            // A temporary file is readable by its owner only; a result is readable by everybody.
             use std::os::unix::fs::PermissionsExt;
             file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).map_err(fail)?;
         }

@@ -12,12 +12,12 @@ use std::io::{self, Write};
 pub fn to_json(value: &impl Serialize) -> String {
     let mut text = Vec::new();
     let mut serializer = Serializer::with_formatter(&mut text, Digits::default());
-    // Our values have string keys and write to memory: nothing in them can fail.
+    // Values here have string keys and are written to memory: serialisation cannot fail.
     let _ = value.serialize(&mut serializer);
     String::from_utf8(text).unwrap_or_default()
 }
 
-/// Objects spread over lines, arrays of numbers on one.
+/// Layout: objects over several lines, and arrays with all they contain on one line.
 #[derive(Default)]
 struct Digits {
     pretty: PrettyFormatter<'static>,

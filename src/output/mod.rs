@@ -1,4 +1,5 @@
-//! Files and text: JSON with 17 significant digits, CSV, NPZ, and folders whose files are written whole or not at all.
+//! Files and text: JSON with 17 significant digits, CSV, NPZ, and folders whose files are written
+//! whole or not at all.
 
 mod folder;
 mod json;
@@ -11,10 +12,11 @@ pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 use crate::error::{Error, Result};
 use std::{fs::File, io::Read, path::Path};
 
-/// The bytes of a file that is no longer than it may be: a device, or the wrong file, is refused before it fills the memory.
+/// The bytes of a file with at most `most` bytes. A device, or a wrong file, is refused before it
+/// fills the memory.
 ///
 /// # Errors
-/// What the system says; [`Error::Content`] for one that is too long.
+/// Errors of the system; [`Error::Content`] for a file that is too long.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     let fail = |source| Error::File { path: path.to_owned(), source };
     let mut bytes = Vec::new();
@@ -26,7 +28,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Rows of numbers as CSV with a line of names; every number so that it reads back exactly.
+/// Rows of numbers as CSV with a line of names; each number reads back to the same double.
 pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {
     let mut text = names.join(",");
     text.push('\n');

@@ -1,4 +1,7 @@
-//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a fixed date. A text may stand among them; `numpy.load` gives its bytes.
+//! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a
+//! fixed date.
+//!
+//! A text may be among the members; `numpy.load` gives its bytes.
 
 use crate::error::{Error, Result};
 use std::{
@@ -9,10 +12,10 @@ use std::{
 };
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
-/// A named array of an archive, row by row.
+/// A named array of an archive, with its entries in row-major order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array<'a> {
-    /// Name.
+    /// Name without the extension.
     pub name: &'a str,
     /// Lengths along the axes.
     pub shape: Vec<u64>,
@@ -38,13 +41,13 @@ impl<'a> Array<'a> {
     }
 }
 
-/// What the text in an archive is called that says where its numbers come from.
+/// Name of the text in an archive that says how its numbers were computed.
 pub const SETTINGS: &str = "settings.json";
 
 /// The bytes of an archive.
 ///
 /// # Errors
-/// What the archive writer says.
+/// Errors of the archive writer.
 pub fn npz(arrays: &[Array<'_>]) -> Result<Vec<u8>> {
     archive(None, arrays)
 }
@@ -52,7 +55,7 @@ pub fn npz(arrays: &[Array<'_>]) -> Result<Vec<u8>> {
 /// The bytes of an archive that begins with a text.
 ///
 /// # Errors
-/// What the archive writer says.
+/// Errors of the archive writer.
 pub fn npz_with(name: &str, text: &str, arrays: &[Array<'_>]) -> Result<Vec<u8>> {
     archive(Some((name, text)), arrays)
 }
@@ -72,18 +75,19 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
     archive.finish()
 }
 
-/// An archive that is written array by array, and each row by row: what does not fit into memory a second time.
+/// An archive that is written array by array, and each array row by row, without a second copy in
+/// memory.
 pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
-    /// Bytes on their way.
+    /// The bytes of the numbers that are written next.
     block: Vec<u8>,
 }
 
 impl<W: Write + Seek> NpzWriter<W> {
-    /// An archive that begins with a text, `(name, text)`, or with nothing.
+    /// An archive that begins with a text, `(name, text)`, if one is given.
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn new(to: W, text: Option<(&str, &str)>) -> std::io::Result<Self> {
         let mut zip = ZipWriter::new(to);
         if let Some((name, text)) = text {
@@ -100,19 +104,19 @@ impl<W: Write + Seek> NpzWriter<W> {
             .large_file(true)
     }
 
-    /// Begins an array: its rows are to follow.
+    /// Begins an array; its rows follow by calls of [`row`](Self::row).
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn begin(&mut self, name: &str, shape: &[u64]) -> std::io::Result<()> {
         self.zip.start_file(file_name(name), Self::options())?;
         self.zip.write_all(&npy_head(shape))
     }
 
-    /// The next numbers of the array, the last axis fastest.
+    /// Writes the next entries of the array, with the last axis fastest.
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn row(&mut self, values: &[f64]) -> std::io::Result<()> {
         for part in values.chunks(BLOCK) {
             self.block.clear();
@@ -122,10 +126,10 @@ impl<W: Write + Seek> NpzWriter<W> {
         Ok(())
     }
 
-    /// An array with one axis.
+    /// Writes an array with one axis.
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn vector(&mut self, name: &str, values: &[f64]) -> std::io::Result<()> {
         self.begin(name, &[values.len() as u64])?;
         self.row(values)
@@ -134,22 +138,23 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// Ends the archive.
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn finish(self) -> std::io::Result<()> {
         self.zip.finish()?;
         Ok(())
     }
 }
 
-/// Numbers that are turned into bytes together.
+/// Count of numbers that are converted to bytes together.
 const BLOCK: usize = 1 << 13;
 
-/// What NumPy calls the file of an array.
+/// The name of the member that holds an array.
 fn file_name(array: &str) -> String {
     format!("{array}.npy")
 }
 
-/// What a file of little-endian doubles begins with: format 1.0 of NPY, a Python dictionary padded to a multiple of 64 bytes.
+/// The header of a file of little-endian doubles: format 1.0 of NPY, a Python dictionary padded to
+/// a multiple of 64 bytes.
 ///
 /// Source: NumPy, `numpy.lib.format`.
 fn npy_head(shape: &[u64]) -> Vec<u8> {
@@ -163,7 +168,7 @@ fn npy_head(shape: &[u64]) -> Vec<u8> {
     [&b"\x93NUMPY\x01\x00"[..], &length, text.as_bytes()].concat()
 }
 
-/// An archive that was read: every member held against its CRC-32.
+/// An archive that was read, with the CRC-32 of every member checked.
 #[derive(Debug)]
 pub struct Archive {
     path: PathBuf,
@@ -174,7 +179,8 @@ impl Archive {
     /// Reads the file `path`.
     ///
     /// # Errors
-    /// A file that cannot be opened; [`Error::Content`] for one that is no such archive, or not as it was written.
+    /// A file that cannot be opened; [`Error::Content`] for a file that is not such an archive, or
+    /// is damaged.
     pub fn read(path: &Path) -> Result<Self> {
         let fail = |source| Error::File { path: path.to_owned(), source };
         let file = File::open(path).map_err(fail)?;
@@ -182,7 +188,7 @@ impl Archive {
         Self::unpack(path, BufReader::new(file), length)
     }
 
-    /// The archive in `bytes`; `path` is what messages call it.
+    /// The archive in `bytes`; messages call it `path`.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -197,7 +203,7 @@ impl Archive {
         if archive.has_duplicate_names() {
             return Err(out.refused("archive", "two of its members have the same name"));
         }
-        // Nothing is compressed: no member, and not all together, is longer than the file.
+        // Members are not compressed: all together they are not longer than the file.
         let mut left = length;
         for k in 0..archive.len() {
             let mut bytes = Vec::new();
@@ -212,29 +218,30 @@ impl Archive {
         Ok(out)
     }
 
-    /// That what stands at `place` breaks a rule.
+    /// The error that the content at `place` breaks a rule.
     pub fn refused(&self, place: &str, rule: impl Into<String>) -> Error {
         Error::Content { path: self.path.clone(), place: place.to_owned(), rule: rule.into() }
     }
 
-    /// A text in it.
+    /// A text of the archive.
     ///
     /// # Errors
-    /// None of that name, or not UTF-8.
+    /// No member of that name, or a member that is not UTF-8.
     pub fn text(&self, name: &str) -> Result<&str> {
         std::str::from_utf8(self.member(name)?).map_err(|why| self.refused(name, why.to_string()))
     }
 
-    /// An array of this shape. Nothing is asked of memory before it is known that it is there.
+    /// An array of the given shape. Memory is allocated only after the length of the member is
+    /// checked.
     ///
     /// # Errors
-    /// None of that name, or of another type or shape.
+    /// No array of that name, or one of another type or shape.
     pub fn array(&self, name: &str, shape: &[u64]) -> Result<Vec<f64>> {
         let bytes = self.member(&file_name(name))?;
         let other = || self.refused(name, format!("{} bytes that are not an array of {shape:?} doubles", bytes.len()));
         let size = shape.iter().try_fold(8, |size: u64, length| size.checked_mul(*length));
         let size = size.filter(|size| *size < bytes.len() as u64).ok_or_else(other)?;
-        // The head says type and shape, in one way only: it is what would be written.
+        // The header says type and shape; only the form that is written here is accepted.
         let head = npy_head(shape);
         if head.len() as u64 + size != bytes.len() as u64 || !bytes.starts_with(&head) {
             return Err(other());
@@ -254,7 +261,8 @@ mod tests {
 
     #[test]
     fn an_array_begins_as_numpy_says() {
-        // Truth: NumPy's description of the format: magic, version, length of the text, a dictionary, blanks up to a multiple of 64.
+        // Truth: NumPy's description of the format: magic, version, length of the text, a
+        // dictionary, blanks up to a multiple of 64.
         for (shape, text) in [(&[401, 99][..], "(401, 99, )"), (&[7], "(7, )"), (&[], "()"), (&[u64::MAX; 9], "(")] {
             let head = npy_head(shape);
             assert_eq!(&head[..8], b"\x93NUMPY\x01\x00");
