@@ -1,25 +1,25 @@
 //! Nonlinear waves in locally resonant Hertzian chains.
 //!
-//! Beads push each other only while in contact, with force (overlap)_+^alpha, and each may carry a linear resonator
-//! (Liu, James, Kevrekidis, Vainchtein, *Nonlinear waves in a strongly nonlinear resonant granular chain*; equation
-//! labels in this documentation are those of that paper).
+//! Beads push each other only while in contact, with force (overlap)_+^alpha, and each may carry a
+//! linear resonator (Liu, James, Kevrekidis, Vainchtein, *Nonlinear waves in a strongly nonlinear
+//! resonant granular chain*; equation labels in this documentation are those of that paper).
 //!
-//! | module | what it holds |
+//! | module | contents |
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, energy, and the two splittings |
 //! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
-//! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
-//! | [`run`] | the one door: a chain, a state, a span, a method; the integrators by name |
+//! | [`scene`] | named, complete set-ups, read from TOML, and what a run of one computes and leaves out |
+//! | [`run`] | a run: a chain, a state, a span, a method; the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
-//! | [`experiments`] | data in, data out: one run; error against run time |
+//! | [`experiments`] | studies, as functions from settings to outcomes: one run, error against run time, .. |
 //! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
-//! | [`paper`] | what the paper says, our numbers and figures for it |
-//! | [`output`] | files and text, written whole or not at all |
+//! | [`paper`] | claims of the paper, and our numbers and figures for them |
+//! | [`output`] | files, written whole or not at all, and text |
 //! | `cli` | the command line (feature `cli`) |
-//! | `figures` | every PNG (feature `plot`) |
+//! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
-//! | [`error`] | the one error type |
+//! | [`error`] | the error type |
 
 pub mod breathers;
 #[cfg(feature = "cli")]

@@ -1,9 +1,10 @@
-//! Numbers as people write them.
+//! Numbers in text, read with checks of their range.
 
-/// The double nearest to a decimal: `inf` only where infinity is written, zero only where zero is.
+/// The double nearest to a decimal. The result is infinite only if the text says `inf`, and zero
+/// only if the text says zero.
 ///
 /// # Errors
-/// No number, or one that a double cannot hold.
+/// Text that is not a number, or a number that a double cannot hold.
 pub(crate) fn double(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
@@ -16,10 +17,10 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-/// A whole number that is not negative.
+/// A whole number, at least zero.
 ///
 /// # Errors
-/// No such number, or one beyond the type.
+/// Text that is not such a number, or a number beyond the type.
 #[cfg(feature = "cli")]
 pub(crate) fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let not_whole = || "not a whole number, at least zero".to_owned();
