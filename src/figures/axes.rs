@@ -1,21 +1,21 @@
-//! Axes: ranges, ticks and labels, the same for every figure.
+//! Axes: ranges, ticks and labels of all figures.
 
 use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width, wrap};
 use super::palette::{GRID, INK, PAPER, Rgb, Style};
 use super::{Error, usable};
 
-/// Radius of a marker.
+/// Radius of a marker, in pixels.
 const MARKER: f64 = 4.6;
-/// Length of a tick.
+/// Length of a tick, in pixels.
 const TICK: f64 = 5.0;
-/// Least space at the left of the axes, so that stacked panels align.
+/// Least space to the left of the axes, in pixels, so that stacked panels align.
 pub(super) const LEFT: f64 = 100.0;
-/// The same for axes that stand within others.
+/// Least space to the left of axes inside other axes.
 const BARE: f64 = 40.0;
-/// Height of a line of a label.
+/// Height of a line of a label, in pixels.
 pub(super) const LINE: f64 = 1.3 * LABEL;
 
-/// Ten to an integer power, as it is written: 10⁻⁶.
+/// Ten to an integer power in superscript digits: 10⁻⁶.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     let digits = exponent.to_string();
     let raised = digits.chars().map(|c| match c.to_digit(10) {
@@ -25,13 +25,13 @@ pub(super) fn power_of_ten(exponent: i32) -> String {
     format!("10{}", raised.collect::<String>())
 }
 
-/// A number with so many decimals and a true minus sign; zero has no sign.
+/// A number with `decimals` decimals and a typographic minus sign; zero has no sign.
 fn fixed(value: f64, decimals: i32) -> String {
     let text = format!("{value:.*}", decimals.max(0) as usize);
     if text.trim_matches(['-', '0', '.']).is_empty() { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
-/// A number to two digits, as a power of ten where that is shorter to read.
+/// A number with two digits, as a multiple of a power of ten.
 pub(super) fn short(value: f64) -> String {
     let text = format!("{value:.1e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -42,22 +42,22 @@ fn decade(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
 
-/// One axis: a range, linear or in decades, and its ticks.
+/// One axis: its range, linear or logarithmic, and its ticks.
 pub(super) struct Axis {
     log: bool,
     whole: bool,
-    /// The ends of the range; decimal logarithms on a logarithmic axis.
+    /// The ends of the range; on a logarithmic axis their decimal logarithms.
     lo: f64,
     hi: f64,
     /// Positions, from 0 to 1 along the axis, and their labels.
     pub(super) ticks: Vec<(f64, String)>,
     minor: Vec<f64>,
-    /// What the labels are to be multiplied by, and what is to be added to them.
+    /// Factor and offset of the labels, as text: the value is label times factor plus offset.
     pub(super) factor: String,
 }
 
 impl Axis {
-    /// An axis over a range; one too narrow for rounding becomes a window of a tenth of its size.
+    /// An axis over a range. A range of no more than a rounding becomes one of a tenth of its size.
     fn new(log: bool, whole: bool, lo: f64, hi: f64) -> Self {
         let size = lo.abs().max(hi.abs());
         let pad = match () {
@@ -69,30 +69,32 @@ impl Axis {
         Self { log, whole, lo, hi, ticks: Vec::new(), minor: Vec::new(), factor: String::new() }
     }
 
-    /// A linear axis over all usable values, with a margin given as a fraction of their width.
+    /// A linear axis over all usable values, with a margin at both ends as a share of their range.
     pub(super) fn linear(values: impl Iterator<Item = f64>, margin: f64) -> Self {
         let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
         Self::new(false, false, lo - margin * (hi - lo), hi + margin * (hi - lo))
     }
 
-    /// A linear axis with ticks at whole numbers and half a number to spare at either end.
+    /// A linear axis with ticks at whole numbers and a margin of at least half a number at both
+    /// ends.
     pub(super) fn whole(values: impl Iterator<Item = f64>) -> Self {
         let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
         let pad = 0.5_f64.max(0.01 * (hi - lo));
         Self::new(false, true, lo - pad, hi + pad)
     }
 
-    /// An axis that ends exactly where it is told.
+    /// A linear axis with the given ends.
     pub(super) fn exact(lo: f64, hi: f64, whole: bool) -> Self {
         Self::new(false, whole, lo, hi)
     }
 
-    /// A logarithmic axis that ends exactly where it is told.
+    /// A logarithmic axis with the given ends.
     pub(super) fn exact_log(lo: f64, hi: f64) -> Self {
         Self::new(true, false, lo.log10(), hi.log10())
     }
 
-    /// A logarithmic axis over all usable positive values, out to the next 1, 2 or 5 of a decade.
+    /// A logarithmic axis over all usable positive values, extended to the next 1, 2 or 5 of a
+    /// decade.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Self {
         let (lo, hi) = bounds(values.filter(|&v| v > 0.0)).unwrap_or((1.0, 10.0));
         let (lo, hi) = (lo.log10(), hi.log10());
@@ -104,7 +106,7 @@ impl Axis {
         Self::new(true, false, lo.floor() + below, hi.floor() + above)
     }
 
-    /// Where a value lies, from 0 to 1 along the axis, if it has a place there.
+    /// The position of a value, from 0 to 1 along the axis; `None` if the axis cannot show it.
     pub(super) fn place(&self, value: f64) -> Option<f64> {
         if !usable(value) || (self.log && value <= 0.0) {
             return None;
@@ -112,13 +114,13 @@ impl Axis {
         Some(self.fraction(if self.log { value.log10() } else { value }))
     }
 
-    /// The value at a place from 0 to 1 along the axis.
+    /// The value at a position from 0 to 1 along the axis.
     pub(super) fn value(&self, place: f64) -> f64 {
         let position = self.lo + place * (self.hi - self.lo);
         if self.log { 10_f64.powf(position) } else { position }
     }
 
-    /// Gives the range another width about the same middle.
+    /// Changes the width of the range; its middle stays.
     fn widen(&mut self, width: f64) {
         let middle = 0.5 * (self.lo + self.hi);
         (self.lo, self.hi) = (middle - 0.5 * width, middle + 0.5 * width);
@@ -128,7 +130,7 @@ impl Axis {
         (position - self.lo) / (self.hi - self.lo)
     }
 
-    /// Sets as many ticks as have room on an axis of so many pixels without touching each other.
+    /// Sets as many ticks as fit on an axis of `pixels` pixels without touching labels.
     pub(super) fn tick(&mut self, pixels: f64, upright: bool) {
         let most = ((pixels / if upright { 48.0 } else { 95.0 }) as usize).clamp(5, 12);
         for count in (1..=most).rev() {
@@ -166,7 +168,8 @@ impl Axis {
 
         let size = first.abs().max(last.abs());
         let top = if size == 0.0 { 0 } else { decade(size * step) };
-        // More than six digits to tell two ticks apart: they are counted from one in the middle.
+        // If more than six digits are needed to distinguish two ticks, labels are differences from
+        // a tick in the middle.
         let origin = if top - power > 5 { steps[steps.len() / 2] } else { 0.0 };
         let plain = -3..=if self.whole { 6 } else { 4 };
         let scale = match top {
@@ -255,7 +258,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Draws axes, labels and, if wanted, a grid into an area; nothing of them leaves it.
+    /// Draws axes, labels and, if wanted, a grid inside an area.
     pub(super) fn draw(
         canvas: &mut Canvas,
         area: Rect,
@@ -266,12 +269,13 @@ impl Axes {
         Self::draw_from(canvas, area, x, y, grid, LEFT, false)
     }
 
-    /// The same with a grid and with ranges widened until a unit is as long on either axis.
+    /// Draws axes with a grid, where the ranges are widened until a unit has the same length on
+    /// both axes.
     pub(super) fn draw_equal(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
         Self::draw_from(canvas, area, x, y, true, LEFT, true)
     }
 
-    /// The same without a grid, and with no more space at the left than its labels need.
+    /// Draws axes without a grid, and with no more space to the left than the labels need.
     pub(super) fn draw_bare(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
         Self::draw_from(canvas, area, x, y, false, BARE, false)
     }
@@ -350,18 +354,19 @@ impl Axes {
         Ok(axes)
     }
 
-    /// Draws the frame, again after a picture has covered its edge.
+    /// Draws the frame; called again after a picture has covered the edge.
     pub(super) fn close(&self, canvas: &mut Canvas) -> Result<(), Error> {
         canvas.border(&self.frame, INK)
     }
 
-    /// Where a point lies on the canvas, if it has a place on both axes.
+    /// The position of a point on the canvas; `None` if an axis cannot show it.
     pub(super) fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = (self.x.place(x)?, self.y.place(y)?);
         Some((self.frame.x0 + x * self.frame.width(), self.frame.y1 - y * self.frame.height()))
     }
 
-    /// Fills the range between a lower and an upper ordinate at each abscissa, with a gap wherever one of them has no place.
+    /// Fills the range between a lower and an upper ordinate at each abscissa, with a gap where one
+    /// of them cannot be shown.
     pub(super) fn fill(&self, canvas: &mut Canvas, points: &[(f64, f64, f64)], colour: Rgb) {
         let place = |&(x, low, high): &(f64, f64, f64)| Some((self.place((x, low))?, self.place((x, high))?));
         let places: Vec<_> = points.iter().map(place).collect();
@@ -372,7 +377,8 @@ impl Axes {
         }
     }
 
-    /// Joins points, with a gap wherever one has no place; a point alone between two gaps becomes a dot.
+    /// Joins points, with a gap at each point that cannot be shown; a point between two gaps
+    /// becomes a dot.
     pub(super) fn join(&self, canvas: &mut Canvas, points: &[(f64, f64)], style: &Style) -> Result<(), Error> {
         let places: Vec<_> = points.iter().map(|&point| self.place(point)).collect();
         for run in places.split(Option::is_none) {
@@ -392,7 +398,7 @@ pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: b
     mark_of(canvas, style, at, hollow, MARKER)
 }
 
-/// The same of another radius.
+/// Draws the marker of a style with another radius.
 pub(super) fn mark_of(
     canvas: &mut Canvas,
     style: &Style,
@@ -415,7 +421,8 @@ pub(super) fn mark_of(
         .try_for_each(|stroke| canvas.line(&stroke.map(|(u, v)| (x + u, y + v)), style.colour, 1.4, &[]))
 }
 
-/// Leaves out points that change nothing: of those in one column of pixels the first, the extremes and the last stay.
+/// Leaves out points that do not change the picture: of those in a column of pixels the first, the
+/// extremes and the last stay.
 fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     let mut column: Vec<(f64, f64)> = Vec::new();

@@ -1,8 +1,10 @@
-//! The surface on which figures are drawn: lines, polygons and text in an RGB buffer, and the PNG file made of it.
+//! The surface of a figure: lines, polygons and text in an RGB buffer, and the PNG file made from
+//! it.
 //!
-//! All lengths are pixels of the finished picture. The buffer is [`FINE`] times finer and averaged at the end, which
-//! smooths every edge. Shapes are rasterised by `plotters`; glyphs are placed here, with their side bearings and
-//! kerning, because the text of `plotters` drops the bearings.
+//! All lengths are pixels of the finished picture. The buffer is [`FINE`] times finer and is
+//! averaged at the end, which smooths every edge. Shapes are rasterised by `plotters`. Glyphs are
+//! placed here, with their side bearings and kerning, because the text of `plotters` ignores the
+//! bearings.
 
 use std::sync::LazyLock;
 
@@ -15,22 +17,23 @@ use super::palette::Rgb;
 
 /// Size of the title, in pixels per em.
 pub(super) const TITLE: f64 = 20.0;
-/// Size of the labels of axes.
+/// Size of the labels of axes, in pixels per em.
 pub(super) const LABEL: f64 = 17.0;
-/// Size of the numbers at ticks and of the legend.
+/// Size of the numbers at ticks and of the legend, in pixels per em.
 pub(super) const SMALL: f64 = 15.0;
-/// Size of the caption.
+/// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
 
-/// Pixels of the buffer along one side of a pixel of the picture.
+/// Pixels of the buffer per pixel of the picture, along one side.
 pub(super) const FINE: u32 = 3;
 
 static FONT: LazyLock<FontRef<'static>> =
     LazyLock::new(|| FontRef::try_from_slice(dejavu::sans::regular()).expect("the embedded font is a valid font"));
 
-/// The characters of a text which the font of the figures cannot draw, each once.
+/// The characters of a text that the font of the figures cannot draw, each once, in increasing
+/// order.
 ///
-/// A figure fails with an error when one of its texts has any: it never shows an empty box in place of a letter.
+/// A figure with such a character in one of its texts is an error.
 pub fn missing_glyphs(text: &str) -> Vec<char> {
     let mut missing: Vec<char> =
         text.chars().filter(|&c| c != '\n' && (c.is_control() || FONT.glyph_id(c).0 == 0)).collect();
@@ -39,7 +42,7 @@ pub fn missing_glyphs(text: &str) -> Vec<char> {
     missing
 }
 
-/// A rectangle; `y` grows downwards.
+/// A rectangle in pixels; `y` increases downwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rect {
     pub(super) x0: f64,
@@ -58,7 +61,7 @@ impl Rect {
     }
 }
 
-/// The glyphs of a text on a baseline that starts at the origin, and the width of the text, in fine pixels.
+/// The glyphs of a text on a baseline from the origin, and the width of the text, in fine pixels.
 fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
     let em = size as f32 * FINE as f32;
     let font = FONT.as_scaled(em * FONT.height_unscaled() / FONT.units_per_em().unwrap_or(2048.0));
@@ -80,7 +83,8 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     f64::from(layout(text, size).1) / f64::from(FINE)
 }
 
-/// Breaks a text into lines no wider than `width`, between words where it can and within a word where it must.
+/// Breaks a text into lines no wider than `width`: between words, and within a word that is wider
+/// than a line.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
@@ -108,13 +112,14 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// The nearest corner of fine pixels. A text that starts at half of one would lose some of its rows to rounding, and fade.
+/// The nearest corner of a fine pixel. A text that started between two rows would be rounded
+/// unevenly and look faint.
 fn snapped((x, y): (f64, f64)) -> (f64, f64) {
     let snap = |value: f64| (value * f64::from(FINE)).round() / f64::from(FINE);
     (snap(x), snap(y))
 }
 
-/// A picture in the making.
+/// A picture that is being drawn.
 pub(super) struct Canvas {
     size: (u32, u32),
     fine: Vec<u8>,
@@ -130,7 +135,8 @@ impl Canvas {
         BitMapBackend::with_buffer(&mut self.fine, (self.size.0 * FINE, self.size.1 * FINE))
     }
 
-    /// Draws a line through points; `dash` holds the lengths of strokes and gaps in turn, and is empty for a whole one.
+    /// Draws a line through points; `dash` holds the lengths of strokes and gaps in turn, and is
+    /// empty for a solid line.
     pub(super) fn line(&mut self, points: &[(f64, f64)], colour: Rgb, width: f64, dash: &[f64]) -> Result<(), Error> {
         if !dash.is_empty() {
             return dashes(points, dash).iter().try_for_each(|stroke| self.line(stroke, colour, width, &[]));
@@ -145,7 +151,7 @@ impl Canvas {
                 self.polygon(&sides.map(|((x, y), side)| (x + side * u, y + side * v)), colour)?;
             }
         }
-        // Round joints close the wedges between the strokes of a bent line.
+        // Round joints fill the wedges between the strokes of a bent line.
         let radius = (half * f64::from(FINE)) as u32;
         if radius > 1 {
             for &joint in points.iter().skip(1).rev().skip(1) {
@@ -160,9 +166,10 @@ impl Canvas {
         self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
     }
 
-    /// Darkens a strip between two uprights to a pale colour, from one straight edge down to another.
+    /// Darkens a vertical strip between two straight edges, `top` and `bottom`, to a pale colour.
     ///
-    /// What is darker stays, and a place tinted twice with one colour is as if once: neighbouring strips leave no seam, ranges that overlap both show.
+    /// Darker pixels stay as they are, and a second tint with the same colour changes nothing. So
+    /// neighbouring strips leave no seam, and of two overlapping ranges both are seen.
     pub(super) fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
         let scale = f64::from(FINE);
         let (wide, high) = (f64::from(self.size.0 * FINE), f64::from(self.size.1 * FINE));
@@ -190,7 +197,8 @@ impl Canvas {
             .try_for_each(|side| self.line(side, colour, 1.0, &[]))
     }
 
-    /// Puts a picture of `width` columns, given row by row from the top, with its corner at whole pixels.
+    /// Draws a picture of `width` columns, given row by row from the top, with its corner at a
+    /// whole pixel.
     pub(super) fn image(&mut self, corner: (u32, u32), width: usize, pixels: &[Rgb]) -> Result<(), Error> {
         let f = FINE as usize;
         let mut enlarged = Vec::with_capacity(pixels.len() * f * f * 3);
@@ -203,10 +211,10 @@ impl Canvas {
         self.backend().blit_bitmap(corner, size, &enlarged).map_err(drawing)
     }
 
-    /// Writes a text at a point.
+    /// Draws a text at a point.
     ///
-    /// `anchor` says which point of the text lies there: along it 0 is its start and 1 its end; across it 0 is the top
-    /// of the capitals and 1 the baseline.
+    /// `anchor` is the point of the text that lies there. Along the text 0 is its start and 1 its
+    /// end; across it 0 is the top of the capitals and 1 the baseline.
     pub(super) fn text(
         &mut self,
         text: &str,
@@ -219,7 +227,7 @@ impl Canvas {
         self.glyphs(text, size, colour, anchor, |u, v| (x + u, y + v))
     }
 
-    /// Writes a text from below upwards; `anchor` as in [`Canvas::text`].
+    /// Draws a text that runs upwards; `anchor` as in [`Canvas::text`].
     pub(super) fn text_upwards(
         &mut self,
         text: &str,
@@ -265,7 +273,7 @@ impl Canvas {
         Ok(())
     }
 
-    /// The finished PNG file, with the caption in its text.
+    /// The finished PNG file, with the caption as a text chunk.
     pub(super) fn png(self, caption: &str) -> Result<Vec<u8>, Error> {
         let missing = missing_glyphs(caption);
         if !missing.is_empty() {
@@ -276,7 +284,7 @@ impl Canvas {
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::Balanced);
-        // Flat colours repeat: they compress best as they are.
+        // Without a filter flat colours repeat, which compresses best.
         encoder.set_filter(png::Filter::NoFilter);
         let software = concat!("hertzchain ", env!("CARGO_PKG_VERSION")).to_string();
         encoder.add_text_chunk("Software".into(), software).map_err(encoding)?;
@@ -287,7 +295,7 @@ impl Canvas {
         Ok(bytes)
     }
 
-    /// The picture at its own size: each pixel is the mean of its fine pixels.
+    /// The picture in its final size: each pixel is the mean of its fine pixels.
     fn averaged(&self) -> Vec<u8> {
         let (f, width) = (FINE as usize, self.size.0 as usize);
         let block = 3 * f;

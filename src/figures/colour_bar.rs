@@ -1,21 +1,21 @@
-//! Colour bars: what the colours of a figure stand for.
+//! Colour bars: the scale of the colours of a figure.
 
 use super::axes::{Axis, LINE};
 use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
 use super::palette::{INK, Rgb};
 use super::{Error, usable};
 
-/// Width of the bar itself.
+/// Width of the bar, in pixels.
 const WIDTH: usize = 22;
 
-/// A colour bar in a space of its own at the right of the axes.
+/// A colour bar to the right of the axes.
 pub(super) struct ColourBar {
     axis: Axis,
     label: Vec<String>,
 }
 
 impl ColourBar {
-    /// A bar over a range, in a figure of this height.
+    /// A bar over a range, in a figure of height `height`.
     pub(super) fn new((lo, hi): (f64, f64), label: &str, height: f64) -> Self {
         Self::along(Axis::exact(lo, hi, false), label, height)
     }
@@ -26,13 +26,14 @@ impl ColourBar {
         Self { axis, label: wrap(label, LABEL, height - 120.0) }
     }
 
-    /// What the bar leaves of an area; above it there is room for the factor of its ticks.
+    /// The rest of an area beside the bar; at the top it leaves room for the factor of the ticks.
     pub(super) fn beside(&self, area: Rect) -> Rect {
         let aside = WIDTH as f64 + 27.0 + self.axis.label_width() + LINE * self.label.len() as f64;
         Rect { x1: area.x1 - aside, y0: area.y0 + 1.2 * SMALL, ..area }
     }
 
-    /// Draws the bar, with its ticks and its label, between the frame of the axes and the right edge of the figure.
+    /// Draws the bar, with its ticks and its label, between the frame of the axes and the right
+    /// edge of the figure.
     pub(super) fn draw(
         &self,
         canvas: &mut Canvas,
@@ -62,7 +63,7 @@ impl ColourBar {
     }
 }
 
-/// The smallest range that holds 0 and all usable values; from 0 to 1 where that has no width.
+/// The smallest range that holds 0 and all usable values; from 0 to 1 if that range has no width.
 pub(super) fn range_with_zero(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let values = values.filter(|&value| usable(value));
     let (lo, hi) = values.fold((0.0_f64, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));

@@ -1,4 +1,4 @@
-//! Growth rates: curves with the points that were measured, and a map of the largest beside them.
+//! Growth rates: curves with measured points, and a map beside them.
 
 use super::axes::{Axes, Axis, mark};
 use super::canvas::{Canvas, Rect};
@@ -8,22 +8,22 @@ use super::palette::{self, Marker, Rgb, Style};
 use super::space_time::largest;
 use super::{Error, Line, page, usable};
 
-/// Growth against wave number, and its map.
+/// Growth rates against wave number, and a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Growth {
     /// Title above the axes.
     pub title: String,
     /// Label of the abscissa of the curve, such as “wave number p / π”.
     pub wave_label: String,
-    /// Label of its ordinate.
+    /// Label of the ordinate of the curve.
     pub growth_label: String,
-    /// What theory says: joined, without markers.
+    /// The theory: a line without markers.
     pub theory: Line,
-    /// What was measured: markers alone.
+    /// The measurements: markers without a line.
     pub measured: Vec<Line>,
     /// The map, if there is one.
     pub map: Option<GrowthMap>,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
@@ -32,25 +32,27 @@ pub struct Growth {
 pub struct GrowthMap {
     /// Labels of abscissa, ordinate and colour bar.
     pub labels: [String; 3],
-    /// The ranges that the cells fill evenly.
+    /// Range of the abscissa; the columns divide it evenly.
     pub x: (f64, f64),
-    /// The same upwards.
+    /// Range of the ordinate; the rows divide it evenly.
     pub y: (f64, f64),
-    /// The values row by row, the lowest first.
+    /// The values row by row, the lowest row first.
     pub values: Vec<f64>,
-    /// Length of a row.
+    /// Number of columns, the length of a row.
     pub columns: usize,
-    /// Lines over the map: white, each with dashes of its own.
+    /// Lines over the map: white, each with its own dashes.
     pub lines: Vec<Line>,
     /// Points over the map.
     pub points: Line,
 }
 
-/// Draws growth rates: the curve at the left, the map, if there is one, at the right; legends above each.
+/// Draws the curve at the left and the map, if there is one, at the right, with a legend above
+/// each.
 ///
 /// # Errors
 ///
-/// No point of theory that can be drawn, a map without cells or with a broken row, a letter the font lacks, or more text than fits.
+/// No point of the theory that can be drawn, a map without cells or with an incomplete row, a
+/// letter that the font lacks, or more text than fits.
 pub fn growth(figure: &Growth) -> Result<Vec<u8>, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     let middle = 0.5 * (body.x0 + body.x1);

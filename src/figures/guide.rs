@@ -1,4 +1,4 @@
-//! Guides: straight lines on logarithmic axes whose slope is an order.
+//! Guides: straight lines on logarithmic axes with a slope that stands for an order.
 
 use super::Error;
 use super::axes::Axes;
@@ -7,10 +7,11 @@ use super::palette::{GREY, PAPER};
 
 type Place = (f64, f64);
 
-/// Draws the line `ordinate ~ abscissa^(-order)` through a point, beneath whatever comes later, with its label on it.
+/// Draws the line `ordinate ~ abscissa^(-order)` through a point, with its label on the line.
 ///
-/// The label stands where it is farthest from the places to `avoid`, to which its own is added. An order or a point
-/// that has no place on the axes draws nothing.
+/// The label is placed where it is farthest from the places in `avoid`, and its place is added to
+/// them. If the axes cannot show the point, nothing is drawn. The guide is drawn before the curves,
+/// which then cover it.
 pub(super) fn draw(
     canvas: &mut Canvas,
     axes: &Axes,
@@ -45,7 +46,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// The part within a rectangle of the line from `p`, a point in it, to `q`.
+/// The part inside a rectangle of the line through `p`, a point inside, and `q`.
 fn chord(area: &Rect, p: Place, q: Place) -> [Place; 2] {
     let (dx, dy) = (q.0 - p.0, q.1 - p.1);
     let reach = |d: f64, lo: f64, hi: f64| match d {
@@ -57,7 +58,7 @@ fn chord(area: &Rect, p: Place, q: Place) -> [Place; 2] {
     [across.0.max(up.0), across.1.min(up.1)].map(|s| (p.0 + s * dx, p.1 + s * dy))
 }
 
-/// The distance of a point from a rectangle; 0 within it.
+/// The distance of a point from a rectangle; 0 inside.
 fn distance(area: &Rect, (x, y): Place) -> f64 {
     let outside = |at: f64, lo: f64, hi: f64| (lo - at).max(at - hi).max(0.0);
     outside(x, area.x0, area.x1).hypot(outside(y, area.y0, area.y1))

@@ -1,24 +1,24 @@
-//! Legends: always in a space of their own, never over the curves.
+//! Legends, each in a space of its own beside or above the curves.
 
 use super::Error;
 use super::axes::{LEFT, mark};
 use super::canvas::{Canvas, Rect, SMALL, text_width, wrap};
 use super::palette::{INK, Rgb, Style};
 
-/// Width of the sample of a line.
+/// Width of the sample of a line, in pixels.
 const SAMPLE: f64 = 38.0;
-/// Space between a sample and its text, and half of that between two entries of a row.
+/// Space between a sample and its text, and half the space between two entries of a row, in pixels.
 const GAP: f64 = 8.0;
-/// The smallest size to which a legend may shrink.
+/// Least size of letters in a legend, in pixels per em.
 const SMALLEST: f64 = 9.0;
 
-/// A line of a legend.
+/// An entry of a legend.
 pub(super) struct Entry {
     pub(super) text: String,
     pub(super) colour: Rgb,
-    /// The look of the line, and whether its marker is hollow; a heading has none.
+    /// Style of the sample, and whether its marker is hollow; a heading has no sample.
     pub(super) sample: Option<(Style, bool)>,
-    /// Width of the line of the sample besides its marker; 0 for none.
+    /// Width of the line in the sample; 0 for a marker alone.
     pub(super) width: f64,
 }
 
@@ -31,17 +31,17 @@ impl Entry {
         Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 1.6 }
     }
 
-    /// A marker alone, full.
+    /// A full marker without a line.
     pub(super) fn mark(text: &str, style: Style) -> Self {
         Self { width: 0.0, ..Self::line(text, style) }
     }
 
-    /// A marker alone, hollow.
+    /// A hollow marker without a line.
     pub(super) fn point(text: &str, style: Style) -> Self {
         Self { text: text.into(), colour: INK, sample: Some((style, true)), width: 0.0 }
     }
 
-    /// A range.
+    /// A band of colour, for a range.
     pub(super) fn band(text: &str, colour: Rgb) -> Self {
         let style = Style { colour, dash: &[], marker: None };
         Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 0.8 * SMALL }
@@ -67,10 +67,10 @@ impl Entry {
     }
 }
 
-/// Draws a legend in a column at the right of an area, and returns what is left of the area.
+/// Draws a legend in a column at the right of an area, and returns the rest of the area.
 ///
-/// The column is as wide as its entries need, up to a third of the area; then they are broken into lines, and where
-/// they would not fit its height the letters shrink.
+/// The column is as wide as its entries need, up to a third of the area. Wider entries are broken
+/// into lines, and if the column is higher than the area the letters shrink.
 pub(super) fn beside(canvas: &mut Canvas, area: Rect, entries: &[Entry]) -> Result<Rect, Error> {
     let mut size = SMALL;
     loop {
@@ -96,7 +96,8 @@ pub(super) fn beside(canvas: &mut Canvas, area: Rect, entries: &[Entry]) -> Resu
     }
 }
 
-/// Draws a legend in rows at the top of an area, flush with the axes below, and returns what is left of the area.
+/// Draws a legend in rows at the top of an area, aligned with the axes below, and returns the rest
+/// of the area.
 pub(super) fn above(canvas: &mut Canvas, area: Rect, entries: &[Entry]) -> Result<Rect, Error> {
     let start = area.x0 + LEFT;
     let (mut x, mut y, mut row) = (start, area.y0, 0.0_f64);

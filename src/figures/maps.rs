@@ -1,4 +1,5 @@
-//! Maps of cells: a positive number for each pair of two positive parameters, all on logarithmic scales.
+//! Maps of cells: a positive number for each pair of two positive parameters, with logarithmic axes
+//! and colours.
 
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect, SMALL, text_width};
@@ -7,36 +8,38 @@ use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
 use super::{Error, Line, page, usable};
 
-/// Where the note of a cell stands, as a share of its height from its top: off the middle, through which lines like to run.
+/// Position of the note in a cell, as a share of its height from the top; lines often run through
+/// the middle.
 const NOTE: f64 = 0.84;
-/// Brightness above which letters are dark.
+/// Least brightness of a colour on which letters are dark.
 const BRIGHT: f64 = 130.0;
 
 /// Maps side by side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
-    /// Title above all.
+    /// Title at the top.
     pub title: String,
-    /// From the left.
+    /// The maps, from the left.
     pub maps: Vec<CellMap>,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
-/// A cell for each pair of parameters; neighbours meet at the geometric mean of theirs.
+/// A map with a cell for each pair of parameters; neighbouring cells meet at the geometric mean of
+/// their parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellMap {
     /// Labels of abscissa, ordinate and colour bar.
     pub labels: [String; 3],
-    /// Abscissas of the columns, ascending.
+    /// Abscissas of the columns, increasing.
     pub x: Vec<f64>,
-    /// Ordinates of the rows, ascending.
+    /// Ordinates of the rows, increasing.
     pub y: Vec<f64>,
-    /// The values row by row, the lowest first; what is not positive is grey.
+    /// The values row by row, the lowest row first; a value that is not positive is grey.
     pub values: Vec<f64>,
-    /// A word in each cell, in the same order.
+    /// A note in each cell, in the order of the values; may be empty.
     pub notes: Vec<String>,
-    /// Lines over the map, each with dashes of its own.
+    /// Lines over the map, each with its own dashes.
     pub lines: Vec<Line>,
 }
 
@@ -44,7 +47,8 @@ pub struct CellMap {
 ///
 /// # Errors
 ///
-/// No map, one whose values or notes are not one a cell, parameters that are not positive and ascending, a letter the font lacks, or more text than fits.
+/// No map; a map with another number of values or notes than cells; parameters that are not
+/// positive and increasing; a letter that the font lacks; more text than fits.
 pub fn maps(figure: &Maps) -> Result<Vec<u8>, Error> {
     if figure.maps.is_empty() {
         return Err(Error("a figure of maps needs one".into()));
@@ -96,7 +100,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
             canvas.line(&run, INK, 1.6, style(nth).dash)?;
         }
     }
-    // Words interrupt the lines.
+    // Notes are drawn over the lines.
     for ((x, y), colour, note) in places.into_iter().filter(|place| !place.2.is_empty()) {
         let (wide, high) = (0.5 * text_width(note, SMALL) + 1.0, 0.6 * SMALL);
         canvas.polygon(
@@ -109,7 +113,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     bar.draw(canvas, axes.frame, area.x1, colour)
 }
 
-/// The ends of cells about values.
+/// The edges of cells around values.
 fn edges(values: &[f64]) -> Result<Vec<f64>, Error> {
     let ascending = values.windows(2).all(|two| two[0] < two[1]);
     let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
@@ -124,7 +128,7 @@ fn edges(values: &[f64]) -> Result<Vec<f64>, Error> {
     Ok(std::iter::once(first / ratio(0)).chain(between).chain([end]).collect())
 }
 
-/// Letters that can be read on a colour.
+/// The colour of letters that can be read on a given colour.
 pub(super) fn legible((r, g, b): Rgb) -> Rgb {
     let brightness = 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
     if brightness > BRIGHT { INK } else { PAPER }

@@ -1,4 +1,5 @@
-//! A matrix of cells: a positive number for each named row and each named column, on a logarithmic scale.
+//! A matrix of cells: a positive number for each named row and each named column, with logarithmic
+//! colours.
 
 use super::axes::Axis;
 use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width};
@@ -7,36 +8,37 @@ use super::maps::legible;
 use super::palette::{self, INK};
 use super::{Error, SIZE, page_of, usable};
 
-/// Height of a row, and of all that is not rows.
+/// Height of a row, and height of everything besides rows, in pixels.
 const ROW: f64 = 23.0;
 const AROUND: f64 = 280.0;
-/// Size of the words in cells.
+/// Size of the notes in cells, in pixels per em.
 const NOTE: f64 = 13.0;
 
-/// A cell for each row and column.
+/// A matrix with a cell for each row and column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Matrix {
-    /// Title above all.
+    /// Title at the top.
     pub title: String,
-    /// Names of the rows, from above.
+    /// Names of the rows, from the top.
     pub rows: Vec<String>,
-    /// Names of the columns, from the left; written upwards.
+    /// Names of the columns, from the left; drawn upwards.
     pub columns: Vec<String>,
-    /// What columns are, and label of the colour bar.
+    /// Label of the columns, and label of the colour bar.
     pub labels: [String; 2],
-    /// The values row by row; what is not positive is grey.
+    /// The values row by row; a value that is not positive is grey.
     pub values: Vec<f64>,
-    /// A word in each cell, in the same order.
+    /// A note in each cell, in the order of the values.
     pub notes: Vec<String>,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
-/// Draws a matrix; the page is as high as its rows ask for.
+/// Draws a matrix; the number of rows determines the height of the page.
 ///
 /// # Errors
 ///
-/// No cell, values or notes that are not one a cell, a letter the font lacks, or more text than fits.
+/// No cell, another number of values or notes than cells, a letter that the font lacks, or more
+/// text than fits.
 pub fn matrix(figure: &Matrix) -> Result<Vec<u8>, Error> {
     let Matrix { title, rows, columns, labels: [column_label, value_label], values, notes, caption } = figure;
     let cells = rows.len() * columns.len();

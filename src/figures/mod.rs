@@ -1,21 +1,21 @@
-//! Figures: the one way in which this crate makes a picture.
+//! Figures as PNG files; all pictures of this crate are drawn here.
 //!
-//! Every function here takes plain numbers and words and returns the bytes of a PNG file. Nothing is computed of the
-//! physics and no file is read: the font travels inside the program, so that a figure needs neither a display nor
-//! anything installed, and the same input gives the same bytes.
+//! Every function takes numbers and words and returns the bytes of a PNG file. This module computes
+//! no physics and reads no file: the font is part of the program, so that a figure needs no display
+//! and no installed files, and the same input gives the same bytes.
 //!
 //! | figure | function |
 //! | --- | --- |
-//! | error against work, log-log | [`work_precision()`] |
+//! | error against work, on logarithmic axes | [`work_precision()`] |
 //! | quantities against site, time or a parameter, in columns of panels and maps | [`panels()`] |
 //! | strain against site and time, in colour | [`space_time()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
-//! | positive numbers over two positive parameters, in cells | [`maps()`] |
+//! | positive numbers against two positive parameters, in cells | [`maps()`] |
 //! | positive numbers for named rows and columns, in cells | [`matrix()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
-//! The caption is drawn beneath the axes and also stands, whole, in the file itself as the text chunk `Description`:
-//! a picture that has lost its page still says how it was made.
+//! The caption is drawn below the axes. The file also holds the whole caption as the text chunk
+//! `Description`, so that a picture without its page says how it was made.
 
 mod axes;
 mod canvas;
@@ -42,13 +42,15 @@ pub use raster::{Bar, Raster, raster};
 pub use space_time::{SpaceTime, space_time};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
 
-/// Width and height of a figure in pixels; one of more than two rows of panels is higher.
+/// Width and height of most figures in pixels. Panels of more than two rows and matrices have
+/// another height.
 pub const SIZE: (u32, u32) = (1200, 800);
 
-/// Lines of the caption which are drawn at most; the text chunk of the file always holds all of them.
+/// Largest number of lines of the caption that are drawn; the text chunk of the file holds all of
+/// them.
 const CAPTION_LINES: usize = 7;
 
-/// Why a figure could not be drawn.
+/// The reason why a figure could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error(pub(crate) String);
 
@@ -60,9 +62,10 @@ impl std::fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// A named line: points joined in the order in which they are given.
+/// A named line through points, joined in the given order.
 ///
-/// A point that cannot be drawn (not finite, or not positive on a logarithmic axis) leaves a gap, never a bridge.
+/// A point that cannot be drawn (not finite, or not positive on a logarithmic axis) leaves a gap in
+/// the line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Name in the legend.
@@ -71,17 +74,17 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Whether a value can stand on an axis; the bound keeps the width of every range finite.
+/// Whether a value can be drawn on an axis; the bound keeps the width of every range finite.
 fn usable(value: f64) -> bool {
     value.abs() <= 1e300
 }
 
-/// An empty figure with its title and caption, and the space left between them.
+/// An empty figure of the usual size with its title and caption, and the space between them.
 fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
     page_of(SIZE, title, caption)
 }
 
-/// The same of another size.
+/// An empty figure of the given size with its title and caption, and the space between them.
 fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
     let mut canvas = Canvas::new(size);
     let (width, height) = (f64::from(size.0), f64::from(size.1));

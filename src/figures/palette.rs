@@ -1,7 +1,8 @@
-//! Colours, markers and dashes: what tells one line from another.
+//! Colours, markers and dashes of lines.
 //!
-//! The colours of lines are those of Okabe and Ito, which the common kinds of colour blindness keep apart; no figure
-//! relies on hue alone: a marker, a dash or, for lines too dense for those, lightness goes with it.
+//! The colours of lines are those of Okabe and Ito, which people with the common kinds of colour
+//! blindness can distinguish. Lines differ not in hue alone: they also differ in marker, in dash
+//! or, for lines too dense for these, in lightness.
 
 use std::f64::consts::TAU;
 
@@ -12,32 +13,32 @@ pub type Rgb = (u8, u8, u8);
 pub const PAPER: Rgb = (255, 255, 255);
 /// Text and axes.
 pub const INK: Rgb = (30, 30, 30);
-/// Captions and lines of reference.
+/// Captions and reference lines.
 pub const GREY: Rgb = (95, 95, 95);
 /// The grid.
 pub const GRID: Rgb = (226, 226, 226);
-/// What has no value.
+/// Cells and pixels without a value.
 pub const ABSENT: Rgb = (160, 160, 160);
 
-/// The colours of Okabe and Ito, without the yellow that vanishes on white.
+/// The colours of Okabe and Ito without yellow, which is hard to see on white.
 const FAMILIES: [Rgb; 7] =
     [(0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (0, 0, 0), (230, 159, 0), (86, 180, 233)];
 
-/// The patterns of dashes in pixels, strokes and gaps in turn; the first is a whole line.
+/// The patterns of dashes in pixels, strokes and gaps in turn; the first is a solid line.
 const DASHES: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.5], &[9.0, 3.5, 2.5, 3.5]];
 
-/// The colour of a family, or of the n-th line of a figure; they repeat after seven.
+/// The colour of a family, or of the n-th line of a figure; colours repeat after seven.
 pub fn family(index: usize) -> Rgb {
     FAMILIES[index % FAMILIES.len()]
 }
 
-/// A colour mixed with much white, for what lies beneath a line of that colour.
+/// A colour mixed with 70 % white, for ranges below a line of that colour.
 pub fn pale((r, g, b): Rgb) -> Rgb {
     let mixed = |c: u8| (0.3 * f64::from(c) + 0.7 * 255.0).round() as u8;
     (mixed(r), mixed(g), mixed(b))
 }
 
-/// The colour of a signed value between −1 (blue) and 1 (red); 0 is almost white.
+/// The colour of a signed value between −1 (blue) and 1 (red); that of 0 is almost white.
 pub fn signed(value: f64) -> Rgb {
     colorous::RED_BLUE.eval_continuous((0.5 - 0.5 * value).clamp(0.0, 1.0)).as_tuple()
 }
@@ -47,7 +48,7 @@ pub fn magnitude(value: f64) -> Rgb {
     colorous::VIRIDIS.eval_continuous(value.clamp(0.0, 1.0)).as_tuple()
 }
 
-/// The sign drawn at a point.
+/// The sign drawn at a point of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Marker {
@@ -65,7 +66,7 @@ pub enum Marker {
 }
 
 impl Marker {
-    /// The markers with an inside, which can be drawn full or hollow.
+    /// The markers with an interior, which can be drawn full or hollow.
     pub const CLOSED: [Marker; 9] = [
         Marker::Circle,
         Marker::Square,
@@ -78,7 +79,7 @@ impl Marker {
         Marker::Right,
     ];
 
-    /// The outline around the origin, or nothing for a marker made of strokes.
+    /// The outline around the origin; empty for a marker made of strokes.
     pub(super) fn outline(self, radius: f64) -> Vec<(f64, f64)> {
         let (corners, first, scale, inner) = match self {
             Marker::Circle => (24, 0.0, 0.95, 1.0),
@@ -101,7 +102,7 @@ impl Marker {
             .collect()
     }
 
-    /// The strokes around the origin of a marker without an inside.
+    /// The strokes around the origin of a marker without an interior.
     pub(super) fn strokes(self, radius: f64) -> Vec<[(f64, f64); 2]> {
         let angles: &[f64] = match self {
             Marker::Asterisk => &[0.0, 60.0, 120.0],
@@ -119,21 +120,22 @@ impl Marker {
     }
 }
 
-/// How a line looks.
+/// The look of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
-    /// Its colour.
+    /// Colour of line and markers.
     pub colour: Rgb,
-    /// Strokes and gaps in pixels; empty for a whole line.
+    /// Lengths of strokes and gaps in pixels; empty for a solid line.
     pub dash: &'static [f64],
     /// The sign at each point, if any.
     pub marker: Option<Marker>,
 }
 
 impl Style {
-    /// The style of the n-th curve of a family: colour by family, marker and dash by the place in it.
+    /// The style of the n-th curve of a family: the family determines the colour, and `nth` the
+    /// marker and the dash.
     ///
-    /// Within a family the pair of marker and dash repeats after 36 curves only.
+    /// Within a family the pairs of marker and dash repeat after 36 curves.
     pub fn of_family(index: usize, nth: usize) -> Self {
         let nth = nth + 3 * (index / FAMILIES.len());
         let marker = Marker::CLOSED[nth % Marker::CLOSED.len()];
@@ -145,12 +147,14 @@ impl Style {
         Self { colour: family(nth), dash: DASHES[(nth + nth / FAMILIES.len()) % DASHES.len()], marker: None }
     }
 
-    /// The style of the n-th of a few lines so dense that dashes would not show: whole, and told apart by lightness.
+    /// The style of the n-th line if lines are too dense for dashes: solid, with four colours of
+    /// different lightness.
     pub fn dense(nth: usize) -> Self {
         Self { colour: family([0, 5, 4, 2][nth % 4]), dash: &[], marker: None }
     }
 
-    /// The style of a strain profile: squares for what was computed, then stars and crosses for approximations.
+    /// The style of a strain profile: squares for computed values, then stars and crosses for
+    /// approximations.
     pub fn of_profile(nth: usize) -> Self {
         let marker = [Marker::Square, Marker::Asterisk, Marker::Cross][nth % 3];
         Self { marker: Some(marker), ..Self::plain(nth) }

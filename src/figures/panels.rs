@@ -1,4 +1,5 @@
-//! Panels: pairs of axes in columns, for whatever stands against sites, time or a parameter; maps may stand among them.
+//! Panels: pairs of axes in columns, with values against site, time or a parameter; a column may
+//! also hold maps.
 
 use super::axes::{Axes, Axis, LEFT, mark, mark_of};
 use super::canvas::{Canvas, LABEL, Rect};
@@ -8,48 +9,50 @@ use super::space_time::{self, SpaceTime};
 use super::{Error, Line, SIZE, page_of, usable};
 use std::f64::consts::TAU;
 
-/// Points above which markers would only blacken the line.
+/// Largest number of points of a line with markers.
 const MARKED: usize = 200;
-/// Points above which dashes would not show.
+/// Largest number of points of a dashed line.
 const DENSE: usize = 1000;
-/// Height of a panel with an inset or of a cloud of points, relative to others.
+/// Height of a panel with an inset or with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
-/// Radius of the markers of a cloud.
+/// Radius of the markers of a cloud, in pixels.
 const SMALL_MARKER: f64 = 2.4;
-/// Half the width of the plane that is shown at least, about the unit circle.
+/// Least half width of the part of the complex plane that is shown, about the unit circle.
 const PLANE: f64 = 1.15;
-/// Pixels by which the page grows for each row of panels above two.
+/// Height in pixels that the page gains for each row of panels above two.
 const ROW: f64 = 230.0;
-/// The part of its axes that an inset takes, from the left and from above, with its labels.
+/// The part of the axes that an inset and its labels take, from the left and from the top.
 const INSET: (f64, f64) = (0.62, 0.46);
 
 /// Columns of panels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panels {
-    /// Title above all.
+    /// Title at the top.
     pub title: String,
     /// The columns, of equal width.
     pub columns: Vec<Column>,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
-/// Panels and maps one above the other, of equal height but for clouds of points and those with an inset, which are higher. Panels of one kind and one label
-/// share the range of their abscissas.
+/// Panels and maps one above the other.
+///
+/// All have the same height, except that panels with a cloud of points or an inset are higher.
+/// Panels with the same kind and the same label of the abscissa share its range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
-    /// What the column shows, or nothing.
+    /// Heading of the column; may be empty.
     pub heading: String,
-    /// From above.
+    /// The plots, from the top.
     pub panels: Vec<Plot>,
 }
 
-/// What stands in a column.
+/// One plot of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
-    /// A pair of axes.
+    /// A panel: a pair of axes.
     Panel(Panel),
-    /// A map over space and time; its title and caption are not shown.
+    /// A map over space and time; its title and caption are not drawn.
     Map(SpaceTime),
 }
 
@@ -65,10 +68,10 @@ impl From<SpaceTime> for Plot {
     }
 }
 
-/// One pair of axes, with its legend above.
+/// A pair of axes, with the legend above it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
-    /// What the axes are of.
+    /// The kind of the axes.
     pub kind: Kind,
     /// Label of the abscissa, such as “site n”.
     pub x_label: String,
@@ -76,31 +79,33 @@ pub struct Panel {
     pub y_label: String,
     /// The lines.
     pub lines: Vec<Line>,
-    /// Ranges beneath the lines, the n-th in the colour of the n-th line.
+    /// Ranges, drawn before the lines; the n-th has the colour of the n-th line.
     pub bands: Vec<Band>,
-    /// A smaller pair of axes in the upper left corner; the ordinate goes on above the data to make room for it.
+    /// A smaller pair of axes in the upper left corner; the range of the ordinate is extended
+    /// upwards to make room for it.
     pub inset: Option<Inset>,
 }
 
-/// What the axes of a panel are of.
+/// The kind of the axes and of the points in a panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
-    /// Values over sites, whole numbers. Lines of at most 200 points have markers: squares, for what was computed, then stars and crosses.
+    /// Values against sites, which are whole numbers. Lines of at most 200 points have markers:
+    /// squares first, for computed values, then stars and crosses.
     #[default]
     Sites,
-    /// Values over time.
+    /// Values against time.
     Time,
-    /// Values over time on a logarithmic ordinate; zeros and negative values leave a gap.
+    /// Values against time on a logarithmic ordinate; zeros and negative values leave a gap.
     LogTime,
-    /// Both axes logarithmic, each point with a marker; what is not positive leaves a gap.
+    /// Both axes logarithmic, each point with a marker; values that are not positive leave a gap.
     LogLog,
-    /// Values over a parameter, each point with a marker.
+    /// Values against a parameter, each point with a marker.
     Parameter,
-    /// The same on a logarithmic ordinate.
+    /// Values against a parameter on a logarithmic ordinate.
     LogParameter,
-    /// Points that are not joined, over a parameter.
+    /// Points that are not joined, against a parameter.
     Cloud,
-    /// The same on a logarithmic abscissa.
+    /// Points that are not joined, against a parameter on a logarithmic abscissa.
     LogCloud,
     /// Points of the complex plane, not joined, with the unit circle; the axes have the same scale.
     Plane,
@@ -120,21 +125,21 @@ impl Kind {
     }
 }
 
-/// A range at each abscissa.
+/// A range of values at each abscissa.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     /// Name in the legend.
     pub name: String,
-    /// Abscissa, and the lower and upper end of the range there.
+    /// Abscissa, lower end and upper end of the range.
     pub points: Vec<(f64, f64, f64)>,
 }
 
-/// An enlargement of one line.
+/// An enlargement of one line in axes of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inset {
-    /// Label of its ordinate.
+    /// Label of the ordinate of the inset.
     pub label: String,
-    /// Which line of the panel, counted from 0.
+    /// Index of the line in the panel, from 0.
     pub line: usize,
 }
 
@@ -146,7 +151,7 @@ impl Panels {
 }
 
 impl Column {
-    /// A column of plots of one sort.
+    /// A column of plots of one type.
     pub fn new<P: Into<Plot>>(heading: impl Into<String>, plots: impl IntoIterator<Item = P>) -> Self {
         Self { heading: heading.into(), panels: plots.into_iter().map(Into::into).collect() }
     }
@@ -157,7 +162,7 @@ impl Column {
 }
 
 impl Plot {
-    /// In rows of panels.
+    /// Height in rows of panels.
     fn height(&self) -> f64 {
         match self {
             Self::Panel(panel) if panel.inset.is_some() || panel.kind.cloud() => HIGH,
@@ -171,7 +176,7 @@ impl Plot {
 }
 
 impl Panel {
-    /// All points that the axes can show, ends of ranges included.
+    /// All points that the axes can show, including the ends of ranges.
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();
         let bands = self.bands.iter().flat_map(|band| &band.points).flat_map(|&(x, low, high)| [(x, low), (x, high)]);
@@ -209,7 +214,8 @@ impl Panel {
         }
     }
 
-    /// The ordinate; above an inset's corner it is high enough for the data to pass below it.
+    /// The ordinate; with an inset its range is so large that the data below the inset stay
+    /// visible.
     fn ordinate(&self) -> Axis {
         let values = || self.points().map(|point| point.1);
         if self.kind.log_ordinate() {
@@ -228,17 +234,18 @@ impl Panel {
     }
 }
 
-/// The least and the largest of usable values.
+/// The least and the largest of the values.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// Draws panels; a page of more than two rows is higher than [`SIZE`].
+/// Draws panels; the page of more than two rows is higher than [`SIZE`].
 ///
 /// # Errors
 ///
-/// No column, a column without panels, a panel without a point that its axes can show, an inset of a line that is not there or on a logarithmic ordinate, a letter
-/// the font lacks, or more text than fits.
+/// No column, a column without panels, a panel without a point that its axes can show, an inset of
+/// a line that does not exist or on a logarithmic ordinate, a letter that the font lacks, or more
+/// text than fits.
 pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
@@ -285,7 +292,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     let entry = |(line, style): (&Line, Style)| {
         if cloud { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
     };
-    // A kind of points that a cloud has none of is not named.
+    // A cloud without points has no entry in the legend.
     let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
     let mut entries: Vec<_> = named.map(entry).collect();
     entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));

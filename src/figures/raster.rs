@@ -1,4 +1,4 @@
-//! Rasters: contacts as bars over time, one row for each bond.
+//! Rasters: contacts as bars over time, with one row for each bond.
 
 use std::ops::Range;
 
@@ -8,19 +8,19 @@ use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
 use super::{Error, page, usable};
 
-/// The part of a row that stays free between the bars of neighbours, if it is a pixel or more.
+/// The share of a row that stays free between the bars of neighbours, if it is at least a pixel.
 const GAP: f64 = 0.2;
 
-/// One contact.
+/// One contact as a bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bar {
-    /// The bond.
+    /// Number of the bond.
     pub bond: f64,
-    /// When the contact began.
+    /// Time at which the contact began.
     pub start: f64,
-    /// When it ended.
+    /// Time at which the contact ended.
     pub end: f64,
-    /// Its magnitude, which gives the colour; one that is not finite is grey.
+    /// Magnitude of the contact, shown by the colour; grey if it is not finite.
     pub shade: f64,
 }
 
@@ -37,31 +37,33 @@ pub struct Raster {
     pub bars: Vec<Bar>,
     /// Label of the colour bar, such as “largest overlap”.
     pub shade_label: String,
-    /// The first and the last bond to be shown.
+    /// The first and the last bond on the axis.
     pub bonds: (f64, f64),
-    /// The times between which they are shown.
+    /// The first and the last time on the axis.
     pub times: (f64, f64),
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
 impl Raster {
-    /// Whether any of a bar lies within the axes.
+    /// Whether a part of the bar lies inside the axes.
     fn shows(&self, bar: &Bar) -> bool {
         let ((first, last), (start, end)) = (self.bonds, self.times);
         (first..=last).contains(&bar.bond) && bar.start <= end && bar.end >= start
     }
 }
 
-/// Draws contacts as bars over time, the darker the larger, with their colour bar; or a note that there was none.
+/// Draws contacts as bars over time, the larger the darker, with a colour bar; or the note that
+/// there was no contact.
 ///
-/// A bar shorter or lower than a pixel is drawn one pixel wide or high, and where several share a pixel the one of
-/// largest magnitude is shown: no contact is lost, though a gap shorter than a pixel may be. Bars end at the edges of the
-/// axes.
+/// A bar shorter or lower than a pixel is drawn one pixel wide or high, and of several bars that
+/// share a pixel the one with the largest magnitude is shown. So each contact is visible, but a gap
+/// shorter than a pixel may be invisible. Bars end at the edges of the axes.
 ///
 /// # Errors
 ///
-/// Bonds, times or a bar that are not finite or run backwards, a letter the font lacks, or more text than fits.
+/// Bonds, times or a bar that are not finite or decrease, a letter that the font lacks, or more
+/// text than fits.
 pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
     let ((first, last), (start, end)) = (figure.bonds, figure.times);
     let forward = |lo: f64, hi: f64| usable(lo) && usable(hi) && lo <= hi;
@@ -76,7 +78,7 @@ pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
     }
     let bars: Vec<&Bar> = figure.bars.iter().filter(|bar| figure.shows(bar)).collect();
     let (lo, hi) = range_with_zero(bars.iter().map(|bar| bar.shade));
-    // Dark on paper is much; the lightest tenth of the colours would be lost on it.
+    // Dark colours are large magnitudes; the lightest tenth of the colours is too faint on paper.
     let colour = |shade: f64| match shade {
         _ if !usable(shade) => palette::ABSENT,
         _ => palette::magnitude(0.9 * (hi - shade) / (hi - lo)),
@@ -103,19 +105,20 @@ pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
     canvas.png(&figure.caption)
 }
 
-/// The largest magnitude on each pixel between the axes, row by row from the top; `None` where there is no bar.
+/// The largest magnitude at each pixel between the axes, row by row from the top; `None` where
+/// there is no bar.
 fn largest(axes: &Axes, bonds: (f64, f64), bars: &[&Bar]) -> Vec<Option<f64>> {
     let frame = axes.frame;
     let (wide, high) = (frame.width() as usize, frame.height() as usize);
     let row = high as f64 / (bonds.1 - bonds.0 + 1.0);
-    // A gap of half a pixel would be there between some bars and not between others.
+    // A gap of less than a pixel would appear between some bars and not between others.
     let half = if GAP * row >= 1.0 { 0.5 - 0.5 * GAP } else { 0.5 };
     let mut picture = vec![None; wide * high];
     for bar in bars {
         let corners = (axes.place((bar.start, bar.bond + half)), axes.place((bar.end, bar.bond - half)));
         let (Some((left, top)), Some((right, bottom))) = corners else { continue };
         let columns = pixels(left - frame.x0, right - frame.x0, wide);
-        // f64::max leaves out what is not a number: it never hides a magnitude.
+        // f64::max ignores NaN, so a magnitude is never hidden by a missing one.
         let shade = if usable(bar.shade) { bar.shade } else { f64::NAN };
         for row in pixels(top - frame.y0, bottom - frame.y0, high) {
             for pixel in &mut picture[row * wide..][columns.clone()] {
@@ -126,7 +129,7 @@ fn largest(axes: &Axes, bonds: (f64, f64), bars: &[&Bar]) -> Vec<Option<f64>> {
     picture
 }
 
-/// The pixels between two positions, out of `count`; at least the one in their middle.
+/// The pixels between two positions, out of `count`; at least the pixel at the middle.
 fn pixels(lo: f64, hi: f64, count: usize) -> Range<usize> {
     let [lo, hi] = [lo, hi].map(|edge| edge.clamp(0.0, count as f64));
     let (first, last) = (lo.round() as usize, hi.round() as usize);

@@ -1,4 +1,4 @@
-//! Space-time maps: the whole history of a chain in colour.
+//! Space-time maps: the values of a chain against site and time, in colour.
 
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect};
@@ -6,40 +6,41 @@ use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
 use super::{Error, page, usable};
 
-/// A matrix of values over time and sites.
+/// A matrix of values at times and sites.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceTime {
     /// Title above the axes.
     pub title: String,
     /// Label of the abscissa, such as “bond n”.
     pub site_label: String,
-    /// Label of the ordinate, which runs upwards, such as “time t”.
+    /// Label of the ordinate, such as “time t”; time increases upwards.
     pub time_label: String,
     /// Label of the colour bar, such as “strain xₙ”.
     pub value_label: String,
-    /// The values, one row after another: all sites at the first time, then at the next.
+    /// The values by rows: all sites at the first time, then at the next.
     pub values: Vec<f64>,
     /// Number of sites, the length of a row.
     pub sites: usize,
     /// Number of the first site.
     pub first_site: f64,
-    /// Times of the first and of the last row; those between are evenly spaced.
+    /// Times of the first and of the last row; the others are evenly spaced between them.
     pub times: (f64, f64),
-    /// Whether the colours run from blue over white at 0 to red, in a symmetric range; otherwise from dark to light.
+    /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
+    /// colours run from dark to light.
     pub signed: bool,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
 }
 
 /// Draws a space-time map with its colour bar.
 ///
-/// Where several entries of the matrix share a pixel, the one of largest modulus is shown: a wave narrower than a
-/// pixel is drawn too wide rather than lost. Entries that are not finite are grey.
+/// Of several entries that share a pixel the one with the largest modulus is shown: a wave narrower
+/// than a pixel is drawn too wide, and not lost. Entries that are not finite are grey.
 ///
 /// # Errors
 ///
-/// A matrix without entries or with a broken row, times that are not finite or run backwards, a letter the font lacks,
-/// or more text than fits.
+/// A matrix without entries or with an incomplete row, times that are not finite or decrease, a
+/// letter that the font lacks, or more text than fits.
 pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     draw(&mut canvas, body, figure)?;
@@ -64,7 +65,7 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
 
     let bar = ColourBar::new((lo, hi), &figure.value_label, area.height());
 
-    // A row stands for the time from half a step before it to half a step after it.
+    // A row covers the time from half a step before it to half a step after it.
     let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };
     let t = Axis::exact(start - half, end + half, false);
     let n = Axis::exact(figure.first_site - 0.5, figure.first_site + sites as f64 - 0.5, true);
@@ -88,10 +89,11 @@ fn range(figure: &SpaceTime) -> (f64, f64) {
     }
 }
 
-/// Brings a matrix to a size in pixels, the last row on top; each pixel takes the largest of the entries it covers.
+/// Converts a matrix to a size in pixels, the last row on top; each pixel shows the largest of its
+/// entries by modulus.
 pub(super) fn largest(values: &[f64], sites: usize, (wide, high): (usize, usize)) -> Vec<f64> {
     let rows = values.len() / sites;
-    // A pixel narrower than a cell shows the cell at its middle.
+    // If cells are wider than pixels, a pixel shows the cell at its middle.
     let cover = |pixel: usize, pixels: usize, cells: usize| match (2 * pixel + 1) * cells / (2 * pixels) {
         middle if cells < pixels => middle..middle + 1,
         _ => pixel * cells / pixels..((pixel + 1) * cells).div_ceil(pixels),

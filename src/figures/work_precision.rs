@@ -1,36 +1,37 @@
-//! Work-precision diagrams: the error of each method against what it cost.
+//! Work-precision diagrams: the error of each method against its cost.
 
 use super::axes::{Axes, Axis, mark, short};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
 use super::{Error, guide, page, usable};
 
-/// A method with the points at which it was measured.
+/// A method and its measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Name in the legend.
     pub name: String,
-    /// Index of its family, which gives the colour and the heading in the legend.
+    /// Index of the family, which determines the colour and the heading in the legend.
     pub family: usize,
-    /// The measured points, joined in this order.
+    /// The measurements, joined in this order.
     pub points: Vec<Point>,
-    /// The order fitted where the error falls cleanly, for the legend.
+    /// The order fitted in the range of clean convergence, for the legend.
     pub slope: Option<f64>,
 }
 
 /// One measurement of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// What it cost: seconds, or evaluations of the force.
+    /// The cost: seconds, or evaluations of the force.
     pub work: f64,
     /// The relative error.
     pub error: f64,
-    /// Whether the error is too small for the reference to judge; such a point is drawn hollow.
+    /// Whether the error is too small to be resolved by the reference; such a point is drawn
+    /// hollow.
     pub below_reference: bool,
 }
 
 impl Point {
-    /// Whether both numbers have a place on logarithmic axes.
+    /// Whether both numbers can be shown on logarithmic axes.
     fn drawable(&self) -> bool {
         usable(self.work) && usable(self.error) && self.work > 0.0 && self.error > 0.0
     }
@@ -47,23 +48,25 @@ pub struct WorkPrecision {
     pub error_label: String,
     /// The methods.
     pub curves: Vec<Curve>,
-    /// The error of the reference itself, drawn as a grey line: below it nothing is known.
+    /// The error of the reference, drawn as a grey line; smaller errors are not resolved.
     pub floor: Option<f64>,
-    /// What a reader needs to make the figure again.
+    /// The text that a reader needs to make the figure again.
     pub caption: String,
     /// The names of the families, by index.
     pub families: Vec<String>,
-    /// Orders to compare with, each with its label: thin dashed lines through the middle of the points.
+    /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
+    /// the points.
     pub guides: Vec<(f64, String)>,
 }
 
-/// Draws a work-precision diagram, both axes logarithmic, with the legend at the right of them.
+/// Draws a work-precision diagram with logarithmic axes and the legend at the right.
 ///
-/// Points that are not finite or not positive are left out; a curve without any other is named as such in the legend.
+/// Points that are not finite or not positive are left out; the legend says which curves have no
+/// other points.
 ///
 /// # Errors
 ///
-/// No curve, no point that can be drawn, a letter the font lacks, or more text than fits.
+/// No point that can be drawn, a letter that the font lacks, or more text than fits.
 pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     let drawable = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.drawable());
     if drawable().next().is_none() {
@@ -129,7 +132,8 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     canvas.png(&figure.caption)
 }
 
-/// The medians of work and error on logarithmic axes, of points that the reference resolves if there are any.
+/// The medians of work and error on logarithmic axes, of the points that the reference resolves, or
+/// of all if it resolves none.
 fn middle(figure: &WorkPrecision) -> (f64, f64) {
     let mut points: Vec<&Point> = figure.curves.iter().flat_map(|curve| &curve.points).collect();
     points.retain(|point| point.drawable());
@@ -145,7 +149,7 @@ fn middle(figure: &WorkPrecision) -> (f64, f64) {
     (median(|point| point.work), median(|point| point.error))
 }
 
-/// Places on the curves, close enough together that no label fits between two of them.
+/// Places on the curves, so close that no label fits between two of them.
 fn samples(figure: &WorkPrecision, axes: &Axes) -> Vec<(f64, f64)> {
     let mut places = Vec::new();
     for curve in &figure.curves {
