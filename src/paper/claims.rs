@@ -1,35 +1,35 @@
-//! What the paper says: the table `claims.toml`, which explains its own keys.
+//! The claims of the paper: the table `claims.toml`, whose head explains its keys.
 
 use super::rule::Rule;
 use serde::Deserialize;
 use std::{collections::BTreeMap, sync::OnceLock};
 
-/// Something that the paper says in its text, and the rule by which a value agrees with it.
+/// A claim in the text of the paper, and the rule by which a value agrees with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// Name, unique: `s`, the subsection, and words.
+    /// Unique name: `s`, the number of the subsection, and words.
     pub id: String,
     /// Section of the paper, the first digit of the id.
     pub section: u32,
     /// Label in the paper.
     pub label: String,
-    /// What is computed, in words.
+    /// The computed quantity, in words.
     pub quantity: String,
     /// Whether the paper prints a number, a formula or a statement.
     pub kind: Kind,
-    /// What the paper says, as printed.
+    /// The claim as printed.
     pub paper: String,
-    /// The same as a rule.
+    /// The claim as a rule.
     pub rule: Rule,
-    /// The rule that our value obeys where the paper's is known to be broken.
+    /// The rule for our value where the claim of the paper is known to be false.
     pub instead: Option<Rule>,
     /// The claim whose misprint this one repeats.
     pub same: Option<String>,
-    /// Why they differ, or a remark; may be empty.
+    /// The reason of the difference, or a remark; may be empty.
     pub why: String,
 }
 
-/// What a claim is.
+/// The form of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A printed number.
@@ -49,16 +49,16 @@ pub fn claims() -> &'static [Claim] {
     CLAIMS.get_or_init(|| read(include_str!("claims.toml")).unwrap_or_else(|why| panic!("claims.toml: {why}")))
 }
 
-/// The file.
+/// The contents of `claims.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    /// Rules that have a name.
+    /// Rules that claims refer to by name.
     rules: BTreeMap<String, Rule>,
     claim: Vec<Row>,
 }
 
-/// A claim as it stands in the file.
+/// A row of the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {

@@ -1,12 +1,12 @@
-//! The paper: what it says, what we compute for it, and reports of both.
+//! The paper: its claims, our values and figures for them, and reports.
 //!
-//! | part | what it holds |
+//! | part | contents |
 //! |---|---|
-//! | `claims.toml`, [`claims`] | what the paper says in Sec. 3 to 7: a row for each claim |
+//! | `claims.toml`, [`claims`] | the claims of the paper in Sec. 3 to 7, one row each |
 //! | `quantities/` | for each claim, by its id, the value that decides it |
 //! | [`verify`] | claims and values side by side, with a verdict each |
-//! | `verdicts.rs` | these as text, CSV and JSON |
-//! | `figures/` | [`FIGURES`], a row each; data, captions, tables and pictures |
+//! | `verdicts.rs` | the verdicts as text, CSV and JSON |
+//! | `figures/` | [`FIGURES`], one row each, with data, captions, tables and pictures |
 
 mod claims;
 mod figures;

@@ -1,4 +1,4 @@
-//! Rules: which values agree with what the paper says, and how a rule is written.
+//! Rules: the condition under which a value agrees with a claim, and its notation.
 
 use crate::number::double;
 use serde::Deserialize;
@@ -30,7 +30,7 @@ impl FromStr for Rule {
     type Err = String;
 
     /// # Errors
-    /// A text that is none of the five forms, or whose numbers cannot be read.
+    /// A text of none of the five forms, or with numbers that cannot be read.
     fn from_str(text: &str) -> Result<Self, String> {
         let rule = || {
             if let Some(digits) = text.strip_prefix("rounds to ") {
@@ -59,7 +59,7 @@ impl TryFrom<String> for Rule {
 }
 
 impl Rule {
-    /// Whether a value obeys the rule; not-a-number obeys [`Undefined`](Self::Undefined) alone.
+    /// Whether a value obeys the rule; NaN obeys only [`Undefined`](Self::Undefined).
     ///
     /// ```
     /// use hertzchain::paper::Rule;
@@ -71,7 +71,7 @@ impl Rule {
         match self {
             Self::Digits(printed) => {
                 let unit = 10f64.powi(-places(printed));
-                // The half unit, and the rounding of decimal numbers.
+                // Half a unit of the last digit, plus the rounding of decimal numbers.
                 printed.parse::<f64>().is_ok_and(|number| (value - number).abs() <= unit * (0.5 + 1e-9))
             }
             Self::Equal { to, within } => (value / to - 1.0).abs() <= *within,
@@ -92,7 +92,7 @@ impl Rule {
         }
     }
 
-    /// The value with the digits that the rule is about: two more than are printed, or five.
+    /// The value with the digits that matter for the rule: two more than are printed, or five.
     pub(super) fn show(&self, value: f64) -> String {
         match self {
             Self::Digits(printed) if printed.contains('e') => {
@@ -101,7 +101,8 @@ impl Rule {
             Self::Digits(printed) => format!("{value:.*}", digits_behind_the_point(printed) + 2),
             _ if value == 0.0 => "0".to_owned(),
             _ if plain(value) => {
-                // Half a unit more, or 0.999999 would have one digit more than 1.
+                // Rounding may add a digit (0.999999 becomes 1.0000): the logarithm is taken of a
+                // value half a unit larger.
                 let digits = 4.0 - (value.abs() * (1.0 + 5e-6)).log10().floor();
                 format!("{value:.*}", digits.max(0.0) as usize)
             }
@@ -110,7 +111,7 @@ impl Rule {
     }
 }
 
-/// Whether a number is read more easily without an exponent.
+/// Whether a number is easier to read without an exponent.
 fn plain(value: f64) -> bool {
     value == 0.0 || (1e-3..1e5).contains(&value.abs())
 }
@@ -124,7 +125,7 @@ fn digits_behind_the_point(printed: &str) -> usize {
     mantissa.split_once('.').map_or(0, |(_, behind)| behind.len())
 }
 
-/// The power of ten of the last printed digit, with its sign changed.
+/// Number of decimals of the last printed digit; negative left of the point.
 fn places(printed: &str) -> i32 {
     let exponent = printed.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
     digits_behind_the_point(printed) as i32 - exponent

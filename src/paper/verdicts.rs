@@ -21,8 +21,10 @@ fn count(verification: &Verification, verdict: Verdict) -> usize {
     verification.items.iter().filter(|item| item.verdict() == verdict).count()
 }
 
-/// The table as JSON. `value` is null where there is none; `instead` is the rule of a number that
-/// is known to differ from the paper's.
+/// The verdicts as JSON.
+///
+/// `value` is null if it is not finite. `instead` is the rule of a number that is known to differ
+/// from that of the paper.
 pub fn verify_json(verification: &Verification) -> String {
     let item = |item: &Item| {
         let claim = item.claim;
@@ -60,7 +62,7 @@ pub fn verify_json(verification: &Verification) -> String {
     }))
 }
 
-/// The table as CSV, a line an item; texts in quotation marks.
+/// The verdicts as CSV, one line for each item, with texts in quotation marks.
 pub fn verify_csv(verification: &Verification) -> Vec<u8> {
     let quoted = |text: &String| format!("\"{}\"", text.replace('"', "\"\""));
     let mut text = String::from("id,section,label,quantity,paper,rule,value,verdict,expected,as_expected,why\n");
@@ -77,7 +79,7 @@ pub fn verify_csv(verification: &Verification) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A table for each section, remarks and reasons below it.
+/// A table for each section, with remarks and reasons below it.
 pub fn verify_table(verification: &Verification) -> String {
     let sections = verification.items.chunk_by(|one, next| one.claim.section == next.claim.section);
     let tables: Vec<String> = sections.map(section_table).collect();

@@ -7,16 +7,16 @@ use super::{
 use crate::error::{Error, Result};
 use std::time::{Duration, Instant};
 
-/// What is said of a number or a statement of the paper.
+/// The result of comparing a claim with our value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Our number is the printed one.
+    /// Our number agrees with the printed one.
     Agrees,
-    /// It is not: a misprint, or a looser statement.
+    /// Our number does not agree: a misprint, or a rough statement.
     Differs,
     /// The statement is true.
     Holds,
-    /// It is not.
+    /// The statement is false.
     Fails,
 }
 
@@ -35,9 +35,9 @@ impl Verdict {
 /// A claim of the paper and our value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Item<'a> {
-    /// What the paper says.
+    /// The claim.
     pub claim: &'a Claim,
-    /// Our number.
+    /// Our value.
     pub value: f64,
 }
 
@@ -51,39 +51,39 @@ impl Item<'_> {
         }
     }
 
-    /// What our number says of the paper's.
+    /// The verdict that follows from our value.
     pub fn verdict(&self) -> Verdict {
         self.say(self.claim.rule.met_by(self.value))
     }
 
-    /// What it is known to say.
+    /// The verdict that is known from earlier computations.
     pub fn expected(&self) -> Verdict {
         self.say(self.claim.instead.is_none())
     }
 
-    /// Whether the verdict is the expected one and, where the paper's number is known to be
-    /// another, ours obeys the rule for that.
+    /// Whether the verdict is the expected one and, where the claim is known to be false, our value
+    /// obeys the rule given instead.
     pub fn as_expected(&self) -> bool {
         self.verdict() == self.expected() && self.claim.instead.as_ref().is_none_or(|rule| rule.met_by(self.value))
     }
 
-    /// Our number with as many digits as matter.
+    /// Our value with the digits that matter.
     pub fn shown(&self) -> String {
         self.claim.instead.as_ref().unwrap_or(&self.claim.rule).show(self.value)
     }
 }
 
-/// The table.
+/// Items of one section or of all sections.
 #[derive(Clone, Debug)]
 pub struct Verification {
     /// Items in the order of the paper.
     pub items: Vec<Item<'static>>,
-    /// Wall time of all of it.
+    /// Wall time of the computation.
     pub wall: Duration,
 }
 
 impl Verification {
-    /// The items whose verdict, or number, is not the one that is known.
+    /// The items whose verdict or value is not the expected one.
     pub fn unexpected(&self) -> impl Iterator<Item = &Item<'static>> {
         self.items.iter().filter(|item| !item.as_expected())
     }
@@ -109,8 +109,9 @@ impl Verification {
     }
 }
 
-/// Computes the quantities of a section, or of all sections, and holds them against the claims.
-/// `progress` is told how many pieces of work are done of how many.
+/// Computes the quantities of a section, or of all sections, and compares them with the claims.
+///
+/// `progress` is called with the number of finished pieces of work and their total number.
 ///
 /// # Errors
 /// A section without claims; a run that fails.
@@ -155,7 +156,7 @@ pub(super) mod tests {
         let period = |value| Item { claim: &misprint, value };
         assert_eq!((period(3.14002).verdict(), period(3.14002).expected()), (Verdict::Differs, Verdict::Differs));
         assert!(period(3.14002).as_expected());
-        // Another number of ours; the paper's; a difference nobody knows of; none.
+        // In turn: another value of ours, the paper's value, an unknown difference, none.
         assert!(!period(3.2).as_expected() && !period(3.126).as_expected());
         assert!(!item(3.12).as_expected() && item(3.126).as_expected());
         let bound = claim(Kind::Statement, "", "<= 8");

@@ -46,7 +46,7 @@ pub(super) fn dark_caption(profiles: &[DarkProfile]) -> String {
     .replace("= -", "= −")
 }
 
-/// A column for each profile.
+/// The panels of dark profiles, one column each.
 #[cfg(feature = "plot")]
 pub(super) fn dark_panels(title: &str, profiles: &[DarkProfile], caption: String) -> crate::figures::Panels {
     crate::figures::Panels { title: title.to_owned(), columns: profiles.iter().map(dark_column).collect(), caption }

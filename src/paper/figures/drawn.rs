@@ -1,23 +1,23 @@
-//! What became of the figures: a line each.
+//! The result of drawing figures, one line for each.
 
 use super::Figure;
 use crate::{error::Error, output::to_json, report::table};
 use serde_json::{Value, json};
 use std::time::Duration;
 
-/// What became of a figure.
+/// The result of drawing a figure.
 #[derive(Debug)]
 pub struct Drawn {
     /// The figure.
     pub figure: &'static Figure,
-    /// Its caption and its files, or why there is none.
+    /// Caption and files of the figure, or the error.
     pub outcome: Result<(String, Vec<String>), Error>,
-    /// Wall time.
+    /// Wall time of computing and drawing.
     pub wall: Duration,
 }
 
-/// The figures as JSON, an object each: `name`, `source`, `title`, `files`, `caption`, `wall_s`,
-/// `failure`.
+/// The results as JSON, an object for each figure: `name`, `source`, `title`, `files`, `caption`,
+/// `wall_s`, `failure`.
 pub fn figures_json(drawn: &[Drawn]) -> String {
     let row = |Drawn { figure, outcome, wall }: &Drawn| {
         let done = outcome.as_ref().ok();
@@ -34,7 +34,7 @@ pub fn figures_json(drawn: &[Drawn]) -> String {
     to_json(&json!({ "figures": drawn.iter().map(row).collect::<Vec<Value>>(), "version": env!("CARGO_PKG_VERSION") }))
 }
 
-/// The figures as a table.
+/// The results as a table.
 pub fn figures_table(drawn: &[Drawn]) -> String {
     let row = |Drawn { figure, outcome, wall }: &Drawn| {
         let files = match outcome {

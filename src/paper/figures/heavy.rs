@@ -14,18 +14,18 @@ use crate::{
     scene::Scene,
 };
 
-/// Tolerance of the runs of the breather of Sec. 5, and samples a period.
+/// Tolerance of the runs of the breather of Sec. 5, and samples per period.
 const TOLERANCE: f64 = 1e-12;
 const SAMPLES_PER_PERIOD: u32 = 20;
 /// Tolerance of the runs of a map of lifetimes.
 const LIFETIME_TOLERANCE: f64 = 1e-9;
-/// The laws of the mass ratio, side by side.
+/// The two laws of the mass ratio.
 const LAWS: [RhoLaw; 2] = [RhoLaw::Heavy, RhoLaw::Light];
-/// Names of the laws of the mass ratio, as in a legend.
+/// Names of the laws of the mass ratio in legends.
 const HEAVY: &str = "ρ = ε^(−2(α−1))";
 const LIGHT: &str = "ρ = ε^(−(α−1))";
 
-/// Suprema of Theorem 1: for each exponent a study a law of the mass ratio.
+/// Suprema of Theorem 1: for each exponent, a study for each law of the mass ratio.
 pub(super) fn bounds(cases: &[(f64, &[f64])], progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<[TheoremStudy; 2]>> {
     let study = |k: usize, alpha: f64, epsilons: &[f64], rho_law: RhoLaw| {
         let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
@@ -43,25 +43,25 @@ pub(super) fn homoclinics(alpha: f64) -> Result<[Homoclinic; 2]> {
     Ok([Homoclinic::new(alpha, Center::Site)?, Homoclinic::new(alpha, Center::Bond)?])
 }
 
-/// The breather of Sec. 5 against its ansatz.
+/// The breather of Sec. 5 compared with its ansatz.
 pub(super) fn bright(progress: &(dyn Fn(f64) + Sync)) -> Result<BrightStudy> {
     let (scene, options) = bright_run()?;
     bright_breather(&scene, &options, SAMPLES_PER_PERIOD, &mut |share| progress(share))
 }
 
-/// The breather of Sec. 5 over space and time.
+/// The breather of Sec. 5 against site and time.
 pub(super) fn history(progress: &(dyn Fn(f64) + Sync)) -> Result<BrightHistory> {
     let (scene, options) = bright_run()?;
     bright_history(&scene, &options, &mut |share| progress(share))
 }
 
-/// The breather of Sec. 5, and how it is run.
+/// The scene of the breather of Sec. 5, and the options of its run.
 fn bright_run() -> Result<(Scene, BreatherOptions)> {
     let options = BreatherOptions { method: Method::named(INTEGRATOR)?, tolerance: TOLERANCE };
     Ok((Scene::load("bright-breather")?, options))
 }
 
-/// Lifetimes by energy about a bond, at `alpha = 3/2`.
+/// Lifetimes by the energy criterion, about a bond, at `alpha = 3/2`.
 pub(super) fn lifetime_map(
     epsilons: &[f64],
     rhos: &[f64],
@@ -86,7 +86,7 @@ pub(super) fn version() -> &'static str {
     concat!("hertzchain ", env!("CARGO_PKG_VERSION"))
 }
 
-/// One line of parameters for the scenes of Sec. 5.
+/// The parameters of the scenes of Sec. 5 in one sentence.
 fn chain_words(scene: &Scene, epsilon: f64) -> String {
     let params = scene.chain().params();
     format!(
@@ -142,7 +142,7 @@ pub(super) fn history_caption(history: &BrightHistory) -> String {
     )
 }
 
-/// `t`, then a column a site.
+/// A table with `t` and a column for each site.
 pub(super) fn history_csv(history: &BrightHistory) -> Tables {
     let sites = history.breather.sites();
     let matrix = |symbol: &str, values: &[f64]| {
@@ -155,7 +155,7 @@ pub(super) fn history_csv(history: &BrightHistory) -> Tables {
     vec![("swing.csv", matrix("swing", &history.swing)), ("v.csv", matrix("v", &history.v))]
 }
 
-/// The exponent and the law, for files: `alpha1.5-heavy`.
+/// The exponent and the law in file names: `alpha1.5-heavy`.
 pub(super) fn bounds_tag(study: &TheoremStudy) -> String {
     let law = if study.options.rho_law == RhoLaw::Heavy { "heavy" } else { "light" };
     format!("alpha{}-{law}", study.options.alpha)
@@ -166,7 +166,7 @@ pub(super) fn bounds_csv(study: &TheoremStudy) -> Tables {
 }
 
 pub(super) fn bounds_caption(pairs: &[[TheoremStudy; 2]]) -> String {
-    // Of the norm that is shown.
+    // The slopes of the norm that is drawn.
     let slopes = |study: &TheoremStudy| {
         let all = study.slopes.iter().filter(|slope| slope.norm == Norm::One);
         let last = all.map(|slope| slope.local.last().map_or_else(|| "–".to_owned(), |s| format!("{s:.3}")));
@@ -255,14 +255,14 @@ mod pictures {
         if study.options.rho_law == RhoLaw::Heavy { HEAVY } else { LIGHT }
     }
 
-    /// Lifetime or how long it was looked at, and whether it is the latter; nothing of a point that
+    /// The lifetime, or the end of the run, and whether it is the latter; `None` for a point that
     /// failed.
     fn lifetime(study: &LifetimeStudy, point: &LifetimePoint) -> Option<(f64, bool)> {
         let life = point.life.as_ref().ok()?;
         Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
     }
 
-    /// What stands in the cell of a point: the value, `>` if the life is longer, a ring if the
+    /// The note in the cell of a point: the value, with `>` if the life is longer and a ring if the
     /// breather has decoupled.
     fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
         let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
@@ -349,7 +349,7 @@ mod pictures {
         Panels { title: title.into(), columns: pairs.iter().map(column).collect(), caption }
     }
 
-    /// `ε²`, `ε^1.5`.
+    /// A power of `ε` as text: `ε²`, `ε^1.5`.
     fn power(exponent: f64) -> String {
         match exponent {
             2.0 => "ε²".to_owned(),
@@ -366,7 +366,7 @@ mod pictures {
             };
             both.iter().zip(names).map(one).collect::<Vec<_>>()
         };
-        // A guide half a unit below the tails, along the outer half of them.
+        // The guide is half a unit below the tails, along their outer half.
         let (alpha, last) = (both[0].alpha(), *both[0].sites().end());
         let end = double_log(both[0].a(last)) - 0.5;
         let guide = (last / 2..=last).map(|n| (n as f64, end + (n - last) as f64 * alpha.ln()));
@@ -381,8 +381,8 @@ mod pictures {
 
     pub(in super::super) fn lifetime_maps(title: &str, study: &LifetimeStudy, caption: String) -> Maps {
         let (x, y) = (&study.options.epsilons, &study.options.rhos);
-        // Points run through all mass ratios of a size; rows of a map through all sizes of a mass
-        // ratio.
+        // Points are ordered by size and then by mass ratio; the rows of a map hold all sizes of a
+        // mass ratio.
         let points: Vec<&LifetimePoint> =
             (0..x.len() * y.len()).map(|k| &study.points[(k % x.len()) * y.len() + k / x.len()]).collect();
         let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());

@@ -1,8 +1,8 @@
-//! The figures of the paper, and some that it does not have.
+//! The figures of the paper, and some additional ones.
 //!
 //! A figure is a row of [`FIGURES`]. [`Figure::data`] computes its numbers; [`Figure::caption`],
-//! [`Figure::tables`] and [`Figure::png`] turn them into words, CSV and a picture. Each of the
-//! other files has all of that for one kind of figure.
+//! [`Figure::tables`] and [`Figure::png`] turn them into text, CSV and a picture. Each of the other
+//! files does all of this for one kind of figure.
 
 mod dark;
 mod drawn;
@@ -25,39 +25,39 @@ use crate::{
 };
 use serde_json::json;
 
-/// Integrator of every run.
+/// Integrator of all runs of the chain.
 const INTEGRATOR: &str = "collocation";
 
 /// A figure of the paper.
 #[derive(Debug)]
 pub struct Figure {
-    /// Short name: of the figure on the command line, and of its files.
+    /// Short name of the figure on the command line and in file names.
     pub name: &'static str,
-    /// Where in the paper.
+    /// Figure or section of the paper.
     pub source: &'static str,
     /// Title.
     pub title: &'static str,
-    /// What can be seen, in a sentence or two.
+    /// What the figure shows, in a sentence or two.
     pub claim: &'static str,
-    /// How it is computed.
+    /// Kind and parameters of the computation.
     pub recipe: Recipe,
 }
 
-/// How a figure is computed, and how it is laid out.
+/// Kind and parameters of the computation of a figure, and its layout.
 #[derive(Debug)]
 pub enum Recipe {
     /// Travelling waves on the chain.
     Waves {
-        /// What is run.
+        /// The runs.
         runs: &'static [WaveRun],
-        /// What is shown of it.
+        /// The columns of panels.
         columns: &'static [WaveColumn],
     },
     /// Growth of the modulations of the wave `q = pi/5`, `a = b = 1`, on rings of 50 sites.
     Growth {
         /// Mass ratio.
         rho: f64,
-        /// Sizes at which it is measured on the full chain.
+        /// Sizes at which growth is measured on the full chain.
         epsilons: &'static [f64],
     },
     /// Dark profiles at `alpha = 3/2, kappa = 1`, with the kink on a site and on a bond.
@@ -67,10 +67,10 @@ pub enum Recipe {
         /// Mean strain of the background.
         c: f64,
     },
-    /// Suprema of Theorem 1 for the breather about a bond, `T = 1`, with either law of the mass
+    /// Suprema of Theorem 1 for the breather about a bond, `T = 1`, with both laws of the mass
     /// ratio.
     Bounds {
-        /// Exponents, and the sizes of each.
+        /// Exponents, and the sizes for each of them.
         cases: &'static [(f64, &'static [f64])],
     },
     /// Homoclinic solutions about a site and about a bond.
@@ -78,39 +78,39 @@ pub enum Recipe {
         /// Exponent.
         alpha: f64,
     },
-    /// The long-lived bright breather of Sec. 5 against its ansatz.
+    /// The long-lived bright breather of Sec. 5 compared with its ansatz.
     Bright,
-    /// The same breather over space and time.
+    /// The long-lived bright breather of Sec. 5 against site and time.
     BrightHistory,
-    /// How long bright breathers about a bond live at `alpha = 3/2`, by energy.
+    /// Lifetimes of bright breathers about a bond at `alpha = 3/2`, by the energy criterion.
     Lifetimes {
         /// Sizes.
         epsilons: &'static [f64],
         /// Mass ratios.
         rhos: &'static [f64],
-        /// No breather is followed longer.
+        /// Longest time up to which a breather is followed.
         until: f64,
     },
     /// Dark breathers as exact orbits.
     Orbits(OrbitRecipe),
 }
 
-/// The numbers behind a figure.
+/// The numbers of a figure.
 #[derive(Debug)]
 pub enum Data {
-    /// Travelling waves, a study a run.
+    /// Travelling waves, one study for each run.
     Waves(&'static [WaveColumn], Vec<(&'static WaveRun, WaveStudy)>),
     /// Growth of modulations.
     Growth(Box<StabilityStudy>),
     /// Dark profiles.
     Dark(Vec<DarkProfile>),
-    /// Suprema of Theorem 1: for each exponent a study a law.
+    /// Suprema of Theorem 1: for each exponent, a study for each law of the mass ratio.
     Bounds(Vec<[TheoremStudy; 2]>),
     /// Homoclinic solutions, about a site and about a bond.
     Homoclinics([Homoclinic; 2]),
     /// The bright breather.
     Bright(Box<BrightStudy>),
-    /// The bright breather over space and time.
+    /// The bright breather against site and time.
     BrightHistory(Box<BrightHistory>),
     /// Lifetimes.
     Lifetimes(Box<LifetimeStudy>),
@@ -118,21 +118,22 @@ pub enum Data {
     Orbits(Box<OrbitData>),
 }
 
-/// Tables of a part of a figure, `(end of the file name, CSV)`.
+/// Tables of a part of a figure: `(end of the file name, CSV)`.
 type Tables = Vec<(&'static str, Vec<u8>)>;
 
 impl Figure {
-    /// A figure by its name.
+    /// The figure with the given name.
     ///
     /// # Errors
-    /// An unknown name, with the nearest one.
+    /// An unknown name; the message has the nearest known one.
     pub fn named(name: &str) -> Result<&'static Self> {
         let known = || FIGURES.iter().map(|figure| figure.name);
         FIGURES.iter().find(|figure| figure.name == name).ok_or_else(|| Error::unknown("figure", name, known()))
     }
 
-    /// Computes what the figure shows; `progress` is told the share that is done. The same numbers
-    /// on any number of cores.
+    /// Computes the numbers of the figure; they do not depend on the number of cores.
+    ///
+    /// `progress` is called with the finished share of the work.
     ///
     /// # Errors
     /// A run that fails.
@@ -152,7 +153,7 @@ impl Figure {
         })
     }
 
-    /// The caption: what can be seen, what was run and how, and what was measured.
+    /// The caption: what the figure shows, what was run and how, and what was measured.
     pub fn caption(&self, data: &Data) -> String {
         let what = match data {
             Data::Waves(columns, runs) => waves::waves_caption(columns, runs),
@@ -168,8 +169,8 @@ impl Figure {
         format!("{} {what} Paper: {}.", self.claim, self.source)
     }
 
-    /// The tables behind a figure, `(file name, CSV)`: those that the command of its data writes,
-    /// or its profiles.
+    /// The tables of the figure, `(file name, CSV)`: those of the command that computes the same
+    /// data, or the profiles.
     pub fn tables(&self, data: &Data) -> Vec<(String, Vec<u8>)> {
         let named = |tag: &str, tables: Vec<(&str, Vec<u8>)>| {
             let dash = if tag.is_empty() { "" } else { "-" };
@@ -199,7 +200,7 @@ impl Figure {
         }
     }
 
-    /// What made a figure and its tables, as JSON: `name`, `source`, `title`, `caption` with all
+    /// The origin of a figure and its tables as JSON: `name`, `source`, `title`, `caption` with all
     /// parameters, `version`.
     pub fn origin(&self, caption: &str) -> String {
         to_json(&json!({
@@ -211,7 +212,7 @@ impl Figure {
         }))
     }
 
-    /// The picture.
+    /// The picture as PNG.
     ///
     /// # Errors
     /// A picture that cannot be drawn.

@@ -1,4 +1,4 @@
-//! The figures: one row each.
+//! The figures of the paper, one row each.
 
 use super::{
     EvolutionRun, Figure, OrbitRecipe, Recipe, WaveColumn, WavePanel,
@@ -9,7 +9,7 @@ use crate::dps::Center;
 
 const THIRD: f64 = 1.0 / 3.0;
 
-/// A run without a tag.
+/// A run without a tag in its file names.
 const fn run(scene: &'static str, zeta: f64) -> WaveRun {
     WaveRun { scene, zeta, tag: "" }
 }
@@ -18,7 +18,7 @@ const fn column(heading: &'static str, run: usize, panels: &'static [WavePanel])
     WaveColumn { heading, run, panels }
 }
 
-/// A run without a kick.
+/// An evolution without a kick.
 const fn let_go(center: Center, omega_b: f64, until: f64) -> EvolutionRun {
     EvolutionRun { center, omega_b, until, kick: None }
 }

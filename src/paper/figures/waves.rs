@@ -12,36 +12,35 @@ use crate::{
 };
 use std::f64::consts::PI;
 
-/// Tolerance of the runs, and samples a period.
+/// Tolerance of the runs, and samples per period.
 const TOLERANCE: f64 = 1e-10;
 const SAMPLES_PER_PERIOD: u32 = 50;
-/// Draws of a perturbed wave: the one shown has seed 1.
+/// Number of perturbed waves in the statistics; the one that is drawn has seed 1.
 const SEEDS: u32 = 12;
 
-/// A run of a figure.
+/// A run of a figure of travelling waves.
 #[derive(Debug)]
 pub struct WaveRun {
-    /// A built-in scene.
+    /// Name of a built-in scene.
     pub scene: &'static str,
     /// Size of the perturbation (eq:dA0_ptb); 0 for none.
     pub zeta: f64,
-    /// What tells its files from those of the other runs of the figure; nothing if there is but
-    /// one.
+    /// Part of the names of the run's files; empty if the figure has one run.
     pub tag: &'static str,
 }
 
-/// A column of panels, all of one run.
+/// A column of panels of one run.
 #[derive(Debug)]
 pub struct WaveColumn {
-    /// What it shows, or nothing.
+    /// Heading of the column; may be empty.
     pub heading: &'static str,
-    /// Which run.
+    /// Index of the run.
     pub run: usize,
-    /// From above.
+    /// The panels, from the top.
     pub panels: &'static [WavePanel],
 }
 
-/// What a panel shows of a run. Profiles are those at its end.
+/// The contents of a panel. Profiles are those at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WavePanel {
     /// Strains of beads.
@@ -52,11 +51,11 @@ pub enum WavePanel {
     PerturbedX,
     /// Strains of resonators of the perturbed wave.
     PerturbedY,
-    /// `E_x` and `E_y` in time (eq:relerr_tw).
+    /// `E_x` and `E_y` against time (eq:relerr_tw).
     Errors,
-    /// The same with `E_x` again, enlarged.
+    /// `E_x` and `E_y` against time, with `E_x` enlarged in an inset.
     ErrorsEnlarged,
-    /// `tilde E_x` and `tilde E_y` in time (eq:relerr_twPtd).
+    /// `tilde E_x` and `tilde E_y` against time (eq:relerr_twPtd).
     Differences,
     /// `tilde E_x` with median and range over the seeds.
     SpreadX,
@@ -77,7 +76,7 @@ impl WaveRun {
     }
 }
 
-/// A study for each run.
+/// The studies of the runs.
 pub(super) fn studies(
     runs: &'static [WaveRun],
     progress: &(dyn Fn(f64) + Sync),
@@ -102,14 +101,14 @@ pub(super) fn growth(rho: f64, epsilons: &[f64], progress: &(dyn Fn(f64) + Sync)
     stability(&options, &|share, _| progress(share))
 }
 
-/// A share as percent, to three digits.
+/// A share as text in percent, with three digits.
 fn percent(share: f64) -> String {
     let value = 100.0 * share;
     let digits = (2 - value.abs().max(1e-6).log10().floor() as i32).max(0) as usize;
     format!("{value:.digits$} %")
 }
 
-/// Last and largest of two series.
+/// Last and largest values of two series, as text.
 fn ends(x: &[f64], y: &[f64]) -> String {
     let last = |values: &[f64]| percent(values.last().copied().unwrap_or(f64::NAN));
     let most = |values: &[f64]| percent(values.iter().copied().fold(0.0, f64::max));
@@ -131,7 +130,7 @@ pub(super) fn waves_caption(columns: &[WaveColumn], runs: &[(&WaveRun, WaveStudy
     text + &common.join("; ") + &format!(". hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
 
-/// What runs of one figure may differ in, and what was measured.
+/// The numbers in which runs of one figure can differ, and the measurements, as text.
 fn run_words(run: &WaveRun, study: &WaveStudy) -> String {
     let (wave, scene) = (&study.wave, &study.scene);
     let mut text = format!(
@@ -169,7 +168,7 @@ fn run_words(run: &WaveRun, study: &WaveStudy) -> String {
     text
 }
 
-/// What runs of one figure mostly share.
+/// The numbers that runs of one figure mostly share, as text.
 fn common_words(study: &WaveStudy) -> String {
     let (chain, shape) = (study.scene.chain(), study.wave.shape());
     let params = chain.params();
@@ -208,7 +207,7 @@ mod pictures {
         Panels { title: title.to_owned(), columns: columns.iter().map(column).collect(), caption }
     }
 
-    /// A panel. Of a run without perturbation, a panel that shows one is empty.
+    /// A panel of a run. A panel about perturbations is empty if the run has none.
     fn panel(which: WavePanel, study: &WaveStudy) -> Panel {
         let (perturbed, ensemble) = (study.perturbed.as_ref(), study.ensemble.as_ref());
         let errors = || pair(study, "error", ["E_x", "E_y"], &study.errors);
@@ -234,7 +233,7 @@ mod pictures {
         Line { name: name.to_owned(), points }
     }
 
-    /// A profile on the chain beside that of the ansatz.
+    /// A profile on the chain and that of the ansatz.
     fn profile(symbol: &str, numerical: &[f64], ansatz: &[f64]) -> Panel {
         let sites = |values: &[f64]| values.iter().enumerate().map(|(n, &x)| (n as f64, x)).collect();
         Panel {
@@ -252,7 +251,7 @@ mod pictures {
         }
     }
 
-    /// Lines in percent over time.
+    /// Lines in percent against time.
     fn in_time(label: &str, lines: Vec<Line>) -> Panel {
         Panel {
             kind: Kind::Time,

@@ -1,4 +1,4 @@
-//! Measurements that several sections take on the full chain.
+//! Measurements on the full chain that several sections use.
 
 use crate::{
     chain::{Boundary, Chain, Params, State},
@@ -11,12 +11,12 @@ use hertzchain_integrators::{VectorField, collocation::Pace};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Slow time over which a frequency is measured.
+/// Slow time during which a frequency is measured.
 const SLOW_TIME: f64 = 30.0;
-/// Size at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the frequency
-/// shift.
+/// Size of the wave, at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the
+/// frequency shift.
 const SIZE: f64 = 1e-5;
-/// Sites of the ring; a wave with `q = 4 pi/5` fits twice.
+/// Sites of the ring, which hold two waves with `q = 4 pi/5`.
 const SITES: usize = 5;
 
 /// A small wave with `alpha = 3/2, rho = 1, q = 4 pi/5, a = 1`.
@@ -25,13 +25,13 @@ pub(super) fn small_wave(kappa: f64, b: f64) -> Result<TravellingWave> {
     TravellingWave::new(Params::new(1.5, kappa, 1.0)?, shape, Size::Epsilon(SIZE))
 }
 
-/// `Omega` on the chain: the slope, in the slow time, of the phase of `sum_n D_n e^{iqn}`.
+/// `Omega` measured on the chain: the slope, in the slow time, of the phase of `sum_n D_n e^{iqn}`.
 pub(super) fn measured_slow_frequency(wave: &TravellingWave) -> Result<f64> {
     let (params, q, end) = (wave.params(), wave.shape().q, SLOW_TIME / wave.slow_time(1.0));
     let chain = Chain::new(params, Boundary::StrainRing, SITES)?;
     let start = State::from_fn(&chain, |n| wave.site(n, 0.0))?;
     let mut run = chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10))?;
-    // Not in step with the oscillation, so that its harmonics leave no trace.
+    // Samples are not in step with the oscillation, so that its harmonics average out.
     let count = (1.3 * end * params.omega() / (2.0 * PI)).ceil() as u32;
     let (mut phase, mut points) = (0.0, Vec::new());
     for k in 0..=count {
@@ -53,8 +53,8 @@ pub(super) fn slope(mut flow: impl VectorField<f64>, z: &[f64]) -> Vec<f64> {
     dz
 }
 
-/// The share of a profile that is not the sinusoid with so many waves on it, relative to that
-/// sinusoid, in quadratic mean.
+/// Quadratic mean of a profile minus its mean and its sinusoid with `waves` waves, divided by that
+/// of the sinusoid.
 pub(super) fn distortion(profile: &[f64], waves: f64) -> f64 {
     let count = profile.len() as f64;
     let mean = profile.iter().sum::<f64>() / count;

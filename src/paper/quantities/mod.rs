@@ -3,9 +3,9 @@
 //! | word | meaning |
 //! |---|---|
 //! | quantity | the id of a claim and our number |
-//! | group | a function that computes quantities, and the runs of the full chain that it looks at |
+//! | group | a function that computes quantities, and the runs of the full chain that it uses |
 //!
-//! A new quantity is a line of its group and a row of `claims.toml`.
+//! A new quantity needs an entry in its group and a row in `claims.toml`.
 
 mod measure;
 mod section3;
@@ -25,12 +25,12 @@ use crate::{
 /// The id of a claim, and our number.
 pub(super) type Quantity = (&'static str, f64);
 
-/// Perturbed waves of a run: what grows is judged by the median.
+/// Number of perturbed waves of a run; the growth of a perturbation is the median over them.
 const SEEDS: u32 = 8;
-/// Tolerance of the runs: their numbers are good to 1e-8.
+/// Tolerance of the runs; it gives numbers with errors of about 1e-8.
 const TOLERANCE: f64 = 1e-10;
 
-/// A run of the paper: a scene, its mean strain if that is another one, its perturbation.
+/// A run of the paper: a scene, a mean strain if it is not that of the scene, and a perturbation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Run {
     scene: &'static str,
@@ -55,7 +55,7 @@ impl Run {
     }
 }
 
-/// The runs that were made, each once.
+/// The finished runs, each once.
 struct Runs(Vec<(Run, WaveStudy)>);
 
 impl Runs {
@@ -69,14 +69,14 @@ impl Runs {
     }
 }
 
-/// Quantities that come from the same computation.
+/// Quantities from the same computation.
 struct Group {
     runs: &'static [Run],
     quantities: fn(&Runs) -> Result<Vec<Quantity>>,
 }
 
 impl Group {
-    /// A group that looks at none of the runs.
+    /// A group that uses none of the runs.
     const fn of(quantities: fn(&Runs) -> Result<Vec<Quantity>>) -> Self {
         Self { runs: &[], quantities }
     }
@@ -90,11 +90,11 @@ impl Group {
 const SECTIONS: [(u32, &[Group]); 5] =
     [(3, section3::GROUPS), (4, section4::GROUPS), (5, section5::GROUPS), (6, section6::GROUPS), (7, section7::GROUPS)];
 
-/// The quantities of a section, or of all sections, in the order of the claims. `progress` is told
-/// how many pieces of work are done of how many.
+/// The quantities of a section, or of all sections, in the order of the claims.
 ///
-/// Runs that several groups look at are made once; runs, then groups, on all cores. No number
-/// depends on how many those are.
+/// `progress` is called with the number of finished pieces of work and their total number. A run
+/// that several groups use is made once. First the runs and then the groups are computed on all
+/// cores; the results do not depend on the number of cores.
 ///
 /// # Errors
 /// A run that fails.

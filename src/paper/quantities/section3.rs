@@ -1,10 +1,10 @@
-//! Section 3: the modulation equations, their limit of heavy resonators, and the theorem on that
+//! Section 3: the modulation equations, their limit of heavy resonators, and the theorem on this
 //! limit.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `F` | left factor of the DpS equations, `F dA/dtau = delta^+ [h D]` |
-//! | `A(0)` | of the theorem: random under a bell, [`Initial::Generic`] |
+//! | `A(0)` | initial state of the theorem: random numbers times a Gaussian, [`Initial::Generic`] |
 
 use super::{
     Group, Quantity, Runs,
@@ -26,7 +26,7 @@ use std::f64::consts::PI;
 pub(super) const GROUPS: &[Group] =
     &[Group::of(expansion), Group::of(factor), Group::of(heavy_resonators), Group::of(theorem)];
 
-/// A spring constant at which powers of kappa show.
+/// Spring constant other than 1, so that wrong powers of kappa are noticed.
 const KAPPA: f64 = 2.5;
 
 /// `c_alpha`, as printed below (disp).
@@ -34,7 +34,7 @@ pub(super) fn c_alpha(alpha: f64) -> f64 {
     per_gamma(0.5 * (alpha + 1.0) + 1.0) / (PI * per_gamma(0.5) * per_gamma(0.5 * alpha + 1.0))
 }
 
-/// What Sec. 3.1 says on the way to the equations.
+/// The steps of Sec. 3.1 to the equations.
 fn expansion(_: &Runs) -> Result<Vec<Quantity>> {
     let params = Params::new(1.5, KAPPA, 0.7)?;
     Ok(vec![
@@ -51,8 +51,8 @@ fn determinant(params: Params, j: f64) -> f64 {
     ((kappa - square) * (kappa / rho - square) - kappa * kappa / rho) / params.omega().powi(4)
 }
 
-/// `-rho D^1 / (C^1 + 2 i omega dA/dtau)`, with `D^1` from `-(kappa/rho) C^1 - kappa D^1 = (2
-/// kappa/rho) i omega dA/dtau`.
+/// `-rho D^1 / (C^1 + 2 i omega dA/dtau)`, with `D^1` from
+/// `-(kappa/rho) C^1 - kappa D^1 = (2 kappa/rho) i omega dA/dtau`.
 fn second_projection(params: Params) -> f64 {
     let Params { kappa, rho, .. } = params;
     let (c, slope) = (Complex64::new(0.4, -1.1), Complex64::new(0.3, 0.8));
@@ -61,8 +61,8 @@ fn second_projection(params: Params) -> f64 {
     (-rho * d / (c + source)).re
 }
 
-/// Largest departure of `g` and `z h` from the mean and the first harmonic of the force, by the
-/// midpoint rule.
+/// Largest difference of `g` and `z h` from the mean and the first harmonic of the force, which the
+/// midpoint rule computes.
 fn projections() -> Result<f64> {
     const COUNT: u32 = 20_000;
     let (averages, z) = (Averages::new(1.5, KAPPA)?, Complex64::from_polar(0.6, 0.9));
@@ -78,14 +78,14 @@ fn projections() -> Result<f64> {
     Ok([-5.0, -2.0, 0.0, 1.5, 3.5].map(apart).into_iter().fold(0.0, f64::max))
 }
 
-/// The factor of (eq:S1), on the chain.
+/// The factor of (eq:S1), measured on the chain.
 fn factor(_: &Runs) -> Result<Vec<Quantity>> {
     let wave = small_wave(KAPPA, 0.3)?;
     let corrected = (wave.omega_tw() - wave.params().omega()) / wave.slow_time(1.0);
     Ok(vec![("s3.1-factor", corrected / measured_slow_frequency(&wave)?)])
 }
 
-/// Sec. 3.2 up to the theorem.
+/// The formulas of Sec. 3.2 up to the theorem.
 fn heavy_resonators(_: &Runs) -> Result<Vec<Quantity>> {
     let rigid = |rho: f64| Params::new(1.5, KAPPA, rho);
     let omega_0 = |alpha: f64| {
@@ -112,8 +112,8 @@ fn heavy_resonators(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// `-rho V / U` of the amplitudes of the linear oscillation of one site, as the chain runs it for
-/// half a period.
+/// `-rho V / U` for the amplitudes of the linear oscillation of one site, from a run of the chain
+/// over half a period.
 fn resonator_share(params: Params) -> Result<f64> {
     let chain = Chain::new(params, Boundary::Free, 1)?;
     let u = 1.0;
@@ -121,12 +121,13 @@ fn resonator_share(params: Params) -> Result<f64> {
     let half = PI / params.omega();
     let mut run = chain.collocation(start.as_slice(), (0.0, half), Pace::Tolerance(1e-13))?;
     let y = state_at(&mut run, half)?;
-    // Differences to the start, half a period later: neither mean nor drift is left.
+    // Differences between the start and half a period later: the mean cancels, and there is no
+    // drift.
     Ok(-params.rho * (y[1] - start.as_slice()[1]) / (y[0] - u))
 }
 
-/// Largest `rho |v|` over the largest `|u|` of a breather with very heavy resonators at rest, at
-/// 200 times up to its horizon.
+/// Largest `rho |v|` divided by the largest `|u|`, at 200 times up to the horizon, of a breather
+/// with very heavy resonators that start at rest.
 fn resonators_at_rest() -> Result<f64> {
     let params = Params::new(1.5, 1.0, 1e9)?;
     let breather = BrightBreather::new(params, Center::Bond, 0.01, 40)?;
@@ -142,8 +143,8 @@ fn resonators_at_rest() -> Result<f64> {
     Ok(params.rho * v / u)
 }
 
-/// `F / (2 i kappa^{3/2})`: the slope of the DpS equation over that of the generalised ones, at a
-/// wave with `b = 0`.
+/// `F / (2 i kappa^{3/2})`: the slope of the DpS equation divided by that of the generalised ones,
+/// for a wave with `b = 0`.
 fn heavy_limit(params: Params) -> Result<f64> {
     let layout = Layout { sites: 10, ends: Ends::Ring, form: Form::Strains };
     let phase = |n: u32| -0.2 * PI * f64::from(n);
@@ -155,11 +156,10 @@ fn heavy_limit(params: Params) -> Result<f64> {
     Ok(dot(&plain, &general) / dot(&general, &general))
 }
 
-/// Theorem 1 in the largest norm, and what becomes of it when the resonators are lighter than it
-/// asks.
+/// Theorem 1 in the norm `l_inf`, also with resonators that are lighter than it requires.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    // Growth of sup / epsilon^power over a decade of epsilon: 1 for a bound that is sharp, less for
-    // one that is not.
+    // Growth of sup / epsilon^power over a decade of epsilon: 1 for a sharp bound, less for a
+    // bound that is not sharp.
     let decade = |rho_law: RhoLaw| -> Result<[f64; 3]> {
         let (initial, epsilons) = (Initial::Generic, vec![1e-4, 1e-5]);
         let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };

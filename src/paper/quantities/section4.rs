@@ -1,9 +1,9 @@
-//! Section 4: travelling waves, their seven runs, and what perturbations do to them.
+//! Section 4: travelling waves, their seven runs, and the growth of perturbations.
 //!
 //! | word | meaning |
 //! |---|---|
-//! | growth up to `t` | median of `tilde E_x`, largest up to `t` over largest of the first period |
-//! | distortion | quadratic mean of a profile less its sinusoid, over that of the sinusoid |
+//! | growth up to `t` | median of `tilde E_x`: largest value up to `t` divided by the largest in the first period |
+//! | distortion | quadratic mean of a profile minus its sinusoid, divided by that of the sinusoid |
 
 use super::{
     Group, Quantity, Run, Runs,
@@ -66,7 +66,7 @@ fn growth(study: &WaveStudy, until: Option<f64>) -> f64 {
     medians(0.0, until.unwrap_or(study.scene.end())) / medians(0.0, study.scene.period())
 }
 
-/// Largest error of the last tenths of the run over that of as many first ones.
+/// Largest error in the last `tenths` tenths of the run divided by that in the first ones.
 fn trend(study: &WaveStudy, errors: &[f64], tenths: f64) -> f64 {
     let (end, part) = (study.scene.end(), 0.1 * tenths * study.scene.end());
     let within = |from, to| largest(study, errors.iter().copied(), from, to);
@@ -85,7 +85,7 @@ fn modulation_rate(wave: &TravellingWave) -> Result<f64> {
     Ok(fastest.map_or(0.0, |(_, rate)| rate * wave.slow_time(1.0)))
 }
 
-/// The dispersion relation at `kappa != 1`.
+/// The dispersion relation at a `kappa` other than 1.
 fn dispersion(_: &Runs) -> Result<Vec<Quantity>> {
     const KAPPA: f64 = 0.4;
     let averages = Averages::new(1.5, KAPPA)?;
@@ -99,7 +99,7 @@ fn dispersion(_: &Runs) -> Result<Vec<Quantity>> {
     let (strained, unstrained) = (small_wave(KAPPA, 0.3)?, small_wave(KAPPA, 0.0)?);
     let closed_h =
         |alpha: f64, r: f64| 2f64.powf(alpha - 1.0) * c_alpha(alpha) * KAPPA.powf(alpha) * r.powf(alpha - 1.0);
-    // The same wave in other units of length and time: kappa is 1 and 4, lengths 1 and 16.
+    // The same wave in other units of length and time: kappa is 1 or 4, lengths scale by 1 or 16.
     let rescaled = |kappa: f64, epsilon: f64| -> Result<f64> {
         let shape = Shape { q: 0.7, a: kappa.recip(), b: 0.3, phi: 0.0 };
         Ok(TravellingWave::new(Params::new(1.5, kappa, 2.0)?, shape, Size::Epsilon(epsilon))?.omega_tw())
@@ -112,7 +112,7 @@ fn dispersion(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// What is said of `b -> g_alpha(b, r)` below (eq:g_alpha).
+/// The statements on `b -> g_alpha(b, r)` below (eq:g_alpha).
 fn mean_force(_: &Runs) -> Result<Vec<Quantity>> {
     let averages = Averages::new(1.5, 1.0)?;
     let radii = [0.3, 1.0, 4.0];
@@ -144,7 +144,7 @@ fn ansatz(runs: &Runs) -> Result<Vec<Quantity>> {
     let (wave, sites) = (&first.wave, first.strains.x.len());
     let rho = wave.params().rho;
     let mean = first.strains.x.iter().zip(&first.strains.y).map(|(x, y)| (x + rho * y) / (1.0 + rho)).sum::<f64>();
-    // The perturbed initial data with no perturbation left in them.
+    // The perturbed initial data with the smallest perturbation, which rounds to none.
     let quiet = PerturbedWave::new(*wave, sites, f64::MIN_POSITIVE, 1)?;
     let initial = quiet.initial(quiet.constraint())?;
     let apart = initial.iter().enumerate().map(|(n, site)| {
@@ -260,7 +260,7 @@ fn rho_1000(runs: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The remark on `b = 0`.
+/// The run with `b = 0` that a remark mentions.
 fn no_mean_strain(runs: &Runs) -> Result<Vec<Quantity>> {
     let study = runs.of(NO_MEAN_STRAIN);
     let (wave, [x, _]) = (&study.wave, distortions(study));
@@ -275,7 +275,7 @@ fn no_mean_strain(runs: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// What the section concludes.
+/// The conclusions of the section.
 fn mass_ratio(runs: &Runs) -> Result<Vec<Quantity>> {
     let studies = [RHO_3, RHO_10, RHO_1000].map(|run| runs.of(run));
     let [light, critical, heavy] = studies.map(|study| max_percent(&study.errors.y));

@@ -1,4 +1,4 @@
-//! Section 5: bright breathers, the trivial ones that are exact and the small ones that live long.
+//! Section 5: bright breathers, both the exact trivial ones and the small long-lived ones.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -38,8 +38,8 @@ const RHO: f64 = 1.0 / 3.0;
 const SITES: usize = 12;
 const TOLERANCE: f64 = 1e-12;
 
-/// A localised breather without a symmetry: `a_n` under a bell, `phi_n = angle n^2`, or in
-/// antiphase; `d_n` with steps of `step`.
+/// A localised breather without symmetry: `a_n` is a Gaussian that is not centred on a site, `phase`
+/// gives the `phi_n`, and the offsets `d_n` increase by `step` at every third site.
 fn breather(phase: impl Fn(f64) -> f64, step: f64) -> Result<TrivialBreather> {
     let sites = || (0..SITES).map(|n| n as f64);
     let amplitude = |n: f64| 0.1 * (-0.2 * (n - 4.8).powi(2)).exp();
@@ -60,7 +60,7 @@ fn least_gap(breather: &TrivialBreather, n: usize) -> f64 {
     RHO / (1.0 + RHO) * square.max(0.0).sqrt()
 }
 
-/// The free chain at `t = 0` with all mean positions `scale` times those of the breather.
+/// The free chain at `t = 0`, with the mean positions of the breather times `scale`.
 fn chain_of(breather: &TrivialBreather, scale: f64) -> Result<(Chain<f64>, State<f64>)> {
     let chain = Chain::new(breather.params(), Boundary::Free, SITES)?;
     let state = State::from_fn(&chain, |n| {
@@ -71,7 +71,7 @@ fn chain_of(breather: &TrivialBreather, scale: f64) -> Result<(Chain<f64>, State
 }
 
 /// Mean contact forces over a period of a breather whose gaps are `scale` times the least ones,
-/// over the force at an overlap of the largest amplitude.
+/// divided by the force at an overlap of the largest amplitude.
 fn mean_force(scale: f64) -> Result<f64> {
     let breather = breather(irregular, 0.0)?;
     let (chain, state) = chain_of(&breather, scale)?;
@@ -81,16 +81,16 @@ fn mean_force(scale: f64) -> Result<f64> {
     Ok(forces.range().1 / swing.powf(ALPHA))
 }
 
-/// Largest difference of two sequences over the largest of the second.
+/// Largest difference of two sequences divided by the largest entry of the second.
 fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
     max_norm(ours.iter().zip(theirs).map(|(a, b)| a - b)) / max_norm(theirs.iter().copied())
 }
 
-/// (constraint) to the simplified `b_n`.
+/// The formulas from (constraint) to the simplified `b_n`.
 fn trivial(_: &Runs) -> Result<Vec<Quantity>> {
     let (loose, antiphase) = (breather(irregular, 0.01)?, breather(|n| PI * n, 0.01)?);
     let omega = loose.params().omega();
-    // (uncpl) as printed against the chain, not in step with the oscillation.
+    // (uncpl) as printed compared with the chain, at a time not in step with the oscillation.
     let (chain, state) = chain_of(&loose, 1.0)?;
     let end = 10.3 * 2.0 * PI / omega;
     let mut run = chain.collocation(state.as_slice(), (0.0, end), Pace::Tolerance(TOLERANCE))?;
@@ -98,7 +98,7 @@ fn trivial(_: &Runs) -> Result<Vec<Quantity>> {
     let swing = |n: usize| loose.amplitudes()[n] * (omega * end + loose.phases()[n]).cos() / (1.0 + RHO);
     let printed = |n: usize| [loose.means()[n] + RHO * swing(n), loose.means()[n] - swing(n)];
     let off = (0..SITES).flat_map(|n| [y[n] - printed(n)[0], y[SITES + n] - printed(n)[1]]);
-    // The closest that beads come, of samples of a period, and (constraint2).
+    // The least distance of neighbouring beads among samples of a period, and (constraint2).
     let closest = |n: usize| {
         let gap = |k: u32| {
             let t = 2.0 * PI / omega * f64::from(k) / 4000.0;
@@ -149,7 +149,7 @@ fn no_others(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The worst of both kinds.
+/// The larger value of the two symmetries.
 fn worst(of: impl Fn(&Homoclinic) -> f64) -> Result<f64> {
     let [one, two] = CENTERS.map(|center| Homoclinic::new(ALPHA, center));
     Ok(of(&one?).max(of(&two?)))
@@ -172,7 +172,8 @@ fn power(z: Complex64) -> Complex64 {
 /// Theorem homoclinic, and the equations that its sequences solve.
 fn homoclinics(_: &Runs) -> Result<Vec<Quantity>> {
     let omega_0 = omega_0(ALPHA);
-    // Of (eq:DpSlr), i dA/dtau = omega_0 delta^+ [..], with (solper), relative to the left side.
+    // Residual of (eq:DpSlr), i dA/dtau = omega_0 delta^+ [..], for (solper), relative to the left
+    // side.
     let modulation = |a: &Homoclinic, epsilon: f64, tau: f64| {
         let rate = omega_0 * epsilon.abs().powf(ALPHA - 1.0);
         let envelope = |n: i64| Complex64::from_polar(epsilon * a.a(n), rate * tau);
@@ -181,7 +182,7 @@ fn homoclinics(_: &Runs) -> Result<Vec<Quantity>> {
             let left = -rate * envelope(n);
             (left - omega_0 * (force(n + 1) - force(n))).norm() / left.norm()
         };
-        // In the last ones forces are subnormal.
+        // Forces of the last sites are subnormal; these sites are left out.
         a.sites().filter(|&n| a.a(n).abs() > 1e-280).map(off).fold(0.0, f64::max)
     };
     let sign = |a: &Homoclinic| {
@@ -207,14 +208,14 @@ fn homoclinics(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// `omega_0` as printed in (eq:defom0), with the Gamma functions the right way up.
+/// `omega_0` as printed in (eq:defom0); `per_gamma` is the reciprocal of the Gamma function.
 fn omega_0(alpha: f64) -> f64 {
     2f64.powf(alpha - 2.0) * per_gamma(0.5 * (alpha + 1.0) + 1.0) / (PI.sqrt() * per_gamma(0.5 * alpha + 1.0))
 }
 
-/// Theorem longlivedb in the largest norm.
+/// Theorem longlivedb in the norm `l_1`.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    // Growth of sup / epsilon^power over a decade of epsilon, C_i = C_r = 1.
+    // Growth of sup / epsilon^power over a decade of epsilon, for C_i = C_r = 1.
     let decade = |initial: Initial| -> Result<[f64; 3]> {
         let epsilons = vec![1e-4, 1e-5];
         let options = TheoremOptions { horizon: 2.0, initial, c_i: 1.0, epsilons, ..TheoremOptions::default() };
@@ -230,7 +231,7 @@ fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The two frequencies.
+/// The frequency of the breather, and the linear frequency at finite `rho`.
 fn frequencies(_: &Runs) -> Result<Vec<Quantity>> {
     let shift = |epsilon: f64| -> Result<[f64; 2]> {
         let rho = epsilon.powf(-2.0 * (ALPHA - 1.0));
@@ -247,7 +248,7 @@ fn frequencies(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The numbers of the run.
+/// The printed numbers of the run.
 fn numbers(_: &Runs) -> Result<Vec<Quantity>> {
     let breather = BrightBreather::new(Params::new(ALPHA, 1.0, 1000.0)?, Center::Bond, 0.01, 40)?;
     let (t, t_b, horizon) = (breather.slow_period(), breather.period(), breather.horizon());

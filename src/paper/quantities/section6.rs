@@ -1,10 +1,10 @@
-//! Section 6: standing waves of the modulation equations with a kink, and the dark breathers they
-//! approximate.
+//! Section 6: standing waves of the modulation equations with a kink, and the dark breathers that
+//! they approximate.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `a_n, b_n` | `delta^- a_n, delta^- b_n` of (eq:DpSsw2), `mu = 1` |
-//! | `R` | largest residual of (eq:DpSsw2), over the amplitude at `-N` and over the force |
+//! | `R` | largest residual of (eq:DpSsw2), relative to the amplitude at `-N` and to the force |
 
 use super::{Group, Quantity, Runs};
 use crate::{
@@ -26,18 +26,18 @@ fn figure(center: Center) -> Result<DarkProfile> {
     DarkProfile::new(FIGURE, center, SITES, 0.0)
 }
 
-/// Amplitudes and mean strains of all sites, times `scale`.
+/// Amplitudes and mean strains of all sites multiplied by `scale`.
 fn strains(profile: &DarkProfile, scale: f64) -> [Vec<f64>; 2] {
     [profile.sites().map(|n| scale * profile.a(n)).collect(), profile.sites().map(|n| scale * profile.b(n)).collect()]
 }
 
-/// `h_alpha(b_n, abs(a_n)) a_n`, and the mean forces.
+/// The fluxes `h_alpha(b_n, abs(a_n)) a_n` and the mean forces.
 fn fluxes(averages: &Averages, [a, b]: &[Vec<f64>; 2]) -> [Vec<f64>; 2] {
     let bond = |(a, b): (&f64, &f64)| (a.signum() * averages.r_h(*b, a.abs()), averages.g(*b, a.abs()));
     a.iter().zip(b).map(bond).unzip::<_, _, Vec<_>, Vec<_>>().into()
 }
 
-/// `R` with `mu a_n` in place of `a_n`, without any use of a symmetry.
+/// `R` for the equations with the factor `mu`, computed on the whole ring without symmetries.
 fn residual(averages: &Averages, strains: &[Vec<f64>; 2], mu: f64) -> f64 {
     let ([a, _], [flux, g]) = (strains, fluxes(averages, strains));
     let count = a.len();
@@ -49,12 +49,12 @@ fn residual(averages: &Averages, strains: &[Vec<f64>; 2], mu: f64) -> f64 {
     (0..count).map(at).fold(0.0, f64::max)
 }
 
-/// The larger one of the two kinds of profile.
+/// The larger value of the two symmetries.
 fn worst(of: impl Fn(Center) -> Result<f64>) -> Result<f64> {
     Ok(of(Center::Site)?.max(of(Center::Bond)?))
 }
 
-/// What the section says of the stationary equations.
+/// The statements on the stationary equations.
 fn equations(_: &Runs) -> Result<Vec<Quantity>> {
     const KAPPA: f64 = 2.5;
     let averages = Averages::new(1.5, 1.0)?;
@@ -78,7 +78,7 @@ fn equations(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// Newton's method and what it converges to.
+/// Newton's method and the profiles that it converges to.
 fn newton(_: &Runs) -> Result<Vec<Quantity>> {
     let averages = Averages::new(1.5, 1.0)?;
     let off = |profile: Result<DarkProfile>| -> Result<f64> { Ok(residual(&averages, &strains(&profile?, 1.0), 1.0)) };
@@ -96,7 +96,7 @@ fn newton(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The breathers of the chain.
+/// The breathers on the chain.
 fn breathers(_: &Runs) -> Result<Vec<Quantity>> {
     let nearer = |center| {
         let profile = DarkProfile::new(FIGURE, center, 11, 0.0)?;
@@ -119,8 +119,8 @@ fn start(
     Ok(([x, y].concat(), run))
 }
 
-/// Largest distance of the chain from (eq:xy_sw) up to `t = 1 / (omega_b - omega)`, a sixth of a
-/// slow turn, over the largest strain of either.
+/// Largest distance of the chain from (eq:xy_sw) up to `t = 1 / (omega_b - omega)`, which is a
+/// sixth of a slow period, divided by the largest strain.
 fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let Params { rho, kappa, .. } = profile.params();
     let (omega_b, end) = (profile.params().omega() + detuning, detuning.recip());
@@ -128,7 +128,7 @@ fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let scale = profile.mu(omega_b)?.powi(2);
     let [a, b] = strains(profile, scale);
     let (count, largest) = (a.len(), z.iter().fold(0.0, |most: f64, z| most.max(z.abs())));
-    // Not in step with the oscillation.
+    // Samples are not in step with the oscillation.
     let samples = (1.3 * 7.0 * end * omega_b / (2.0 * PI)).ceil() as u32;
     let mut worst = 0.0f64;
     for k in 1..=samples {
@@ -144,7 +144,7 @@ fn distance(profile: &DarkProfile, detuning: f64) -> Result<f64> {
 }
 
 /// `(measured omega_b - omega) / (omega_b - omega)`, for a relative `detuning`, from the phases of
-/// the background a period after the start and about half a slow turn later.
+/// the background one period after the start and about half a slow period later.
 fn measured_detuning(profile: &DarkProfile, detuning: f64) -> Result<f64> {
     let (params, omega) = (profile.params(), profile.params().omega());
     let (period, detuning) = (2.0 * PI / omega, detuning * omega);

@@ -3,8 +3,8 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `lambda` | Floquet multiplier |
-//! | `\|lambda\|^m` | of the largest one, `m` periods in a run: by how much roundings grow |
-//! | bond, site | what the kink is on |
+//! | `\|lambda\|^m` | factor by which rounding errors grow: `lambda` of the largest modulus, `m` periods of the run |
+//! | bond, site | position of the kink |
 
 mod doubled;
 mod evolutions;
@@ -38,7 +38,7 @@ pub(super) const GROUPS: &[Group] = &[
 ];
 
 const THIRD: f64 = 1.0 / 3.0;
-/// Quartets up to a modulus of one more than this are weak.
+/// Quartets with a modulus of at most one plus this are weak.
 const WEAK: f64 = 0.02;
 
 fn breather(rho: f64, center: Center, omega_b: f64) -> Result<DarkBreather> {
@@ -62,8 +62,7 @@ fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
     map(omega_b, |&omega_b| spectrum(rho, center, omega_b)).into_iter().collect()
 }
 
-/// An orbit let go, kicked along its most unstable mode or not. A run that fails has no last
-/// number.
+/// Evolution of an orbit on the chain, with a kick along its most unstable mode if `kick` is given.
 fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64>) -> Result<Evolution> {
     let kick = kick.map(|size| Kick { size, mode: 0 });
     let mut run = evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})?;
@@ -74,12 +73,12 @@ fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64
     Ok(run)
 }
 
-/// The largest value; not a number if one is none, or if there is none.
+/// The largest value; NaN if one of them is NaN, or if there is none.
 fn most(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().reduce(|a, b| if a.is_nan() || a >= b { a } else { b }).unwrap_or(f64::NAN)
 }
 
-/// The smallest value, likewise.
+/// The smallest value; NaN if one of them is NaN, or if there is none.
 fn least(values: impl IntoIterator<Item = f64>) -> f64 {
     -most(values.into_iter().map(|value| -value))
 }
@@ -111,13 +110,13 @@ fn profiles(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The distance of (eq:xy_sw) from the orbit, over the largest strain.
+/// The distance of (eq:xy_sw) from the orbit divided by the largest strain.
 fn seed(center: Center) -> Result<f64> {
     let (seed, orbit) = (breather(THIRD, center, 2.005)?.seed()?, orbit(THIRD, center, 2.005)?);
     Ok(most(seed.iter().zip(&orbit.z).map(|(a, b)| (a - b).abs())) / orbit.amplitude())
 }
 
-/// Size against frequency.
+/// Size of the breathers against their frequency.
 fn family(_: &Runs) -> Result<Vec<Quantity>> {
     let extents = |center| -> Result<Vec<Extent>> {
         let frequencies = [2.001, 2.01, 2.03, 2.05, 2.07, 2.09];
@@ -150,7 +149,7 @@ fn multipliers(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The instabilities from the beginning of the branches on.
+/// The instabilities at the beginning of the branches and later.
 fn frequencies(_: &Runs) -> Result<Vec<Quantity>> {
     const EARLY: [f64; 3] = [2.005, 2.05, 2.06];
     let (bond, early) = (spectra(THIRD, Center::Bond, &EARLY)?, spectra(THIRD, Center::Site, &EARLY)?);

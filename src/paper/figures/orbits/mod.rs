@@ -18,69 +18,69 @@ use crate::{
 };
 
 const SITES: usize = 41;
-/// Collisions of multipliers weaker than this are passed over.
+/// Collisions of multipliers that lead to no modulus above one plus this are left out.
 const WEAK: f64 = 0.01;
-/// Where branches in the mass ratio begin: at the one whose `omega` is `omega_b` over this.
+/// Branches in the mass ratio begin where `omega_b / omega` has this value.
 const ABOVE: f64 = 1.004;
-/// Up to so many times the mass ratio where it begins a branch has short steps.
+/// Branches in the mass ratio have short steps up to this multiple of the first mass ratio.
 const NEAR: f64 = 5.0;
-/// Size of the push along the mode at -1, over the amplitude of the orbit, that makes a seed of
-/// doubled period.
+/// Size of the push along the mode at -1, in units of the amplitude of the orbit, that gives the
+/// seed of the orbit of doubled period.
 const SEED: f64 = 0.1;
 
-/// How a figure of Sec. 7 is computed.
+/// Kind and parameters of a figure of Sec. 7.
 #[derive(Debug)]
 pub enum OrbitRecipe {
-    /// Exact profiles against those of the DpS equations and against themselves after a period.
+    /// Exact profiles compared with those of the DpS equations and with themselves after a period.
     Profiles {
         /// Mass ratio.
         rho: f64,
         /// Frequency.
         omega_b: f64,
     },
-    /// Multipliers against the frequency, and all of them at one.
+    /// Multipliers against the frequency, and all multipliers at one frequency.
     Floquet {
         /// Mass ratio.
         rho: f64,
-        /// Ends of the branch, above `omega`.
+        /// Ends of the branch, as differences from `omega`.
         above: [f64; 2],
-        /// Points of a branch, about.
+        /// Approximate number of points of a branch.
         points: u32,
-        /// The one frequency.
+        /// The frequency at which all multipliers are shown.
         at: f64,
-        /// End of an enlargement for the site-centred family, above `omega`.
+        /// End of the enlarged part of the site-centred family, as difference from `omega`.
         zoom: Option<f64>,
-        /// Whether bifurcations are told.
+        /// Whether bifurcations are located.
         bifurcations: bool,
     },
-    /// `E_b` of site-centred breathers at one time against the frequency, `rho = 1/3`.
+    /// `E_b` of site-centred breathers at a given time against the frequency, at `rho = 1/3`.
     ReturnErrors {
         /// Ends of the branch.
         omega_b: [f64; 2],
-        /// Points of it, about.
+        /// Approximate number of points of the branch.
         points: u32,
-        /// The time.
+        /// The time of `E_b`.
         until: f64,
     },
-    /// Orbits let go.
+    /// Evolutions of orbits on the chain.
     Evolutions {
         /// Mass ratio.
         rho: f64,
         /// The runs.
         runs: &'static [EvolutionRun],
-        /// Whether profiles at the end are shown as well.
+        /// Whether profiles at the end are shown.
         profiles: bool,
     },
-    /// The mode at the period doubling for `rho = 1/3`, and an orbit of doubled period from it.
+    /// The mode at the period doubling at `rho = 1/3`, and an orbit of doubled period.
     Doubling {
-        /// Frequency of that orbit.
+        /// Frequency of the orbit of doubled period.
         omega_b: f64,
     },
-    /// The branch of doubled period for `rho = 1/3`.
+    /// The branch of doubled period at `rho = 1/3`.
     Doubled {
-        /// An orbit of it.
+        /// Frequency of the orbit that is shown.
         omega_b: f64,
-        /// Where it is left.
+        /// Frequency at which the branch ends.
         to: f64,
     },
     /// Multipliers against the mass ratio.
@@ -89,91 +89,92 @@ pub enum OrbitRecipe {
         omega_b: &'static [f64],
         /// Largest mass ratio.
         to: f64,
-        /// Points up to 5 times the mass ratio where a branch begins, and beyond, about.
+        /// Approximate number of points up to 5 times the first mass ratio, and beyond it.
         points: [u32; 2],
     },
 }
 
-/// An orbit that is let go.
+/// An evolution of an orbit on the chain.
 #[derive(Debug)]
 pub struct EvolutionRun {
-    /// Which of the two.
+    /// Position of the kink.
     pub center: Center,
     /// Frequency.
     pub omega_b: f64,
     /// End time.
     pub until: f64,
-    /// Size of a kick along the mode of the largest multiplier.
+    /// Size of a kick along the mode of the largest multiplier; `None` for no kick.
     pub kick: Option<f64>,
 }
 
-/// The numbers behind a figure of Sec. 7.
+/// The numbers of a figure of Sec. 7.
 #[derive(Debug)]
 pub enum OrbitData {
     /// A profile for each centre.
     Profiles(Vec<ProfileData>),
-    /// A branch for each centre, and the one orbit of it; the end of the enlargement.
+    /// A branch and an orbit for each centre, and the end of the enlarged part.
     Floquet(Vec<FloquetData>, Option<f64>),
-    /// The branch, `E_b` of each of its points, the time.
+    /// The branch, `E_b` at each of its points, and the time of `E_b`.
     ReturnErrors(Branch, Vec<f64>, f64),
-    /// The runs; whether profiles are shown.
+    /// The evolutions, and whether profiles are shown.
     Evolutions(Vec<(Center, Evolution)>, bool),
     /// The mode and the orbit.
     Doubling(DoublingData),
-    /// The orbit of doubled period, itself after half a period and a whole one, the branch.
+    /// The orbit of doubled period, its strains after half a period and after a period, and the
+    /// branch.
     Doubled(Box<OrbitStudy>, [Vec<f64>; 2], Box<DoubledBranch>),
-    /// Branches in the mass ratio, for each frequency the two centres.
+    /// Branches in the mass ratio: for each frequency, one for each centre.
     MassRatios(Vec<MassRatioData>),
 }
 
-/// An exact profile.
+/// An exact profile and what it is compared with.
 #[derive(Debug)]
 pub struct ProfileData {
-    /// Which.
+    /// Position of the kink.
     pub center: Center,
     /// The orbit and its multipliers.
     pub study: OrbitStudy,
-    /// `Z` of the DpS equations.
+    /// `Z` by the profile of the DpS equations.
     pub seed: Vec<f64>,
     /// `Z(T)`.
     pub after: Vec<f64>,
 }
 
-/// A family over the frequency.
+/// The branch of a family in the frequency.
 #[derive(Debug)]
 pub struct FloquetData {
-    /// Which.
+    /// Position of the kink.
     pub center: Center,
-    /// Its points.
+    /// The orbits of the branch and their multipliers.
     pub branch: Branch,
-    /// One orbit.
+    /// The orbit at one frequency.
     pub one: OrbitStudy,
 }
 
-/// A period doubling.
+/// A period doubling and the first orbit of doubled period.
 #[derive(Debug)]
 pub struct DoublingData {
-    /// Where it is, with the mode.
+    /// The bifurcation, with its mode.
     pub birth: Bifurcation,
     /// The seed `Z`.
     pub seed: Vec<f64>,
-    /// What Newton's method makes of it.
+    /// The orbit to which Newton's method converges from the seed.
     pub orbit: Orbit,
 }
 
-/// A family over the mass ratio.
+/// The branch of a family in the mass ratio.
 #[derive(Debug)]
 pub struct MassRatioData {
-    /// Which.
+    /// Position of the kink.
     pub center: Center,
-    /// Its frequency.
+    /// Frequency of the branch.
     pub omega_b: f64,
-    /// Its points.
+    /// The orbits of the branch and their multipliers.
     pub branch: Branch,
 }
 
 const THIRD: f64 = 1.0 / 3.0;
-/// As in the paper: bond-centred above or left.
+/// The two centres in the order of the paper's panels, from the top or from the left.
 const BOTH: [Center; 2] = [Center::Bond, Center::Site];
 
 fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {
@@ -189,7 +190,7 @@ fn along(parameter: Parameter, to: f64, step: f64) -> Continuation {
     Continuation { parameter, to, step, most_points: 2000, natural: false, shooting: Shooting::default() }
 }
 
-/// `work` for each of `items` on all cores.
+/// The results of `work` for all `items`, computed on all cores.
 fn each<T: Sync, U: Send>(
     items: &[T],
     progress: &(dyn Fn(f64) + Sync),
@@ -199,20 +200,20 @@ fn each<T: Sync, U: Send>(
     Tally::new(items.len(), &tell).map(items, work).into_iter().collect()
 }
 
-/// The branch through an orbit; bifurcations are located if `weak` is given.
+/// The branch from an orbit on; bifurcations are located if `weak` is given.
 fn follow(start: Orbit, continuation: &Continuation, weak: Option<f64>) -> Result<Branch> {
     go_on(Trail { weak, ..Trail::new(*continuation, start)? }, &mut |_| {}, &|_, _| {})
 }
 
-/// The branch between two frequencies of one family, with its bifurcations or without.
+/// The branch of a family between two frequencies; bifurcations are located if `bifurcations`.
 fn family(rho: f64, center: Center, [from, to]: [f64; 2], points: u32, bifurcations: bool) -> Result<Branch> {
     let continuation = along(Parameter::OmegaB, to, (to - from) / f64::from(points));
     let start = breather(rho, center, from).orbit(&continuation.shooting)?;
     follow(start, &continuation, bifurcations.then_some(WEAK))
 }
 
-/// The branch of one frequency up to a mass ratio, from as near to
-/// `omega(rho) = omega_b` as can be.
+/// The branch at a frequency from a mass ratio near `omega(rho) = omega_b` up to the mass ratio
+/// `to`.
 fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting: &Shooting) -> Result<Branch> {
     let from = ((omega_b / ABOVE).powi(2) - 1.0).recip();
     let start = breather(from, center, omega_b).orbit(shooting)?;
@@ -221,7 +222,7 @@ fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting
         follow(start, &along(Parameter::Rho, to, (to - from) / f64::from(points)), None)
     };
     let mut branch = leg(start, from, near, points[0])?;
-    // The last point of the first leg is the first one of the second.
+    // The last point of the first part is the first point of the second part.
     if let (End::Reached, Some(last)) = (branch.end, branch.points.last().cloned()) {
         branch.points.pop();
         let rest = leg(last.orbit, near, to, points[1])?;
@@ -232,7 +233,8 @@ fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting
 }
 
 impl OrbitRecipe {
-    /// Computes what the figure shows; `progress` is told the share that is done.
+    /// Computes the numbers of the figure; `progress` is called with the finished share of the
+    /// work.
     pub(super) fn data(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<OrbitData> {
         let shooting = Shooting::default();
         match *self {
@@ -287,19 +289,19 @@ impl OrbitRecipe {
     }
 }
 
-/// `Z` after so many periods.
+/// `Z` after `periods` periods.
 fn strains_at(orbit: &Orbit, periods: f64) -> Result<Vec<f64>> {
     let mut states = orbit.states(Shooting::default().tol, &[periods * orbit.setting.period()])?;
     Ok(states.remove(0)[..orbit.z.len()].to_vec())
 }
 
-/// The bond-centred family at `rho = 1/3` about its first period doubling.
+/// The bond-centred family at `rho = 1/3` near its first period doubling.
 fn about_doubling() -> Result<Branch> {
     family(THIRD, Center::Bond, [2.062, 2.064], 1, true)
 }
 
-/// The period doubling of a branch, and the orbit of doubled period at `omega_b` from a push along
-/// its mode.
+/// The period doubling of a branch, and the orbit of doubled period at `omega_b` that is found from
+/// a push along the mode.
 fn doubling(main: &Branch, omega_b: f64, shooting: &Shooting) -> Result<DoublingData> {
     let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
     let birth = birth.ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;

@@ -11,7 +11,7 @@ use crate::{
     report::{branch_csv, center_word, evolution_csv, shown, swing_csv},
 };
 
-/// Tables of a figure, `(what tells them apart, tables)`.
+/// Tables of a figure: `(part of the file name, tables)`.
 pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> {
     let branch =
         |branch: &Branch| vec![("branch.csv", branch_csv(branch)), ("multipliers.csv", off_circle_csv(branch))];
@@ -44,7 +44,7 @@ pub(in super::super) fn orbit_tables(data: &OrbitData) -> Vec<(String, Tables)> 
     }
 }
 
-/// At the beginning of a sentence.
+/// The name of a family at the beginning of a sentence.
 fn family(center: Center) -> &'static str {
     match center {
         Center::Bond => "Bond-centred",
@@ -61,13 +61,13 @@ fn evolution_tag(center: Center, run: &Evolution) -> String {
     format!("{}-{}{kicked}", center_word(center), run.orbit.setting.omega_b)
 }
 
-/// Sites `n = -N .. N` of an orbit.
+/// The numbers `n = -N .. N` of the sites of an orbit.
 fn sites(orbit: &Orbit) -> impl Iterator<Item = f64> + use<> {
     let half = orbit.setting.sites as f64 / 2.0 - 0.5;
     (0..orbit.setting.sites).map(move |i| i as f64 - half)
 }
 
-/// `n`, then `x` and `y` of every `Z`.
+/// A table with `n`, and with `x` and `y` of every `Z`.
 fn strains_csv(orbit: &Orbit, marks: &[&str], all: &[&[f64]]) -> Vec<u8> {
     let names = marks.iter().flat_map(|mark| [format!("x{mark}"), format!("y{mark}")]);
     let names: Vec<String> = std::iter::once("n".to_owned()).chain(names).collect();
@@ -86,7 +86,7 @@ fn doubling_csv(one: &DoublingData) -> Tables {
     vec![("profile.csv", strains_csv(&one.orbit, &["", "_seed", "_mode"], &all))]
 }
 
-/// Every multiplier of every point that is not on the circle.
+/// A table of the multipliers off the circle at all points of a branch.
 fn off_circle_csv(branch: &Branch) -> Vec<u8> {
     let parameter = branch.continuation.parameter;
     let rows = branch.points.iter().flat_map(|point| {
@@ -103,13 +103,14 @@ fn spectrum_csv(study: &OrbitStudy) -> Vec<u8> {
     csv(&["re", "im", "modulus", "error", "krein"], rows)
 }
 
-/// `E_b` and by how much roundings grow, `|lambda|^m`, at each point of a branch.
+/// A table of `E_b` and of the growth `|lambda|^m` of rounding errors, at each point of a branch.
 fn errors_csv(branch: &Branch, errors: &[f64], until: f64) -> Vec<u8> {
     let row = |((omega_b, growth), e_b): ((f64, f64), &f64)| vec![omega_b, *e_b, growth];
     csv(&["omega_b", "e_b", "growth"], amplifications(branch, until).zip(errors).map(row))
 }
 
-/// `omega_b`, and `|lambda|^m` of the largest multiplier over the whole periods up to a time.
+/// `omega_b` and `|lambda|^m` at each point, with the largest multiplier and the whole periods up
+/// to a time.
 fn amplifications(branch: &Branch, until: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
     branch.points.iter().map(move |point| {
         let periods = (until / point.orbit.setting.period()).floor();
@@ -117,7 +118,7 @@ fn amplifications(branch: &Branch, until: f64) -> impl Iterator<Item = (f64, f64
     })
 }
 
-/// What is asked for by all these figures alike.
+/// The parameters that all these figures share, as text.
 fn ring(orbit: &Orbit) -> String {
     let params = orbit.setting.params;
     format!(
@@ -126,25 +127,26 @@ fn ring(orbit: &Orbit) -> String {
     )
 }
 
-/// Two digits, as a power of ten where that is short, with a true minus sign.
+/// A number with two digits as text, as a power of ten where that is short, with a typographic
+/// minus sign.
 fn power(value: f64) -> String {
     let plain = (0.1..1e3).contains(&value.abs());
     (if plain { format!("{value:.1}") } else { format!("{value:.1e}") }).replace('-', "−")
 }
 
-/// The largest modulus of a kind.
+/// The largest modulus above 1 of multipliers of a kind.
 fn strongest(spectrum: &Spectrum, wanted: Kind) -> Option<f64> {
     let off = |one: &&Multiplier| one.kind == wanted && one.modulus > 1.0;
     spectrum.multipliers.iter().filter(off).map(|one| one.modulus).reduce(f64::max)
 }
 
-/// “real 1.08, quartet 1.01”.
+/// The largest moduli of all kinds as text, such as “real 1.08, quartet 1.01”.
 fn strongest_words(spectrum: &Spectrum) -> String {
     let words = KINDS.iter().filter_map(|(kind, word)| Some(format!("{word} {:.4}", strongest(spectrum, *kind)?)));
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// Kinds of multipliers off the circle, by their names in legends.
+/// Kinds of multipliers off the circle, and their names in legends.
 const KINDS: [(Kind, &str); 3] = [(Kind::Real, "real"), (Kind::Negative, "negative"), (Kind::Quartet, "quartet")];
 
 pub(in super::super) fn orbit_caption(data: &OrbitData) -> String {
@@ -186,12 +188,12 @@ pub(in super::super) fn orbit_caption(data: &OrbitData) -> String {
     format!("{words}. {}{rho}. {}.", ring(orbit), version())
 }
 
-/// `x_{1-n}` and `y_{1-n}`.
+/// The reflected strains `x_{1-n}` and `y_{1-n}`.
 fn reflected(z: &[f64], sites: usize) -> Vec<f64> {
     z.chunks(sites).flat_map(|strains| (0..sites).map(|i| strains[(sites - i) % sites])).collect()
 }
 
-/// Six decimals without zeros at the end.
+/// A number with six decimals, without zeros at the end.
 fn shown_digits(value: f64) -> String {
     format!("{value:.6}").trim_end_matches('0').to_owned()
 }
@@ -213,7 +215,7 @@ fn profiles_words(all: &[ProfileData]) -> String {
     seed.to_owned() + &all.iter().map(words).collect::<Vec<_>>().join(". ")
 }
 
-/// What the bifurcations of a branch are, and where.
+/// Kinds and places of the bifurcations of a branch, as text.
 fn bifurcation_words(all: &[Bifurcation]) -> String {
     let word = |kind| match kind {
         BifurcationKind::PeriodDoubling => "through −1",
@@ -228,7 +230,7 @@ fn bifurcation_words(all: &[Bifurcation]) -> String {
 
 fn floquet_words(all: &[FloquetData], zoom: Option<f64>) -> String {
     let events = |one: &FloquetData| {
-        // Where they were not looked for there are none.
+        // Where bifurcations were not located, the list is empty.
         let events = &one.branch.bifurcations;
         if events.is_empty() { String::new() } else { format!("; bifurcations {}", bifurcation_words(events)) }
     };
@@ -409,7 +411,7 @@ mod pictures {
 
     const FREQUENCY: &str = "frequency ω_b";
 
-    /// `x_n` and `y_n` of several `Z`.
+    /// Panels of `x_n` and `y_n` of several `Z`.
     fn profiles(orbit: &Orbit, lines: &[(&str, &Vec<f64>)]) -> Vec<Panel> {
         let count = orbit.setting.sites;
         let panel = |(k, symbol): (usize, &str)| {
@@ -424,15 +426,15 @@ mod pictures {
         ["xₙ", "yₙ"].into_iter().enumerate().map(panel).collect()
     }
 
-    /// Those on the circle, then every kind off it.
+    /// Lines of points for the multipliers on the circle, and for each kind off it.
     fn by_kind(multipliers: impl Fn(&dyn Fn(&Multiplier) -> bool) -> Vec<(f64, f64)>) -> Vec<Line> {
         let off = KINDS.map(|(kind, name)| line(name, multipliers(&|one| one.kind == kind).into_iter()));
         let circle = line("on the circle", multipliers(&|one| one.modulus == 1.0).into_iter());
-        // Those without points keep their place: a kind has the same colour in every panel.
+        // Lines without points are kept, so that a kind has the same colour in every panel.
         std::iter::once(circle).chain(off).collect()
     }
 
-    /// Moduli over the parameter of the branch, where `within` says so of it.
+    /// Moduli against the parameter of the branch, for those values that `within` accepts.
     fn moduli(branch: &Branch, within: impl Fn(f64) -> bool) -> Panel {
         let parameter = branch.continuation.parameter;
         let of = |wanted: &dyn Fn(&Multiplier) -> bool| {
@@ -464,7 +466,8 @@ mod pictures {
         }
     }
 
-    /// Branches at the left, spectra at the right; an enlargement of the site-centred family below.
+    /// Branches at the left and spectra at the right, with an enlarged part of the site-centred
+    /// family below.
     fn floquet(all: &[FloquetData], zoom: Option<f64>) -> Vec<Column> {
         let labelled = |one: &FloquetData, panel: Panel| Panel {
             y_label: format!("|λ|, {}-centred", center_word(one.center)),

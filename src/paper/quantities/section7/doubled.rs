@@ -11,12 +11,12 @@ use crate::{
     sweep::map,
 };
 
-/// Size of the first orbit beyond the birth, along its mode.
+/// Size of the first orbit after the bifurcation, along its mode.
 const FIRST: f64 = 0.02;
-/// Sites from the kink that are far.
+/// Least distance from the kink, in sites, that counts as far.
 const FAR: usize = 10;
 
-/// The arc of the bond-centred family.
+/// The period doubling of the bond-centred family.
 pub(in super::super) fn period_doubling(_: &Runs) -> Result<Vec<Quantity>> {
     let birth = bifurcations(Center::Bond, [2.062, 2.064], BifurcationKind::PeriodDoubling)?;
     let meeting = bifurcations(Center::Bond, [2.0953, 2.0957], BifurcationKind::RealCollision)?;
@@ -38,7 +38,7 @@ fn follow(orbit: Orbit, to: f64, step: f64) -> Result<Vec<Orbit>> {
     Ok(continuation.follow(orbit, |_| {})?.0)
 }
 
-/// Distances of `Z(T/2)` from `Z(0)`, and from its reflection `n -> 1 - n`, over the largest
+/// Distances of `Z(T/2)` from `Z(0)` and from its reflection `n -> 1 - n`, divided by the largest
 /// strain.
 fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
     let n = orbit.setting.sites;
@@ -49,7 +49,7 @@ fn half_way(orbit: &Orbit) -> Result<[f64; 2]> {
     Ok([apart(&|i| i), apart(&|i| (n - i) % n)])
 }
 
-/// What is said of the doubled branch born at `birth`.
+/// The statements on the doubled branch that begins at `birth`.
 fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Quantity>> {
     let shooting = Shooting::default();
     let born = birth.doubled(&shooting, FIRST)?;

@@ -1,7 +1,8 @@
-//! What becomes of the breathers at `rho = 1/3`.
+//! Evolutions of the breathers at `rho = 1/3` on the chain.
 //!
-//! A run of ours begins with roundings, which grow by `|lambda|^m`: of what a run says after that,
-//! only the size is a matter of the chain.
+//! A run begins with rounding errors, which grow by `|lambda|^m`. After they have grown to the size
+//! of the breather, the details of a run depend on rounding, and only sizes are properties of the
+//! chain.
 
 use super::{
     super::{Quantity, Runs},
@@ -10,10 +11,10 @@ use super::{
 use crate::{dps::Center, error::Result, experiments::Evolution, sweep::map};
 
 const UNTIL: f64 = 1200.0;
-/// `E_b` of a rounding, and of what is not small any more.
+/// `E_b` slightly above rounding errors, and `E_b` that is no longer small.
 const SMALL: [f64; 2] = [1e-12, 1e-2];
 
-/// Several runs at once: frequency, end, kick.
+/// Several runs in parallel, each with frequency, end and kick.
 fn runs<const N: usize>(center: Center, of: [(f64, f64, Option<f64>); N]) -> Result<[Evolution; N]> {
     let run = |&(omega_b, until, kick): &_| released(THIRD, center, omega_b, until, kick);
     let runs: Vec<Evolution> = map(&of, run).into_iter().collect::<Result<_>>()?;
@@ -28,7 +29,7 @@ fn largest(run: &Evolution) -> f64 {
     most(run.e_b.iter().copied())
 }
 
-/// The rate at which `E_b` grows while it is small, over `ln abs(lambda)`.
+/// The rate at which `E_b` grows while it is small, divided by `ln abs(lambda)`.
 fn rate(run: &Evolution) -> f64 {
     let at = |bound: f64| run.e_b.iter().position(|&e_b| e_b > bound);
     let [Some(from), Some(to)] = SMALL.map(at) else { return f64::NAN };
@@ -36,18 +37,18 @@ fn rate(run: &Evolution) -> f64 {
     (run.e_b[to] / run.e_b[from]).ln() / (to - from) as f64 / per_period
 }
 
-/// Sites the kink has gone, at the end.
+/// Distance of the kink from its first position at the end, in sites.
 fn gone(run: &Evolution) -> f64 {
     run.position.last().map_or(f64::NAN, |end| (end - run.position[0]).abs())
 }
 
-/// When the kink is a site away.
+/// The time at which the kink is one site from its first position.
 fn leaves(run: &Evolution) -> f64 {
     let away = |position: &f64| (position - run.position[0]).abs() >= 1.0;
     run.position.iter().position(away).map_or(f64::NAN, |m| run.times[m])
 }
 
-/// Return errors of the site-centred ones.
+/// Return errors of the site-centred breathers.
 pub(in super::super) fn site(_: &Runs) -> Result<Vec<Quantity>> {
     let runs = runs(Center::Site, [2.05, 2.07, 2.077, 2.08, 2.09].map(|omega_b| (omega_b, UNTIL, None)))?;
     let [long_lived, _, before, after, broken] = &runs;
@@ -62,7 +63,7 @@ pub(in super::super) fn site(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// The bond-centred ones.
+/// Return errors and motion of the bond-centred breathers.
 pub(in super::super) fn bond(_: &Runs) -> Result<Vec<Quantity>> {
     let runs = runs(
         Center::Bond,

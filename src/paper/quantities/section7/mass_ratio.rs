@@ -19,18 +19,18 @@ fn omega(rho: f64) -> Result<f64> {
     Ok(Params::new(1.5, 1.0, rho)?.omega())
 }
 
-/// Largest `|lambda| - 1` of some kind about a site, or of quartets about a bond, over that of the
-/// real ones about a bond.
+/// A growth `one - 1` divided by the largest `|lambda| - 1` of the real multipliers of the
+/// bond-centred breather.
 fn share(one: f64, bond: &Spectrum) -> f64 {
     (one - 1.0) / (largest(bond, real) - 1.0)
 }
 
-/// The largest modulus near -1.
+/// The largest modulus of multipliers with `Re lambda < -1/2`.
 fn behind(spectrum: &Spectrum) -> f64 {
     largest(spectrum, |m| m.re < -0.5)
 }
 
-/// `rho = 3`.
+/// The breathers at `rho = 3`.
 pub(in super::super) fn three(_: &Runs) -> Result<Vec<Quantity>> {
     const RHO: f64 = 3.0;
     let omega = omega(RHO)?;
@@ -59,7 +59,7 @@ pub(in super::super) fn three(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// `rho = 10`.
+/// The breathers at `rho = 10`.
 pub(in super::super) fn ten(_: &Runs) -> Result<Vec<Quantity>> {
     const RHO: f64 = 10.0;
     let omega = omega(RHO)?;
@@ -76,13 +76,15 @@ pub(in super::super) fn ten(_: &Runs) -> Result<Vec<Quantity>> {
     ])
 }
 
-/// Frequencies of Fig. rhocts, and the mass ratios where we begin; the paper gives no range.
+/// Frequencies of Fig. rhocts, and the mass ratios at which our branches begin; the paper gives no
+/// range.
 const CONTINUED: [(f64, f64); 3] = [(1.5, 1.1), (1.75, 0.65), (2.05, 1.0 / 3.0)];
-/// The mass ratio where we end, and the one up to which the real instability grows at all three.
+/// The mass ratio at which our branches end, and that up to which the real instability grows at all
+/// three frequencies.
 const LAST: f64 = 3.0;
 const RISING: f64 = 1.9;
 
-/// A branch in `rho` at fixed frequency.
+/// A branch in `rho` at fixed frequency: mass ratios and spectra.
 struct Branch(Vec<(f64, Spectrum)>);
 
 impl Branch {
@@ -99,7 +101,7 @@ impl Branch {
         self.0.iter().map(|(_, spectrum)| spectrum)
     }
 
-    /// Largest `lambda - 1`.
+    /// Largest `lambda - 1` of the real multipliers at each point.
     fn growths(&self) -> impl Iterator<Item = f64> {
         self.spectra().map(|spectrum| largest(spectrum, |m| m.kind == Kind::Real) - 1.0)
     }
@@ -109,13 +111,13 @@ impl Branch {
     }
 }
 
-/// The least ratio of a value to the one before.
+/// The least quotient of a value and the value before it.
 fn least_growth(values: impl Iterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.collect();
     least(values.windows(2).map(|two| two[1] / two[0]))
 }
 
-/// The branches in `rho`.
+/// The branches in `rho` at fixed frequency.
 pub(in super::super) fn continued(_: &Runs) -> Result<Vec<Quantity>> {
     let jobs: Vec<_> = CENTERS.into_iter().flat_map(|center| CONTINUED.map(|branch| (center, branch))).collect();
     let made = map(&jobs, |&(center, (omega_b, from))| Branch::new(center, omega_b, from));
