@@ -119,7 +119,7 @@ mod tests {
         for Claim { id, label, quantity, paper, instead, same, why, .. } in claims() {
             assert!(![label, quantity, paper].into_iter().any(String::is_empty), "{id}");
             assert!(instead.is_none() || !why.is_empty(), "{id} differs without a reason");
-            // A misprint that is repeated is another claim's, which differs too.
+            // A repeated misprint names a claim that differs and does not itself repeat one.
             let first = same.as_ref().map(|same| claims().iter().find(|claim| claim.id == *same).unwrap());
             assert!(
                 first.is_none_or(|first| instead.is_some() && first.instead.is_some() && first.same.is_none()),

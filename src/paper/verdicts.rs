@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 const VERDICTS: [Verdict; 4] = [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails];
 
-/// What claims of each kind are called, and the verdicts that they can have.
+/// The name of the claims of each kind, and the verdicts that they can have.
 const KINDS: [(Kind, &str, [Verdict; 2]); 3] = [
     (Kind::Number, "numbers", [Verdict::Agrees, Verdict::Differs]),
     (Kind::Formula, "formulas", [Verdict::Agrees, Verdict::Differs]),

@@ -88,8 +88,8 @@ impl Verification {
         self.items.iter().filter(|item| !item.as_expected())
     }
 
-    /// Numbers, formulas and statements that differ or fail. A misprint that several claims repeat
-    /// counts once.
+    /// Numbers of differing numbers, differing formulas and failing statements. A misprint that
+    /// several claims repeat counts once.
     pub fn misprints(&self) -> usize {
         let wrong = |item: &&Item| matches!(item.verdict(), Verdict::Differs | Verdict::Fails);
         let mut first: Vec<&str> = self
@@ -103,7 +103,7 @@ impl Verification {
         first.len()
     }
 
-    /// How many claims of a kind there are with this verdict.
+    /// Number of claims of a kind with the given verdict.
     pub fn count(&self, kind: Kind, verdict: Verdict) -> usize {
         self.items.iter().filter(|item| item.claim.kind == kind && item.verdict() == verdict).count()
     }

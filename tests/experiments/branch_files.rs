@@ -1,4 +1,5 @@
-//! Branches as files: read back to the bit, gone on with after any stop, refused when they are not as they were written.
+//! Branches as files: read back to the bit, continued after any stop, and refused if they are not
+//! as they were written.
 
 use hertzchain::{
     Error,
@@ -37,7 +38,7 @@ fn saved(folder: &Path, trail: &Trail) -> PathBuf {
     path
 }
 
-/// Without what files leave out: how the orbits were found.
+/// The branch without the Newton steps, which files leave out.
 fn bare(mut trail: Trail) -> Trail {
     trail.orbits.iter_mut().for_each(|orbit| orbit.newton.clear());
     trail
@@ -69,7 +70,7 @@ fn branches_and_orbits_are_read_back_to_the_bit() {
             for pick in [Pick::Point(k as i64), back, at] {
                 assert_eq!(bits(&Orbit::load(&path, Some(pick), &shooting).unwrap()), bits(orbit), "{pick:?}");
             }
-            // The JSON of an orbit of its own, with a centre that is not the one measured.
+            // The JSON of a single orbit, with a centre other than the measured one.
             let study = orbit_study(orbit.clone(), &shooting).unwrap();
             let json = folder.path().join("dark-breather.json");
             fs::write(&json, dark_breather_json(&breather(), &study)).unwrap();
@@ -111,7 +112,7 @@ fn a_branch_goes_on_beyond_its_end_and_not_back() {
     assert_eq!(further.orbits[..read.orbits.len()], read.orbits);
     let steps = further.orbits[read.orbits.len() - 1..].windows(2).map(|w| w[1].setting.omega_b - w[0].setting.omega_b);
     assert!(steps.clone().count() >= 4 && steps.fold(0.0, f64::max) < 2.01e-3);
-    // Truth: the orbit found there from nothing. Measured: 3e-16.
+    // Truth: the orbit at the same frequency, found from its seed. Measured: 3e-16.
     let truth = DarkBreather { omega_b: 2.05, ..breather() }.orbit(&Shooting::default()).unwrap();
     let last = further.orbits.last().unwrap();
     let apart = truth.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -134,7 +135,7 @@ fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
     let (written, branch) = (fs::read(&path).unwrap(), bare(branch));
     let name = path.display().to_string();
     let read = |bytes: &[u8]| {
-        // Some file systems wait for the disk where a file is written over.
+        // Some file systems wait for the disk when a file is overwritten.
         fs::remove_file(&path).unwrap();
         fs::write(&path, bytes).unwrap();
         Trail::load(&path).map_err(|error| {
@@ -144,7 +145,8 @@ fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
     for length in (0..written.len()).step_by(7).chain(written.len() - 60..written.len()) {
         assert!(read(&written[..length]).is_err(), "{length} of {} bytes", written.len());
     }
-    // What zip writes beside its members is partly there twice, or read by nobody: dates, versions, attributes.
+    // Of the bytes that zip adds to the members, some are there twice and some are not read: dates,
+    // versions, attributes.
     let mut archive = zip::ZipArchive::new(std::io::Cursor::new(&written)).unwrap();
     let members = (0..archive.len()).map(|k| {
         let member = archive.by_index(k).unwrap();
@@ -167,7 +169,7 @@ fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
 fn orbits_are_kept_where_multipliers_fail() {
     let mut broken = trail(continuation(Parameter::OmegaB, 2.04, 8e-3));
     let count = broken.orbits.len();
-    // An orbit that no chain has, in the middle: its flow fails.
+    // An orbit in the middle that no chain has: its flow fails.
     broken.orbits[2].setting.turns = 7;
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
     assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (2, End::NoMultipliers, count));
@@ -175,7 +177,7 @@ fn orbits_are_kept_where_multipliers_fail() {
     assert!(study(broken, &|_, _| {}).is_err());
 }
 
-/// A branch file whose settings and arrays are another's: all its checks fit.
+/// A branch file whose settings and arrays are replaced; all its checksums fit.
 struct Forgery {
     settings: Value,
     arrays: Vec<(&'static str, Vec<u64>, Vec<f64>)>,
@@ -206,7 +208,7 @@ impl Forgery {
     }
 }
 
-/// What is altered, where that is found, and the rule.
+/// An alteration, the place where it is found, and the violated rule.
 type Case = (fn(&mut Forgery), &'static str, &'static str);
 
 #[test]
@@ -271,7 +273,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         println!("{text}");
         assert!(text.starts_with(&format!("{name}, {place}: ")) && text.contains(rule), "{place}, {rule}: {text}");
     }
-    // Without any one of the keys.
+    // Each key left out in turn.
     for inside in ["", "/setting", "/setting/params", "/continuation", "/continuation/shooting"] {
         fs::write(&path, &written).unwrap();
         let settings = Forgery::new(&path).settings;
@@ -306,7 +308,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         use std::os::unix::fs::PermissionsExt;
         fs::write(&path, &written).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
-        // Root reads everything.
+        // The superuser can read every file.
         assert!(fs::File::open(&path).is_ok() || fails(&path).contains("branch.npz: Permission denied"));
     }
 }
@@ -350,7 +352,7 @@ fn a_branch_whose_run_is_killed_is_gone_on_with_and_ends_with_the_same_bytes() {
         println!("{} of {count} points are kept", kept());
         assert!(kept() > before && kept() < count && kept() % 20 == 0);
     }
-    // And once more where the orbits are all there, and their multipliers are not.
+    // Another stop, where all orbits are there and their multipliers are not.
     let mut run = resume().spawn().unwrap();
     while Trail::load(&path).unwrap().end.is_none() {
         std::thread::sleep(std::time::Duration::from_millis(1));
@@ -378,7 +380,7 @@ fn commands_take_branches_and_refuse_what_is_none() {
     for pick in [["--point", "0"], ["--point", "-1"], ["--at", "2.0605"]] {
         run(&[&["breather", "evolve", branch, "--until", "10"][..], &pick].concat());
     }
-    // Orbits of doubled period: their centre is not the one that is measured over the whole period.
+    // Orbits of doubled period, whose centre is not the one measured over the whole period.
     let last = Trail::load(Path::new(doubled)).unwrap();
     assert!(last.orbits.iter().all(|orbit| orbit.setting.turns == 2) && last.weak.is_none());
     let file = folder.path().join("evolution.json");

@@ -1,4 +1,5 @@
-//! Breathers: the numbers of Sec. 5, the long run by two methods and three boundaries, exact solutions without contact, and mean contact forces.
+//! Breathers: the numbers of Sec. 5, its long run by two methods and with three boundaries, exact
+//! solutions without contact force, and mean contact forces.
 
 use hertzchain::{
     breathers::{BrightBreather, ClosedForm, Norms, TrivialBreather},
@@ -37,13 +38,14 @@ fn with_ends(scene: &Scene, boundary: Boundary) -> Scene {
     Scene::build(file).unwrap()
 }
 
-/// The largest difference of any norm at any period, and at the horizon and the end.
+/// The largest difference of the norms of two studies, over all periods, the horizon and the end.
 fn apart(one: &BrightStudy, other: &BrightStudy) -> f64 {
     let norms = |study: &BrightStudy| study.samples.iter().map(|sample| sample.norms).collect::<Vec<Norms>>();
     largest(norms(one).iter().zip(&norms(other)).map(|(a, b)| distance(&a.all(), &b.all())))
 }
 
-// Truth: Sec. 5, all digits that it quotes; omega_0 from (eq:defom0) with Gamma(7/4) and Gamma(9/4) from tables.
+// Truth: Sec. 5, all digits that it quotes; omega_0 from (eq:defom0) with Gamma(7/4) and Gamma(9/4)
+// from tables.
 #[test]
 fn times_and_frequencies_are_those_of_the_paper() {
     let breather = paper();
@@ -61,7 +63,8 @@ fn times_and_frequencies_are_those_of_the_paper() {
     assert_eq!(scene.period(), breather.period());
 }
 
-// Truth: the definitions, on a state made for it: every bead of the ansatz shifted by d, every resonator displaced by d, and so on.
+// Truth: the definitions, on a state made for them: each bead of the ansatz is shifted by d, each
+// resonator displaced by d, and so on.
 #[test]
 fn norms_are_what_the_definitions_say() {
     for (alpha, kappa) in [(1.5, 1.0), (2.0, 3.0)] {
@@ -73,7 +76,8 @@ fn norms_are_what_the_definitions_say() {
             Site { u: u + d[0], v: v + d[2], u_dot: u_dot + d[1], v_dot: v_dot + d[3] }
         });
         let norms = breather.norms(t, chain.layout(), shifted.unwrap().as_slice());
-        // In the chain's own units, with the factors that turn kappa into 1: displacements kappa^{1/(alpha-1)}, time kappa^{-1/2}.
+        // In the chain's own units; these factors turn kappa into 1: displacements
+        // kappa^{1/(alpha-1)}, time kappa^{-1/2}.
         let (length, rate) = (kappa.powf(1.0 / (alpha - 1.0)), kappa.sqrt());
         let epsilon = 0.02 / length;
         let first = 31.0 / (length * epsilon.powf(alpha));
@@ -89,8 +93,9 @@ fn norms_are_what_the_definitions_say() {
     }
 }
 
-// Truth: dop853-regularised, which shares neither variable nor step with collocation. Measured: 2.9e-9 at 80 T, 2e-11 at the horizon; and with tolerances ten
-// times as large 2.2e-8, all of it from dop853-regularised. Truth for the bound on the energy: what is conserved.
+// Truth: dop853-regularised, which shares neither the variables nor the steps of collocation.
+// Measured: 2.9e-9 at 80 T, 2e-11 at the horizon; with tolerances ten times as large 2.2e-8, all of
+// it from dop853-regularised. Truth for the bound on the energy: its conservation.
 #[test]
 fn two_methods_agree_on_the_long_run_of_the_paper() {
     let scene = Scene::load("bright-breather").unwrap();
@@ -102,7 +107,7 @@ fn two_methods_agree_on_the_long_run_of_the_paper() {
         assert!(gap < bound, "t = {t}: {gap:e}");
     }
     assert!(one.energy_error < 1e-13, "{:e}", one.energy_error);
-    // Regression: the norms themselves, and what becomes of the breather.
+    // Regression: the norms, and the final state of the breather.
     let rounded = |t: f64| one.at(t).unwrap().norms.all().map(|norm| format!("{norm:.8}"));
     assert_eq!(rounded(times[0]), ["1.02785521", "0.89666508", "0.69036562", "0.07529224"]);
     assert_eq!(rounded(times[1]), ["1.52438331", "0.69014190", "0.77445554", "0.08306244"]);
@@ -112,7 +117,8 @@ fn two_methods_agree_on_the_long_run_of_the_paper() {
     assert!(one.tenth_left.is_some_and(|t| (330.0..350.0).contains(&t)));
 }
 
-// Truth: the symmetry u_n -> -u_{-n} of the chain. Measured: 1.8e-15 of the amplitude, at the end of every step up to 80 T. The answer must be no for the breather about a site.
+// Truth: the symmetry u_n -> -u_{-n} of the chain. Measured: 1.8e-15 of the amplitude, at the end
+// of every step up to 80 T. The breather about a site must fail the test.
 #[test]
 fn the_breather_about_a_bond_stays_odd_about_its_centre() {
     let defect = |name: &str| {
@@ -134,7 +140,8 @@ fn the_breather_about_a_bond_stays_odd_about_its_centre() {
     assert!(defect("bright-breather-site") > 0.5);
 }
 
-// Truth: nothing comes to the ends before 80 T, so what holds them cannot matter. Measured: 1.2e-13. The answer must be no on a chain so short that it does.
+// Truth: no wave reaches the ends before 80 T, so the boundary cannot matter. Measured: 1.2e-13. A
+// chain so short that waves do reach the ends must fail the test.
 #[test]
 fn free_fixed_and_ring_ends_agree_until_80_t() {
     let scene = Scene::load("bright-breather").unwrap();
@@ -152,7 +159,8 @@ fn free_fixed_and_ring_ends_agree_until_80_t() {
     assert!(gap > 0.1, "{gap:e}");
 }
 
-// Truth: u(t) = kappa^{1/(alpha-1)} U(sqrt(kappa) t) solves (eq:Hertz) with kappa where U solves it with 1. Two runs, one at kappa = 0.3, alpha = 2. Measured: 3.4e-12.
+// Truth: u(t) = kappa^{1/(alpha-1)} U(sqrt(kappa) t) solves (eq:Hertz) with kappa if U solves it
+// with 1. Two runs, one at kappa = 0.3, alpha = 2. Measured: 3.4e-12.
 #[test]
 fn another_spring_constant_is_another_unit() {
     let run = |kappa: f64| {
@@ -181,7 +189,7 @@ fn participation_counts_sites() {
     };
     assert_eq!(moving([0.0, 0.0, 3.0, 0.0, 0.0]), 1.0);
     assert_eq!(moving([2.0; 5]), 5.0);
-    // Energies 1 and 4: 25/17.
+    // The energies of the two beads are 1 and 4: (1 + 4)^2 / (1 + 16) = 25/17.
     assert!((moving([0.0, 1.0, 0.0, 2.0, 0.0]) - 25.0 / 17.0).abs() < 1e-15);
 }
 
@@ -201,7 +209,7 @@ fn bright_breathers_outside_their_rules_are_refused() {
     refused(params(1.5, 1.0, 1.0), 0.01, 0, "sites = 0 is not valid");
 }
 
-/// Amplitudes, phases and offsets of a trivial breather of any kind.
+/// Amplitudes, phases and offsets of trivial breathers.
 fn breathers() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, Vec<f64>)> {
     (2usize..8).prop_flat_map(|n| {
         let rises = prop::collection::vec(prop_oneof![Just(0.0), 0.0..0.3], n);
@@ -215,7 +223,7 @@ fn breathers() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, Vec<f64>)> {
     })
 }
 
-/// The largest overlap of bond `n` over a period, from the closed form at many times.
+/// The largest overlap of bond `n` in a period, from the closed form at many times.
 fn overlap(breather: &TrivialBreather, n: usize) -> f64 {
     let period = 2.0 * PI / breather.params().omega();
     let times = (0..4000).map(|k| period * f64::from(k) / 4000.0);
@@ -225,7 +233,8 @@ fn overlap(breather: &TrivialBreather, n: usize) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    // Truth: the closed form itself, bead by bead. 4000 times a period miss the maximum by less than 3e-7 of the swing.
+    // Truth: the closed form itself, bead by bead. 4000 samples per period miss the maximum by less
+    // than 3e-7 of the amplitude.
     #[test]
     fn gaps_are_as_small_as_contacts_allow_and_no_smaller((a, phi, d) in breathers()) {
         let params = params(1.5, 1.3, 0.7);
@@ -238,17 +247,18 @@ proptest! {
         }
     }
 
-    // Truth: (constraint2) and the closed form: means are refused if and only if beads press, and the message names the bond.
+    // Truth: (constraint2) and the closed form: means are refused if and only if beads press, and
+    // the message names the bond.
     #[test]
     fn means_that_press_are_refused_by_bond((a, phi, d) in breathers(), pick in 0.0..1.0f64, less in -0.05..0.05f64) {
         let params = params(2.0, 1.0, 3.0);
         let free = TrivialBreather::new(params, a.clone(), phi.clone(), &d).unwrap();
         let bond = 1 + ((a.len() - 1) as f64 * pick) as usize;
-        // The gap of one bond becomes what is needed less `less`.
+        // The gap of one bond becomes the least one minus `less`.
         let mut b = free.means().to_vec();
         let change = free.slack(bond) + less;
         b[bond..].iter_mut().for_each(|b| *b -= change);
-        // Roundings of that must not make the beads of another bond press.
+        // Rounding errors of this must not make the beads of another bond press.
         for n in (1..b.len()).filter(|&n| n != bond) {
             b[n..].iter_mut().for_each(|b| *b += 1e-12);
         }
@@ -263,7 +273,8 @@ proptest! {
     }
 }
 
-// Truth: closed form against collocation, beads of any phase that just touch, 1000 periods. Measured: 3.2e-14 of the amplitude.
+// Truth: closed form compared with collocation, for beads of any phase that just touch, 1000
+// periods. Measured: 3.2e-14 of the amplitude.
 #[test]
 fn gaps_that_just_close_are_no_contact_for_the_chain_either() {
     let (n, params) = (12, params(1.5, 1.0, 0.5));
@@ -280,7 +291,7 @@ fn gaps_that_just_close_are_no_contact_for_the_chain_either() {
     assert!(forces.range().1 < 1e-20, "{forces:?}");
 }
 
-// Truth: the equations of motion, by the vector field, at a time when the phases mean something.
+// Truth: the equations of motion, by the vector field, at a time at which the phases are accurate.
 #[test]
 fn the_closed_form_solves_the_equations() {
     let params = params(1.5, 1.7, 0.4);
@@ -335,7 +346,7 @@ fn a_scene_file_says_amplitudes_phases_and_positions_in_any_way() {
     }
 }
 
-// Truth: the same breather, given by its kind and by the numbers of its state at some time.
+// Truth: the same breather, given by its kind and by its state at a time.
 #[test]
 fn a_state_that_is_a_trivial_breather_is_known_as_one() {
     let kind = "kind = \"trivial-breather\"\namplitudes = [0.1, 0.3, 0.2]\nphases = [0.4, 1.0, -1.0]\ngap = 0.01";
@@ -352,16 +363,16 @@ fn a_state_that_is_a_trivial_breather_is_known_as_one() {
     let (end, exact) = (again.end(), again.exact().unwrap());
     for n in 0..3 {
         let gap = (exact.site(n, end).u - breather.site(n, 1.7 + end).u).abs();
-        // Roundings of a phase of 1e4. Measured: 2.6e-14.
+        // Rounding errors of a phase of 1e4. Measured: 2.6e-14.
         assert!(gap < 6e-14, "{gap:e}");
     }
-    // A velocity of all, and a state that presses: no.
+    // States of other kinds: with a common velocity, and with a contact force.
     assert!(trivial_scene(&text(1e-9)).unwrap().exact().is_none());
     assert!(trivial_scene("kind = \"state\"\nu = [0.1, 0.0, 0.0]").unwrap().exact().is_none());
     assert!(Scene::load("bright-breather").unwrap().exact().is_none());
 }
 
-// Truth: the closed form and the chain's energy; and an integrator on the same scene.
+// Truth: the closed form, the energy of the chain, and an integrator on the same scene.
 #[test]
 fn a_scene_in_closed_form_needs_no_steps() {
     let scene = Scene::load("trivial-breather").unwrap().until(1e9).unwrap();
@@ -394,7 +405,8 @@ fn a_scene_in_closed_form_needs_no_steps() {
     assert!(bright.exact().is_none());
 }
 
-/// `-sum_{k < n} (p_k(T) - p_k(0)) / T`: the mean force of bond `n` of a free chain, from a run by dop853-regularised.
+/// `-sum_{k < n} (p_k(T) - p_k(0)) / T`: the mean force of bond `n` of a free chain, from a run by
+/// dop853-regularised.
 fn by_momenta(chain: &Chain<f64>, y: &[f64], time: f64) -> Vec<f64> {
     let (layout, rho) = (chain.layout(), chain.params().rho);
     let end = truth(chain, y, time, 1e-13);
@@ -408,7 +420,8 @@ fn by_momenta(chain: &Chain<f64>, y: &[f64], time: f64) -> Vec<f64> {
         .collect()
 }
 
-// Truth: momenta at the ends of the time, by another method. No period: forces differ from bond to bond. Measured: 1.2e-12 of the largest.
+// Truth: momenta at both ends of the time, by another method. The motion is not periodic: forces
+// differ from bond to bond. Measured: 1.2e-12 of the largest.
 #[test]
 fn mean_forces_of_a_free_chain_are_what_momenta_say() {
     for rho in [0.0, 0.3, 10.0] {
@@ -427,8 +440,8 @@ fn mean_forces_of_a_free_chain_are_what_momenta_say() {
     }
 }
 
-// Truth: Theorem nobreath for the background of dark breathers, x_{n+1} = -x_n: a motion that dop853-regularised and Newton's method make periodic. Measured:
-// 1.8e-12 of the mean.
+// Truth: Theorem nobreath for the background of dark breathers, x_{n+1} = -x_n: a motion that
+// dop853-regularised and Newton's method make periodic. Measured: 1.8e-12 of the mean.
 #[test]
 fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
     let params = params(1.5, 1.0, 1.0);
@@ -438,7 +451,8 @@ fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
         let site = |i: usize| Site { u: sign(i) * x, v: sign(i) * y, u_dot: 0.0, v_dot: 0.0 };
         State::from_fn(chain, site).unwrap().as_slice().to_vec()
     };
-    // Released at rest it is at rest after half a period if x and y are right. Above the linear frequency sqrt(2).
+    // For the right x and y the motion that starts at rest is at rest after half a period. The
+    // frequency is above the linear frequency sqrt(2).
     let omega_b = 1.45;
     let half = PI / omega_b;
     let residual = |z: [f64; 2]| {
@@ -460,13 +474,15 @@ fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
     let y = antiphase(&chain, z);
     let forces = chain.mean_contact_forces(&y, 2.0 * half, CLOSE).unwrap();
     assert!(forces.spread() < 4e-12 * forces.mean() && forces.mean() > 0.0, "{forces:?}");
-    // Over another time it is not.
+    // Over another time the forces differ.
     let other = chain.mean_contact_forces(&y, 1.3 * half, CLOSE).unwrap();
     assert!(other.spread() > 0.1 * other.mean(), "{other:?}");
 }
 
-// Truth: on a strain ring the momenta of strains, by dop853-regularised: change of x_n' + rho y_n' is T (2 Fbar_n - Fbar_{n-1} - Fbar_{n+1}); the mean force
-// itself by the modulation equations, epsilon^alpha g_alpha(b, a), to the first order in epsilon^{alpha-1}. Measured against momenta: 1.8e-11 of the mean.
+// Truth: on a strain ring the momenta of strains, by dop853-regularised: x_n' + rho y_n' changes by
+// T (2 Fbar_n - Fbar_{n-1} - Fbar_{n+1}). The mean force itself by the modulation equations,
+// epsilon^alpha g_alpha(b, a), to first order in epsilon^{alpha-1}. Measured with momenta: 1.8e-11
+// of the mean.
 #[test]
 fn a_travelling_wave_presses_all_bonds_alike() {
     let scene = Scene::load("tw-q15").unwrap();
@@ -480,7 +496,7 @@ fn a_travelling_wave_presses_all_bonds_alike() {
     let change = |i: usize| (momentum(&end, i) - momentum(y, i)) / period;
     let gap = largest((0..n).map(|i| change(i) - 2.0 * f[i] + f[(i + n - 1) % n] + f[(i + 1) % n])) / forces.mean();
     assert!(gap < 4e-11, "{gap:e}");
-    // Not periodic but to first order: what is left falls with epsilon.
+    // The wave is periodic only to first order; the rest decreases with epsilon.
     let relative = |epsilon: f64| {
         let mut file = scene.file().clone();
         let Initial::TravellingWave { detuning, epsilon: size, .. } = &mut file.initial else { panic!("a wave") };

@@ -1,4 +1,5 @@
-//! Charts of stability, against closed forms: limits of steps, resonances, and collocation at the corners.
+//! Charts of stability compared with closed forms: limits of steps, resonances, and collocation at
+//! the corners.
 
 use hertzchain::{
     experiments::{
@@ -15,14 +16,15 @@ fn named(names: &[&str]) -> Vec<Method> {
     names.iter().map(|name| Method::named(name).unwrap()).collect()
 }
 
-/// Quick charts of some methods on the built-in problem.
+/// Quick charts of the given methods on the built-in problem.
 fn study(charted: &[Chart], methods: Vec<Method>) -> ChartStudy {
     let options =
         ChartOptions { charts: charted.to_vec(), methods, sites: 1000, periods: 100.0, work: 1e6, quick: true };
     charts(&Problem::built_in(), &options, None, &|_, _| ()).unwrap()
 }
 
-/// The matrix of a step of `h omega = z` of a scheme on the kinetic split, kicks and drifts one after the other, on one oscillator: its trace.
+/// Trace of the matrix of a step with `h omega = z`: a scheme on the kinetic split, applied to one
+/// oscillator.
 fn trace(method: &Method, z: f64) -> f64 {
     let Method::Splitting(scheme, Split::Kinetic) = method else { panic!("a kinetic split") };
     let (first, drifts, kicks) = scheme.flows::<f64>(First::Kick);
@@ -42,7 +44,7 @@ fn trace(method: &Method, z: f64) -> f64 {
     m[0][0] + m[1][1]
 }
 
-/// Where `|trace|` first passes 2.
+/// The `z` at which `|trace|` first exceeds 2.
 fn limit(method: &Method) -> f64 {
     let mut z = 1e-3;
     while trace(method, z).abs() <= 2.0 + 1e-9 {
@@ -51,7 +53,8 @@ fn limit(method: &Method) -> f64 {
     z
 }
 
-// Measured: 1.7e-4 off for verlet, the most of the three; the bisection ends at a factor of 1.0003.
+// Measured: verlet is off by 1.7e-4, the most of the three; the bisection ends at a factor
+// of 1.0003.
 #[test]
 fn kinetic_splits_lose_stability_where_the_oscillator_says() {
     let methods = named(&["verlet", "yoshida4", "suzuki4"]);
@@ -62,7 +65,7 @@ fn kinetic_splits_lose_stability_where_the_oscillator_says() {
         let measured = study.point(Chart::Light, &light, method).unwrap().measured.clone().unwrap();
         let (found, truth) = (measured.stability.unwrap(), limit(method));
         assert!((found / truth - 1.0).abs() < 4e-4, "{}: {found} for {truth}", method.name());
-        // Far above it the run is lost, far below it is not.
+        // Far above the limit the run is lost, and far below it is not.
         assert_eq!(measured.ladder[0].verdict, ChartVerdict::Lost);
         assert_ne!(measured.usual.verdict, ChartVerdict::Lost);
     }
@@ -76,7 +79,9 @@ fn with_rho(rho: &str) -> Problem {
     Problem::of(&Scene::build(SceneFile::parse(&text, "two").unwrap()).unwrap()).unwrap()
 }
 
-// Measured: edges 2.5e-5 of the width off, as growth is followed down to a hundredth; growth 5e-11 off. For the cradle: k pi - 2 arctan(K h/(2 omega)) < h omega < k pi, the trace being 2 cos(h omega) - (K h/omega) sin(h omega).
+// Measured: edges are off by 2.5e-5 of the width, since growth is followed down to a hundredth, and
+// growth by 5e-11. Closed form for the cradle: the trace is 2 cos(h omega) - (K h/omega) sin(h
+// omega), and so k pi - 2 arctan(K h/(2 omega)) < h omega < k pi.
 #[test]
 fn resonances_of_strang_on_the_cradle_have_the_edges_of_the_closed_form() {
     let (cradle, strang) = (with_rho("inf"), named(&["strang-linear"])[0]);
@@ -90,17 +95,19 @@ fn resonances_of_strang_on_the_cradle_have_the_edges_of_the_closed_form() {
         let width = near - lower;
         let off = (found.edges[0] - lower).abs().max((found.edges[1] - near).abs());
         assert!(off < 6e-5 * width, "k = {}, A = {}: {off:e} of {width:e}", k, amplitude);
-        // Strength: cosh of the growth is half the trace in the middle.
+        // The growth at the middle: its cosh is half the trace.
         let trace = |x: f64| 2.0 * x.cos() - stiffness * x * x.sin();
         let growth = (0.5 * trace(found.centre).abs()).acosh();
         assert!((found.growth / growth - 1.0).abs() < 2e-10, "k = {k}, A = {amplitude}: {} for {growth}", found.growth);
-        // The unpressed chain feels it as well.
+        // The chain without precompression has the resonance as well.
         let (inside, beside) = (found.inside.unwrap_or(f64::INFINITY), found.beside.unwrap());
         assert!(inside > 20.0 * beside, "k = {}, A = {}: {inside:e}, {beside:e}", k, amplitude);
     }
 }
 
-// Measured: up to 2e-2 off in growth, 4e-2 in width, as K is not small. First order: widths and growth of the fast motion with itself (odd k) and with the slow one (even k).
+// Measured: growth is off by up to 2e-2 and width by up to 4e-2, since K is not small. First order
+// in K: widths and growth for the fast motion with itself (odd k) and with the slow motion (even
+// k).
 #[test]
 fn resonances_with_moving_resonators_are_those_of_first_order() {
     let (rho, alpha, amplitude) = (1.0f64 / 3.0, 1.5f64, 1e-6f64);
@@ -124,14 +131,15 @@ fn resonances_with_moving_resonators_are_those_of_first_order() {
     }
 }
 
-/// Every point of a chart, by collocation.
+/// The point of the charts with the largest error, by collocation.
 fn worst(study: &ChartStudy) -> (&ChartPoint, f64) {
     let error = |point: &ChartPoint| point.measured.as_ref().unwrap().usual.error.unwrap_or(f64::INFINITY);
     let all = study.points.iter().map(|point| (point, error(point)));
     all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 
-// Tolerance 1e-9. Measured: 5e-10 at A = 1e-12, kappa = 1e8, where a period of the resonator is 1e7 times that of contacts; 1e-10 elsewhere.
+// Tolerance 1e-9. Measured: 5e-10 at A = 1e-12, kappa = 1e8, where a period of the resonator is 1e7
+// times that of contacts; 1e-10 elsewhere.
 #[test]
 fn collocation_is_stable_and_accurate_at_the_corners() {
     let study = study(&[Chart::Light, Chart::Stiffness, Chart::Alpha, Chart::Length], named(&["collocation"]));
@@ -144,10 +152,10 @@ fn collocation_is_stable_and_accurate_at_the_corners() {
     assert!(error < 1e-9, "{error:e} at {:?}", point.variant);
 }
 
-/// Four beads between walls, over so many radians of a bead against its resonator.
+/// Four beads between walls, during the given phase (in radians) of a bead against its resonator.
 fn four(amplitude: f64, kappa: f64, rho: f64, radians: f64) -> Scene {
     let u = [1.0, -0.7, 0.1, 0.6].map(|shape| amplitude * shape);
-    // Springs that hold as much energy as contacts.
+    // The springs have as much energy as the contacts.
     let stretch = (amplitude.powf(0.5) / kappa).sqrt().min(1.0);
     let v = u.map(|u| u * (1.0 - stretch));
     let omega = (kappa * (1.0 + 1.0 / rho)).sqrt();
@@ -159,7 +167,7 @@ fn four(amplitude: f64, kappa: f64, rho: f64, radians: f64) -> Scene {
     Scene::build(SceneFile::parse(&text, "four").unwrap()).unwrap()
 }
 
-// Measured: 9.1e-7 at most for light resonators, where the goal is 1e-6.
+// Measured: at most 9.1e-7 for light resonators, where the goal is 1e-6.
 #[test]
 fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_says() {
     let energy_error = |scene: &Scene| {
@@ -233,7 +241,7 @@ mod command {
             let bytes = std::fs::read(folder.path().join(&file)).unwrap();
             assert!(bytes.len() > 60 && (!file.ends_with("png") || bytes.starts_with(b"\x89PNG")), "{file}");
         }
-        // The table of what is there already.
+        // The table of the stored points.
         let people: Vec<&str> = args.into_iter().filter(|arg| *arg != "--json").collect();
         let table = String::from_utf8(hertzchain(&people).stdout).unwrap();
         let told = ["0 points computed, 68 resumed", "strang-linear", "collocation"];

@@ -1,4 +1,5 @@
-//! Lifetimes of bright breathers: what is measured, by whom, and the command `study lifetimes` killed and resumed.
+//! Lifetimes of bright breathers: the measured values, two methods, and the command
+//! `study lifetimes` killed and resumed.
 
 #![cfg(feature = "cli")]
 
@@ -40,7 +41,7 @@ fn study(options: &LifetimeOptions) -> LifetimeStudy {
     lifetimes(options, None, &|_, _| ()).unwrap()
 }
 
-/// The life at the one point of a map.
+/// The result at the only point of a map.
 fn life(options: &LifetimeOptions) -> Life {
     study(options).points[0].life.clone().unwrap()
 }
@@ -65,14 +66,15 @@ fn two_integrators_agree_on_lifetimes_and_so_do_two_tolerances() {
             let (by_method, by_tolerance) =
                 (relative_of(&ours, &other, criterion), relative_of(&ours, &fine, criterion));
             println!("{criterion:?} {:?}: {by_method:e} {by_tolerance:e}", ours.lifetime(criterion));
-            // Measured: 8.1e-10 and 6.2e-10, of which bisection has up to 8e-10.
+            // Measured: 8.1e-10 and 6.2e-10, of which up to 8e-10 is from bisection.
             assert!(by_method < 1.7e-9 && by_tolerance < 1.7e-9, "{criterion:?}: {by_method:e} {by_tolerance:e}");
         }
         assert_eq!((ours.fate, other.fate, ours.sites), (Fate::Radiates, Fate::Radiates, sites));
     }
 }
 
-// Truth: fresh runs, the ansatz written out, and the share of the energy that `BrightBreather` has of its own. Seen a thousandth of a period before and after.
+// Truth: fresh runs, the ansatz written out, and the energy share of `BrightBreather`, sampled a
+// thousandth of a period before and after the lifetime.
 #[test]
 fn lifetimes_by_energy_and_distance_are_where_the_levels_are_crossed() {
     let given = LifetimeOptions { sites: Some(60), ..options(&[0.1], &[100.0]) };
@@ -129,10 +131,11 @@ fn what_is_radiated_does_not_come_back_from_the_ends_of_the_chains_that_are_chos
 fn breathers_radiate_decouple_or_persist() {
     let radiating = life(&options(&[0.1], &[100.0]));
     assert_eq!((radiating.fate, radiating.decoupled), (Fate::Radiates, None));
-    // Half: neighbours in antiphase about no gap.
+    // About one half: neighbours are in antiphase and there is no mean gap.
     assert!((radiating.contact - 0.5).abs() < 0.1, "{}", radiating.contact);
 
-    // Resonators that follow at once: nothing holds the beads back, and the gaps open. The ansatz fails within a period or two, the energy stays.
+    // Resonators that follow the beads at once do not hold them back, and gaps open. The ansatz
+    // fails within a period or two, and the energy stays.
     let decoupled = life(&LifetimeOptions { until: Some(800.0), ..options(&[0.01], &[1.0]) });
     assert_eq!((decoupled.fate, decoupled.energy, decoupled.end), (Fate::Decouples, None, 800.0));
     assert!(decoupled.distance.unwrap() < 7.0 && decoupled.frequency.unwrap() < 20.0);
@@ -151,7 +154,7 @@ fn energy_lifetimes_go_like_a_third_power_of_both_and_are_no_function_of_one_var
     assert!(fit.holds() && fit.points == 6);
     assert!((fit.rho_power - 0.36).abs() < 0.06 && (fit.epsilon_power + 0.32).abs() < 0.06);
     assert!(fit.largest_ratio < 1.11 && fit.x_largest_ratio > 1.15);
-    // The theorem is pessimistic.
+    // The lifetime exceeds the horizon of the theorem.
     for point in &map.points {
         assert!(point.life.as_ref().unwrap().energy.unwrap() > 1.2 * point.horizon);
     }
@@ -182,7 +185,7 @@ fn files(folder: &Path) -> [Vec<u8>; 3] {
     ["lifetimes.json", "lifetimes.csv", "lifetimes.store"].map(|name| fs::read(folder.join(name)).unwrap())
 }
 
-/// Points in a store that may be being written.
+/// Number of points in a store that may be written at the same time.
 fn kept(folder: &Path) -> usize {
     let lines = fs::read(folder.join("lifetimes.store")).unwrap_or_default();
     lines.iter().filter(|&&byte| byte == b'\n').count().saturating_sub(1)
@@ -210,7 +213,7 @@ fn a_run_that_is_killed_again_and_again_repeats_nothing_and_ends_with_the_same_b
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        // Any time after something was done.
+        // Any time after the first new point.
         while kept(killed) == before && run.try_wait().unwrap().is_none() {
             sleep(Duration::from_millis(1));
         }
@@ -226,7 +229,7 @@ fn a_run_that_is_killed_again_and_again_repeats_nothing_and_ends_with_the_same_b
     assert_eq!(study["resumed"].as_u64(), Some(before as u64));
     assert_eq!(study["computed"].as_u64(), Some(12 - before as u64));
     assert!(files(whole) == files(killed));
-    // And once more: nothing to do, nothing changed.
+    // Run once more: nothing is computed and nothing is changed.
     assert_eq!(json("2", &args)["computed"], 0);
     assert!(files(whole) == files(killed));
 }

@@ -1,4 +1,4 @@
-//! Studies of the paper, and orbits. One binary for all of them: what is generic is compiled once.
+//! Tests of studies and orbits. They are one binary, so that generic code is compiled once.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -26,7 +26,7 @@ fn orbit(center: Center, omega_b: f64) -> Orbit {
     breather(center, omega_b).orbit(&Shooting::default()).unwrap()
 }
 
-/// The state at `t` by a method that shares nothing with collocation.
+/// The state at `t` by DOP853, which shares no code with collocation.
 fn by_dop853<R: Real>(orbit: &Orbit, t: f64, tol: f64) -> Vec<f64> {
     let chain = || Chain::<R>::new(orbit.setting.params, Boundary::StrainRing, orbit.setting.sites).unwrap();
     let alpha = orbit.setting.params.alpha;
@@ -47,13 +47,14 @@ fn by_dop853<R: Real>(orbit: &Orbit, t: f64, tol: f64) -> Vec<f64> {
     end.into_iter().map(R::f64).collect()
 }
 
-/// `E_b(T)` by it, and the largest velocity then, over the amplitude.
+/// Largest change of the state, strains and velocities, over a period by DOP853, divided by the
+/// amplitude.
 fn defect_by_dop853(orbit: &Orbit) -> f64 {
     let (start, end) = (orbit.start(), by_dop853::<f64>(orbit, orbit.setting.period(), 1e-14));
     start.iter().zip(&end).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / orbit.amplitude()
 }
 
-/// Truth: the branch followed in other steps from an orbit that its seed leads to, and DOP853.
+/// Truth: the branch followed in other steps from an orbit that is found from its seed, and DOP853.
 #[test]
 fn an_orbit_that_its_seed_does_not_lead_to_is_found_along_the_branch() {
     let shooting = Shooting::default();
@@ -76,7 +77,7 @@ fn an_orbit_that_its_seed_does_not_lead_to_is_found_along_the_branch() {
 
 #[test]
 fn profiles_are_periodic_for_two_integrators() {
-    // Measured: E_b 7e-16 by collocation, 1.5e-12 by DOP853, whose own error that is.
+    // Measured: E_b is 7e-16 by collocation, and 1.5e-12 by DOP853, which is the error of DOP853.
     for center in [Center::Site, Center::Bond] {
         let orbit = orbit(center, 2.05);
         let (e_b, other) = (orbit.e_b(1e-13, 1).unwrap(), defect_by_dop853(&orbit));
@@ -87,8 +88,9 @@ fn profiles_are_periodic_for_two_integrators() {
 
 #[test]
 fn another_integrator_finds_the_same_orbit() {
-    // Z'(T/2) = 0 and C_x = 0 solved anew on the flow of DOP853, with a tangent map that need not be exact. Truth: in double-double, that flow has no error to
-    // speak of. Measured: 2e-13; in double precision its own error makes it 1.1e-11.
+    // Z'(T/2) = 0 and C_x = 0, solved again on the flow of DOP853 with an approximate tangent map.
+    // Truth: in double-double arithmetic the error of this flow is below that of a double.
+    // Measured: 2e-13; in double precision 1.1e-11, from the error of that flow.
     for center in [Center::Site, Center::Bond] {
         let ours = orbit(center, 2.05);
         let (n, half) = (ours.z.len(), 0.5 * ours.setting.period());
@@ -152,8 +154,9 @@ fn newton_converges_quadratically_from_the_dps_seed_in_nine_steps() {
     }
 }
 
-/// X and Y of the background, `X'' = -2 |X|^{1/2} X - (X - Y), rho Y'' = X - Y`, a quarter of a period after the start of the first bond, over its strains: by
-/// nothing of ours but a Runge-Kutta method on two equations.
+/// X and Y of the background, `X'' = -2 |X|^{1/2} X - (X - Y), rho Y'' = X - Y`, a quarter of a
+/// period after the start from the first site, divided by its strain. A Runge-Kutta method on two
+/// equations computes them, without any code of the library.
 fn background_defect(orbit: &Orbit) -> f64 {
     let rho = orbit.setting.params.rho;
     let field = |_: f64, s: &[f64], d: &mut [f64]| {
@@ -161,7 +164,8 @@ fn background_defect(orbit: &Orbit) -> f64 {
         (d[0], d[1], d[2], d[3]) = (s[2], s[3], -force - (s[0] - s[1]), (s[0] - s[1]) / rho);
     };
     let (x, y) = (orbit.x()[0].abs(), -orbit.y()[0].abs());
-    // A quarter of the period ends at X = 0, Y = 0; the force is not smooth there, so it is not crossed.
+    // The quarter period ends at X = 0, Y = 0. The force is not smooth there, and the run does not
+    // cross that point.
     let at = integrate(field, [x, y, 0.0, 0.0], 0.25 * orbit.setting.period());
     at[0].abs().max(at[1].abs()) / x
 }
@@ -178,7 +182,7 @@ fn the_background_is_a_two_degree_of_freedom_oscillator() {
 
 #[test]
 fn heavier_resonators_have_orbits_and_multipliers_as_good() {
-    // At rho = 1.2 roundings make a complex pair of the double tau = 1.
+    // At rho = 1.2 rounding turns the double tau = 1 into a complex pair.
     for (rho, omega_b) in [(3.0, 1.2547), (10.0, 1.2), (1.2, 1.75)] {
         for center in [Center::Site, Center::Bond] {
             let orbit = of_mass(rho, center, omega_b).orbit(&Shooting::default()).unwrap();
@@ -187,7 +191,8 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
             let (fine, coarse) = (unstable(&orbit, 1e-13), unstable(&orbit, 1e-9));
             let nearest =
                 |one: &Complex<f64>| coarse.iter().map(|other| (other - one).norm()).fold(f64::INFINITY, f64::min);
-            // Those that are hardly off the circle have just met, where they go like the root of whatever changes.
+            // Multipliers just off the circle have just met; there they change like the square root
+            // of any perturbation.
             let apart = fine.iter().filter(|one| one.norm() > 1.01).map(nearest).fold(0.0, f64::max);
             let background = background_defect(&orbit);
             println!(
@@ -196,7 +201,7 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
                 fine.len(),
                 fine.first(),
             );
-            // Measured: 2.6e-16, 6e-15, 7.4e-12 (that of DOP853); 3.3e-14, 2e-14, 5.5e-14.
+            // Measured: 2.6e-16, 6e-15, 7.4e-12 (the error of DOP853); 3.3e-14, 2e-14, 5.5e-14.
             assert!(orbit.residual <= 5e-16 && e_b <= 1.2e-14 && other <= 1.5e-11);
             assert!(quality.symplectic_defect <= 6.5e-14 && background < 4e-14 && apart < 1.1e-13);
             // Measured: 5.6e-13, 5.4e-13.
@@ -205,7 +210,7 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
     }
 }
 
-/// Branches of both kinds from one mass ratio to another.
+/// Follows branches of both kinds from one mass ratio to another.
 fn follow_in_mass(omega_b: f64, from: f64, to: f64) {
     for center in [Center::Site, Center::Bond] {
         let start = of_mass(from, center, omega_b).orbit(&Shooting::default()).unwrap();
@@ -238,7 +243,8 @@ fn branches_in_the_mass_ratio_go_up_to_ten() {
     }
 }
 
-/// The classical fourth-order method with Richardson extrapolation twice: independent of the library.
+/// The classical fourth-order method with two Richardson extrapolations; it does not use the
+/// library.
 fn integrate(field: impl Fn(f64, &[f64], &mut [f64]), start: [f64; 4], t: f64) -> [f64; 4] {
     let run = |steps: u32| {
         let h = t / f64::from(steps);
@@ -270,7 +276,8 @@ fn unstable(orbit: &Orbit, tol: f64) -> Vec<Complex<f64>> {
 
 #[test]
 fn multipliers_are_those_of_the_whole_period_at_any_tolerance() {
-    // Truth: the eigenvalues of the tangent map over the whole period, by columns that were never folded. Measured: 1.9e-13, and 5.5e-14 between tolerances.
+    // Truth: the eigenvalues of the tangent map over the whole period, computed without the
+    // symmetry. Measured: 1.9e-13, and 5.5e-14 between tolerances.
     for center in [Center::Site, Center::Bond] {
         let orbit = orbit(center, 2.09);
         let quality = orbit.spectrum(&Shooting::default()).unwrap().quality;
@@ -309,7 +316,7 @@ fn kinds_of_multipliers_are_those_of_the_paper_at_209() {
 
 #[test]
 fn the_papers_formulation_finds_the_same_orbit() {
-    // C_x by its time average is zero as well, by symmetry. Measured: 3.9e-15.
+    // By symmetry the time average of x_1 is zero as well. Measured: 3.9e-15.
     for center in [Center::Site, Center::Bond] {
         let (ours, breather) = (orbit(center, 2.05), breather(center, 2.05));
         let shooting = Shooting { formulation: Formulation::FullPeriod, ..Shooting::default() };
@@ -345,7 +352,7 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
     let [Bifurcation { kind: BifurcationKind::PeriodDoubling, parameter, ref orbit, ref mode, .. }] = found[..] else {
         panic!("{found:?}")
     };
-    // The value does not depend on the ring. Measured: 3e-15 between 31 and 41 sites.
+    // The value does not depend on the length of the ring. Measured: 3e-15 between 31 and 41 sites.
     let smaller = bifurcations(Center::Bond, 31, (2.062, 2.066));
     println!("{parameter:.13} {:e}", parameter - smaller[0].parameter);
     assert!((parameter - 2.063_258_452_043_5).abs() < 1e-12 && (parameter - smaller[0].parameter).abs() < 1e-14);
@@ -358,7 +365,7 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
     let apart = image.iter().zip(&start).map(|(image, start)| (image + start).abs()).fold(0.0, f64::max);
     println!("{apart:e}");
     assert!(apart < 1.2e-13);
-    // Antisymmetric under n -> 1 - n, and at home at the kink.
+    // The mode is antisymmetric under n -> 1 - n and localised at the kink.
     assert!((0..41).all(|i| (mode[i] + mode[(41 - i) % 41]).abs() < 1e-7));
     assert!(mode[0].abs() < 1e-6);
 }
@@ -366,7 +373,8 @@ fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
 #[test]
 fn two_real_pairs_collide_where_the_paper_has_them_return() {
     use BifurcationKind::{PeriodDoubling, RealCollision};
-    // Both in one step of the branch, and the same from one that begins elsewhere.
+    // Two bifurcations in one step of the branch, and the same ones on a branch that begins
+    // elsewhere.
     for from in [2.0948, 2.0935] {
         let found = bifurcations(Center::Bond, 41, (from, 2.0958));
         let found: Vec<_> = found.iter().map(|one| (one.kind, one.parameter, one.tau)).collect();
@@ -379,7 +387,7 @@ fn two_real_pairs_collide_where_the_paper_has_them_return() {
 
 #[test]
 fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
-    // Truth: beyond a collision |lambda| - 1 goes like the square root of the distance.
+    // Truth: after a collision |lambda| - 1 increases like the square root of the distance.
     let found = bifurcations(Center::Site, 41, (2.076, 2.079));
     let [Bifurcation { kind: BifurcationKind::KreinCollision, parameter, tau, .. }] = found[..] else {
         panic!("{found:?}")
@@ -395,7 +403,8 @@ fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
     assert!((far / near - 2.0).abs() < 2.5e-4);
 }
 
-/// The doubled branch from its birth to some frequencies, with the distances of `Z(T/2)` from the reflection of `Z(0)` and from `Z(0)` itself.
+/// The doubled branch from its beginning to some frequencies, with the distances of `Z(T/2)` from
+/// the reflection of `Z(0)` and from `Z(0)` itself.
 fn doubled_branch(ends: &[(f64, f64)]) -> (Bifurcation, Vec<(Orbit, [f64; 2])>) {
     let birth = bifurcations(Center::Bond, 41, (2.062, 2.066)).remove(0);
     let shooting = Shooting::default();
@@ -427,14 +436,15 @@ fn orbits_of_doubled_period_come_back_reflected() {
         assert!(*reflected < 1.5e-14 && *same > 0.01 && orbit.e_b(1e-13, 1).unwrap() < 1e-12);
         squares.push((orbit.setting.omega_b - 0.5 * birth.parameter) / (same * same));
     }
-    // Near its birth the amplitude grows like the root of the distance.
+    // Near the bifurcation the amplitude increases like the square root of the distance.
     assert!((squares[1] / squares[0] - 1.0).abs() < 0.3, "{squares:?}");
 }
 
 #[test]
 #[ignore = "TIME: the same up to omega_b = 1.056"]
 fn the_doubled_branch_does_not_end_at_1051() {
-    // From 1.0525 to 1.0545 the equations are nearly singular, as the background's band reaches -1: an orbit is then good to 4e-12 instead of 1e-15.
+    // From 1.0525 to 1.0545 the equations are nearly singular, as the band of the background
+    // reaches -1; an orbit is then accurate to 4e-12 instead of 1e-15.
     let (_, points) = doubled_branch(&[(1.056, 4e-3)]);
     let worst = points.iter().map(|(_, [reflected, _])| *reflected).fold(0.0, f64::max);
     println!("{worst:e}");
@@ -464,18 +474,20 @@ fn a_kick_along_a_mode_grows_by_its_multiplier_and_sets_the_kink_in_motion() {
     let run = |size: f64, periods: f64| {
         evolve(&orbit, periods * orbit.setting.period(), Some(Kick { size, mode: 0 }), &shooting, &|_, _| ()).unwrap()
     };
-    // Truth: the multiplier. The kick has parts of the decaying mode in it where the vector is not an eigenvector. Measured: 4e-9.
+    // Truth: the multiplier. If the vector is not an eigenvector, the kick also has parts along the
+    // decaying mode. Measured: 4e-9.
     let small = run(1e-8, 60.0);
     let lambda = small.kick.unwrap().1.re;
     let growth = (small.e_b[60] / small.e_b[20]).powf(1.0 / 40.0);
     println!("{growth} {lambda}");
     assert!((growth / lambda - 1.0).abs() < 1e-8);
-    // Either way from the bond between the sites 0 and 1, and with images under the symmetry n -> 1 - n.
+    // The kink leaves the bond between the sites 0 and 1 in either direction; the two motions are
+    // images under the symmetry n -> 1 - n.
     let (right, left) = (run(0.01, 100.0), run(-0.01, 100.0));
     let apart = right.position.iter().zip(&left.position).map(|(a, b)| (a + b - 1.0).abs()).fold(0.0, f64::max);
     println!("{:?} {:?} {apart:e}", right.position[100], left.position[100]);
     assert!((right.position[0] - 0.5).abs() < 0.1 && (right.position[100] - 0.5).abs() > 1.0 && apart < 1.2e-12);
-    // No kick, no motion.
+    // Without a kick the breather does not move.
     let still = evolve(&orbit, 100.0 * orbit.setting.period(), None, &shooting, &|_, _| ()).unwrap();
     assert!(still.e_b[100] < 3e-13 && (still.position[100] - 0.5).abs() < 1e-11, "{:?}", still.e_b[100]);
 }

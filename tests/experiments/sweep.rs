@@ -1,4 +1,5 @@
-//! Grids of independent points: order, failures, and a store that is killed, resumed, corrupted.
+//! Grids of independent points: order, failures, and a store of a run that is killed, resumed or
+//! damaged.
 
 use hertzchain::{
     Error, Result,
@@ -35,7 +36,8 @@ fn root(point: &Point) -> Result<Root> {
     Ok(Root { root, above: (root > 0.3).then_some(root * 1e-300) })
 }
 
-/// Works backwards, on one thread, and leaves after so many points; what it has is text.
+/// A backend that computes backwards on one thread and ends after the given number of points;
+/// results pass through text.
 struct Backwards(usize);
 
 impl Backend for Backwards {
@@ -59,7 +61,7 @@ fn open(folder: &Path) -> Result<Store> {
     Store::open(&Folder::create(folder).unwrap(), "roots.store", "roots", &settings())
 }
 
-/// The grid through a store in the folder, and how many points were computed.
+/// The rows of the grid through a store in the folder, and the number of points computed.
 fn stored(folder: &Path, points: &[Point], backend: &dyn Backend) -> Result<(Swept<Root>, usize)> {
     let computed = AtomicUsize::new(0);
     let mut store = open(folder)?;
@@ -98,7 +100,7 @@ fn a_point_that_fails_or_panics_is_a_failed_row_and_the_others_go_on() {
     let work = |point: &Point| match point.k {
         1 => Err(Error::parameter("x", point.x, "not this one")),
         2 => panic!("point {} is a bug", point.k),
-        // No JSON has this number.
+        // JSON has no form for this number.
         3 => Ok(Root { root: f64::NAN, above: None }),
         _ => root(point),
     };
@@ -132,7 +134,7 @@ fn a_store_cut_off_anywhere_loses_the_torn_line_only_and_ends_with_the_same_byte
     let (whole, computed) = stored(folder.path(), &points, &Threads).unwrap();
     let written = bytes(folder.path());
     assert_eq!(computed, 2);
-    // Any moment of a kill, that in which the header is written included.
+    // A kill at any moment, also while the header is written.
     for length in 0..=written.len() {
         fs::write(folder.path().join("roots.store"), &written[..length]).unwrap();
         let lines = written[..length].iter().filter(|&&byte| byte == b'\n').count();
@@ -165,7 +167,7 @@ fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_an
     let path = folder.path().join("roots.store");
     stored(folder.path(), &grid(3), &Threads).unwrap();
     let written = bytes(folder.path());
-    // The last byte ends the last line: without it the line is torn.
+    // The last byte ends the last line; without it the line is incomplete.
     for (k, flip) in (0..written.len() - 1).flat_map(|k| [1, 0x20, 0x80].map(|flip| (k, flip))) {
         let mut altered = written.clone();
         altered[k] ^= flip;
@@ -192,7 +194,7 @@ fn stores_of_others_are_refused_with_the_reason() {
     assert!(text.contains("study is \"roots\" there and \"powers\" here"), "{text}");
     assert_eq!(bytes(folder.path()), written);
 
-    // A line of another study, put among ours, and one of ours twice.
+    // A line of another study among ours, and a line of ours twice.
     let (other, lines) = (tempfile::tempdir().unwrap(), |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap());
     let mut foreign =
         Store::open(&Folder::create(other.path()).unwrap(), "roots.store", "powers", &settings()).unwrap();

@@ -1,4 +1,5 @@
-//! Theorem 1 (th:dps) as an experiment: its suprema against other integrators, its slopes against the theorem and its proof, and what is refused.
+//! Theorem 1 (th:dps): its suprema by other integrators, slopes compared with the theorem and its
+//! proof, and options that are refused.
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State},
@@ -19,7 +20,8 @@ fn options(alpha: f64, initial: Initial, rho_law: RhoLaw, epsilons: &[f64]) -> T
     TheoremOptions { alpha, initial, rho_law, epsilons: epsilons.to_vec(), ..TheoremOptions::default() }
 }
 
-/// A short version: sizes from where slopes are about to settle, and a quarter of the samples.
+/// Options of a short study: sizes from which on slopes are nearly settled, and a quarter of the
+/// samples.
 fn short(alpha: f64, initial: Initial, rho_law: RhoLaw) -> TheoremOptions {
     let epsilons: &[f64] =
         if alpha == 1.5 { &[3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6] } else { &[1e-2, 3e-3, 1e-3, 3e-4, 1e-4] };
@@ -27,14 +29,16 @@ fn short(alpha: f64, initial: Initial, rho_law: RhoLaw) -> TheoremOptions {
     TheoremOptions { sampling, ..options(alpha, initial, rho_law, epsilons) }
 }
 
-/// From where on slopes are within 0.03 of the theorem: measured, and as the sizes of the two parts of `v` say. It is `R - Q/rho`, and for a breather with
-/// `alpha = 3/2` the second part is `17 epsilon^{1/2}` of the first.
+/// Size below which slopes are within 0.03 of the theorem; measured, and in agreement with the
+/// sizes of the two parts of `v = R - Q/rho`: for a breather with `alpha = 3/2` the second part is
+/// `17 epsilon^{1/2}` times the first.
 fn settled(alpha: f64) -> f64 {
     if alpha == 1.5 { 3e-5 } else { 1e-3 }
 }
 
-/// Suprema of the three errors in `l_1, l_2, l_inf`, from DOP853 between contacts and the DpS equation solved for `A`, at 400 samples a period: the
-/// mathematics of the experiment, and nothing of its code.
+/// Suprema of the three errors in `l_1, l_2, l_inf`, from DOP853 between contacts and the DpS
+/// equation solved for `A`, at 400 samples per period. It uses the mathematics of the study and
+/// none of its code.
 fn independent(alpha: f64, center: Center, epsilon: f64, rho: f64) -> [[f64; 3]; 3] {
     let (breather, sites, slowness) = (Homoclinic::new(alpha, center).unwrap(), 21, epsilon.powf(alpha - 1.0));
     let a: Vec<f64> = (-10..=10).map(|n| breather.a(n)).collect();
@@ -85,7 +89,8 @@ fn independent(alpha: f64, center: Center, epsilon: f64, rho: f64) -> [[f64; 3];
     most
 }
 
-// Truth: another integrator of the chain, the DpS equation in place of the closed form, three times as many samples, more sites.
+// Truth: another integrator of the chain, the DpS equation instead of the closed form, three times
+// as many samples, more sites.
 #[test]
 fn suprema_are_those_of_another_program() {
     for (alpha, initial, center, epsilon) in [
@@ -101,7 +106,8 @@ fn suprema_are_those_of_another_program() {
                 for k in 0..3 {
                     let apart = found[k] / truth[norm.index()][k] - 1.0;
                     println!("{alpha} {initial:?} {law:?} {norm:?} {k}: {apart:e}");
-                    // Measured: 2.1e-4 at the most; samples say that they miss up to 3.6e-4.
+                    // Measured: at most 2.1e-4; the study states that its samples miss up
+                    // to 3.6e-4.
                     assert!(apart.abs() < 4e-4, "{alpha} {initial:?} {law:?} {norm:?} {k}: {apart:e}");
                 }
             }
@@ -109,7 +115,7 @@ fn suprema_are_those_of_another_program() {
     }
 }
 
-// Truth: the theorem. Measured: 0.026 and 0.016 at the most, the change of the last scaled supremum 0.017.
+// Truth: the theorem. Measured: at most 0.026 and 0.016; the last scaled supremum changes by 0.017.
 #[test]
 fn suprema_level_off_and_slopes_are_those_of_the_theorem() {
     for alpha in [1.5, 2.0] {
@@ -136,7 +142,8 @@ fn suprema_level_off_and_slopes_are_those_of_the_theorem() {
     }
 }
 
-// Truth: the proof of the theorem, whose estimates (estimr1) and (estimrp) are then of the orders 1, 1 and alpha. Measured: 0.016 at the most.
+// Truth: the proof of the theorem, whose estimates (estimr1) and (estimrp) then have the orders 1,
+// 1 and alpha. Measured: at most 0.016.
 #[test]
 fn lighter_resonators_violate_the_bound_with_slopes_one_one_alpha() {
     for alpha in [1.5, 2.0] {
@@ -152,7 +159,7 @@ fn lighter_resonators_violate_the_bound_with_slopes_one_one_alpha() {
     }
 }
 
-// Truth: the theorem, whose constant may depend on C_i; at t = 0 the departure has the size it was given.
+// Truth: the theorem, whose constant may depend on C_i; at t = 0 the departure has its given size.
 #[test]
 fn bounds_hold_for_departures_and_are_no_less_than_these() {
     let epsilons = vec![1e-4, 1e-5, 1e-6];
@@ -174,7 +181,7 @@ fn bounds_hold_for_departures_and_are_no_less_than_these() {
     assert_eq!(none.runs, study(&given(0.0, 2)).runs);
 }
 
-// Truth: three times as many samples of a period, in twice as many periods.
+// Truth: three times as many samples per period, in twice as many periods.
 #[test]
 fn samples_miss_no_more_than_they_say() {
     let sampling = Sampling { points: 384, periods: 127, periods_per_slow_time: 32 };
@@ -198,7 +205,7 @@ fn samples_miss_no_more_than_they_say() {
     }
 }
 
-// Truth: a hundredth of the tolerance.
+// Truth: runs with a hundredth of the tolerance.
 #[test]
 fn suprema_do_not_depend_on_the_tolerance() {
     for (alpha, epsilon) in [(1.5, 1e-6), (2.0, 3e-4)] {
@@ -208,14 +215,15 @@ fn suprema_do_not_depend_on_the_tolerance() {
             for k in 0..3 {
                 let apart = one.runs[0].suprema[norm.index()].0[k] / finer.runs[0].suprema[norm.index()].0[k] - 1.0;
                 println!("{alpha} {norm:?} {k}: {apart:e}");
-                // Measured: 3e-8 at the most.
+                // Measured: at most 3e-8.
                 assert!(apart.abs() < 6e-8, "{alpha} {norm:?} {k}: {apart:e}");
             }
         }
     }
 }
 
-// Truth: |x|_inf <= |x|_2 <= |x|_1; a longer chain has the same breather; Newton's cradle has no resonators that move.
+// Truth: |x|_inf <= |x|_2 <= |x|_1; a longer chain has the same breather; the resonators of
+// Newton's cradle do not move.
 #[test]
 fn norms_are_ordered_more_sites_change_nothing_and_a_cradle_has_no_v() {
     let given = options(1.5, Initial::Bond, RhoLaw::Heavy, &[1e-2, 1e-4]);
@@ -243,7 +251,8 @@ fn what_cannot_be_told_is_undecided() {
         assert_eq!(study.verdict(), Bound::Undecided);
         assert!(study.slopes.iter().all(|slope| slope.local.len() + 1 == epsilons.len() && slope.limit.is_none()));
     }
-    // Slopes that are below the theory, or on their way to it, and would mislead: of a cradle, of a long horizon.
+    // Slopes below the theory, or not yet settled, would mislead: those of a cradle, and those of a
+    // long horizon.
     for (horizon, rho_law) in [(1.0, RhoLaw::Value(f64::INFINITY)), (19.4, RhoLaw::Heavy)] {
         let given = options(1.5, Initial::Site, rho_law, &[1e-1, 1e-2, 1e-3]);
         assert_eq!(study(&TheoremOptions { horizon, ..given }).verdict(), Bound::Undecided);
@@ -273,7 +282,7 @@ fn bad_input_is_refused_with_its_value_and_its_rule() {
         let message = theorem(&wrong, None, &|_| {}).unwrap_err().to_string();
         assert!(message.contains(named), "{message}");
     }
-    // In any order.
+    // Sizes may be given in any order.
     let study = study(&TheoremOptions { epsilons: vec![0.01, 0.1], ..good() });
     assert_eq!((study.runs[0].epsilon, study.runs[1].epsilon), (0.1, 0.01));
 }

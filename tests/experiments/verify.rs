@@ -1,9 +1,10 @@
-//! The paper's numbers against ours: the table, its contract, and that it notices a number that has changed.
+//! The paper's numbers against ours: the table, its contract, and that it notices a number that has
+//! changed.
 
 use hertzchain::paper::{Item, Rule, Verdict, Verification, claims, verify};
 use std::sync::OnceLock;
 
-/// All sections, made once.
+/// The verification of all sections, computed once.
 fn all() -> &'static Verification {
     static ALL: OnceLock<Verification> = OnceLock::new();
     ALL.get_or_init(|| verify(None, &|_, _| {}).unwrap())
@@ -30,7 +31,8 @@ fn each_claim_has_its_quantity_in_the_order_of_the_table() {
     }
 }
 
-// Truth: the paper's misprints as derived from the model; nothing else in these sections is known to differ.
+// Truth: the misprints of the paper as derived from the model; no other differences in these
+// sections are known.
 #[test]
 fn the_known_differences_are_these() {
     let differ: Vec<&str> =
@@ -63,7 +65,8 @@ fn the_known_differences_are_these() {
     assert_eq!(differ, known);
 }
 
-// Truth: closed forms, and the runs of the seven waves by another program (errors in percent, to the digits given).
+// Truth: closed forms, and the runs of the seven waves by another program (errors in percent, to
+// the digits given).
 #[test]
 fn our_numbers_are_right() {
     let close = |id: &str, truth: f64, within: f64| {
@@ -93,7 +96,7 @@ fn our_numbers_are_right() {
     ] {
         close(id, percent, 2e-3);
     }
-    // omega_0 by Gamma(7/4), Gamma(9/4) from tables.
+    // omega_0 from Gamma(7/4) and Gamma(9/4) in tables.
     let omega_0 = 0.5f64.sqrt() / pi.sqrt() * 0.919_062_526_848_883_2 / 1.133_003_096_319_346_3;
     close("s5-T", 2.0 * pi / omega_0, 1e-14);
     close("s5-horizon", 20.0 * pi / omega_0, 1e-14);
@@ -101,7 +104,8 @@ fn our_numbers_are_right() {
     close("s5-mass-ratio", 0.1, 1e-12);
 }
 
-// Truth: tests/experiments/breathers.rs and tests/experiments/orbits.rs hold these against other integrators and other formulations; here to the digits given.
+// Truth: tests/experiments/breathers.rs and tests/experiments/orbits.rs compare these with other
+// integrators and other formulations; here to the digits given.
 #[test]
 fn breathers_are_those_of_their_own_tests() {
     for (id, value, within) in [
@@ -131,7 +135,8 @@ fn all_sections_with_numbers_have_items() {
 #[test]
 fn a_changed_number_is_noticed() {
     for item in &all().items {
-        // Two parts in three is beyond every printed digit; a bound may be far off, then the value goes there.
+        // Three times a value violates all printed digits. A bound may be far from the value, and
+        // the value is then moved beyond the bound.
         let moved = match item.claim.instead.as_ref().unwrap_or(&item.claim.rule) {
             Rule::AtMost(bound) => bound.abs().max(1e-300) * 2.0,
             Rule::AtLeast(bound) => bound / 2.0 - f64::MIN_POSITIVE,
@@ -194,7 +199,7 @@ mod command {
 
     #[test]
     fn numbers_are_the_same_on_one_thread_and_on_three() {
-        // The runs of Sec. 4 are those of `wave`, which has such a test of its own.
+        // The runs of Sec. 4 are those of `wave`, which has a test of the same kind.
         let on = |threads| {
             let mut value: Value =
                 serde_json::from_slice(&hertzchain(&["paper", "verify", "--section", "3", "--json"], threads).stdout)

@@ -1,4 +1,5 @@
-//! Travelling waves: the ansatz against the chain, both ways; frequencies; perturbed waves; the command `wave`.
+//! Travelling waves: ansatz and chain in both directions, frequencies, perturbed waves, and the
+//! command `wave`.
 
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
@@ -17,7 +18,7 @@ fn of_size(params: Params, shape: Shape, epsilon: f64) -> TravellingWave {
     TravellingWave::new(params, shape, Size::Epsilon(epsilon)).unwrap()
 }
 
-/// The state at `t` of a run that is asked for increasing times.
+/// The state of a run at `t`; times increase from call to call.
 fn at(run: &mut impl Stepper<f64>, t: f64) -> Vec<f64> {
     while run.time() < t && !run.done() {
         run.step().unwrap();
@@ -27,7 +28,7 @@ fn at(run: &mut impl Stepper<f64>, t: f64) -> Vec<f64> {
     y
 }
 
-/// The flow from `z`, to be asked for slow times up to `end`.
+/// The flow from `z`, for slow times up to `end`.
 fn flowing(dps: Dps, z: &[f64], end: f64) -> Dop853<f64, Dps> {
     Dop853::new(dps, z, (0.0, end), Options::new(1e-13)).unwrap()
 }
@@ -48,7 +49,8 @@ fn rings(sites: usize, form: Form) -> Layout {
 
 #[test]
 fn the_ansatz_of_an_exact_envelope_is_the_travelling_wave() {
-    // (eq:An_tw) in (eq:xy_app) and (eq:xy_v_app) gives (eq:xytw_app) and its rates: a closed form, at kappa != 1 and with a phase.
+    // (eq:An_tw) in (eq:xy_app) and (eq:xy_v_app) gives (eq:xytw_app) and its rates: a closed form,
+    // at kappa != 1 and with a phase.
     for (alpha, kappa, rho) in [(1.5, 0.7, 2.5), (2.0, 3.0, 0.2), (1.5, 1.0, 1.0 / 3.0)] {
         let params = Params::new(alpha, kappa, rho).unwrap();
         let wave = of_size(params, Shape { q: 0.4 * PI, a: 0.8, b: -0.3, phi: 0.4 }, 0.05);
@@ -62,7 +64,7 @@ fn the_ansatz_of_an_exact_envelope_is_the_travelling_wave() {
                 let z: Vec<f64> = parts.iter().flat_map(|part| (0..10).map(|n| a * part(phase(n)))).collect();
                 for (n, site) in ansatz.sites(t, &z).iter().enumerate() {
                     for (one, other) in numbers(site).iter().zip(numbers(&wave.site(n, t))) {
-                        // Measured: 5e-14 at t = 400, the rounding of omega t.
+                        // Measured: 5e-14 at t = 400, the rounding error of omega t.
                         assert!((one - other).abs() < 1e-13 * wave.amplitude() * (1.0 + rho.recip()) * params.omega());
                     }
                 }
@@ -73,7 +75,8 @@ fn the_ansatz_of_an_exact_envelope_is_the_travelling_wave() {
 
 #[test]
 fn rates_of_the_ansatz_are_derivatives_of_its_positions() {
-    // Along the flow, at an epsilon at which the slow terms are as large as the fast ones. Truth: differences of order 6 of the positions alone.
+    // Along the flow, at an epsilon at which slow and fast terms have the same size. Truth:
+    // sixth-order differences of the positions alone.
     let params = Params::new(1.5, 1.3, 0.6).unwrap();
     let (epsilon, h, centre) = (0.5, 0.02, 2.0);
     let z: Vec<f64> = (0..12).map(|k| 0.7 + 0.5 * f64::from(k * k % 7) - 0.9 * f64::from(k % 3)).collect();
@@ -118,7 +121,7 @@ fn rates_of_the_ansatz_are_derivatives_of_its_positions() {
 
 #[test]
 fn displacements_have_the_strains_of_the_strain_form() {
-    // The two forms of the same envelope, one through sums of the other.
+    // Two forms of the same envelope: strains, and displacements by summation.
     let params = Params::new(1.5, 1.0, 2.0).unwrap();
     let a: Vec<f64> = (0..10).map(|k| (f64::from(k) * 1.7).sin()).collect();
     let strains = |a: &[f64]| (0..a.len()).map(|n| a[n] - a[(n + a.len() - 1) % a.len()]).collect::<Vec<_>>();
@@ -140,8 +143,9 @@ fn displacements_have_the_strains_of_the_strain_form() {
 
 #[test]
 fn projection_inverts_the_ansatz_to_second_order_of_the_slowness() {
-    // Theory: what is left is the curvature of the envelope, epsilon^{2 (alpha-1)} T^2/12 d^2/dtau^2 of Z and M, less 3/(4 pi^2) of that of
-    // conj(Z) e^{-2 i omega t}. Truth: second differences of the flow.
+    // Theory: the remainder is the curvature of the envelope, epsilon^{2 (alpha-1)} T^2/12
+    // d^2/dtau^2 of Z and M, minus 3/(4 pi^2) of that of conj(Z) e^{-2 i omega t}. Truth: second
+    // differences of the flow.
     let params = Params::new(1.5, 0.8, 1.5).unwrap();
     let (sites, tau, apart) = (8, 0.5, 0.003);
     let wave = of_size(params, Shape { q: 0.5 * PI, b: 0.4, ..UNIT }, 0.1);
@@ -182,7 +186,8 @@ fn projection_inverts_the_ansatz_to_second_order_of_the_slowness() {
             };
             let share = |k: usize| if k < 2 * sites { 0.75 / (PI * PI) * conjugate(k) } else { 0.0 };
             let off = largest((0..24).map(|k| misfit[k] - curvature(k) + share(k))) / largest((0..24).map(curvature));
-            // Higher derivatives of the envelope, and the second differences.
+            // The bound covers higher derivatives of the envelope and the error of second
+            // differences.
             assert!(off < 5e-3, "epsilon = {epsilon:e}: {off}");
         }
     }
@@ -199,10 +204,12 @@ fn run_of(chain: &Chain<f64>, site: impl FnMut(usize) -> Site<f64>, end: f64) ->
     chain.collocation(start.as_slice(), (0.0, end), Pace::Tolerance(1e-10)).unwrap()
 }
 
-/// The mean over a period of the velocity that the contacts give `(x_n + rho y_n) / (1 + rho)` of (eq:xytw_app) from `t = 0` on.
+/// The mean over a period of the velocity that the contacts give `(x_n + rho y_n) / (1 + rho)` of
+/// (eq:xytw_app) from `t = 0` on.
 ///
-/// The force of bond `n` is `f(theta_n - omega t)`. Its impulse since `t = 0`, less that of its mean, is `(F(theta_n) - F(theta_n - omega t)) / omega` with
-/// `F' = f - mean` and the mean of `F` zero, so that its mean is `F(theta_n) / omega`.
+/// The force of bond `n` is `f(theta_n - omega t)`. Its impulse since `t = 0`, minus that of its
+/// mean, is `(F(theta_n) - F(theta_n - omega t)) / omega` with `F' = f - mean` and the mean of `F`
+/// zero. The mean of the impulse is therefore `F(theta_n) / omega`.
 fn drift(wave: &TravellingWave, n: usize) -> f64 {
     let (Params { alpha, kappa, rho }, Shape { q, a, b, phi }) = (wave.params(), wave.shape());
     let force = |theta: f64| (wave.epsilon() * (-b - 2.0 * kappa * a * theta.cos())).max(0.0).powf(alpha);
@@ -216,7 +223,8 @@ fn drift(wave: &TravellingWave, n: usize) -> f64 {
     (2.0 * integral(theta) - integral(theta + q) - integral(theta - q)) / ((1.0 + rho) * wave.params().omega())
 }
 
-/// (eq:ini_tw), or the same without the drift that the first order of the theory leaves out.
+/// The state (eq:ini_tw), and if `driftless` without the drift that the first order of the theory
+/// neglects.
 fn start(wave: TravellingWave, driftless: bool) -> impl Fn(usize) -> Site<f64> {
     move |n| {
         let (site, shift) = (wave.site(n, 0.0), if driftless { drift(&wave, n) } else { 0.0 });
@@ -224,7 +232,7 @@ fn start(wave: TravellingWave, driftless: bool) -> impl Fn(usize) -> Site<f64> {
     }
 }
 
-/// Largest `[E_x, E_y]` of many samples up to `end`.
+/// The largest `[E_x, E_y]` of many samples up to `end`.
 fn errors(wave: TravellingWave, sites: usize, end: f64, driftless: bool) -> [f64; 2] {
     const SAMPLES: u32 = 4000;
     let mut run = run_of(&ring(wave.params(), sites), start(wave, driftless), end);
@@ -241,12 +249,16 @@ fn errors(wave: TravellingWave, sites: usize, end: f64, driftless: bool) -> [f64
 #[test]
 fn the_ansatz_is_as_good_as_the_theory_says() {
     // Relative errors over three octaves of epsilon, alpha = 3/2. Theory:
-    // - up to a fixed t, the next term of the expansion: epsilon^{alpha-1}, power 1/2;
-    // - up to a fixed tau, epsilon^{(alpha-1)/2}, power 1/4. The ansatz starts without the velocity epsilon^{alpha-1} that the mean strains have in
-    //   the next order (`drift`). They are held by contacts of stiffness epsilon^{alpha-1}, so that this velocity makes them swing, at a frequency
-    //   like epsilon^{(alpha-1)/2}, with an amplitude like the ratio of the two;
-    // - up to a fixed tau from a start with that velocity: power 1/2 again, which shows that this is the reason.
-    // Measured: 0.497 (x, y, both rho); 0.253, 0.243 at rho = 1/3 and 0.269, 0.262 at rho = 3; 0.46 to 0.48.
+    // - Up to a fixed t, the next term of the expansion, epsilon^{alpha-1}: power 1/2.
+    // - Up to a fixed tau, epsilon^{(alpha-1)/2}: power 1/4. The ansatz starts without the velocity
+    //   epsilon^{alpha-1} that the mean strains have in the next order (`drift`). Contacts of
+    //   stiffness epsilon^{alpha-1} hold the mean strains, so the missing velocity makes them swing
+    //   with a frequency of order epsilon^{(alpha-1)/2} and an amplitude of the order of the ratio.
+    // - Up to a fixed tau from a start with that velocity: power 1/2 again, which confirms the
+    //   cause.
+    //
+    // Measured: 0.497 (x, y, both rho); 0.253, 0.243 at rho = 1/3 and 0.269, 0.262 at rho = 3; 0.46
+    // to 0.48.
     for rho in [1.0 / 3.0, 3.0] {
         let params = Params::new(1.5, 1.0, rho).unwrap();
         let period = 2.0 * PI / params.omega();
@@ -271,12 +283,13 @@ fn the_ansatz_is_as_good_as_the_theory_says() {
     }
 }
 
-/// The frequency of a wave on the chain over `omega`, over `epsilon^{alpha-1}`: from the phase of its Fourier mode in `x - y` over `tau = 30`.
+/// The frequency shift of a wave on the chain, divided by `omega epsilon^{alpha-1}`: from the phase
+/// of its Fourier mode in `x - y` up to `tau = 30`.
 fn measured_shift(wave: TravellingWave, sites: usize) -> f64 {
     let (params, q, slowness) = (wave.params(), wave.shape().q, wave.slow_time(1.0));
     let (omega, end) = (params.omega(), 30.0 / slowness);
     let mut run = run_of(&ring(params, sites), start(wave, false), end);
-    // Not in step with the oscillation, so that its harmonics leave no trace.
+    // Samples are not in step with the oscillation, so that its harmonics average out.
     let count = (end * omega / (2.0 * PI) * 1.3).ceil() as usize;
     let mut phase = 0.0f64;
     let (mut xx, mut xp) = (0.0, 0.0);
@@ -299,8 +312,9 @@ fn measured_shift(wave: TravellingWave, sites: usize) -> f64 {
 
 #[test]
 fn the_frequency_has_omega_cubed_and_no_kappa() {
-    // (disp): the paper prints 2 / (kappa omega^3). Measured on the chain at epsilon = 1e-5, where the next order, epsilon^{1/2}, is
-    // 0.36 % at most (kappa = 0.4, q = 4 pi/5; at 1e-4 it is 1.1 %, at 1e-6 0.11 %).
+    // (disp): the paper prints 2 / (kappa omega^3). Measured on the chain at epsilon = 1e-5, where
+    // the next order, epsilon^{1/2}, is at most 0.36 % (kappa = 0.4, q = 4 pi/5; 1.1 % at 1e-4
+    // and 0.11 % at 1e-6).
     for kappa in [0.4, 2.5] {
         for (q, sites) in [(0.2, 10), (0.8, 5)] {
             let params = Params::new(1.5, kappa, 1.0).unwrap();
@@ -323,7 +337,8 @@ fn study(scene: &Scene, options: &WaveOptions) -> WaveStudy {
 
 #[test]
 fn two_integrators_agree_on_all_seven_runs_of_the_paper() {
-    // Largest bounds of the paper: 8 % for the first run; the ansatz fails in the breakdown runs, and E_y at rho = 1000.
+    // Bounds of the paper: at most 8 % for the first run; the ansatz fails in the breakdown runs,
+    // and for E_y at rho = 1000.
     for (name, largest_x, largest_y) in [
         ("tw-q15", 0.076_354, 0.028_384),
         ("tw-q45", 0.054_852, 0.022_412),
@@ -339,7 +354,8 @@ fn two_integrators_agree_on_all_seven_runs_of_the_paper() {
         assert_eq!(one.t, other.t);
         let pairs = [(&one.errors.x, &other.errors.x, largest_x), (&one.errors.y, &other.errors.y, largest_y)];
         for (one, other, expected) in pairs {
-            // At every sample, so at the end and in the maximum. Measured: 5e-9 at most.
+            // The comparison is at every sample, and so at the end and at the maximum. Measured: at
+            // most 5e-9.
             let apart = largest(one.iter().zip(other).map(|(a, b)| a - b));
             assert!(apart < 1e-8, "{name}: {apart:e}");
             assert!((largest(one.iter().copied()) - expected).abs() < 1e-5, "{name}");
@@ -363,16 +379,17 @@ fn draws_follow_from_the_seed_and_stay_within_zeta() {
     assert_eq!(first, same);
     assert!(first.iter().zip(&other).all(|(a, b)| a != b));
     assert!(largest(first.iter().copied()) < 0.1 + 1e-12 && largest(first.iter().copied()) > 0.09);
-    // Real and imaginary parts are drawn apart.
+    // Real and imaginary parts are drawn independently.
     assert!(first[0] != first[first.len() / 2]);
-    // A perturbation that rounds to none is the wave (eq:ini_tw).
+    // A perturbation that rounds to none gives the wave (eq:ini_tw).
     for (n, site) in unperturbed.initial(unperturbed.constraint()).unwrap().iter().enumerate() {
         let apart = numbers(site).iter().zip(numbers(&wave.site(n, 0.0))).map(|(a, b)| a - b).collect::<Vec<_>>();
         assert!(largest(apart) < 1e-14);
     }
 }
 
-/// Largest `E_x` of a perturbed `tw-q15` against its ansatz, and how far the mean strain of chain and ansatz moved, both under a constraint.
+/// Largest `E_x` of a perturbed `tw-q15` relative to its ansatz, and the changes of the mean strain
+/// of chain and ansatz, all under a constraint.
 fn under(constraint: Constraint, perturbed: &PerturbedWave, scene: &Scene) -> (f64, f64, f64) {
     let (wave, sites, end) = (perturbed.wave(), scene.chain().sites(), scene.end());
     let start = perturbed.initial(constraint).unwrap();
@@ -408,11 +425,11 @@ fn a_constant_force_moves_the_mean_strain_at_second_order_of_zeta_and_the_chain_
         let mean = flow.mean_strains(perturbed.amplitudes()).iter().sum::<f64>() / 50.0;
         let (by_force, chain, ansatz) = under(perturbed.constraint(), &perturbed, &scene);
         let (by_mean, chain_at_rest, ansatz_at_rest) = under(Constraint::MeanStrain(mean), &perturbed, &scene);
-        // An invariant of the ring: no mean velocity, no movement.
+        // An invariant of the ring: without mean velocity the mean does not move.
         assert!(chain_at_rest.abs() < 1e-12 && ansatz_at_rest.abs() < 1e-12);
-        // Measured: 2 % and 1 % of what the ansatz says, 1.3e-6 and 1.4e-4.
+        // Measured: 2 % and 1 % of the change in the ansatz, which is 1.3e-6 and 1.4e-4.
         assert!(chain.abs() < 0.05 * ansatz.abs());
-        // Which of the two is taken does not matter: measured 4e-7 and 3e-5 of E_x = 0.08.
+        // The choice of the constraint does not matter: measured 4e-7 and 3e-5 of E_x = 0.08.
         assert!((by_force - by_mean).abs() < 1e-4);
         moved.push(ansatz);
     }
@@ -422,7 +439,8 @@ fn a_constant_force_moves_the_mean_strain_at_second_order_of_zeta_and_the_chain_
 
 #[test]
 fn growth_separates_what_is_unstable_from_what_is_not() {
-    // Paper, Sec. 4: q = pi/5 at rho = 3 grows, q = 4 pi/5 does not. Medians over 8 seeds; over 40: 7.4 and 1.04.
+    // Paper, Sec. 4: the perturbation grows for q = pi/5 at rho = 3 and does not for q = 4 pi/5.
+    // Medians over 8 seeds; over 40 they are 7.4 and 1.04.
     for (name, zeta, least, most) in [("tw-rho3", 0.01, 5.0, 12.0), ("tw-q45", 0.1, 0.9, 1.2)] {
         let scene = Scene::load(name).unwrap().perturbed(zeta, None).unwrap();
         let study =
@@ -431,8 +449,8 @@ fn growth_separates_what_is_unstable_from_what_is_not() {
         let growth = ensemble.spread(|member| member.growth_x).unwrap();
         assert!(growth.low >= least && growth.high <= most, "{name}: {growth:?}");
         assert_eq!(ensemble.members.iter().map(|member| member.seed).collect::<Vec<_>>(), (1..=8).collect::<Vec<_>>());
-        // The perturbed wave follows its own ansatz about as well as the wave follows its own (measured: 7.6 % and 6.3 %), and
-        // so does its envelope (2.5 % and 0.8 % of the amplitude).
+        // The perturbed wave follows its ansatz about as well as the wave follows its own
+        // (measured: 7.6 % and 6.3 %), and so does its envelope (2.5 % and 0.8 % of the amplitude).
         assert!(largest(run.errors.x.iter().copied()) < 0.1);
         let envelopes = run.envelopes.as_ref().unwrap();
         let apart = envelopes.chain.amplitudes.iter().zip(&envelopes.flow.amplitudes).map(|(a, b)| a - b);
@@ -517,7 +535,7 @@ mod command {
         assert!(growth("low") < growth("median") && growth("median") < growth("high"));
         assert_eq!(one["seeds"].as_array().unwrap().len(), 6);
         let energy = one["perturbed"]["flow_energy_change"].as_f64().unwrap();
-        // Measured: a rounding.
+        // Measured: a rounding error.
         assert!(energy.abs() < 1e-15, "{energy:e}");
         assert_eq!((&one["seeds"][0], &one["perturbed"]["seed"]), (&3.into(), &3.into()));
     }
@@ -558,7 +576,7 @@ mod command {
         let by_flags = json(&["wave", "tw-q15", "--zeta", "0.02", "--seed", "7", "--until", "10", "--json"], "1");
         assert_eq!(by_scene["perturbed"], by_flags["perturbed"]);
         assert_eq!(by_scene["perturbed"]["seed"], 7);
-        // A plain run starts from the same state.
+        // `run` starts from the same state.
         let run = json(&["run", scene, "--tol", "1e-10", "--until", "10", "--json"], "1");
         assert!(run["e_x_final"].is_null(), "the unperturbed ansatz is not that of a perturbed wave");
         let quiet = json(&["run", "tw-q15", "--tol", "1e-10", "--until", "10", "--json"], "1");
