@@ -1,7 +1,9 @@
-//! Branch files: any bytes are a branch whose every number is within its rules, or an error that names file, member and rule.
+//! Branch files: any bytes give a branch whose numbers are all within their rules, or an error that
+//! names file, member and rule.
 //!
-//! A zip archive with one byte altered fails a checksum, and nothing behind that would ever be tried. So the first byte says what the others are: an
-//! archive; or the settings of one, a zero byte, and the doubles in it.
+//! A zip archive with an altered byte fails a checksum, and the code after that check would not be
+//! reached. Therefore the first byte determines how the others are read: as an archive, or as the
+//! settings of an archive, a zero byte, and its doubles.
 
 #![no_main]
 
@@ -54,7 +56,8 @@ fuzz_target!(|bytes: &[u8]| {
                 orbit.setting.chain().expect("a setting within its rules");
                 assert!(orbit.z.len() == 2 * orbit.setting.sites && orbit.z.iter().all(|z| z.is_finite()));
             }
-            // What is written of it is read as the same branch, but for residuals that are no numbers.
+            // The branch, written and read again, is the same, except for residuals that are not
+            // numbers.
             let again = trail.npz(Vec::new()).expect("what was read can be written");
             let again = Trail::from_archive(&Archive::from_bytes(path, &again).expect("an archive")).expect("a branch");
             assert_eq!(format!("{trail:?}"), format!("{again:?}"));

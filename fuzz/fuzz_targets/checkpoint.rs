@@ -1,7 +1,9 @@
-//! Checkpoints: any bytes are a run that can go on, or an error that names file, member and rule.
+//! Checkpoints: any bytes give a run that can continue, or an error that names file, member and
+//! rule.
 //!
-//! A zip archive with one byte altered fails a checksum, and nothing behind that would ever be tried. So the first byte says what the others are: an
-//! archive; or the settings of one, a zero byte, and the doubles in it.
+//! A zip archive with an altered byte fails a checksum, and the code after that check would not be
+//! reached. Therefore the first byte determines how the others are read: as an archive, or as the
+//! settings of an archive, a zero byte, and its doubles.
 
 #![no_main]
 
@@ -15,12 +17,13 @@ use libfuzzer_sys::{Corpus, fuzz_target};
 use serde_json::Value;
 use std::path::Path;
 
-/// Longer chains cost time and find nothing more; as many samples and profiles are made up.
+/// Largest number of sites, samples and profiles; longer chains take more time and test nothing
+/// else.
 const MOST: usize = 50;
-/// Numbers that a bead has at most: position and velocity, its own and its resonator's.
+/// Largest count of numbers per site: position and velocity of the bead and of its resonator.
 const NUMBERS: u64 = 4;
 
-/// Numbers of a contact.
+/// Count of numbers per contact.
 const CONTACT: u64 = 7;
 
 fn settings(bytes: &[u8]) -> (String, &[u8]) {
@@ -28,7 +31,7 @@ fn settings(bytes: &[u8]) -> (String, &[u8]) {
     (String::from_utf8_lossy(&bytes[..cut]).into_owned(), bytes[cut..].get(1..).unwrap_or_default())
 }
 
-/// The scene in the settings, where there is one.
+/// The scene in the settings, if there is one.
 fn scene(json: &Value) -> Option<SceneFile> {
     SceneFile::parse(json.pointer("/scene")?.as_str()?, "fuzz").ok()
 }
@@ -36,7 +39,8 @@ fn scene(json: &Value) -> Option<SceneFile> {
 fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
     let length = |pointer: &str| json.pointer(pointer).and_then(Value::as_u64).unwrap_or(1).min(MOST as u64);
     let (samples, profiles, contacts) = (length("/samples"), length("/profiles"), length("/contacts"));
-    // As many as the scene asks for where it can be known, so that what lies behind the lengths is tried.
+    // The state has the length that the scene needs, if known, so that the code after the check of
+    // lengths is reached.
     let (sites, light) = scene(json).map_or((1, false), |file| {
         let rho = file.chain.rho;
         (file.chain.sites as u64, rho == 0.0 || rho.is_infinite() || file.chain.kappa == 0.0)
@@ -66,7 +70,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         Some((_, rest)) => {
             let (settings, doubles) = settings(rest);
             let json: Value = serde_json::from_str(&settings).unwrap_or_default();
-            // Profiles of breathers are solved for, to many digits.
+            // Profiles of breathers are computed with many digits, which takes long.
             if scene(&json).is_some_and(|file| {
                 file.chain.sites > MOST && file.chain.sites < 100_000_000
                     || matches!(file.initial, Initial::BrightBreather { .. })
@@ -81,7 +85,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
     match Archive::from_bytes(path, bytes).and_then(|archive| LongRun::from_archive(&archive)) {
         Ok(run) => {
             assert!(run.time() > 0.0 && run.time() <= run.scene().end());
-            // What is written of it is read as the same run.
+            // The run, written and read again, is the same.
             let again = run.npz().expect("what was read can be written");
             let again = Archive::from_bytes(path, &again).and_then(|archive| LongRun::from_archive(&archive));
             assert_eq!(format!("{run:?}"), format!("{:?}", again.expect("a run")));

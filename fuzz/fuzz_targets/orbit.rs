@@ -1,4 +1,4 @@
-//! Files of an orbit: any bytes are strains on a ring within its rules, or an error.
+//! Files of an orbit: any bytes give strains on a ring within its rules, or an error.
 
 #![no_main]
 

@@ -1,11 +1,11 @@
-//! Scenes: any text is a scene that can be run, or an error that says file and rule on one line.
+//! Scenes: any text gives a scene that can be run, or an error with file and rule on one line.
 
 #![no_main]
 
 use hertzchain::scene::{Initial, Scene, SceneFile};
 use libfuzzer_sys::{Corpus, fuzz_target};
 
-/// Longer chains cost time and find nothing more.
+/// Largest number of sites; longer chains take more time and test nothing else.
 const MOST_SITES: usize = 200;
 const MOST_RECORDED: usize = 1_000_000;
 
@@ -18,11 +18,12 @@ fuzz_target!(|text: &str| -> Corpus {
             return Corpus::Keep;
         }
     };
-    // It can be written, and what is written is read as the same scene.
+    // The scene, written and read again, is the same.
     let written = file.to_toml();
     let again = SceneFile::parse(&written, "again.toml").expect("what was written is a scene");
     assert_eq!(written, again.to_toml());
-    // Absurd sizes are refused before memory is asked for; those that are only large are left alone here. Profiles of breathers are solved for, to many digits.
+    // Absurd sizes are refused before memory is allocated; large but allowed sizes are left out
+    // here. Profiles of breathers are computed with many digits, which takes long.
     if (MOST_SITES..=100_000_000).contains(&file.chain.sites) || matches!(file.initial, Initial::BrightBreather { .. })
     {
         return Corpus::Reject;

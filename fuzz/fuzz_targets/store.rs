@@ -1,6 +1,8 @@
-//! Stores of a sweep: any bytes are lines of this study, a torn last one dropped, or an error that names file, line and rule and leaves the file alone.
+//! Stores of a sweep: any bytes give lines of this study without an incomplete last line, or an
+//! error that names file, line and rule and leaves the file unchanged.
 //!
-//! Every line has a checksum, behind which nothing would ever be tried. So the first byte says whether the others are a file, or lines that still lack theirs.
+//! Each line has a checksum, and the code after its check would not be reached. Therefore the first
+//! byte determines whether the others are a file, or lines without checksums, which are then added.
 
 #![no_main]
 
@@ -12,7 +14,7 @@ use tempfile::TempDir;
 const NAME: &str = "fuzz.store";
 
 thread_local! {
-    /// In memory, where there is such a place.
+    /// A folder in memory, if the system has such a place.
     static FOLDER: LazyCell<(TempDir, Folder)> = LazyCell::new(|| {
         let memory = Path::new("/dev/shm");
         let made = if memory.is_dir() { TempDir::new_in(memory) } else { TempDir::new() }.expect("a folder");
@@ -25,7 +27,7 @@ fn fnv(from: u64, text: &[u8]) -> u64 {
     text.iter().fold(from, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// Puts before every line the check that it should have.
+/// The lines, each with its checksum.
 fn checked(lines: &[u8]) -> Vec<u8> {
     let (basis, mut out) = (0xcbf2_9ce4_8422_2325, Vec::new());
     let mut from = basis;
