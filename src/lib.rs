@@ -9,10 +9,10 @@
 //! | [`chain`] | parameters, boundary, contact law, energy, and the two splittings |
 //! | [`dps`], [`waves`], [`breathers`] | theory and solution families |
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
-//! | [`scene`] | named, complete set-ups, read from TOML, and what a run of one computes and leaves out |
+//! | [`scene`] | named, complete set-ups, read from TOML; what their runs compute and leave out |
 //! | [`run`] | a run: a chain, a state, a span, a method; the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
-//! | [`experiments`] | studies, as functions from settings to outcomes: one run, error against run time, .. |
+//! | [`experiments`] | studies, as functions from settings to outcomes |
 //! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
 //! | [`paper`] | claims of the paper, and our numbers and figures for them |
 //! | [`output`] | files, written whole or not at all, and text |

@@ -33,7 +33,8 @@ const CUT_OFF: f64 = 1e-6;
 /// use hertzchain::{breathers::BrightBreather, chain::Params, dps::Center};
 /// let breather = BrightBreather::new(Params::new(1.5, 1.0, 1000.0)?, Center::Bond, 0.01, 40)?;
 /// // Sec. 5: T = 19.4158, T epsilon^{1-alpha} = 194.158, T_b = 6.0862.
-/// assert!((breather.horizon() - 194.158).abs() < 5e-4 && (breather.period() - 6.0862).abs() < 5e-5);
+/// assert!((breather.horizon() - 194.158).abs() < 5e-4);
+/// assert!((breather.period() - 6.0862).abs() < 5e-5);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

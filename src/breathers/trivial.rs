@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `a_n, phi_n` | amplitude and phase of the oscillation of `u_n - v_n` |
 //! | `b_n` | mean position; `b_n - b_{n-1}` is at least `l_n` (constraint2) |
-//! | `l_n` | `rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|`, the least gap without contact force |
+//! | `l_n` | least gap, `rho/(1+rho) |a_n e^{i phi_n} - a_{n-1} e^{i phi_{n-1}}|` |
 //! | `d_n` | `b_n` minus the sum of the `l_k`, `k <= n`: nondecreasing |
 
 use crate::{
@@ -24,7 +24,8 @@ const ROUNDINGS: f64 = 4.0;
 /// use hertzchain::{breathers::TrivialBreather, chain::Params};
 /// // Neighbours in antiphase: b_n = d_n + rho/(1+rho) (a_n + 2 a_{n-1} + 2 a_{n-2} + ..).
 /// let params = Params::new(1.5, 1.0, 1.0)?;
-/// let breather = TrivialBreather::new(params, vec![0.2, 0.4], vec![0.0, std::f64::consts::PI], &[0.0, 0.1])?;
+/// let (a, phi) = (vec![0.2, 0.4], vec![0.0, std::f64::consts::PI]);
+/// let breather = TrivialBreather::new(params, a, phi, &[0.0, 0.1])?;
 /// assert!((breather.means()[0] - 0.1).abs() < 1e-15 && (breather.means()[1] - 0.5).abs() < 1e-15);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `epsilon` | size of the oscillations |
 //! | `tau` | slow time `epsilon^{alpha-1} t` |
-//! | `Z_n, M_n` | `delta^- A_n, delta^- B_n` in the strain form; `A_n, B_n` in the displacement form |
+//! | `Z_n, M_n` | strain form: `delta^- A_n, delta^- B_n`; displacement form: `A_n, B_n` |
 //! | `T` | `2 pi / omega`, the period of the linear oscillation |
 //!
 //! # Envelope to chain
@@ -13,7 +13,8 @@
 //! with `Z` only:
 //!
 //! ```text
-//! x_n = epsilon (M_n + kappa (Z_n e^{i omega t} + c.c.)),    y_n = epsilon (M_n - kappa/rho (Z_n e^{i omega t} + c.c.))
+//! x_n = epsilon (M_n + kappa (Z_n e^{i omega t} + c.c.))
+//! y_n = epsilon (M_n - kappa/rho (Z_n e^{i omega t} + c.c.))
 //! ```
 //!
 //! `dZ/dtau` is the right side of the flow. `dM/dtau` follows from the constraint on the `b_n`,
@@ -52,7 +53,8 @@ use std::f64::consts::PI;
 /// ```
 /// use hertzchain::{chain::Params, dps::{Ansatz, Constraint, Ends, Form, Layout}};
 /// let layout = Layout { sites: 2, ends: Ends::Ring, form: Form::Strains };
-/// let mut ansatz = Ansatz::generalised(Params::new(1.5, 1.0, 1.0)?, Constraint::MeanStrain(0.5), layout, 0.01)?;
+/// let (params, constraint) = (Params::new(1.5, 1.0, 1.0)?, Constraint::MeanStrain(0.5));
+/// let mut ansatz = Ansatz::generalised(params, constraint, layout, 0.01)?;
 /// // D = (1, -1): x = epsilon (1/2 +- 2), y = epsilon (1/2 -+ 2).
 /// let sites = ansatz.sites(0.0, &[1.0, -1.0, 0.0, 0.0]);
 /// assert!((sites[0].u - 0.025).abs() < 1e-15 && (sites[0].v + 0.015).abs() < 1e-15);

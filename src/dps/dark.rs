@@ -3,12 +3,12 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `a_n, b_n` | `delta^- a_n, delta^- b_n` of (eq:ab_sw), renormalised to `mu = 1`; the paper drops the tilde, as here |
+//! | `a_n, b_n` | `delta^- a_n, delta^- b_n` of (eq:ab_sw) at `mu = 1`, without the tilde |
 //! | `c` | mean strain of the background, `b_{-N} = c` |
 //! | `C` | mean force `g_alpha(b_n, abs(a_n))`, the same in every bond |
 //! | `p_n` | `(-1)^n a_n > 0` on the half chain `n = 1, .., K` ahead of the kink |
 //! | `G_n` | `h_alpha(b_n, p_n) p_n`, first harmonic of the force |
-//! | `mu` | `2 omega^3 (omega_b - omega)`, the paper's `mu-bar`: its `2 kappa omega^3` agrees at `kappa = 1` only |
+//! | `mu` | `2 omega^3 (omega_b - omega)`; the paper's `mu-bar` has the factor `2 kappa omega^3` |
 //!
 //! Neighbours are in antiphase, with one phase slip at the kink. So the stationary equations
 //! (eq:DpSsw2) are equations between positive numbers,
@@ -52,7 +52,7 @@ const SETTLED: f64 = 1e-11;
 /// ```
 /// use hertzchain::{chain::Params, dps::{Center, DarkProfile}};
 /// let profile = DarkProfile::new(Params::new(1.5, 1.0, 1.0 / 3.0)?, Center::Site, 41, 0.0)?;
-/// // The background alternates; at c = 0 its amplitude is (4 h_alpha(0, 1))^{-1/(alpha-1)}. The kink has none.
+/// // The amplitude of the background at c = 0 is (4 h_alpha(0, 1))^{-1/(alpha-1)}.
 /// assert!((profile.a(-20).abs() - 0.149_201_081_120_233_7).abs() < 1e-12);
 /// assert_eq!(profile.a(0), 0.0);
 /// assert!(profile.residual() < 1e-13);
@@ -215,7 +215,8 @@ impl DarkProfile {
     /// (eq:xy_sw), on the sites `-N, .., N`:
     ///
     /// ```text
-    /// x_n(0) = mu^{1/(alpha-1)} (b_n + 2 kappa a_n),    y_n(0) = mu^{1/(alpha-1)} (b_n - 2 kappa/rho a_n)
+    /// x_n(0) = mu^{1/(alpha-1)} (b_n + 2 kappa a_n)
+    /// y_n(0) = mu^{1/(alpha-1)} (b_n - 2 kappa/rho a_n)
     /// ```
     ///
     /// The velocities are zero. The error relative to the strains is of the order

@@ -4,7 +4,8 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `tau` | slow time `epsilon^{alpha-1} t` |
-//! | `A_n` | complex amplitude of site `n`; `D_n = (delta^- A)_n = A_n - A_{n-1}`, `r_n = abs(D_n)` |
+//! | `A_n` | complex amplitude of site `n` |
+//! | `D_n, r_n` | `(delta^- A)_n = A_n - A_{n-1}` and `abs(D_n)` |
 //! | `b_n` | `delta^- B_n`, the mean strain of the bond before site `n` |
 //! | `C` | the mean force `g_alpha(b_n, r_n)`, the same in every bond |
 //! | `sigma` | coupling of a bond: `h_alpha / (2 omega^3)`, or `omega_0 r^{alpha-1}` |
@@ -124,8 +125,9 @@ enum Coupling {
 /// ```
 /// use hertzchain::{chain::Params, dps::{Constraint, Dps, Ends, Form, Layout}};
 /// let layout = Layout { sites: 3, ends: Ends::Ring, form: Form::Displacements };
-/// let mut dps = Dps::generalised(Params::new(1.5, 1.0, 1.0 / 3.0)?, Constraint::Force(1.0), layout)?;
-/// // No strain, no oscillation: every bond is compressed by g = 1 at b = -1, and H is counted from there.
+/// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
+/// let mut dps = Dps::generalised(params, Constraint::Force(1.0), layout)?;
+/// // Without oscillation the force g = 1 compresses each bond to b = -1, and H is zero.
 /// let rest = [0.3, 0.3, 0.3, 0.1, 0.1, 0.1];
 /// assert_eq!(dps.mean_strains(&rest), [-1.0, -1.0, -1.0]);
 /// assert_eq!(dps.energy(&rest), 0.0);

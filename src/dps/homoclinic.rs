@@ -3,7 +3,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `a_n` | real profile of the breather `A_n = epsilon a_n e^{i omega_0 epsilon^{alpha-1} tau}` (solper) |
+//! | `a_n` | real profile of `A_n = epsilon a_n e^{i omega_0 epsilon^{alpha-1} tau}` (solper) |
 //! | `b_n` | `(-1)^n a_n > 0` |
 //! | `K` | last site of the half chain whose `b_K` is a normal double |
 //!
@@ -60,7 +60,8 @@ pub enum Center {
 /// ```
 /// use hertzchain::dps::{Center, Homoclinic};
 /// let breather = Homoclinic::new(1.5, Center::Site)?;
-/// let f = |n: i64| (breather.a(n) - breather.a(n - 1)).abs().powf(0.5) * (breather.a(n) - breather.a(n - 1));
+/// let strain = |n: i64| breather.a(n) - breather.a(n - 1);
+/// let f = |n: i64| strain(n).abs().powf(0.5) * strain(n);
 /// assert!((breather.a(3) + f(4) - f(3)).abs() < 1e-15 * breather.a(3).abs());
 /// # Ok::<(), hertzchain::Error>(())
 /// ```

@@ -4,9 +4,10 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `w, v` | the argument and `v = 1 - w`, each accurate to its own last digit |
-//! | `p = m + epsilon` | the power of the singular branch `v^p` at `w = 1`; `m` an integer, `-3/4 <= epsilon < 1/4` |
+//! | `p = m + epsilon` | power of the singular branch `v^p` at `w = 1` |
+//! | `m, epsilon` | an integer, and a number in `[-3/4, 1/4)` |
 //! | `E(v)` | `(v^epsilon - 1) / epsilon`; `ln v` at `epsilon = 0` |
-//! | `sigma_n, beta_n` | `F = sum_n v^n (sigma_n + beta_n E(v))` about `w = 1`, with `beta_n = 0` for `n < m` |
+//! | `sigma_n, beta_n` | `F = sum_n v^n (sigma_n + beta_n E(v))`; `beta_n = 0` for `n < m` |
 //!
 //! Near `w = 1` the connection formula reads `F = A F_1(v) + B v^p F_2(v)`. At integer `p` the two
 //! branches have poles that cancel and leave a logarithm. The sums with `sigma_n` and `beta_n` have

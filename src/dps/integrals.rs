@@ -5,15 +5,18 @@
 //! | `b, r` | mean strain and amplitude of a bond with the overlap `-b + 2 kappa r cos t` |
 //! | `S = 2 kappa r` | amplitude of the overlap; `q = S / (-b)` |
 //! | `d = S - b` | largest overlap; there is no contact for `d <= 0` |
-//! | `e = S + b` | minus the least overlap; the contact opens for `e > 0`, and stays closed for `e <= 0` |
-//! | `I_n` | `1/(2 pi) int_0^{2 pi} cos(n t) (-b + S cos t)_+^alpha dt`: `g_alpha = I_0`, `r h_alpha = I_1` |
+//! | `e = S + b` | minus the least overlap; the contact opens for `e > 0` only |
+//! | `I_n` | `1/(2 pi) int_0^{2 pi} cos(n t) (-b + S cos t)_+^alpha dt` |
+//! | `g_alpha, r h_alpha` | `I_0, I_1` |
 //!
 //! Every `I_n` is a hypergeometric function (Mehler's integral, and the binomial series averaged
 //! term by term):
 //!
 //! ```text
-//! opens:         I_n = Gamma(alpha+1) / (sqrt(pi) Gamma(alpha+3/2)) d^alpha sqrt(w) F(1/2-n, 1/2+n; alpha+3/2; w),  w = d / (2S)
-//! never opens:   I_n = (-b)^alpha (q/2)^n binomial(alpha, n) F((n-alpha)/2, (n+1-alpha)/2; n+1; q^2)
+//! opens:        I_n = Gamma(alpha+1) / (sqrt(pi) Gamma(alpha+3/2)) d^alpha sqrt(w)
+//!                     F(1/2-n, 1/2+n; alpha+3/2; w),  w = d / (2S)
+//! stays closed: I_n = (-b)^alpha (q/2)^n binomial(alpha, n)
+//!                     F((n-alpha)/2, (n+1-alpha)/2; n+1; q^2)
 //! ```
 //!
 //! Derivatives are the same with `alpha - 1`: `dI_n/db = -alpha I_n`,
@@ -26,19 +29,20 @@ use std::f64::consts::PI;
 /// `g_alpha` and `h_alpha` of (eq:aux1), (eq:aux2), for one `alpha` and `kappa`:
 ///
 /// ```text
-/// g_alpha(b, r)   = 1/(2 pi) int_0^{2 pi} (-b + 2 kappa r cos t)_+^alpha dt             (mean contact force)
-/// r h_alpha(b, r) = 1/(2 pi) int_0^{2 pi} e^{-it} (-b + 2 kappa r cos t)_+^alpha dt     (its first harmonic)
+/// g_alpha(b, r)   = 1/(2 pi) int_0^{2 pi} (-b + 2 kappa r cos t)_+^alpha dt
+/// r h_alpha(b, r) = 1/(2 pi) int_0^{2 pi} e^{-it} (-b + 2 kappa r cos t)_+^alpha dt
 /// ```
 ///
-/// Both vanish for `b >= 2 kappa r`. Relative errors are below 1e-13, up to the limits `r -> 0`,
-/// `b -> 2 kappa r` and `b -> -2 kappa r`, wherever the result is a normal number. The arguments
-/// are finite with `r >= 0`: the methods give `NaN` for `NaN` and for `r < 0`;
-/// [`Averages::checked`] returns an error instead.
+/// They are the mean contact force and its first harmonic, and vanish for `b >= 2 kappa r`.
+/// Relative errors are below 1e-13, up to the limits `r -> 0`, `b -> 2 kappa r` and
+/// `b -> -2 kappa r`, wherever the result is a normal number. The arguments are finite with
+/// `r >= 0`: the methods give `NaN` for `NaN` and for `r < 0`; [`Averages::checked`] returns an
+/// error instead.
 ///
 /// ```
 /// use hertzchain::dps::Averages;
 /// let averages = Averages::new(1.5, 1.0)?;
-/// // b = 0 has a closed form: h_{3/2}(0, 1) = 2^{1/2} c, c = Gamma(1/2) Gamma(7/4) / (pi Gamma(9/4)).
+/// // Closed form at b = 0: h_{3/2}(0, 1) = 2^{1/2} Gamma(1/2) Gamma(7/4) / (pi Gamma(9/4)).
 /// assert!((averages.h(0.0, 1.0) - 0.647_223_121_426_055_2).abs() < 1e-15);
 /// // g = 1 at b = -1 without oscillation.
 /// assert_eq!(averages.mean_strain(1.0, 0.0), -1.0);

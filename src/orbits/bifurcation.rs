@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `X(s)` | the branch between two of its points, parametrised by their chord from the one (`s = 0`) to the other (`s = 1`) |
+//! | `X(s)` | branch between two points, over their chord from `s = 0` to `s = 1` |
 //! | `psi(s)` | test function, zero at the bifurcation |
 //!
 //! - `tau` crosses -1: `psi = tau + 1`, a period doubling. `tau` crosses 1: `psi = 1 - tau`.

@@ -2,13 +2,15 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `X = (Z/s, p/P)` | strains in units of their size `s = sqrt(2N) max abs(Z)`, with `2N` strains; parameter in units of the range `P` asked for |
+//! | `X = (Z/s, p/P)` | strains and parameter, scaled |
+//! | `s, P` | `sqrt(2N) max abs(Z)` for `2N` strains, and the range of the parameter |
 //! | `F(X) = 0` | the equations of the orbit ([`shooting`](super::Shooting)) |
 //! | `t` | unit tangent of the branch, `F_X t = 0` |
-//! | `ds` | length of the predictor `X + ds t`; the corrector solves `F(X) = 0` with `t . (X - predictor) = 0` |
+//! | `ds` | length of the predictor `X + ds t` |
 //!
-//! At a fold the parameter turns back; the equations with the arclength stay regular there. Source:
-//! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
+//! The corrector solves `F(X) = 0` with `t . (X - predictor) = 0`. At a fold the parameter turns
+//! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
+//! of Bifurcation Theory*, pp. 359-384.
 
 use super::{
     setting::{Parameter, Setting},

@@ -7,7 +7,8 @@ use std::io::{self, Write};
 /// JSON text of a value: numbers with 17 significant digits, not-a-number and infinities as `null`.
 ///
 /// ```
-/// assert_eq!(hertzchain::output::to_json(&[0.1]).replace(char::is_whitespace, ""), "[1.0000000000000001e-1]");
+/// let text = hertzchain::output::to_json(&[0.1]);
+/// assert_eq!(text.replace(char::is_whitespace, ""), "[1.0000000000000001e-1]");
 /// ```
 pub fn to_json(value: &impl Serialize) -> String {
     let mut text = Vec::new();

@@ -2,10 +2,10 @@
 //!
 //! | word | meaning |
 //! |---|---|
-//! | *point* | input of a computation that is independent of all others: parameters, a seed, a method |
+//! | *point* | input of an independent computation: parameters, a seed, a method |
 //! | *row* | result of a point: a value, or the reason why there is none |
 //! | *store* | a file with a line for each computed point; see [`Store`] |
-//! | *backend* | whatever computes points: the threads of this process, or other workers that take numbers and return text; see [`Backend`] |
+//! | *backend* | threads or other workers that compute points; see [`Backend`] |
 //!
 //! [`map`] is for points in memory whose computations end together. [`sweep`] is for points that
 //! may fail one by one or take long, in runs that may be interrupted and resumed. Results are in
@@ -165,7 +165,7 @@ where
     backend.run(&todo, &compute, &|k, text| {
         let row: Row<U> =
             read(&text).map_err(|_| Error::parameter("row", &text, "a backend gives back what work made"))?;
-        // What was broken off is no result.
+        // An interrupted computation has no result.
         if row.is_err() && interrupt::asked() {
             return Ok(());
         }

@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `q, a, b, phi` | wave number, amplitude, mean strain, phase of (eq:An_tw) |
-//! | `epsilon` | size of the wave: `x_n` oscillates with amplitude `2 kappa epsilon a` about `epsilon b` |
+//! | `epsilon` | size: `x_n` has the mean `epsilon b` and the amplitude `2 kappa epsilon a` |
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
 mod modes;

@@ -3,9 +3,10 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `w_n` | `U e^{ipn} + conj(V) e^{-ipn}`, change of `D_n` divided by the wave's phase factor, see the module `stability` |
+//! | `w_n` | `U e^{ipn} + conj(V) e^{-ipn}`, see the module `stability` |
 //! | `lambda` | eigenvalue of `(U, V)` |
-//! | `c` | share of the mode in a perturbation: `c = ell . (U, V)`, `ell` the left eigenvector, `ell . (U, V)_mode = 1` |
+//! | `ell` | left eigenvector, with `ell . (U, V) = 1` for the mode |
+//! | `c` | share of the mode in a perturbation: `c = ell . (U, V)` |
 
 use super::{Eigenvalue, Modulation, Shape, TravellingWave};
 use crate::{chain::Site, dps::first_order};

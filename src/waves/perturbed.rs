@@ -6,7 +6,7 @@
 //! | `D_n` | `delta^- A_n`, complex amplitude of strain `n` |
 //! | `b_n` | `delta^- B_n`, mean of strain `n` |
 //! | `zeta` | largest relative change of real and imaginary part of `D_n` |
-//! | `C` | mean force `g_alpha(b, a)` of the wave, and of each bond of the perturbed wave (eq:g_alpha) |
+//! | `C` | mean force `g_alpha(b, a)` of the wave, and of all bonds when perturbed (eq:g_alpha) |
 //!
 //! The initial state of the chain is (eq:xy_app), (eq:xy_v_app) at `t = 0`; at later times the
 //! ansatz follows the flow (eq:S1newS).

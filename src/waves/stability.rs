@@ -2,7 +2,8 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `q, a, b` | wave number, amplitude, mean strain of the wave (eq:An_tw); `Omega` its slow frequency (disp) |
+//! | `q, a, b` | wave number, amplitude, mean strain of the wave (eq:An_tw) |
+//! | `Omega` | slow frequency of the wave (disp) |
 //! | `p` | wave number of the perturbation, `2 pi j / N` on a ring of `N` sites |
 //! | `sigma` | `h_alpha(b, a) / (2 omega^3)`, the coupling of a bond; `Omega = K(q) sigma` |
 //! | `s` | `d ln sigma / d ln r` at `r = a`, the mean force `g_alpha(b, r)` held fixed |
@@ -109,8 +110,9 @@ impl Verdict {
 /// ```
 /// use hertzchain::{chain::Params, waves::{Modulation, Shape, Verdict}};
 /// use std::f64::consts::PI;
-/// let wave = |q| Modulation::new(Params::new(1.5, 1.0, 3.0)?, Shape { q, a: 1.0, b: 1.0, phi: 0.0 });
-/// // The runs of the paper: q = 4 pi/5 is neutral, q = pi/5 is unstable, and no perturbation grows faster than p = pi.
+/// let params = Params::new(1.5, 1.0, 3.0)?;
+/// let wave = |q| Modulation::new(params, Shape { q, a: 1.0, b: 1.0, phi: 0.0 });
+/// // The waves of the paper: q = 4 pi/5 is neutral; q = pi/5 is unstable, fastest at p = pi.
 /// assert_eq!(wave(0.8 * PI)?.verdict(), Verdict::Neutral);
 /// assert_eq!(wave(0.2 * PI)?.verdict(), Verdict::ShortWaves);
 /// assert_eq!(wave(0.2 * PI)?.fastest().unwrap().0, PI);

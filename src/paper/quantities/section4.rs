@@ -2,7 +2,7 @@
 //!
 //! | word | meaning |
 //! |---|---|
-//! | growth up to `t` | median of `tilde E_x`: largest value up to `t` divided by the largest in the first period |
+//! | growth up to `t` | median of `tilde E_x`: largest up to `t` over largest in the first period |
 //! | distortion | quadratic mean of a profile minus its sinusoid, divided by that of the sinusoid |
 
 use super::{

@@ -38,8 +38,8 @@ const RHO: f64 = 1.0 / 3.0;
 const SITES: usize = 12;
 const TOLERANCE: f64 = 1e-12;
 
-/// A localised breather without symmetry: `a_n` is a Gaussian that is not centred on a site, `phase`
-/// gives the `phi_n`, and the offsets `d_n` increase by `step` at every third site.
+/// A localised breather without symmetry: `a_n` is a Gaussian that is not centred on a site,
+/// `phase` gives the `phi_n`, and the `d_n` increase by `step` at every third site.
 fn breather(phase: impl Fn(f64) -> f64, step: f64) -> Result<TrivialBreather> {
     let sites = || (0..SITES).map(|n| n as f64);
     let amplitude = |n: f64| 0.1 * (-0.2 * (n - 4.8).powi(2)).exp();

@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `lambda` | Floquet multiplier |
-//! | `\|lambda\|^m` | factor by which rounding errors grow: `lambda` of the largest modulus, `m` periods of the run |
+//! | `\|lambda\|^m` | growth of rounding errors over `m` periods, with the largest multiplier |
 //! | bond, site | position of the kink |
 
 mod doubled;
