@@ -1,4 +1,4 @@
-//! A sweep with a store: every point is kept when it is done, and a second sweep computes nothing again.
+//! A sweep with a store: each point is stored when it is done, and a second sweep computes nothing.
 //!
 //! `cargo run --release --example sweep`
 
@@ -8,7 +8,8 @@ use hertzchain::{
     sweep::{Store, Threads, sweep},
 };
 
-/// The share of its momentum that a struck bead keeps in a chain with resonators of mass ratio `rho`.
+/// Velocity that a struck bead has at `t = 5`, as a share of its initial velocity, for mass ratio
+/// `rho`.
 fn kept(rho: &f64) -> Result<f64> {
     let chain = Chain::new(Params::new(1.5, 1.0, *rho)?, Boundary::Free, 10)?;
     let mut state = State::rest(&chain);
