@@ -21,7 +21,7 @@ fn kept(rho: &f64) -> Result<f64> {
 pub(crate) fn main() -> Result<()> {
     let folder = Folder::create(std::env::temp_dir().join(format!("hertzchain-sweep-{}", std::process::id())))?;
     let grid: Vec<f64> = (0..8).map(|k| 0.1 * f64::from(1 << k)).collect();
-    // All that rows depend on beside their point: another value is another study.
+    // Parameters of all rows. A store with other settings belongs to another study.
     let settings = serde_json::json!({"until": 5.0, "tol": 1e-9});
     let run = || -> Result<_> {
         let mut store = Store::open(&folder, "kept.jsonl", "momentum kept by a struck bead", &settings)?;

@@ -171,7 +171,7 @@ fn the_flow_is_the_limit_of_the_full_chain() {
     assert!(given_force[1] > 0.06);
 }
 
-/// Every flow, with a state of it.
+/// All flows, each with a state.
 fn all_flows() -> Vec<(Dps, Vec<f64>)> {
     let params = Params::new(1.5, 2.5, 0.5).unwrap();
     let mut flows = vec![];

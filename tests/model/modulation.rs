@@ -346,7 +346,7 @@ mod program {
         // rho = 3 itself has the factor one, rho = 1/3 the ratio of (1 + 1/rho)^{-3/2}.
         assert!((number(&chart["rho"][2]["factor"]) - 1.0).abs() < 1e-15);
         assert!((number(&chart["rho"][0]["factor"]) - (1.0_f64 / 3.0).powf(1.5)).abs() < 1e-12);
-        // Nobody asked, nobody gets.
+        // Not computed unless asked for.
         let theory = json(&["tw-q45"], "1");
         assert!(theory["chart"].is_null() && theory["fastest"].is_null() && theory["verdict"] == "neutrally stable");
         assert_eq!(theory["measured"].as_array().unwrap().len(), 0);

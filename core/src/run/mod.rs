@@ -2,7 +2,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is kept on the way |
+//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
