@@ -1,7 +1,7 @@
-//! Run times of contact collocation on one thread: against its nearest competitors at equal error, against the length of the chain, and
-//! of the tangent map.
+//! Run times of contact collocation on one thread: compared with similar methods at equal error,
+//! for chains of several lengths, and for the tangent map.
 //!
-//! What is timed is checked first; errors are printed.
+//! Each benchmark checks its result before it is timed, and prints the error.
 
 use criterion::{Criterion, Throughput};
 use hertzchain::{
@@ -30,8 +30,9 @@ fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
     y
 }
 
-/// Methods whose errors after a hundred periods of the wave are about equal, by rungs of `hertzchain compare`, and that error: relative to
-/// the amplitude of theory, twice the largest of the three that was measured.
+/// Three groups of methods and settings with about equal errors after a hundred periods of the
+/// wave, and a bound of that error: relative to the amplitude of the theory, twice the largest
+/// measured one.
 fn rungs() -> [([(Method, Setting); 3], f64); 3] {
     let (regularised, landed) = (Method::Dop853(Contacts::Regularised), Method::Landed(&tables::ABA1064));
     let rung = |tol: f64, of_a_step: f64, steps: u64| {
@@ -66,12 +67,13 @@ fn at_equal_error(criterion: &mut Criterion) {
     }
 }
 
-/// Numbers in (-1, 1) without a pattern.
+/// Numbers in (-1, 1) without a visible pattern.
 fn noise(i: usize) -> f64 {
     2.0 * (0.618_033_988_749_894_9 * i as f64 + 0.3 * (i as f64).sin()).fract().abs() - 1.0
 }
 
-/// The wave on a ring of so many sites, every entry shaken by up to a tenth of the largest of its kind, for three periods.
+/// The wave on a ring of `sites` sites for three periods. Each entry is perturbed by up to a tenth
+/// of the largest entry of its kind.
 fn perturbed(sites: usize) -> Scene {
     let mut file = SceneFile::parse(&Scene::source("tw-q15").unwrap(), "tw-q15").unwrap();
     file.chain.sites = sites;
@@ -79,7 +81,7 @@ fn perturbed(sites: usize) -> Scene {
     let mut arrays = wave.initial().as_slice().chunks(sites).enumerate().map(|(k, array)| {
         let size = 0.1 * largest(array.iter().copied());
         let shifts: Vec<f64> = (0..sites).map(|n| size * noise(k * sites + n)).collect();
-        // The means stay, so that the ring keeps its energy.
+        // The means do not change, so that the strain ring keeps its energy.
         let mean = shifts.iter().sum::<f64>() / sites as f64;
         array.iter().zip(shifts).map(|(value, shift)| value + (shift - mean)).collect::<Vec<f64>>()
     });
@@ -88,7 +90,7 @@ fn perturbed(sites: usize) -> Scene {
     Scene::build(file).unwrap().until(3.0 * wave.period()).unwrap()
 }
 
-/// Throughput is in bonds and periods.
+/// Throughput in bonds times periods.
 fn against_length(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("three periods at 1e-9");
     for sites in [50, 500, 5000] {
@@ -104,7 +106,7 @@ fn against_length(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// All 84 columns of 21 beads that collide, beside the run alone.
+/// Tangent map of 21 colliding beads, with 84 columns, and the run without it.
 fn tangent_map(criterion: &mut Criterion) {
     let chain: Chain<f64> = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 21).unwrap();
     let start = generic_state(&chain).unwrap();
@@ -113,7 +115,7 @@ fn tangent_map(criterion: &mut Criterion) {
     let run = |y: &[f64]| end(chain.collocation(y, span, pace).unwrap());
     let monodromy = || chain.monodromy(y0, span, pace).unwrap();
 
-    // Central differences in one direction.
+    // Reference: central differences in one direction.
     let direction: Vec<f64> = (0..y0.len()).map(noise).collect();
     let size = 1e-5;
     let [ahead, behind] = [size, -size].map(|size| {

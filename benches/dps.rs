@@ -1,4 +1,4 @@
-//! Time of the averages of the modulation equations: inputs at random over all regimes.
+//! Run times of the averages of the modulation equations, for random inputs in all regimes.
 
 use criterion::{Criterion, Throughput};
 use hertzchain::dps::Averages;
@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 const COUNT: usize = 4096;
 
-/// Reproducible numbers in (0, 1).
+/// Reproducible pseudo-random numbers in (0, 1).
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -15,7 +15,7 @@ fn noise(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Pairs `(b, r)` with `s = b / (2 kappa r)` between the ends.
+/// Pairs `(b, r)` with `s = b / (2 kappa r)` between `low` and `high`.
 fn bonds(kappa: f64, (low, high): (f64, f64)) -> Vec<(f64, f64)> {
     let mut next = noise(1);
     (0..COUNT)
@@ -35,7 +35,8 @@ fn averages(c: &mut Criterion) {
             [("all", (-3.0, 1.0)), ("opens", (-0.5, 1.0)), ("near", (-1.1, -0.9)), ("closed", (-5.0, -2.5))]
         {
             let bonds = bonds(0.7, ends);
-            // What is timed is the answer: one bond by Euler's identity, b dg/db + r dg/dr = alpha g.
+            // Checks the timed function on one bond by Euler's identity, b dg/db + r dg/dr = alpha
+            // g.
             let (b, r) = bonds[COUNT / 3];
             let v = averages.values(b, r);
             assert!(((b * v.dg_db + r * v.dg_dr) / (alpha * v.g) - 1.0).abs() < 1e-13);

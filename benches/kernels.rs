@@ -1,7 +1,8 @@
-//! Time of one step per site, against the bare loop that a step cannot do without: `x sqrt(max(x, 0))`.
+//! Run time of a step per site, compared with a bare loop that computes the contact force only:
+//! `x sqrt(max(x, 0))`.
 //!
-//! First prints a table of medians measured in one go, the source of the ratios quoted elsewhere; then criterion's
-//! groups.
+//! The program first prints a table of medians, measured in one run, from which ratios are quoted
+//! elsewhere. Then it runs criterion's groups.
 
 use criterion::{Criterion, Throughput};
 use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
@@ -17,7 +18,7 @@ use std::{
 const SIZES: [usize; 3] = [1_000, 100_000, 1_000_000];
 const STEP: f64 = 0.01;
 
-/// Something that is repeated under the clock, and the check of what it did.
+/// A timed operation, and a check of its result.
 struct Work {
     name: String,
     sites: usize,
@@ -25,7 +26,7 @@ struct Work {
     check: Box<dyn Fn()>,
 }
 
-/// The bare loop, compiled for the vector unit as the sweeps are.
+/// The bare loop, compiled with the same vector instructions as the sweeps.
 struct Bare<'a> {
     x: &'a [f64],
     f: &'a mut [f64],
@@ -42,7 +43,7 @@ impl Kernel for Bare<'_> {
     }
 }
 
-/// Entries in (-1/2, 1/2) without a pattern.
+/// Numbers in (-1/2, 1/2) without a visible pattern.
 fn noise(len: usize) -> Vec<f64> {
     (0..len).map(|i| (0.618_033_988_749_894_9 * i as f64 + 0.3 * (i as f64).sin()).fract() - 0.5).collect()
 }
@@ -58,7 +59,7 @@ fn bare(sites: usize) -> Work {
     Work { name: "bare loop".into(), sites, once: Box::new(once), check: Box::new(|| ()) }
 }
 
-/// Strang's scheme on a flow, for ever; the check is that energy is conserved.
+/// Steps of Strang's scheme without end; the check is that energy is conserved.
 fn steps<S: SplitFlow<f64> + 'static>(name: String, chain: Chain<f64>, flow: S, first: First, y: &[f64]) -> Work {
     repeat(name, chain, endless(flow, first, y), y)
 }
@@ -97,7 +98,7 @@ fn ring(rho: f64, sites: usize) -> Chain<f64> {
     Chain::new(Params::new(1.5, 1.0, rho).unwrap(), Boundary::Ring, sites).unwrap()
 }
 
-/// The bare loop, then both splittings of the three models; half of the contacts are closed.
+/// The bare loop, then both splittings of three chains; about half of the contacts are closed.
 fn kernels(sites: usize) -> Vec<Work> {
     let mut works = vec![bare(sites)];
     for (name, rho) in [("resonant", 1.0 / 3.0), ("plain", 0.0), ("cradle", f64::INFINITY)] {
@@ -109,7 +110,7 @@ fn kernels(sites: usize) -> Vec<Work> {
     works
 }
 
-/// A long plain chain at rest but for its first bead, and the same with all beads moving.
+/// A long plain chain at rest except its first bead, and the same chain with all beads moving.
 fn subnormals() -> Vec<Work> {
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 100_000).unwrap();
     let mut struck = vec![0.0; chain.layout().dim()];
@@ -121,7 +122,8 @@ fn subnormals() -> Vec<Work> {
         .collect()
 }
 
-/// A short chain stepped by a scheme that is known to the compiler, as `run` steps it, and as `run --events` does.
+/// A short chain, stepped in three ways: with a scheme known at compile time, as `run` steps it,
+/// and as `run --events` does.
 fn contact_logs() -> Vec<Work> {
     let chain = ring(1.0 / 3.0, 50);
     let y: Vec<f64> = noise(chain.layout().dim()).iter().map(|y| 0.1 * y).collect();
@@ -135,7 +137,8 @@ fn contact_logs() -> Vec<Work> {
     ]
 }
 
-/// Median nanoseconds per site and step of each work. They take turns, so that a busy machine is unfair to none.
+/// Median nanoseconds per site and step of each operation. Operations take turns, so that the load
+/// of the machine affects all of them equally.
 fn medians(works: &mut [Work]) -> Vec<f64> {
     let mut samples = vec![Vec::new(); works.len()];
     for round in 0..31 {

@@ -1,11 +1,11 @@
-//! Contacts: when each bond closes and opens, and how fast a solitary wave goes from bead to bead.
+//! Contacts: when each bond closes and opens, and the speed of a solitary wave.
 //!
 //! `cargo run --release --example contacts`
 
 use hertzchain::{Boundary, Chain, Params, Result, Run, State};
 
 pub(crate) fn main() -> Result<()> {
-    // Spheres that touch at rest, without resonators (kappa = rho = 0). Nesterenko's wave.
+    // Spheres that touch at rest, without resonators (kappa = rho = 0): Nesterenko's wave.
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 60)?;
     let mut state = State::rest(&chain);
     state.u_dot_mut()[0] = 1.0;
@@ -23,7 +23,8 @@ pub(crate) fn main() -> Result<()> {
     let (Some(first), Some(last)) = (onset(30), onset(50)) else { panic!("the pulse has passed both bonds") };
     let speed = 20.0 / (last - first);
     println!("speed {speed:.4} beads a unit of time");
-    // A pulse travels with the fifth root of its force: within a few percent of one bead a unit of time here.
+    // The speed of the pulse grows with the fifth root of the bead velocity, so it is of the order
+    // of one bead a unit of time here.
     assert!((0.7..1.1).contains(&speed), "{speed}");
     Ok(())
 }

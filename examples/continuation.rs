@@ -1,4 +1,4 @@
-//! Continuation: a branch of dark breathers in the frequency, with what happens on it.
+//! Continuation: a branch of dark breathers in the frequency, with its bifurcations.
 //!
 //! `cargo run --release --example continuation`
 

@@ -1,4 +1,5 @@
-//! An exact dark breather: a periodic orbit by Newton's method, and its Floquet multipliers.
+//! A numerically exact dark breather: a periodic orbit by Newton's method, and its Floquet
+//! multipliers.
 //!
 //! `cargo run --release --example dark_breather`
 

@@ -1,11 +1,12 @@
-//! A first run: a chain of beads is struck at one end, and the pulse runs along it.
+//! A first run: a chain of beads is struck at one end, and a pulse runs along it.
 //!
 //! `cargo run --release --example first_run`
 
 use hertzchain::{Result, Run, Scene};
 
 pub(crate) fn main() -> Result<()> {
-    // A built-in scene is chain, initial state and span; as a run it chooses its own method.
+    // A built-in scene consists of chain, initial state and span. Its run chooses the method by
+    // default.
     let scene = Scene::load("impact")?;
     let run: Run = scene.run();
     let (method, setting) = run.choice()?;

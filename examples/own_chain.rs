@@ -1,11 +1,13 @@
-//! Your own chain and your own initial state, states at given times, and two methods side by side.
+//! A chain and an initial state of your own, states at given times, and a comparison of two
+//! methods.
 //!
 //! `cargo run --release --example own_chain`
 
 use hertzchain::{Boundary, Chain, Method, Params, Result, Run, State, chain::Site};
 
 pub(crate) fn main() -> Result<()> {
-    // alpha = 3/2 (spheres), springs kappa = 1, resonators of a third of a bead's mass; walls hold both ends.
+    // alpha = 3/2 (spheres), springs kappa = 1, resonators of a third of a bead's mass; walls at
+    // both ends.
     let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
     let chain = Chain::new(params, Boundary::Fixed, 12)?;
     // One bead and its resonator are displaced together, towards their right neighbour.
@@ -13,7 +15,7 @@ pub(crate) fn main() -> Result<()> {
     let state = State::from_fn(&chain, |n| Site { u: at(n), v: at(n), u_dot: 0.0, v_dot: 0.0 })?;
 
     let run = Run::new(chain.clone(), state).until(20.0)?;
-    // `collocation` keeps a tolerance over the whole run; `corrected` takes one force sweep a step.
+    // `collocation` keeps a tolerance over the whole run; `corrected` needs one force sweep a step.
     let exact = run.clone().method(Method::Collocation).tolerance(1e-11)?;
     let fast = run.method(Method::CORRECTED).step(20.0 / 1280.0)?;
     let times = [5.0, 10.0, 20.0];

@@ -1,4 +1,4 @@
-//! A sweep with a store: every point is kept when it is done, and a second sweep computes nothing again.
+//! A sweep with a store: each point is stored when it is done, and a second sweep computes nothing.
 //!
 //! `cargo run --release --example sweep`
 
@@ -8,7 +8,8 @@ use hertzchain::{
     sweep::{Store, Threads, sweep},
 };
 
-/// The share of its momentum that a struck bead keeps in a chain with resonators of mass ratio `rho`.
+/// Velocity that a struck bead has at `t = 5`, as a share of its initial velocity, for mass ratio
+/// `rho`.
 fn kept(rho: &f64) -> Result<f64> {
     let chain = Chain::new(Params::new(1.5, 1.0, *rho)?, Boundary::Free, 10)?;
     let mut state = State::rest(&chain);
@@ -20,7 +21,7 @@ fn kept(rho: &f64) -> Result<f64> {
 pub(crate) fn main() -> Result<()> {
     let folder = Folder::create(std::env::temp_dir().join(format!("hertzchain-sweep-{}", std::process::id())))?;
     let grid: Vec<f64> = (0..8).map(|k| 0.1 * f64::from(1 << k)).collect();
-    // All that rows depend on beside their point: another value is another study.
+    // Parameters of all rows. A store with other settings belongs to another study.
     let settings = serde_json::json!({"until": 5.0, "tol": 1e-9});
     let run = || -> Result<_> {
         let mut store = Store::open(&folder, "kept.jsonl", "momentum kept by a struck bead", &settings)?;

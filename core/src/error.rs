@@ -75,8 +75,7 @@ pub enum Error {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file that is there but does not hold what it must: broken, altered, of another study or
-    /// version.
+    /// A file whose content is not valid: broken, altered, of another study or version.
     #[error("{}, {}: {}", path.display(), one_line(place), one_line(&in_words(rule)))]
     Content {
         /// The file.

@@ -1,10 +1,11 @@
-//! DOP853 on a problem without any chain: a satellite between earth and moon, with an event.
+//! DOP853 without a chain: a satellite between earth and moon, with an event.
 //!
 //! `cargo run --release -p hertzchain-integrators --example arenstorf`
 
 use hertzchain_integrators::{Dop853, Error, Stepper, VectorField, dop853::Options};
 
-/// The restricted three-body problem (Arenstorf; Hairer, Norsett & Wanner, *Solving ODEs I*, Sec. II.0).
+/// The restricted three-body problem in rotating coordinates: position, then velocity (Arenstorf;
+/// Hairer, Norsett & Wanner, *Solving ODEs I*, Sec. II.0).
 struct ThreeBodies;
 
 const MU: f64 = 0.012277471;
@@ -35,7 +36,8 @@ pub(crate) fn main() -> Result<(), Error> {
         run.step()?;
         let time = run.time();
         run.sample(time, &mut y);
-        // An event: the satellite crosses the line through earth and moon. Dense output finds it inside the step.
+        // Event: the satellite crosses the line through earth and moon. Bisection on the dense
+        // output gives its time.
         if before[1] * y[1] < 0.0 {
             let (mut lo, mut hi, mut middle) = (time - 1.0, time, y);
             while hi - lo > 1e-12 {

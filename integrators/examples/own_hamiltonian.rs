@@ -1,4 +1,5 @@
-//! A splitting of your own Hamiltonian: a pendulum, `H = p^2/2 - cos q`, with schemes of order 2, 4 and 8.
+//! Splitting of a user's Hamiltonian: a pendulum, `H = p^2/2 - cos q`, with schemes of order 2, 4
+//! and 8.
 //!
 //! `cargo run --release -p hertzchain-integrators --example own_hamiltonian`
 
@@ -7,7 +8,7 @@ use hertzchain_integrators::{
     splitting::{First, tables},
 };
 
-/// Position and momentum.
+/// Angle `q` and momentum `p`.
 struct Pendulum([f64; 2]);
 
 impl SplitFlow<f64> for Pendulum {
@@ -41,7 +42,7 @@ impl SplitFlow<f64> for Pendulum {
     }
 }
 
-/// The largest change of the energy over a long run, seen at its end.
+/// Change of the energy between the start and the end of a run of length 50.
 fn energy_error(scheme: &'static Scheme, steps: u64) -> Result<f64, Error> {
     let energy = |y: &[f64]| 0.5 * y[1] * y[1] - y[0].cos();
     let start = [1.0, 0.5];

@@ -15,7 +15,7 @@ pub enum Error {
         /// The rule it broke.
         rule: &'static str,
     },
-    /// A component of the state is infinite or not a number.
+    /// A component of the state, or of its slope, is not finite.
     #[error("the state is not finite at t = {} (step {step}, component {index})", brief(.t))]
     NotFinite {
         /// Time.

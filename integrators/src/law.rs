@@ -25,10 +25,10 @@ pub struct ThreeHalves;
 /// `g^K` by multiplications.
 #[derive(Clone, Copy)]
 pub struct Monomial<const K: u32>;
-/// `g^k` by multiplications, for `k` above 3.
+/// `g^k` by multiplications, for `k` from 4 to 64.
 #[derive(Clone, Copy)]
 pub struct Integer(u32);
-/// `g^k sqrt(g)`, for half-integers above 3/2.
+/// `g^k sqrt(g)`, for half-integers other than 3/2, up to 64.
 #[derive(Clone, Copy)]
 pub struct HalfInteger(u32);
 /// Any other power.

@@ -1,11 +1,12 @@
-//! DOP853 against the authors' own code, against closed forms, and against the order conditions.
+//! DOP853 against the authors' code, closed forms, and the order conditions.
 //!
-//! The figures of the Fortran come from `dop853.f` of E. Hairer and G. Wanner, version of October 11, 2009
-//! (<https://www.unige.ch/~hairer/software.html>), compiled without contraction and run with its default parameters but
-//! for what a test names: NFCN, NSTEP, NACCPT, NREJCT and the final state to 17 digits. Problems: the authors' driver
-//! `dr_dop853.f` (van der Pol) and the Arenstorf orbit of Hairer, Norsett & Wanner, *Solving ODEs I*, section II.0.
+//! Reference numbers come from `dop853.f` of E. Hairer and G. Wanner, version of October 11, 2009
+//! (<https://www.unige.ch/~hairer/software.html>), compiled without contraction and run with its
+//! default parameters except those that a test names: NFCN, NSTEP, NACCPT, NREJCT and the final
+//! state to 17 digits. Problems: the authors' driver `dr_dop853.f` (van der Pol) and the Arenstorf
+//! orbit of Hairer, Norsett & Wanner, *Solving ODEs I*, section II.0.
 
-// The figures stand as printed.
+// The numbers stand as printed.
 #![allow(clippy::excessive_precision)]
 
 use hertzchain_integrators::{
@@ -32,7 +33,7 @@ fn field<R: Real, F: FnMut(R, &[R], &mut [R])>(dim: usize, f: F) -> Field<F> {
     Field(dim, f)
 }
 
-/// What the Fortran prints: NFCN, NSTEP, NACCPT, NREJCT.
+/// The counts that the Fortran prints: NFCN, NSTEP, NACCPT, NREJCT.
 fn counts<F: VectorField<f64>>(run: &Dop853<f64, F>) -> [u64; 4] {
     let Stats { steps, rejected, force_evaluations } = run.stats();
     [force_evaluations, run.trials(), steps, rejected]
@@ -104,7 +105,8 @@ fn dense_output_is_that_of_the_driver_and_costs_three_evaluations_a_step_looked_
             Ok(ControlFlow::Continue(()))
         }
     }
-    // The driver prints at 0.1, 0.2, ... with IOUT = 3: 19 points inside a step (the 20th misses 2 by a round-off).
+    // The driver prints at 0.1, 0.2, ... with IOUT = 3: 19 points inside a step (the 20th misses 2
+    // by a round-off).
     let mut grid = Grid { next: 0.1, at_one: [0.0; 2] };
     let mut run = van_der_pol(Options::new(1e-9));
     let mut y = [0.0; 2];
@@ -112,7 +114,7 @@ fn dense_output_is_that_of_the_driver_and_costs_three_evaluations_a_step_looked_
     assert_eq!(counts(&run), [17552, 1468, 1345, 122]);
     assert_near(&grid.at_one, &[-1.888_370_653_022_574_8, 0.735_737_500_804_723_78], 1e-13);
 
-    // IOUT = 2 prepares every step. Looking twice costs nothing more, looking at the ends nothing at all.
+    // IOUT = 2 prepares every step. A second sample in a step and samples at its ends cost nothing.
     let mut run = van_der_pol(Options::new(1e-9));
     let mut start = run.time();
     while !run.done() {
@@ -165,7 +167,7 @@ fn the_arenstorf_orbit_is_repeated_at_every_tolerance() {
                 -2.001_583_034_377_828_3,
             ],
         },
-        // Here the first step is rejected twice, which NREJCT leaves out: 229 + 67 + 2 = 298.
+        // The first step is rejected twice here, which NREJCT does not count: 229 + 67 + 2 = 298.
         Printed {
             tolerance: 1e-11,
             counts: [3509, 298, 229, 67],
@@ -191,8 +193,8 @@ fn the_arenstorf_orbit_is_repeated_at_every_tolerance() {
         let mut run = arenstorf(Options::new(tolerance));
         let y = finish(&mut run);
         assert_eq!(counts(&run), want, "tolerance {tolerance:e}");
-        // The Fortran rounds the time after every step, so its last step differs in the last digit; next to the moon,
-        // where the orbit ends, that is worth 10^-12 of the velocity.
+        // The Fortran rounds the time after every step, so its last step differs in the last digit.
+        // Near the moon, where the orbit ends, this changes the velocity by 10^-12.
         assert_near(&y, &printed, 2e-11);
     }
 }
@@ -207,12 +209,14 @@ fn the_other_rules_of_the_controller_are_those_of_the_fortran() {
     let mut run = arenstorf(Options { stabilisation: 0.04, ..Options::new(1e-7) });
     finish(&mut run);
     assert_eq!(counts(&run), [1411, 120, 89, 30]);
-    // WORK(7) = 1e-3, WORK(6) = 0.05: first and longest step. NFCN is 4433 there: it counts a guess that was not made.
+    // WORK(7) = 1e-3, WORK(6) = 0.05: first and longest step. NFCN is 4433 there, because it counts
+    // an estimate of the first step that was not made.
     let mut run = arenstorf(Options { first_step: Some(1e-3), max_step: Some(0.05), ..Options::new(1e-7) });
     let y = finish(&mut run);
     assert_eq!(counts(&run), [4432, 370, 361, 9]);
     let printed = [0.993999964954638493, -4.45210741835725364e-8, -7.49490204399877458e-6, -2.00159048994607724];
-    // Equal steps round the time alike, so that it drifts there by 10^-13.
+    // The rounding of the time is the same in equal steps, so that the time drifts by 10^-13 in the
+    // Fortran.
     assert_near(&y, &printed, 1e-10);
 }
 
@@ -224,7 +228,7 @@ fn looking_does_not_change_the_run() {
     let (mut y, mut start, mut looks) = ([0.0; 4], 0.0, 0);
     while !seen.done() {
         seen.step().unwrap();
-        // Every third step is looked into.
+        // Samples inside every third step.
         if seen.stats().steps.is_multiple_of(3) {
             looks += 1;
             for share in [0.1, 0.5, 0.9] {
@@ -282,7 +286,7 @@ fn halving_fixed_steps_divides_the_error_by_two_to_the_eighth() {
     assert_slopes(&errors, 8.0);
 }
 
-/// One fixed step of length `h` from 1, where all derivatives are at work.
+/// One fixed step of length `h` from 1, where all derivatives contribute.
 fn one_step(h: TwoFloat) -> Dop853<TwoFloat, impl VectorField<TwoFloat>> {
     let start = TwoFloat::from(1.0);
     let mut run = Dop853::fixed(rational(), &double_double([0.5, 0.5]), (start, start + h), 1).unwrap();
@@ -310,9 +314,10 @@ fn in_one_step_the_result_is_of_order_8_and_dense_output_of_order_7() {
 
 #[test]
 fn dense_output_of_a_run_is_nearly_as_accurate_as_its_steps() {
-    // The error inside a step, of order h^8, does not add up over steps; that of the run is of order h^8 as well.
+    // The error inside a step, of order h^8, does not accumulate; the error of the run is of order
+    // h^8 as well.
     let errors = [64, 128, 256].map(|steps| {
-        // No power of two: the share of a step is to be rounded as the rest is.
+        // The step is not a power of two, so that shares of it are rounded.
         let span = (TwoFloat::from(0.0), TwoFloat::from(1.9));
         let mut run = Dop853::fixed(rational(), &double_double(ONES), span, steps).unwrap();
         let (mut worst, mut start, mut y) = (0.0f64, run.time(), double_double(ONES));
@@ -389,7 +394,7 @@ fn the_rows_of_the_table_add_up_to_its_nodes() {
     }
 }
 
-/// How far weights miss `int_0^1 s^k ds`.
+/// The error of the weights as a quadrature of `int_0^1 s^k ds`.
 fn defect(weights: &tableau::Weights, k: i32) -> f64 {
     let power = |stage| (0..k).fold(TwoFloat::from(1.0), |power, _| power * node(stage));
     f64::from((sum(weights, power) - TwoFloat::from(1.0) / f64::from(k + 1)).abs())
@@ -403,7 +408,7 @@ fn the_weights_are_quadratures_of_their_orders_and_no_higher() {
         }
         assert!(defect(weights, order) > least);
     }
-    // The estimator of order 5 integrates no polynomial below degree 5, and does see degree 5.
+    // The estimator of order 5 gives zero below degree 5, and not zero for degree 5.
     let seen = |k: i32| {
         let power = |stage| (0..k).fold(TwoFloat::from(1.0), |power, _| power * node(stage));
         f64::from(sum(tableau::ERROR_5, power).abs())
@@ -413,14 +418,15 @@ fn the_weights_are_quadratures_of_their_orders_and_no_higher() {
 
 #[test]
 fn every_component_is_treated_alike() {
-    // Copies of one oscillator, for every remainder of a vector: the mean square norm sees one copy or many alike.
+    // Copies of one oscillator, for every remainder of the vector length: the mean square norm is
+    // the same for any number of copies.
     let run = |copies: usize| {
         let f = move |_, y: &[f64], dy: &mut [f64]| {
             for (y, dy) in y.chunks(2).zip(dy.chunks_mut(2)) {
                 (dy[0], dy[1]) = (y[1], -y[0].sin());
             }
         };
-        // The guess of a first step adds up over components, so it is given.
+        // The estimate of the first step depends on the number of components, so the step is given.
         let options = Options { first_step: Some(0.1), ..Options::new(1e-8) };
         let start = [1.0, 0.5].repeat(copies);
         let mut run = Dop853::new(field(2 * copies, f), &start, (0.0, 20.0), options).unwrap();
@@ -500,7 +506,7 @@ fn bad_arguments_are_refused_with_their_value_and_rule() {
     }
 }
 
-/// Runs to an error, and returns it with the state left by [`drive`].
+/// Runs to an error; returns it with the state that [`drive`] left.
 fn failure<F: VectorField<f64>>(run: &mut Dop853<f64, F>) -> (Error, Vec<f64>) {
     let mut y = vec![f64::NAN; run.dim()];
     (drive(run, &mut Silent, &mut y).unwrap_err(), y)
@@ -520,7 +526,7 @@ fn a_field_that_stops_being_a_number_ends_the_run_with_the_last_good_state() {
         assert_eq!(error, Error::NotFinite { t, step, index: 1 });
         assert!(step > 0 && t > 0.0 && t <= 0.5, "{t}");
         assert_near(&y, &[(-t).exp(), 2.0 * (-t).exp()], 1e-8);
-        // Trying again ends the same way.
+        // A second call fails in the same way.
         assert_eq!(run.step(), Err(Error::NotFinite { t, step, index: 1 }));
     }
     assert_eq!(fixed.stats().steps, 5);
@@ -528,7 +534,7 @@ fn a_field_that_stops_being_a_number_ends_the_run_with_the_last_good_state() {
 
 #[test]
 fn no_stage_hides_a_nan() {
-    // The result takes nothing from stages 2 to 5, and this field forgets what it is given.
+    // The result has no weights for stages 2 to 5, and this field discards its argument.
     for stage in 1..=13 {
         let mut calls = 0;
         let f = move |_, _: &[f64], dy: &mut [f64]| {

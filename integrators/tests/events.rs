@@ -1,4 +1,4 @@
-//! Events: what is found, when, and what is not.
+//! Events: which are found, at what time, and which must not be found.
 
 use hertzchain_integrators::{
     Dop853, Error, Event, EventFunctions, Regularised, Silent, Stepper, Stop, VectorField, Watch,
@@ -9,7 +9,7 @@ use hertzchain_integrators::{
 };
 use std::ops::ControlFlow;
 
-/// `y' = 1`: the state is the time, so that event functions can be any functions of time.
+/// `y' = 1`: the state is the time, so that event functions are arbitrary functions of time.
 struct Clock;
 
 impl VectorField<f64> for Clock {
@@ -21,7 +21,7 @@ impl VectorField<f64> for Clock {
     }
 }
 
-/// Functions of time, of size one: a band of 1e-12.
+/// Functions of time of size one, with a band of 1e-12.
 struct Given<const K: usize>([fn(f64) -> f64; K]);
 
 impl<const K: usize> EventFunctions<f64> for Given<K> {
@@ -41,7 +41,7 @@ impl<const K: usize> EventFunctions<f64> for Given<K> {
     }
 }
 
-/// Writes everything down; stops at the first falling event, if told so.
+/// A listener that records everything and, if asked to, stops at the first falling event.
 #[derive(Default)]
 struct Diary {
     events: Vec<Event<f64>>,
@@ -60,7 +60,7 @@ impl Listener<f64> for Diary {
     }
 }
 
-/// The events of functions of time on `[0, end]` in this many steps.
+/// The events of functions of time on `[0, end]`, in `steps` equal steps.
 fn diary<const K: usize>(functions: [fn(f64) -> f64; K], end: f64, steps: u64) -> Diary {
     let run = Dop853::fixed(Clock, &[0.0], (0.0, end), steps).unwrap();
     let mut watch = Watch::new(run, Given(functions), Diary::default());
@@ -80,7 +80,8 @@ fn all_roots_inside_one_step_are_found_in_order_of_time() {
     for (event, t) in diary.events.iter().zip([0.2, 0.4, 0.400_01, 0.5, 0.9]) {
         assert!((event.t - t).abs() < 1e-13, "{event:?}");
     }
-    // Positive on (0.2, 0.5), (0.9, 1) and (0.4, 0.40001); roots 1e-5 apart feel a rounding 1e5 times.
+    // Positive on (0.2, 0.5), (0.9, 1) and (0.4, 0.40001). Roots 1e-5 apart amplify rounding by
+    // 1e5.
     assert!((diary.positive - 0.400_01).abs() < 1e-10, "{}", diary.positive);
 }
 
@@ -89,7 +90,7 @@ fn a_start_on_the_surface_fires_only_upwards() {
     assert_eq!(found(&diary([|t| t], 1.0, 3)), [(0, true)]);
     assert_eq!(diary([|t| t], 1.0, 3).events[0].t, 0.0);
     assert_eq!(found(&diary([|t| -t], 1.0, 3)), []);
-    // At rest at first: the last zero is the start as well.
+    // At rest initially: the last zero is the start here too.
     let slow = diary([|t| t * t * t], 1.0, 3);
     assert!(found(&slow) == [(0, true)] && slow.events[0].t < 1e-3);
 }
@@ -111,7 +112,7 @@ fn an_event_on_the_end_of_a_step_fires_once() {
 #[test]
 fn grazing_fires_twice_or_not_at_all() {
     for steps in [1, 2, 3] {
-        // From below: touching is nothing; rising above the band is an onset and a release.
+        // From below: touching is no event; leaving the band above gives an onset and a release.
         assert_eq!(found(&diary([|t| -(t - 0.5).powi(2)], 1.0, steps)), []);
         assert_eq!(found(&diary([|t| 1e-10 - (t - 0.5).powi(2)], 1.0, steps)), [(0, true), (0, false)]);
         // From above.
@@ -139,7 +140,7 @@ fn a_listener_that_breaks_ends_the_run_at_its_event() {
     assert!((watch.time() - std::f64::consts::PI).abs() < 1e-13 && (y[0] - watch.time()).abs() < 1e-13);
 }
 
-/// A bead that carries a resonator of mass `rho` and flies at a wall at `u = wall`: `u, v, u', v'`.
+/// A bead with a resonator of mass `rho` that flies towards a wall at `u = wall`: `u, v, u', v'`.
 #[derive(Clone, Copy)]
 struct Bead {
     alpha: f64,
@@ -186,7 +187,7 @@ fn events_of(bead: Bead, q: u32, y0: [f64; 4], end: f64, tol: f64) -> Vec<Event<
 
 #[test]
 fn a_resonant_bead_meets_the_wall_at_the_root_of_its_linear_path() {
-    // Truth: u = R + rho D/(1 + rho) with R, D of the free flow, its root by bisection.
+    // Truth: `u = R + rho D/(1 + rho)` with R, D of the free flow; its root by bisection.
     let (rho, wall, v0) = (1.0f64 / 3.0, 1.0, 0.37);
     let omega = (1.0 + 1.0 / rho).sqrt();
     let path = |t: f64| {
@@ -208,8 +209,9 @@ fn a_resonant_bead_meets_the_wall_at_the_root_of_its_linear_path() {
 
 #[test]
 fn a_contact_lasts_as_long_as_its_closed_form_says() {
-    // A bead and its mirror image: g'' = -2 g^alpha, T = 2 g_m/w sqrt(pi) Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1)),
-    // g_m = (w^2 (alpha+1)/4)^{1/(alpha+1)}, w = 0.7; from 30 digits.
+    // Truth: a bead and its mirror image, g'' = -2 g^alpha, touch for the time T = 2 g_m/w sqrt(pi)
+    // Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1)), computed with 30 digits, with g_m = (w^2
+    // (alpha+1)/4)^{1/(alpha+1)} and w = 0.7.
     let closed_form = [
         (1.2, 2.403_091_115_402_883_4),
         (1.5, 2.619_167_467_203_314),

@@ -1,7 +1,8 @@
-//! Every splitting table keeps its order and not the next, in double-double.
+//! Every splitting table has its order and not the next, in double-double.
 //!
-//! The truths know no table: the exponential of `A + B` in the free associative algebra, and the Taylor series of a
-//! generic mechanical system. All shipped schemes are symmetric, so that the order after an even one is odd and must fail.
+//! The references do not use the tables: the exponential of `A + B` in the free associative
+//! algebra, and the Taylor series of a generic mechanical system. All schemes are symmetric. A
+//! symmetric scheme has an even order, so that the condition of the next order must fail.
 
 use hertzchain_integrators::{
     Scheme, Twofold,
@@ -12,10 +13,10 @@ use tables::{
     YOSHIDA8,
 };
 
-/// A double-double number, as the stepper itself holds a share of the step.
+/// A double-double number, the type in which the stepper holds shares of a step.
 type Q = Twofold<f64>;
 
-/// What rounding may leave of a condition that holds; measured: 2e-29.
+/// Bound of the rounding error of a condition that holds; measured: 2e-29.
 const ZERO: f64 = 1e-27;
 
 fn q(value: f64) -> Q {
@@ -41,7 +42,8 @@ fn factors(scheme: &Scheme, first: First) -> Vec<(usize, Q)> {
     factors
 }
 
-/// Coefficients of the product of `exp(a_i A)` and `exp(b_i B)`: `[length][word]`, a word read as binary digits.
+/// Coefficients of the product of `exp(a_i A)` and `exp(b_i B)`: `[length][word]`, where a word is
+/// a binary number.
 fn words(scheme: &Scheme, first: First, degree: usize) -> Vec<Vec<Q>> {
     let mut series: Vec<Vec<Q>> = (0..=degree).map(|length| vec![q(0.0); 1 << length]).collect();
     series[0][0] = q(1.0);
@@ -63,8 +65,8 @@ fn words(scheme: &Scheme, first: First, degree: usize) -> Vec<Vec<Q>> {
     series
 }
 
-/// Largest distance from `exp(A + B)`, where every word has the coefficient `1 / length!`, over the words chosen by
-/// length and number of kicks.
+/// Largest distance from `exp(A + B)`, in which every word has the coefficient `1 / length!`. Words
+/// are chosen by length and number of kicks.
 fn distance_from_exponential(series: &[Vec<Q>], chosen: impl Fn(usize, usize) -> bool) -> f64 {
     let mut largest = 0f64;
     let mut expected = q(1.0);
@@ -81,8 +83,9 @@ fn distance_from_exponential(series: &[Vec<Q>], chosen: impl Fn(usize, usize) ->
 
 #[test]
 fn every_scheme_but_the_nystrom_ones_of_order_six_has_its_order_for_any_two_flows() {
-    // Truth: the exponential series. What holds for all words of two letters holds for any two vector fields. The
-    // bracket [B, [B, [B, A]]] that the Nyström schemes leave out has three kicks: words with fewer hold for them too.
+    // Truth: the exponential series. What holds for all words of two letters holds for any two
+    // vector fields. The bracket [B, [B, [B, A]]], which vanishes for the Nyström schemes, has
+    // three kicks: conditions for words with fewer kicks hold for them too.
     for scheme in ALL {
         let order = scheme.order as usize;
         for first in [First::Drift, First::Kick] {
@@ -103,7 +106,8 @@ fn every_scheme_but_the_nystrom_ones_of_order_six_has_its_order_for_any_two_flow
 
 #[test]
 fn weak_kicks_are_cheap_for_the_generalised_orders() {
-    // Truth: the exponential series, word by word. A word with n kicks carries the n-th power of their strength.
+    // Truth: the exponential series, word by word. A word with n kicks scales with the n-th power
+    // of their strength.
     for (scheme, orders) in [(ABA864, [8, 6, 4]), (ABA1064, [10, 6, 4])] {
         let series = words(&scheme, First::Drift, orders[0] + 1);
         let order = |kicks: usize| orders[kicks.clamp(1, 3) - 1];
@@ -123,9 +127,11 @@ fn product(x: &Jet, y: &Jet) -> Jet {
     (0..x.len()).map(|n| (0..=n).fold(q(0.0), |sum, k| sum + x[k] * y[n - k])).collect()
 }
 
-/// A particle in three dimensions: `p^2/2 + V(q)` with `V(q) = f_1(n_1 . q) + .. + f_7(n_7 . q)` and polynomials `f_j`.
+/// A particle in three dimensions: `p^2/2 + V(q)` with `V(q) = f_1(n_1 . q) + .. + f_7(n_7 . q)`
+/// and polynomials `f_j`.
 ///
-/// More directions than coordinates: nothing separates. All numbers are dyadic, hence exact.
+/// There are more directions than coordinates, so that the motion does not separate. All numbers
+/// are dyadic, hence exact.
 struct Particle {
     directions: Vec<[Q; 3]>,
     /// Coefficients of `-f_j'`, from the constant term up.
@@ -134,7 +140,8 @@ struct Particle {
 }
 
 impl Particle {
-    /// Numbers in (-1, 1) from the powers of the primitive root 75 modulo 65537, for a potential of the given degree.
+    /// Numbers in (-1, 1) from the powers of the primitive root 75 modulo 65537, for a potential of
+    /// the given degree.
     fn generic(degree: usize) -> Self {
         let mut power = 1u32;
         let mut next = || {
@@ -214,7 +221,7 @@ fn relative_distance(x: &[Vec<Jet>; 2], y: &[Vec<Jet>; 2], n: usize) -> f64 {
 
 #[test]
 fn every_scheme_follows_a_particle_to_its_order_and_no_further() {
-    // Truth: the Taylor series of a generic motion, from its recursion.
+    // Truth: the recursion of the Taylor series of a generic motion.
     for scheme in ALL {
         let order = scheme.order as usize;
         let particle = Particle::generic(order + 2);
@@ -244,7 +251,7 @@ fn the_fourth_order_compositions_are_their_closed_forms() {
 
 #[test]
 fn every_step_is_a_palindrome_with_sums_one_and_the_stages_of_its_source() {
-    // Truth: the numbers of stages that the articles give.
+    // Truth: the numbers of stages given in the articles.
     let stages = [
         (STRANG, 1),
         (YOSHIDA4, 3),

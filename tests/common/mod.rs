@@ -1,4 +1,5 @@
-//! What the tests of contact collocation share: the run under test, and one that shares nothing with it.
+//! Shared by the tests of contact collocation: the run under test, and a reference run by another
+//! method.
 
 use hertzchain::{
     chain::{Chain, Field, Overlaps},
@@ -13,7 +14,8 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     largest(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
-/// The end of a regularised run: shares neither variable nor step with collocation.
+/// The state at the end of a regularised run, whose variables and steps differ from those of
+/// collocation.
 pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
     let alpha = chain.params().alpha;
     let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));

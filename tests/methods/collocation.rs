@@ -1,4 +1,4 @@
-//! Contact collocation against independent runs, closed forms and its own orders.
+//! Contact collocation against independent runs, closed forms and its orders.
 
 use crate::{
     common::{collocated, distance, largest, truth},
@@ -27,7 +27,8 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Errors of a scene at its end, relative to the largest strain or the amplitude that theory gives, by tolerance.
+/// Errors of a scene at its end, by tolerance, relative to the largest strain or the theoretical
+/// amplitude.
 fn errors(scene: &Scene, tolerances: &[f64]) -> Vec<f64> {
     let y0 = scene.initial().as_slice();
     let reference = scene.strains(&truth(scene.chain(), y0, scene.end(), 1e-16));
@@ -56,7 +57,8 @@ fn generic_scene(name: &str, rho: f64, boundary: &str, end: f64) -> Scene {
 
 #[test]
 fn the_error_is_what_was_asked_for_over_six_decades() {
-    // Truth: regularised DOP853 at a tenth of a rounding a step. Measured: 0.87 of the tolerance.
+    // Truth: regularised DOP853 at a tenth of a rounding a step. Measured: at most 0.87 of the
+    // tolerance.
     let scenes = [
         Scene::load("tw-q15").unwrap(),
         Scene::load("impact").unwrap(),
@@ -74,7 +76,8 @@ fn the_error_is_what_was_asked_for_over_six_decades() {
 
 #[test]
 fn hardly_a_window_is_given_up() {
-    // Neither by few nodes, whose series say little between them, nor by many. Measured: at most 5.
+    // Both with few nodes, whose short series are a weak test, and with many. Measured: at most 5
+    // windows given up.
     let wave = Scene::load("tw-q15").unwrap();
     for tol in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9] {
         let mut run =
@@ -99,8 +102,9 @@ fn ten_periods_of_a_wave_are_exact_to_a_thousand_roundings() {
 
 #[test]
 fn panels_cut_at_events_of_neighbours_restore_the_order() {
-    // The chain of the order study. Truth: the regularised run, good to 3e-15. Averages over nearby numbers of windows, since where
-    // a window ends against the events makes single errors jump.
+    // The chain of the order study. Truth: the regularised run, with an error of 3e-15. Errors are
+    // averaged over nearby numbers of windows, because single errors jump with the position of
+    // events in a window.
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 6).unwrap();
     let start = generic_state(&chain).unwrap();
     let y0 = start.as_slice();
@@ -114,7 +118,7 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
             .collect();
         (runs.iter().sum::<f64>() / runs.len() as f64).exp()
     };
-    // As many nodes as leave the singularities of neighbours, and the rounding, to be seen.
+    // Numbers of nodes for which the singularities of neighbours are larger than rounding.
     for (nodes, neighbours, counts, least) in [(12, false, (15, 120), 4.3), (10, true, (15, 40), 6.0)] {
         let errors = (mean(counts.0, nodes, neighbours), mean(counts.1, nodes, neighbours));
         let slope = (errors.0 / errors.1).log2() / (counts.1 as f64 / counts.0 as f64).log2();
@@ -125,8 +129,9 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
 
 #[test]
 fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
-    // Truth: the regularised run. Bounds at 60, 120, 240 windows of 10 nodes, twice what was measured. At rho = 1e-6 a window holds 32
-    // turns of a resonator at least, which equal windows do not resolve: those that follow a tolerance do, see below.
+    // Truth: the regularised run. Bounds at 60, 120, 240 windows of 10 nodes, twice the measured
+    // errors. At rho = 1e-6 a window holds at least 32 periods of a resonator, which equal windows
+    // do not resolve; runs with a tolerance do, see below.
     let third = 1.0 / 3.0;
     let cases: [(f64, f64, [f64; 3]); 13] = [
         (0.7, third, [1.2e-10, 2.4e-11, 2.4e-11]),
@@ -163,7 +168,7 @@ fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
     }
 }
 
-/// A chain and a state of it.
+/// A chain and its initial state.
 #[derive(Clone, Debug)]
 struct Motion {
     chain: Chain<f64>,
@@ -174,7 +179,8 @@ fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from.ln()..to.ln()).prop_map(f64::exp)
 }
 
-/// Every exponent, mass ratio and boundary, from 1 to 9 beads, amplitudes from 1e-3 to 1. Some start with beads that just touch, at rest.
+/// Random exponents, mass ratios and boundaries, from 1 to 9 beads, amplitudes from 1e-3 to 1. Some
+/// start with beads that just touch, at rest.
 fn motions() -> impl Strategy<Value = Motion> {
     let alpha =
         prop_oneof![0.7..5.0, prop::sample::select(vec![0.7, 1.0, 1.05, 1.2, 1.5, 1.5, 1.5, 2.0, 2.5, 3.0, 5.0])];
@@ -187,7 +193,7 @@ fn motions() -> impl Strategy<Value = Motion> {
             let chain = Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, sites).unwrap();
             let state = State::from_fn(&chain, |n| {
                 let [u, v, u_dot, v_dot] = std::array::from_fn(|k| amplitude * entries[4 * n + k]);
-                // Light resonators follow their beads.
+                // Light resonators start with the velocities of their beads.
                 if rho < 0.1 { Site { u, v: u, u_dot, v_dot: u_dot } } else { Site { u, v, u_dot, v_dot } }
             });
             Motion { y: state.unwrap().as_slice().to_vec(), chain }
@@ -197,8 +203,9 @@ fn motions() -> impl Strategy<Value = Motion> {
 
 #[test]
 fn random_chains_agree_with_the_regularised_run() {
-    // No run may fail, and errors stay near what was asked for. Truth: the regularised run. The same cases in every run. Measured:
-    // half below 1e-5 of the tolerance, 90 % below 0.038, the worst 2.1; of 5000 cases 8.7, with light resonators.
+    // No run may fail, and errors stay near the tolerance. Truth: the regularised run. The cases
+    // are the same in every run. Measured: half of the errors below 1e-5 of the tolerance, 90 %
+    // below 0.038, the largest 2.1; of 5000 cases 8.7, with light resonators.
     let tol = 1e-7;
     let ratios = RefCell::new(Vec::new());
     let config = Config { cases: 600, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
@@ -260,7 +267,7 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
 
 #[test]
 fn contacts_are_those_that_a_search_of_every_step_finds() {
-    // Truth: the regularised run, sampled and searched.
+    // Truth: the regularised run, sampled and searched for events.
     let scene = generic_scene("random", 0.5, "fixed", 20.0);
     let log = |method, tol| {
         let setting = Setting::Tolerance(tol);
@@ -270,7 +277,8 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
     assert_eq!(found.len(), expected.len());
     assert!(found.len() > 40);
-    // Measured: times 2.3e-11; speeds, which come from a quotient extrapolated to its end, 1.3e-7; impulses 5.7e-12, overlaps 1.9e-11.
+    // Measured: times 2.3e-11; speeds, from a quotient extrapolated to its end, 1.3e-7; impulses
+    // 5.7e-12, overlaps 1.9e-11.
     let close = |a: Option<f64>, b: Option<f64>, bound: f64| match (a, b) {
         (Some(a), Some(b)) => (a - b).abs() < bound,
         (a, b) => a == b,
@@ -299,7 +307,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(3));
-    // Blocks that are solved apart fit together: the whole conserves momentum and energy.
+    // Blocks are solved separately and fit together: the whole conserves momentum and energy.
     let energy = |y: &[f64]| chain.energy(y).total();
     let drift = (energy(&one) / energy(y0) - 1.0).abs();
     let momentum = (chain.momentum(&one) - chain.momentum(y0)).abs();
@@ -360,8 +368,8 @@ fn a_chain_at_rest_and_a_single_bead_cost_nothing_and_stay() {
 
 #[test]
 fn blocks_at_rest_wake_when_something_comes() {
-    // A bead struck beside the border of two blocks of a long chain, and the same in a chain of one block, which does not sleep.
-    // Measured: 0.
+    // A bead is struck beside the border of two blocks of a long chain, and in a chain of one
+    // block, which does not sleep. Measured: no difference.
     let struck = |sites: usize, bead: usize| {
         let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
         let mut y0 = vec![0.0; 2 * sites];

@@ -1,5 +1,5 @@
-//! Contact collocation where contacts are hard: ties, grazing, very short contacts, starts on the surface, contacts that never open,
-//! nothing at all; and where there is a closed form.
+//! Contact collocation in hard cases (ties, grazing, very short contacts, starts on the surface,
+//! contacts that never open, chains at rest) and in cases with a closed form.
 
 use crate::{
     common::{collocated, distance, largest, truth},
@@ -19,21 +19,22 @@ fn plain(alpha: f64, sites: usize) -> Chain<f64> {
     chain(alpha, (0.0, 0.0), Boundary::Free, sites)
 }
 
-/// The state with these displacements and velocities of beads; resonators lie where the beads do, at rest.
+/// The state with the given displacements and velocities of beads. Resonators have the
+/// displacements of their beads and rest.
 fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
     let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
     State::from_fn(chain, site).unwrap().as_slice().to_vec()
 }
 
-/// Error of a state relative to the largest entry of the truth.
+/// Error of a state relative to the largest entry of the reference.
 fn relative(y: &[f64], reference: &[f64]) -> f64 {
     distance(y, reference) / largest(reference.iter().copied())
 }
 
-/// A chain, where it starts, and until when it runs.
+/// A chain, its initial state, and the end time.
 type Motion<'a> = (&'a Chain<f64>, &'a [f64], f64);
 
-/// Holds runs at three tolerances against a reference, to `most` times each.
+/// Compares runs at three tolerances with a reference; the error may be `most` times the tolerance.
 fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], most: f64) {
     for tol in [1e-6, 1e-9, 1e-12] {
         let (y, stats) = collocated(chain, y0, end, Pace::Tolerance(tol));
@@ -43,7 +44,7 @@ fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], 
     }
 }
 
-/// Holds a run in so many equal windows of 10 nodes against a reference.
+/// Compares a run in `count` equal windows of 10 nodes with a reference.
 fn windows_resolve(name: &str, (chain, y0, end): Motion, reference: &[f64], (count, bound): (u64, f64)) {
     let (y, _) = collocated(chain, y0, end, windows(count, 10));
     let error = relative(&y, reference);
@@ -58,8 +59,8 @@ fn agree(name: &str, motion: Motion, reference: &[f64], most: f64, windows: (u64
 
 #[test]
 fn ties() {
-    // Truth: the regularised run, which keeps ties exactly; and the mirror image. Measured: 0.1 of the tolerance, 9e-14 with alpha = 1.2,
-    // else 1.1e-14.
+    // Truth: the regularised run, which keeps ties exactly, and the mirror image. Measured: 0.1 of
+    // the tolerance, 9e-14 with alpha = 1.2, otherwise 1.1e-14.
     let hit_from_both_sides = |alpha| (plain(alpha, 3), vec![-0.5, 0.0, 0.5, 0.8, 0.0, -0.8], 4.0);
     let ring = chain(1.5, (0.0, 0.0), Boundary::Ring, 6);
     let alternate = state(&ring, &[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], &[0.5, -0.5, 0.5, -0.5, 0.5, -0.5]);
@@ -110,8 +111,9 @@ fn grazing(alpha: f64, excess: f64) -> (Chain<f64>, Vec<f64>) {
 
 #[test]
 fn short_contacts_are_found_in_few_sweeps() {
-    // Onset and release within one window, where a chord of the overlap is far from its tangent: Newton's method with the slope of a chord
-    // goes to and fro. Measured: 9, 7, 7, 3 sweeps.
+    // Onset and release lie within one window, where a chord of the overlap differs much from its
+    // tangent. Newton's method with the slope of a chord would not converge. Measured: 9, 7, 7, 3
+    // sweeps.
     for excess in [1e-2, 1e-3, 1e-4, 1e-5] {
         let (chain, y0) = grazing(1.5, excess);
         let most = (5..25).map(|count| {
@@ -127,8 +129,9 @@ fn short_contacts_are_found_in_few_sweeps() {
 
 #[test]
 fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
-    // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse e^{alpha+1/2} sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx,
-    // but for a share of order e, measured to be 1.2 e; it stays with the centres of mass.
+    // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse e^{alpha+1/2}
+    // sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx, up to a relative error measured to be 1.2 e. The
+    // impulse stays with the centres of mass.
     let third = 1.0 / 3.0;
     for (alpha, integral) in [(1.0, 4.0 * third), (1.5, 0.375 * std::f64::consts::PI), (2.0, 3.2 * third)] {
         for excess in [1e-2, 1e-4, 1e-6, 1e-10, 0.0, -1e-10, -1e-6] {
@@ -141,7 +144,8 @@ fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
                 let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, pace);
                 let impulse = y[5] + y[7];
                 assert!(touches || impulse == 0.0, "alpha {alpha}, excess {excess:e}, {pace:?}: {impulse:e}");
-                // A tolerance may leave out what it does not ask for, and velocities are rounded.
+                // A tolerance allows impulses far below it to be left out, and velocities are
+                // rounded.
                 let unasked = if let Pace::Tolerance(tol) = pace { 1e-8 * tol } else { 0.0 };
                 let error = (impulse - expected).abs();
                 println!("alpha {alpha}, excess {excess:e}, {pace:?}: {expected:e}, off by {error:.1e}");
@@ -154,7 +158,8 @@ fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
 
 #[test]
 fn contacts_that_graze_agree() {
-    // Truth: the regularised run. Measured: 0.2 of the tolerance, 1.8e-13 with alpha = 1, else 1.5e-14.
+    // Truth: the regularised run. Measured: 0.2 of the tolerance, 1.8e-13 with alpha = 1, else
+    // 1.5e-14.
     for (alpha, bound) in [(1.0, 4e-13), (1.5, 3e-14), (3.0, 3e-14)] {
         for excess in [1e-2, 1e-6, 1e-10, 0.0, -1e-10, -1e-6] {
             let (chain, y0) = grazing(alpha, excess);
@@ -164,8 +169,9 @@ fn contacts_that_graze_agree() {
     }
 }
 
-/// One bead between walls, each pressed by `delta`. It leaves one if `v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2)`: its speed is off
-/// that by a share.
+/// One bead between walls, each pressed by `delta`. It leaves a wall if
+/// `v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2)`; its speed differs from the critical one
+/// by the given share.
 fn nearly_open(share: f64) -> (Chain<f64>, [f64; 2]) {
     let delta = 0.3f64;
     let chain = chain(1.5, (0.0, 0.0), Boundary::Fixed, 1).precompressed(delta).unwrap();
@@ -175,8 +181,8 @@ fn nearly_open(share: f64) -> (Chain<f64>, [f64; 2]) {
 
 #[test]
 fn contacts_that_nearly_open_or_do_for_a_moment() {
-    // Truth: the regularised run. An overlap that turns just above zero has a force like |t|^3 that no event tells of: there equal
-    // windows keep order four only.
+    // Truth: the regularised run. An overlap with its minimum just above zero has a force like
+    // |t|^3 without an event: equal windows have only order four there.
     for (share, bound) in
         [(-1e-3, 1e-13), (-1e-6, 2e-10), (-1e-10, 2e-10), (0.0, 2e-10), (1e-10, 5e-14), (1e-6, 8e-13), (1e-3, 1.3e-13)]
     {
@@ -195,8 +201,9 @@ fn contacts_that_nearly_open_keep_the_tolerance() {
     }
 }
 
-/// `alpha` and the time for which two plain beads touch that meet with relative speed `w`: `2 (g/w) int_0^1 ds/sqrt(1 - s^{alpha+1})` with
-/// the largest overlap `g = (w^2 (alpha+1)/4)^{1/(alpha+1)}`; integrals by the gamma function.
+/// `alpha`, and the contact time of two plain beads that meet with relative speed `w`:
+/// `2 (g/w) int_0^1 ds/sqrt(1 - s^{alpha+1})` with the largest overlap
+/// `g = (w^2 (alpha+1)/4)^{1/(alpha+1)}`; integrals by the gamma function.
 fn durations(w: f64) -> [(f64, f64); 6] {
     [
         (1.0, std::f64::consts::FRAC_PI_2),
@@ -211,14 +218,15 @@ fn durations(w: f64) -> [(f64, f64); 6] {
 
 #[test]
 fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
-    // The first flies at the second, which rests. The centre goes on and the relative velocity is reversed: restitution one. Measured:
-    // 0.06 of the tolerance, 2.5e-15; events to 4.4e-16, energy to 2.9e-14.
+    // The first bead flies at the second, which rests. The centre of mass moves on and the relative
+    // velocity is reversed: restitution one. Measured: 0.06 of the tolerance, 2.5e-15; events to
+    // 4.4e-16, energy to 2.9e-14.
     let (w, end) = (0.7, 9.0);
     for (alpha, duration) in durations(w) {
         let chain = plain(alpha, 2);
         let onset = 0.5 / w;
         let y0 = [-0.5, 0.0, w, 0.0];
-        // At the release both are at the same place.
+        // At the release both beads are at the same place.
         let meeting = 0.5 * w * duration;
         let reference = [meeting, meeting + w * (end - onset - duration), 0.0, w];
         agree(&format!("alpha {alpha}"), (&chain, &y0, end), &reference, 0.2, (30, 5e-15));
@@ -248,8 +256,8 @@ fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
 
 #[test]
 fn contacts_shorter_than_a_window() {
-    // Contacts that last 2.2 to 3 in windows of 60; they are cut into shorter ones, until sweeps settle. What ten nodes then make of a whole
-    // contact is the error. Truth: the regularised run.
+    // Contacts that last 2.2 to 3 in windows of 60. The windows are shortened until sweeps settle;
+    // the error is that of ten nodes for a whole contact. Truth: the regularised run.
     for (alpha, bound) in [(1.0, 6e-12), (1.5, 1.2e-9), (3.0, 2e-9)] {
         let chain = plain(alpha, 2);
         let (y0, end) = ([-10.0, 0.0, 1.0, 0.0], 60.0);
@@ -274,14 +282,15 @@ fn contacts_far_shorter_than_a_window() {
     }
 }
 
-/// Two beads that shake at `omega = 40` and touch at every turn.
+/// Two beads that oscillate at `omega = 40` and touch in every period.
 fn shaking() -> (Chain<f64>, [f64; 8]) {
     (chain(1.5, (800.0, 1.0), Boundary::Free, 2), [-0.01, 0.01, -0.01, 0.01, 0.6, -0.6, -0.6, 0.6])
 }
 
 #[test]
 fn several_contacts_of_one_bond_in_a_window() {
-    // Up to thirteen, each on one or two panels. Truth: the regularised run, good to 1.9e-12.
+    // Up to thirteen contacts, each on one or two panels. Truth: the regularised run, with an error
+    // of 1.9e-12.
     let (chain, y0) = shaking();
     let reference = truth(&chain, &y0, 2.0, 1e-15);
     for count in [1, 2, 4, 16, 32, 64] {
@@ -292,7 +301,8 @@ fn several_contacts_of_one_bond_in_a_window() {
 
 #[test]
 fn a_contact_after_one_that_ends_in_the_window_is_found() {
-    // Truth: the regularised run. The contact from 0.6466 to 0.6886 is missed in the window from 0.5 to 0.75.
+    // Truth: the regularised run. The contact from 0.6466 to 0.6886 is missed in the window from
+    // 0.5 to 0.75.
     let (chain, y0) = shaking();
     let reference = truth(&chain, &y0, 2.0, 1e-15);
     windows_resolve("shaking", (&chain, &y0, 2.0), &reference, (8, 4e-12));
@@ -312,7 +322,8 @@ fn light_resonators_keep_the_tolerance() {
 
 #[test]
 fn resonators_much_faster_than_contacts_keep_loose_tolerances() {
-    // Truth: the regularised run. Each of thousands of windows moves beads so little that a force that is not resolved would be small beside the tolerance.
+    // Truth: the regularised run. There are thousands of windows, and in each the force moves the
+    // beads so little that it seems small beside the tolerance even if it is not resolved.
     for (amplitude, kappa, end) in [(1.0_f64, 1e4, 9.0), (1e-3, 1e4, 50.0), (1.0, 1e8, 0.1)] {
         let row = chain(1.5, (kappa, 1.0 / 3.0), Boundary::Fixed, 4);
         let shape = |n: usize, phase: f64| (2.4 * n as f64 + phase).cos();
@@ -335,9 +346,9 @@ fn resonators_much_faster_than_contacts_keep_loose_tolerances() {
 
 #[test]
 fn starts_on_the_surface() {
-    // Truth: the regularised run, or free flight. Measured: 0.15 of the tolerance, in a row with alpha = 0.7, whose force is smooth to order 8
-    // only in any variable, up to 15.5 times as much as it;
-    // windows as below, half of it.
+    // Truth: the regularised run, or free flight. Measured: 0.15 of the tolerance, but 15.5 times
+    // the tolerance for the row with alpha = 0.7, whose force is smooth only to order 8 in any
+    // variable; with windows, half of the bounds below.
     for (alpha, bounds) in
         [(0.7, [6e-11, 2.5e-11]), (1.0, [1.2e-15, 1.2e-13]), (1.5, [3.2e-15, 5e-14]), (2.0, [1e-15, 2.5e-14])]
     {
@@ -362,7 +373,8 @@ fn starts_on_the_surface() {
 
 #[test]
 fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
-    // Truth: the regularised run. Gauss collocation with M nodes has order 2 M: measured 7.9 and 11.8 for M = 4 and 6.
+    // Truth: the regularised run. Gauss collocation with M nodes has order 2 M: measured 7.9 and
+    // 11.8 for M = 4 and 6.
     for boundary in [Boundary::Fixed, Boundary::Ring] {
         let chain = chain(1.5, (1.0, 0.5), boundary, 6).precompressed(0.3).unwrap();
         let u: Vec<f64> = (0..6).map(|n| 0.05 * (1.7 * n as f64).sin()).collect();
@@ -381,7 +393,8 @@ fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
 
 #[test]
 fn free_flight_is_exact_and_takes_few_windows() {
-    // Truth: straight lines; centres of mass on those and an oscillation about them.
+    // Truth: straight lines, and for resonators straight lines of the centres of mass with an
+    // oscillation about them.
     let free = plain(1.5, 3);
     let y0 = [-1.0, 0.0, 1.0, -0.3, 0.1, 0.7];
     let flight = [-31.0, 10.0, 71.0, -0.3, 0.1, 0.7];

@@ -1,4 +1,4 @@
-//! Contacts of chains: none is missed, none is invented, and what the log says of each is true.
+//! Contacts of chains: none is missed, none is spurious, and their logged data are correct.
 
 use crate::common::{collocated, distance, largest};
 use approx::assert_relative_eq;
@@ -23,13 +23,14 @@ fn spheres(sites: usize) -> Chain<f64> {
     chain(1.5, (0.0, 0.0), Boundary::Free, sites)
 }
 
-/// The state with these displacements and velocities of beads; resonators lie where the beads do.
+/// The state with the given displacements and velocities of beads. Resonators have the
+/// displacements of their beads and rest.
 fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
     let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
     State::from_fn(chain, site).unwrap().as_slice().to_vec()
 }
 
-/// A regularised run: the state at the end, its events, and its steps.
+/// A regularised run: the state at its end, its events, and its number of steps.
 fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> (Vec<f64>, Vec<Event<f64>>, u64) {
     let alpha = chain.params().alpha;
     let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
@@ -45,7 +46,7 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> (Vec<f64>, Vec<Eve
     (y, events, run.stats().steps)
 }
 
-/// The contacts of a run of plain DOP853.
+/// The contacts of a run of DOP853 under [`Watch`].
 fn watched(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<Contact> {
     let run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(tol)).unwrap();
     let mut watch = Watch::new(run, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
@@ -53,7 +54,7 @@ fn watched(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<Contact> {
     watch.into_listener().contacts()
 }
 
-/// The state at the end by plain DOP853: it knows nothing of events.
+/// The state at the end by DOP853 without treatment of events.
 fn plain(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
     let mut y = y0.to_vec();
     let mut run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(2.5e-15)).unwrap();
@@ -67,8 +68,8 @@ fn kinds(events: &[Event<f64>]) -> Vec<(usize, bool)> {
 
 #[test]
 fn the_log_of_one_collision_is_that_of_the_closed_form() {
-    // g'' = -2 g^alpha with g' = w: g_max = (w^2 (alpha+1)/4)^{1/(alpha+1)}; the beads swap velocities, so the impulse is
-    // w; the collision is elastic and symmetric in time.
+    // g'' = -2 g^alpha with g' = w: g_max = (w^2 (alpha+1)/4)^{1/(alpha+1)}; the beads swap
+    // velocities, so the impulse is w; the collision is elastic and symmetric in time.
     let w = 0.7;
     for alpha in [1.2, 1.5, 2.0, 3.0] {
         let chain = chain(alpha, (0.0, 0.0), Boundary::Free, 2);
@@ -87,11 +88,12 @@ fn the_log_of_one_collision_is_that_of_the_closed_form() {
 
 #[test]
 fn impulses_add_up_to_the_change_of_momentum() {
-    // Truth: u_n'(end) - u_n'(0) = J_n - J_{n+1} on a plain chain, for every bead, by every kind of method.
+    // Truth: u_n'(end) - u_n'(0) = J_n - J_{n+1} on a plain chain, for every bead, by every kind of
+    // method.
     let scene = Scene::load("impact").unwrap().until(20.0).unwrap();
     for (name, setting, bound) in [
         ("dop853-regularised", Setting::Tolerance(1e-11), 4e-10),
-        // Their kicks are samples of the force: its integral to order two.
+        // Kicks are samples of the force and give its integral to order two.
         ("strang-linear", Setting::Steps(4000), 1e-5),
         ("verlet", Setting::Steps(4000), 4e-6),
         ("aba1064", Setting::Steps(1000), 5e-9),
@@ -149,8 +151,8 @@ fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
 
 #[test]
 fn a_contact_that_nearly_opens_opens_only_if_it_has_the_energy() {
-    // One bead between walls, each pressed by delta. It leaves a wall if it reaches u = delta:
-    // v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2).
+    // One bead between walls, each pressed by delta. It leaves a wall if it reaches u = delta, so
+    // if v^2/2 + 2 delta^{5/2}/(5/2) > (2 delta)^{5/2}/(5/2).
     let delta = 0.3f64;
     let chain = chain(1.5, (0.0, 0.0), Boundary::Fixed, 1).precompressed(delta).unwrap();
     let critical = (2.0 / 2.5 * ((2.0 * delta).powf(2.5) - 2.0 * delta.powf(2.5))).sqrt();
@@ -160,7 +162,8 @@ fn a_contact_that_nearly_opens_opens_only_if_it_has_the_energy() {
         let events = swing(critical * (1.0 + near));
         let turns = kinds(&events);
         assert!(turns.len() >= 2 && turns[..2] == [(0, false), (0, true)], "{near:e}: {events:?}");
-        // In the gap it moves freely but for the other wall: about 2 v/f, v the speed that is left at the release.
+        // In the gap only the other wall acts: the gap lasts about 2 v/f, with the speed v at the
+        // release and the force f of that wall.
         let left = critical * (2.0 * near).sqrt();
         let force = (2.0 * delta).powf(1.5);
         assert_relative_eq!(events[1].t - events[0].t, 2.0 * left / force, max_relative = 0.5 * near + 4e-6);
@@ -188,7 +191,7 @@ fn grazing_contacts_agree_with_a_method_that_knows_no_events() {
 
 #[test]
 fn a_contact_shorter_than_a_step_is_found() {
-    // Stiff contacts between fast beads: 1e-4 of the run. Truth: they swap velocities.
+    // Stiff contacts between fast beads last 1e-4 of the run. Truth: the beads swap velocities.
     let chain = chain(3.0, (0.0, 0.0), Boundary::Free, 3);
     let y0 = state(&chain, &[-1000.0, 0.0, 1000.0], &[300.0, 0.0, -100.0]);
     for (tol, bound) in [(1e-4, 5e-2), (1e-8, 5e-7), (1e-12, 3e-11)] {
@@ -216,7 +219,7 @@ fn a_start_that_just_touches_fires_if_it_moves_in() {
 
 #[test]
 fn a_start_on_the_surface_at_rest_is_left_by_a_resonator() {
-    // The bead leaves with t^3, smaller than any double at first. Truth: collocation.
+    // The bead leaves the surface like t^3, below the smallest double at first. Truth: collocation.
     let chain = chain(1.854_387_304_186_515_8, (1.0, 170.159_267_162_093_16), Boundary::Fixed, 1);
     let y0 = [0.0, 0.0, 0.0, -0.044_240_388_319_732_35];
     let (y, _, steps) = run(&chain, &y0, 8.0, 1e-13);
@@ -247,7 +250,8 @@ fn the_tail_of_a_breather_makes_no_events() {
         let outcome = scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap();
         assert_eq!(outcome.contacts, Some(Vec::new()), "{name}");
     }
-    // One bead displaced among forty at rest that just touch: overlaps fall doubly exponentially, 1e-1, 1e-3, .., 1e-300.
+    // One bead is displaced among forty that just touch. Overlaps fall doubly exponentially: 1e-1,
+    // 1e-3, .., 1e-300.
     let cradle = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 40);
     let u: Vec<f64> = (0..40).map(|n| if n == 20 { 0.1 } else { 0.0 }).collect();
     let y0 = state(&cradle, &u, &[0.0; 40]);
@@ -258,7 +262,7 @@ fn the_tail_of_a_breather_makes_no_events() {
     assert!(distance(&y, &plain(&cradle, &y0, 20.0)) < 6e-10);
 }
 
-/// Every crossing of zero that a brute-force run sees between steps of `1e-3` in which `|g|` gets beyond `level`.
+/// The zero crossings after which `|g|` exceeds `level`, in a run with steps of `1e-3`.
 fn brute_force(chain: &Chain<f64>, y0: &[f64], end: f64, level: f64) -> Vec<(usize, bool, f64)> {
     let overlaps = Overlaps::new(chain.clone());
     let mut g = vec![0.0; overlaps.count()];
@@ -294,7 +298,8 @@ fn brute_force(chain: &Chain<f64>, y0: &[f64], end: f64, level: f64) -> Vec<(usi
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// No event is missed: whatever a brute-force run sees, the regularised run and the log have too.
+    /// Truth: a run with many small steps. The regularised run and the log have every event that
+    /// this run shows.
     #[test]
     fn no_contact_is_missed(
         alpha in prop_oneof![Just(1.2), Just(1.5), Just(2.0), Just(3.0)],
@@ -322,7 +327,7 @@ proptest! {
             });
             prop_assert!(logged, "bond {bond}, rising {rising}, t = {t}: {contacts:?}");
         }
-        // And none is invented: onsets and releases of a bond take turns.
+        // No event is spurious: onsets and releases of a bond alternate.
         for index in 0..overlaps.count() {
             let turns: Vec<bool> = events.iter().filter(|event| event.index == index).map(|event| event.rising).collect();
             prop_assert!(turns.windows(2).all(|pair| pair[0] != pair[1]), "bond {index}: {events:?}");

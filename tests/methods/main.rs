@@ -1,4 +1,4 @@
-//! Integrators on the chain. One binary for all of them: what is generic is compiled once.
+//! Integrators on the chain. All tests are in one binary, so that generic code is compiled once.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,7 +13,7 @@ mod run;
 mod splitting;
 mod tangent;
 
-/// Equal windows that know their neighbours.
+/// Equal windows, with panels cut at events of neighbours.
 fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::Pace {
     hertzchain::integrators::collocation::Pace::Windows { windows, nodes, neighbours: true }
 }

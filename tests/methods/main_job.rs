@@ -1,4 +1,4 @@
-//! The main job on the paper's chain: errors, orders and theory of the built-in scenes.
+//! The paper's chain: errors, orders and theory of the built-in scenes.
 
 use hertzchain::{
     experiments::{CompareOptions, compare},
@@ -22,7 +22,7 @@ fn end(scene: &Scene, method: &str, setting: Setting) -> Trajectory {
     outcome
 }
 
-/// Steps that make this many kicks a period.
+/// The number of steps with the given number of kicks a period.
 fn kicks(scene: &Scene, method: &str, kicks: f64) -> Setting {
     steps_per_period(scene, kicks / Method::named(method).unwrap().stages() as f64)
 }
@@ -33,8 +33,9 @@ fn distance(scene: &Scene, a: &Trajectory, b: &Trajectory) -> f64 {
     gaps.fold(0.0, f64::max) / scale
 }
 
-// Truth: another method at 8 times the finest row (aba1064 at 32768 kicks a period, good to 4e-10). The expected figures
-// were measured by an independent prototype in another language; both sides of the factor of two are checked.
+// Truth: another method at 8 times the finest row (aba1064 at 32768 kicks a period, error 4e-10).
+// The expected numbers come from an independent prototype in another language; bounds hold on both
+// sides, within a factor of two.
 #[test]
 fn the_exact_linear_flow_gains_three_orders_over_velocity_verlet_on_the_first_run_of_the_paper() {
     let scene = scene("tw-q15");
@@ -64,7 +65,8 @@ fn strang_linear_reaches_5e_11_on_the_first_run_of_the_paper() {
     }
 }
 
-// Truth: the paper's figure (E_x < 8 % over the run, below 5 % and 3 % at the end); measured 4.94 % and 2.25 %.
+// Truth: the paper's figure (E_x < 8 % over the run, below 5 % and 3 % at the end); measured 4.94 %
+// and 2.25 %.
 #[test]
 fn the_ansatz_of_the_first_run_holds_to_five_and_three_per_cent() {
     let scene = scene("tw-q15");
@@ -75,8 +77,8 @@ fn the_ansatz_of_the_first_run_holds_to_five_and_three_per_cent() {
     assert!((0.02..0.05).contains(&e_x) && (0.01..0.03).contains(&e_y), "{e_x} {e_y}");
 }
 
-// Truth: Sec. 4 of the paper: the breakdown runs leave the ansatz, rho = 3 stays near it, and for rho at and above the
-// critical 10 it is y that leaves.
+// Truth: Sec. 4 of the paper: the breakdown runs leave the ansatz, rho = 3 stays near it, and for
+// rho at and above the critical value 10 it is y that leaves the ansatz.
 #[test]
 fn the_other_runs_of_the_paper_hold_and_break_where_it_says() {
     let errors = |name: &str| {
@@ -102,7 +104,8 @@ fn the_other_runs_of_the_paper_hold_and_break_where_it_says() {
     }
 }
 
-// Truth: closed form (uncpl), its phase to twice the working precision. Any step will do, even one of several periods.
+// Truth: closed form (uncpl), its phase to twice the working precision. Any step is exact, even one
+// of several periods.
 #[test]
 fn every_method_with_the_exact_linear_flow_is_exact_on_the_trivial_breather() {
     let scene = scene("trivial-breather");
@@ -118,7 +121,7 @@ fn every_method_with_the_exact_linear_flow_is_exact_on_the_trivial_breather() {
             }
         }
     }
-    // The answer must be no for a split that must resolve the springs.
+    // A split that must resolve the springs has to fail.
     let verlet = end(&scene, "verlet", Setting::Steps(1000));
     assert!((layout.u(&verlet.state)[19] - breather.site(19, scene.end()).u).abs() > 1e-3);
 }
@@ -148,7 +151,8 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
     let comparison = compare(&scene, &CompareOptions { methods: methods.clone(), max_time: 20.0 }, &|_, _| ()).unwrap();
     assert_eq!(comparison.methods(), methods);
     assert!(comparison.reference.error_estimate < 1e-9);
-    // Yoshida's scheme of order 8 is unstable with one step a period: in the table, with the reason, and no error.
+    // Yoshida's scheme of order 8 is unstable with one step a period: its row holds the reason and
+    // no error.
     let failed = comparison.rows_of(&methods[2])[0];
     assert!(failed.error.is_none() && failed.wall.is_none() && failed.failure.is_some(), "{failed:?}");
     // Truth for the slopes: order 2.
@@ -176,8 +180,8 @@ fn a_scene_leaves_out_what_it_does_not_need() {
     }
 }
 
-// Truth: higher precision. The same generic code in double-double, on a small chain with contacts, says how much of the
-// f64 run is rounding. Measured: 2e-15 after 2000 steps.
+// Truth: the same generic code in double-double, on a small chain with contacts. The difference is
+// the rounding of the f64 run. Measured: 2e-15 after 2000 steps.
 #[test]
 fn the_same_code_in_double_double_shows_the_rounding_of_the_double_run() {
     use hertzchain::chain::{Boundary, Chain, LinearFlow, Params, Site, State};
@@ -198,8 +202,9 @@ fn the_same_code_in_double_double_shows_the_rounding_of_the_double_run() {
     assert!(gap > 0.0 && gap < 5e-15, "{gap:e}");
 }
 
-// Truth: the energy. Resonators of mass 1e-8 make h omega = 100: the exact flow does not notice (measured 1.6e-5, the error
-// of the impact itself), velocity Verlet is beyond its limit h omega = 2 and must be seen to fail.
+// Truth: the energy. Resonators of mass 1e-8 give h omega = 100. The exact flow is not affected
+// (measured 1.6e-5, the error of the impact itself); velocity Verlet is beyond its limit h omega =
+// 2 and must fail.
 #[test]
 fn a_light_resonator_limits_the_step_of_verlet_only() {
     let mut file = scene("impact").file().clone();

@@ -1,4 +1,5 @@
-//! What contacts do to the order of every method: the claims of the order study, on a small run of it.
+//! The effect of contacts on the order of every method: the claims of the order study, on a small
+//! version of it.
 
 use hertzchain::experiments::{Mode, OrderStudy, Quantity, order, theory};
 use std::sync::LazyLock;
@@ -44,7 +45,8 @@ fn corrected_kicks_have_order_four_and_their_tangent_alpha_plus_two() {
     for name in ["corrected", "corrected-kinetic"] {
         let of = |quantity| slope(&SPHERES, name, Mode::Corrected, quantity);
         assert!((of(Quantity::State) - 4.0).abs() < 0.1, "{name}: {}", of(Quantity::State));
-        // Events fall where chance has them: the median is a slope to a third or so.
+        // The position of events in a step is random: the median slope has an error of about a
+        // third.
         assert!((3.4..4.1).contains(&of(Quantity::Tangent)), "{name}: {}", of(Quantity::Tangent));
     }
     // Corrections without processing.
@@ -64,7 +66,8 @@ fn landing_makes_the_constant_smaller_and_not_the_order_larger() {
     }
     let ((plain, n), (landed, m)) = (errors(&SPHERES, "dop853", Mode::Plain), errors(&SPHERES, "dop853", Mode::Landed));
     for k in 0..plain.len() {
-        // About as many steps: the landed run has at most two more for each of its twelve events.
+        // Similar numbers of steps: the landed run has at most two more for each of its twelve
+        // events.
         assert!(m[k] <= n[k] + 24);
         assert!(landed[k] < 0.25 * plain[k], "{:e} {:e} with {} steps", landed[k], plain[k], n[k]);
     }
@@ -72,14 +75,15 @@ fn landing_makes_the_constant_smaller_and_not_the_order_larger() {
 
 #[test]
 fn averaged_kicks_gain_one_order_at_contacts() {
-    // min(p, alpha + 2) for the state, min(p, alpha + 1) for the tangent; fourth order shows its own.
+    // min(p, alpha + 2) for the state, min(p, alpha + 1) for the tangent; compositions of order 4
+    // show their own order.
     for name in ["yoshida6-linear", "kahan-li6-linear", "yoshida8-linear", "kahan-li8-linear"] {
         let of = |quantity| slope(&SPHERES, name, Mode::Averaged, quantity);
         assert!((of(Quantity::State) - 3.5).abs() < 0.4, "{name}: {}", of(Quantity::State));
         assert!((of(Quantity::Tangent) - 2.5).abs() < 0.4, "{name}: {}", of(Quantity::Tangent));
     }
     assert!((slope(&SPHERES, "strang-linear", Mode::Averaged, Quantity::State) - 2.0).abs() < 0.1);
-    // Only compositions of Strang steps keep their order: the others are not in the study.
+    // Only compositions of Strang steps keep their order; other schemes are not in the study.
     assert!(!SPHERES.rows.iter().any(|row| row.mode == Mode::Averaged && row.method.name() == "aba1064-linear"));
 }
 
@@ -88,7 +92,7 @@ fn the_regularised_method_has_its_full_order_down_to_rounding() {
     let slope_of = |quantity| slope(&SPHERES, "dop853", Mode::Regularised, quantity);
     assert!((slope_of(Quantity::State) - 8.0).abs() < 0.5, "{}", slope_of(Quantity::State));
     assert!((slope_of(Quantity::Tangent) - 8.0).abs() < 0.8, "{}", slope_of(Quantity::Tangent));
-    // At least six between the ends of more than four decades, and 1e-12 reached.
+    // At least order six over more than four decades, down to 1e-12.
     let (errors, steps) = errors(&SPHERES, "dop853", Mode::Regularised);
     let (first, last) = (2, errors.len() - 2);
     let slope = (errors[first] / errors[last]).ln() / (steps[last] as f64 / steps[first] as f64).ln();
@@ -109,7 +113,7 @@ fn an_integer_exponent_needs_landing_only() {
 
 #[test]
 fn a_steep_exponent_has_the_whole_order_whatever_the_mode() {
-    // The force is so smooth that contacts no longer limit a method of order 8.
+    // The force is so smooth that contacts do not limit a method of order 8.
     let study = order(7.0, 6, &|_| ()).unwrap();
     for (name, mode) in [("kahan-li8-linear", Mode::Averaged), ("dop853", Mode::Regularised)] {
         assert!((slope(&study, name, mode, Quantity::State) - 8.0).abs() < 0.5, "{name}");

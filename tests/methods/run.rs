@@ -1,4 +1,4 @@
-//! The one door: runs that are built by hand.
+//! The interface `Run`: runs that are built by hand.
 
 use hertzchain::{
     Boundary, Chain, Method, Params, Result, Run, Scene, Setting, State,
@@ -36,7 +36,7 @@ fn states_at_times_are_those_of_the_run() {
     assert_eq!(states[1], states[2]);
     let end = run.records(Records::End).start().unwrap();
     assert_eq!(states[4].as_slice(), end.state);
-    // Another method, another truth: states in between too.
+    // States at intermediate times too. Truth: another method.
     let other =
         struck(6).until(9.0).unwrap().method(Method::named("dop853-regularised").unwrap()).tolerance(1e-12).unwrap();
     for (state, other) in states.iter().zip(other.at(&times).unwrap()) {
@@ -60,7 +60,7 @@ fn what_is_not_said_is_chosen() {
 
 #[test]
 fn every_method_logs_contacts_through_the_same_door() {
-    // The collision passes on from bead to bead; all methods see the same contacts of a resolved run.
+    // The collision passes from bead to bead. All methods log the same contacts of a resolved run.
     let run = struck(4).until(6.0).unwrap().contacts();
     let log = |run: Run| run.start().unwrap().complete().unwrap().contacts.unwrap();
     let truth = log(run.clone().tolerance(1e-11).unwrap());

@@ -1,4 +1,5 @@
-//! Every scheme on both flows of the chain: structure, order with and without contacts that open, exactness, counts.
+//! Every scheme on both flows of the chain: structure, order with and without events, exactness,
+//! counts.
 
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, State};
 use hertzchain::integrators::{
@@ -31,7 +32,7 @@ fn assert_near(value: f64, want: f64, tolerance: f64, what: &str) {
     assert!((value - want).abs() <= tolerance, "{what}: {value}, not {want} +- {tolerance}");
 }
 
-/// Numbers in (-1, 1) that look random: splitmix64.
+/// Pseudo-random numbers in (-1, 1): splitmix64.
 fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -50,7 +51,7 @@ fn walled(alpha: f64, rho: f64, sites: usize) -> Chain<f64> {
     Chain::new(Params::new(alpha, 1.0, rho).unwrap(), Boundary::Fixed, sites).unwrap()
 }
 
-/// What compositions begin with when nothing else is asked for: what suits the flow.
+/// The flow with which compositions begin by default: it suits the split.
 fn natural(flow: Flow) -> First {
     match flow {
         Flow::Kinetic => First::Kick,
@@ -95,7 +96,7 @@ fn integrate(chain: &Chain<f64>, flow: Flow, scheme: &Scheme, y: &[f64], end: f6
     finish(&mut *stepper(chain, flow, scheme, natural(flow), y, end, steps))
 }
 
-/// The end of a run by an independent method.
+/// The state at the end by an independent method.
 fn by_dop853(chain: &Chain<f64>, y: &[f64], end: f64) -> Vec<f64> {
     let options = Options { atol: 1e-15, max_step: Some(1e-3), ..Options::new(1e-14) };
     finish(&mut Dop853::new(Field::new(chain.clone()), y, (0.0, end), options).unwrap())
@@ -122,7 +123,8 @@ fn line(points: &[(f64, f64)]) -> (f64, f64) {
     (covariance / variance, y - covariance / variance * x)
 }
 
-/// Beads in two groups: inside them contacts stay closed, between them one stays open, for a unit of time at least.
+/// Beads in two groups, for at least a unit of time: contacts inside a group stay closed, the one
+/// between the groups stays open.
 fn two_clusters() -> (Chain<f64>, Vec<f64>) {
     let chain = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::Free, 5).unwrap();
     let at = [0.0, -1.0, 4.0, 3.1, 2.0];
@@ -136,7 +138,7 @@ fn closed_and_open(chain: &Chain<f64>, y: &[f64]) -> Vec<bool> {
     chain.overlaps(chain.layout().u(y)).into_iter().map(|g| g > 0.0).collect()
 }
 
-/// The Jacobian of a map by central differences of fourth order: error d^4 and eps/d.
+/// The Jacobian of a map by central differences of fourth order, with errors d^4 and eps/d.
 fn jacobian(y: &[f64], map: impl Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
     let d = 1e-3;
     let column = |j: usize| {
@@ -169,7 +171,8 @@ fn symplectic_defect(chain: &Chain<f64>, jacobian: &DMatrix<f64>) -> f64 {
 
 #[test]
 fn every_step_is_symplectic() {
-    // Truth: J^T W J = W; J by differences good to 1e-11 on a step that meets no kink of the force.
+    // Truth: J^T W J = W. The differences give J to 1e-11 on a step that meets no kink of the
+    // force.
     let (chain, y) = two_clusters();
     let mut worst = 0.0_f64;
     for flow in FLOWS {
@@ -182,7 +185,7 @@ fn every_step_is_symplectic() {
         }
     }
     assert_below(worst, 6e-12, "J^T W J - W");
-    // A check that lets everything pass is none: Euler's step is off by h^2 f'.
+    // The check can fail: Euler's step violates it by h^2 f'.
     let euler = |y: &[f64]| {
         let mut dy = vec![0.0; y.len()];
         Field::new(chain.clone()).eval(0.0, y, &mut dy);
@@ -200,7 +203,8 @@ fn backwards(mut y: Vec<f64>) -> Vec<f64> {
 
 #[test]
 fn a_run_with_reversed_velocities_leads_back_to_its_start() {
-    // Truth: every scheme is a palindrome of reversible flows. What is left is rounding, amplified by the motion.
+    // Truth: every scheme is a palindrome of reversible flows. The remainder is rounding, amplified
+    // by the motion.
     let mut worst = 0.0_f64;
     for (rho, seed) in [(0.5, 1), (0.0, 2), (f64::INFINITY, 3)] {
         let chain = walled(1.5, rho, 6);
@@ -217,7 +221,7 @@ fn a_run_with_reversed_velocities_leads_back_to_its_start() {
     assert_below(worst, 80.0, "way back, in eps");
 }
 
-/// Looks at the given times and keeps what it sees.
+/// An observer that keeps the states at the given times.
 struct Looks {
     times: Vec<f64>,
     seen: Vec<Vec<f64>>,
@@ -235,7 +239,8 @@ impl Observer<f64> for Looks {
 
 #[test]
 fn looking_at_a_run_does_not_change_it() {
-    // Truth: the run nobody looks at, bit for bit; some looks inside steps, some at their ends, two at once.
+    // Truth: the run without samples, bit for bit. Samples lie inside steps, at their ends, and
+    // twice at one time.
     let chain = walled(1.5, 0.5, 6);
     let y = random_state(&chain, 4, 1.0);
     for flow in FLOWS {
@@ -256,7 +261,7 @@ fn looking_at_a_run_does_not_change_it() {
     }
 }
 
-/// A walled chain pressed so hard that no contact opens, and a motion in it.
+/// A walled chain with a precompression so large that no contact opens, and a motion in it.
 fn smooth_motion() -> (Chain<f64>, Vec<f64>) {
     let chain = walled(1.5, 0.5, 6).precompressed(1.0).unwrap();
     let y = random_state(&chain, 5, 0.4);
@@ -274,8 +279,8 @@ fn watch(chain: &Chain<f64>, y: &[f64], end: f64, mut look: impl FnMut(&[f64])) 
     }
 }
 
-/// The order seen on the four finest of a ladder of step counts, each sqrt 2 times the last, whose errors are well
-/// above round-off.
+/// The order on the four finest of a ladder of numbers of steps, each sqrt 2 times the last, for
+/// errors well above round-off.
 fn measured_order(error: impl Fn(u64) -> f64) -> f64 {
     let steps = (4..=22).map(|k| 2_f64.powf(0.5 * f64::from(k)).round() as u64);
     let errors: Vec<(f64, f64)> =
@@ -285,7 +290,8 @@ fn measured_order(error: impl Fn(u64) -> f64) -> f64 {
 
 #[test]
 fn every_scheme_has_its_order_and_no_more_while_no_contact_opens() {
-    // Truth: the order conditions; errors against DOP853, which shares nothing with a splitting. Round-off: 5e-15.
+    // Truth: the order conditions. Errors are measured against DOP853, which is independent of
+    // splitting. Round-off: 5e-15.
     let (chain, y) = smooth_motion();
     let end = 12.0;
     let mut least = f64::INFINITY;
@@ -308,7 +314,7 @@ fn every_scheme_has_its_order_and_no_more_while_no_contact_opens() {
 
 #[test]
 fn a_look_inside_a_step_is_as_accurate_as_the_run() {
-    // Truth: DOP853. The time lies elsewhere in the step on every rung of the ladder.
+    // Truth: DOP853. The position of the time in its step differs on each rung of the ladder.
     let (chain, y) = smooth_motion();
     let t = 2.7;
     let truth = by_dop853(&chain, &y, t);
@@ -325,8 +331,8 @@ fn a_look_inside_a_step_is_as_accurate_as_the_run() {
     }
 }
 
-/// The order of every scheme on both flows where some twenty contacts close or open: typical errors over eight motions,
-/// since a single one depends on where in a step each event falls.
+/// The order of every scheme on both flows with some twenty events: typical errors over eight
+/// motions, because a single error depends on the position of each event in its step.
 fn orders_with_events(alpha: f64, schemes: &[Scheme], steps: &[u64], want: impl Fn(&Scheme) -> (f64, f64)) {
     let end = 12.0;
     let chain = walled(alpha, 0.5, 6);
@@ -358,7 +364,8 @@ fn orders_with_events(alpha: f64, schemes: &[Scheme], steps: &[u64], want: impl 
 
 #[test]
 fn events_bring_every_order_down_to_alpha_plus_one() {
-    // Truth: a step that meets an event is off by h^(alpha+1), and the number of events does not depend on h.
+    // Truth: a step with an event errs by h^(alpha+1), and the number of events does not depend on
+    // h.
     let steps = [256, 512, 1024, 2048, 4096, 8192];
     orders_with_events(1.5, ALL, &steps, |scheme| if scheme.order == 2 { (2.0, 0.15) } else { (2.5, 0.3) });
 }
@@ -371,7 +378,7 @@ fn events_of_a_smooth_enough_law_leave_order_four() {
     orders_with_events(3.0, &low, &[256, 362, 512, 724, 1024], want);
 }
 
-/// Beads that never touch, each against its resonator with its own amplitude and phase.
+/// Beads that never touch, each oscillating against its resonator with its own amplitude and phase.
 struct Breather {
     chain: Chain<f64>,
     sites: Vec<(f64, f64)>,
@@ -391,7 +398,7 @@ impl Breather {
         2.0 * PI / self.omega.value()
     }
 
-    /// The state at `t`, its phase to 30 digits.
+    /// The state at `t`, with the phase to 30 digits.
     fn at(&self, t: f64) -> Vec<f64> {
         let (rho, omega) = (self.chain.params().rho, self.omega.value());
         let (s, c) = (self.omega * Twofold::new(t)).reduced(Twofold::two_pi()).sin_cos();
@@ -422,7 +429,7 @@ fn beads_that_never_touch_move_exactly_with_any_step() {
         }
     }
     assert_below(worst / EPS, 30.0, "never touching, in eps");
-    // The other splitting has to resolve what this one knows.
+    // The other split has to resolve the oscillation, which this one solves exactly.
     let end = breather.period();
     let verlet = integrate(&breather.chain, Flow::Kinetic, &STRANG, &y, end, 20);
     assert!(gap(&verlet, &breather.at(end)) > 0.01);
@@ -430,7 +437,7 @@ fn beads_that_never_touch_move_exactly_with_any_step() {
 
 #[test]
 fn a_million_steps_lose_nothing_where_no_contact_acts() {
-    // Truth: the closed form. The flow stores no rotated state, so that nothing piles up.
+    // Truth: the closed form. The flow stores no rotated state, so that errors do not accumulate.
     let breather = Breather::new();
     let got = integrate(&breather.chain, Flow::Linear, &STRANG, &breather.at(0.0), 1e5, 1_000_000);
     assert_below(gap(&got, &breather.at(1e5)) / EPS, 16.0, "a million steps, in eps");
@@ -438,8 +445,8 @@ fn a_million_steps_lose_nothing_where_no_contact_acts() {
 
 #[test]
 fn a_million_steps_of_free_flight_end_where_one_does() {
-    // Truth: u + u' t. The centre of mass is moved along every 64 kicks, each time with the same rounding; at most half
-    // a unit each is 7800 eps. Measured: 1160.
+    // Truth: u + u' t. The centre of mass is advanced every 64 kicks, each time with the same
+    // rounding. At half a unit each, the sum is 7800 eps. Measured: 1160.
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap();
     let y = [0.0, 1.0, 2.0, 0.3, 0.4, 0.5];
     for (end, steps) in [(1e5, 1_000_000), (12_345.678, 1_000_000), (1e5, 999_983)] {
@@ -449,7 +456,7 @@ fn a_million_steps_of_free_flight_end_where_one_does() {
     }
 }
 
-/// Relative errors of the energy over time, every 331 steps (nothing a period could be a multiple of).
+/// Relative errors of the energy over time, every 331 steps (not a multiple of a period).
 fn energy_errors(chain: &Chain<f64>, run: &mut dyn Stepper<f64>, y: &[f64]) -> Vec<(f64, f64)> {
     let initial = chain.energy(y).total();
     let (mut y, mut errors) = (y.to_vec(), Vec::new());
@@ -463,7 +470,7 @@ fn energy_errors(chain: &Chain<f64>, run: &mut dyn Stepper<f64>, y: &[f64]) -> V
     errors
 }
 
-/// What the fitted line gains over the run, and the root mean square of what it leaves.
+/// The change of the fitted line over the run, and the root mean square of the residuals.
 fn drift_and_scatter(errors: &[(f64, f64)]) -> (f64, f64) {
     let (slope, at_zero) = line(errors);
     let rest: f64 = errors.iter().map(|(t, error)| (error - at_zero - slope * t).powi(2)).sum();
@@ -472,10 +479,10 @@ fn drift_and_scatter(errors: &[(f64, f64)]) -> (f64, f64) {
 
 #[test]
 fn the_energy_does_not_drift_over_a_hundred_thousand_periods() {
-    // Truth: a symplectic scheme of a smooth system nearly keeps a nearby energy. Smooth enough are contacts that never
-    // open, and contacts of alpha = 3 that do (at alpha = 3/2 chaos and kinks make a random walk: below).
-    // Measured: 0.06 of the scatter, and 0.07 (up to 0.28 over six motions); the largest error is 3.5 and 10.4 times the
-    // scatter.
+    // Truth: a symplectic scheme nearly conserves a modified energy of a smooth system. Contacts
+    // that never open are smooth enough, and contacts of alpha = 3 that open (at alpha = 3/2 chaos
+    // and kinks make a random walk, see below). Measured: 0.06 of the scatter, and 0.07 (up to 0.28
+    // over six motions); the largest error is 3.5 and 10.4 times the scatter.
     let pressed = smooth_motion();
     let opening = walled(3.0, 1.0 / 3.0, 6);
     let opening = (opening.clone(), random_state(&opening, 7, 0.3));
@@ -491,7 +498,7 @@ fn the_energy_does_not_drift_over_a_hundred_thousand_periods() {
         assert_below(largest, 17.0 * scatter, "largest error");
         scatter_of_strang = scatter;
     }
-    // A method of order eight with more evaluations a period drifts away in a fiftieth of the time.
+    // A method of order eight with more evaluations a period drifts in a fiftieth of the time.
     let (chain, y) = &opening;
     let mut run = Dop853::fixed(Field::new(chain.clone()), y, (0.0, 2000.0 * PI), 8000).unwrap();
     let (drift, _) = drift_and_scatter(&energy_errors(chain, &mut run, y));
@@ -501,8 +508,9 @@ fn the_energy_does_not_drift_over_a_hundred_thousand_periods() {
 
 #[test]
 fn in_chaos_the_kinks_of_the_law_make_the_energy_wander() {
-    // Truth: every event leaves an error of h^(alpha+1) with a sign that chaos makes random: a random walk with steps
-    // of that size, here h^2.5, in place of the h^2 of the smooth case. Root mean square over 40 motions.
+    // Truth: every event leaves an error of h^(alpha+1), whose sign is random because of chaos. The
+    // result is a random walk with steps of that size, here h^2.5, in place of the h^2 of the
+    // smooth case. Root mean square over 40 motions.
     let chain = walled(1.5, 1.0 / 3.0, 6);
     let wandering = |per_period: u64| {
         let motion = |seed| {
@@ -520,7 +528,7 @@ fn in_chaos_the_kinks_of_the_law_make_the_energy_wander() {
 
 #[test]
 fn counts_are_the_stages_of_the_scheme() {
-    // Truth: s kicks a step once steps are merged; a scheme that kicks first owes one more whenever somebody looks.
+    // Truth: s kicks a step after merging; for a kick-first scheme each sample costs one more.
     let chain = walled(1.5, 0.5, 3);
     let y = random_state(&chain, 8, 1.0);
     for flow in FLOWS {
@@ -551,7 +559,7 @@ fn counts_are_the_stages_of_the_scheme() {
 
 #[test]
 fn a_run_that_cannot_be_is_refused() {
-    // Truth: the rules of the documentation; an empty span needs no step and changes nothing.
+    // Truth: the rules of the documentation. An empty span needs no step and changes nothing.
     let chain = walled(1.5, 0.5, 3);
     let new = |span, steps| Splitting::new(&STRANG, First::Drift, LinearFlow::new(chain.clone()), span, steps);
     for (span, steps) in [((0.0, -1.0), 5), ((f64::NAN, 1.0), 5), ((0.0, f64::INFINITY), 5), ((0.0, 1.0), 0)] {

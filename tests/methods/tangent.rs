@@ -18,7 +18,7 @@ fn chain<R: Real>(alpha: f64, rho: f64, boundary: Boundary, beads: usize) -> Cha
     Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, beads).unwrap()
 }
 
-/// Beads flying at each other; what is held at its ends starts with some contacts closed and goes on colliding.
+/// Beads that fly at each other. With walls or on a ring, some contacts are closed at the start.
 fn start(chain: &Chain<f64>) -> Vec<f64> {
     match chain.boundary() {
         Boundary::Free => generic_state(chain).unwrap().as_slice().to_vec(),
@@ -40,7 +40,7 @@ fn matrix((alpha, rho, boundary, beads): Case, t: f64, pace: Pace) -> DMatrix<f6
     DMatrix::from_vec(y0.len(), y0.len(), columns)
 }
 
-/// The state at `t` by a method that shares nothing with collocation.
+/// The state at `t` by a method independent of collocation.
 fn flow<R: Real>((alpha, rho, boundary, beads): Case, y0: &[R], t: f64, tol: f64) -> Vec<R> {
     let chain = || chain(alpha, rho, boundary, beads);
     let (field, overlaps) = (Field::new(chain()), Overlaps::new(chain()));
@@ -97,9 +97,10 @@ const TEN_PERIODS: f64 = 10.0 * std::f64::consts::PI;
 
 #[test]
 fn ten_periods_agree_with_differences_in_double_double() {
-    // Truth: central differences of runs by a regularised DOP853 in 32 digits. Measured with runs at 1e-20: the error of differences goes
-    // with the square of their step from 4e-5 (2.8e-6) to 1e-6 (1.7e-9) and without a rule below 1e-7 (2e-11 to 2e-12). So a step
-    // of 1e-9, and runs at 1e-23. Measured: 6.8e-13.
+    // Truth: central differences of runs by regularised DOP853 in 32 digits. Measured with runs at
+    // 1e-20: the error of differences goes with the square of their step from 4e-5 (2.8e-6) to 1e-6
+    // (1.7e-9), and varies irregularly below 1e-7 (2e-11 to 2e-12). Hence a step of 1e-9, and runs
+    // at 1e-23. Measured: 6.8e-13.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let m = matrix(case, TEN_PERIODS, fine(400));
     for k in 0..2 {
@@ -113,7 +114,7 @@ fn ten_periods_agree_with_differences_in_double_double() {
 
 #[test]
 fn it_is_symplectic() {
-    // Truth: Hamiltonian flows are. Measured: 1.8e-16.
+    // Truth: Hamiltonian flows are symplectic. Measured: 1.8e-16.
     for case in [
         (1.5, THIRD, Boundary::Free, 21),
         (1.5, THIRD, Boundary::Ring, 12),
@@ -133,8 +134,8 @@ fn it_is_symplectic() {
 
 #[test]
 fn it_agrees_with_differences_for_every_exponent_and_boundary() {
-    // Truth: central differences of runs by a regularised DOP853; their own error is the step's square and the rounding over
-    // the step. Measured: 1.4e-8 at most.
+    // Truth: central differences of runs by regularised DOP853, whose error is the square of the
+    // step plus the rounding over the step. Measured: at most 1.4e-8.
     let exponents = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0].map(|alpha| (alpha, THIRD, Boundary::Free, 6));
     let boundaries = [
         (1.5, THIRD, Boundary::Fixed, 5),
@@ -160,7 +161,8 @@ fn it_agrees_with_differences_for_every_exponent_and_boundary() {
 
 #[test]
 fn strains_on_a_ring_move_as_the_differences_of_displacements() {
-    // Truth: x = D u, y = D v carries the ring of displacements to that of strains, so M_x D = D M_u. Measured: 3.7e-15.
+    // Truth: x = D u, y = D v maps the ring of displacements to that of strains, so M_x D = D M_u.
+    // Measured: 3.7e-15.
     let n = 6;
     let [ring, strains] = [Boundary::Ring, Boundary::StrainRing].map(|b| chain::<f64>(1.5, THIRD, b, n));
     let u = start(&ring);
@@ -178,7 +180,8 @@ fn strains_on_a_ring_move_as_the_differences_of_displacements() {
 
 #[test]
 fn without_contact_it_is_the_linear_flow() {
-    // Truth: u = R + P, v = R - P/rho with R = (u + rho v)/(1 + rho) in free motion and P at the frequency omega.
+    // Truth: u = R + P, v = R - P/rho with R = (u + rho v)/(1 + rho) in free motion and P at the
+    // frequency omega.
     let (rho, n, t) = (THIRD, 3, 100.0);
     let chain = chain::<f64>(1.5, rho, Boundary::Free, n);
     let omega = chain.params().omega();
@@ -238,7 +241,7 @@ fn a_map_that_begins_inside_a_run_is_the_rest_of_the_whole() {
 
 #[test]
 fn under_a_tolerance_it_is_about_as_good_as_the_run() {
-    // Truth: equal windows, so many that twice as many change nothing. Measured: 414 times the tolerance.
+    // Truth: equal windows; twice as many give the same map. Measured: 414 times the tolerance.
     let case: Case = (1.5, THIRD, Boundary::Free, 21);
     let truth = matrix(case, TEN_PERIODS, fine(800));
     for tol in [1e-8, 1e-10, 1e-12, 1e-14] {

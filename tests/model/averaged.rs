@@ -1,4 +1,4 @@
-//! Splitting that knows of events: averaged kicks, and steps that end on contacts.
+//! Splitting with treatment of events: averaged kicks, and steps that end on contacts.
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, LinearFlow, Overlaps, Params, Site, State},
@@ -49,7 +49,7 @@ fn reversed(mut y: Vec<f64>) -> Vec<f64> {
 
 #[test]
 fn averaged_kicks_run_back_to_where_they_came_from() {
-    // All models and boundaries; about ten contacts each.
+    // Several models and boundaries, with about ten contacts each.
     for (springs, boundary) in [
         ((1.0, 1.0 / 3.0), Boundary::Free),
         ((1.0, 1.0 / 3.0), Boundary::Fixed),
@@ -91,7 +91,7 @@ fn symplectic_defect(map: impl Fn(&[f64]) -> Vec<f64>, y0: &[f64]) -> f64 {
 
 #[test]
 fn averaged_kicks_are_symplectic_and_landed_steps_are_not() {
-    // Truth: the definition. What is left is the rounding of the differences.
+    // Truth: the definition. The remainder is the rounding of the differences.
     let chain = chain((0.0, 0.0), Boundary::Free, 3);
     let y0 = [-0.3, 0.0, 0.4, 1.0, -0.1, -0.7];
     let one_contact = |steps| averaged(&chain, &YOSHIDA4, &y0, 0.5, steps);
@@ -106,8 +106,8 @@ fn averaged_kicks_are_symplectic_and_landed_steps_are_not() {
 
 #[test]
 fn an_averaged_kick_is_the_integral_of_the_force() {
-    // A plain pair, one Strang step over which it closes: J = w^alpha tau^{alpha+1}/(alpha+1), tau the time in contact, but
-    // for what the impulse itself changes (of relative size tau^{5/2}).
+    // A plain pair and one Strang step in which it closes: J = w^alpha tau^{alpha+1}/(alpha+1) with
+    // the time in contact tau, up to the effect of the impulse itself (of relative size tau^{5/2}).
     let chain = chain((0.0, 0.0), Boundary::Free, 2);
     let (w, h) = (1.0, 1e-3);
     for gap in [0.2e-3, 0.5e-3, 0.9e-3] {
@@ -115,7 +115,7 @@ fn an_averaged_kick_is_the_integral_of_the_force() {
         let tau = h - gap / w;
         let impulse = tau.powf(2.5) / 2.5;
         assert!((y[3] / impulse - 1.0).abs() < 5e-9, "{:e} {impulse:e}", y[3]);
-        // The sampled kick sees it only if it is closed half way.
+        // The sampled kick is zero unless the contact is closed at half the step.
         let mut flow = LinearFlow::new(chain.clone());
         flow.load(&[-gap, 0.0, w, 0.0]);
         let sampled = finish(&mut Splitting::new(&STRANG, First::Drift, flow, (0.0, h), 1).unwrap(), &[0.0; 4]);
@@ -147,7 +147,7 @@ fn landed_steps_end_on_the_events_and_on_the_end() {
     for t in times {
         assert!(ends.iter().any(|end| (end - t).abs() < 3e-9), "no step ends at {t}");
     }
-    // Looking inside a step changes nothing and is as accurate as the run.
+    // A sample inside a step does not change the run and is as accurate as the run.
     let mut y = y0.clone();
     truth.sample(12.0, &mut y);
     assert!(distance(&landed(&chain, &ABA1064, &y0, 12.0, 1000), &y) < 4e-10);

@@ -1,10 +1,12 @@
-//! The averages of the modulation equations against 30-digit values, identities, and a quadrature that shares nothing with them.
+//! The averages of the modulation equations against 30-digit values, identities, and an independent
+//! quadrature.
 
 use hertzchain::dps::{Averages, Values};
 use proptest::prelude::*;
 use std::{f64::consts::PI, fs, path::PathBuf};
 
-/// Relative errors. Measured: 1.2e-14, and 6.9e-14 for `dh_dr` at `alpha = 0.001`, `s = -0.999`, next to its zero.
+/// Relative errors. Measured: 1.2e-14, and 6.9e-14 for `dh_dr` at `alpha = 0.001`, `s = -0.999`,
+/// next to its zero.
 const BOUNDS: [f64; 6] = [2.4e-14, 2.4e-14, 2.4e-14, 2.4e-14, 2.4e-14, 1e-13];
 const NAMES: [&str; 6] = ["g", "h", "dg_db", "dg_dr", "dh_db", "dh_dr"];
 
@@ -12,7 +14,7 @@ fn array(v: &Values) -> [f64; 6] {
     [v.g, v.h, v.dg_db, v.dg_dr, v.dh_db, v.dh_dr]
 }
 
-/// What each value is made of: where a slope passes zero, its error is measured by the integral without the cosine.
+/// The scale of each value. For a slope near its zero the scale is the integral without the cosine.
 fn natural(v: &[f64; 6], kappa: f64, r: f64) -> [f64; 6] {
     let slope = v[2].abs();
     [v[0], v[1], slope, 2.0 * kappa * slope, slope / r, 2.0 * kappa * slope / r]
@@ -88,7 +90,8 @@ fn slopes_are_the_averages_of_alpha_less_one() {
     }
 }
 
-/// `int_0^1 f(x, 1 - x) dx` by the double exponential rule, which endpoint singularities do not harm.
+/// `int_0^1 f(x, 1 - x) dx` by the double exponential rule, which is accurate with endpoint
+/// singularities.
 fn double_exponential(f: impl Fn(f64, f64) -> f64) -> f64 {
     let step = 1.0 / 64.0;
     let term = |k: i32| {
@@ -99,10 +102,11 @@ fn double_exponential(f: impl Fn(f64, f64) -> f64) -> f64 {
     (-300..=300).map(term).sum::<f64>() * step
 }
 
-/// `(g, r h)` from the definition, with `-b + S cos t` as a product that does not cancel at the contact's end.
+/// `(g, r h)` from the definition; `-b + S cos t` is a product, so that it does not cancel at the
+/// end of the contact.
 fn by_quadrature(alpha: f64, kappa: f64, b: f64, r: f64) -> (f64, f64) {
     let swing = 2.0 * kappa * r;
-    // With what rounding took from the swing, which counts where contacts are short.
+    // Includes the rounding error of the swing, which matters where contacts are short.
     let versine = ((swing - b) + (2.0 * kappa).mul_add(r, -swing)) / swing;
     let t_c = if versine < 2.0 { 2.0 * (0.5 * versine).sqrt().asin() } else { PI };
     let average = |weight: fn(f64) -> f64| {
@@ -117,7 +121,7 @@ fn by_quadrature(alpha: f64, kappa: f64, b: f64, r: f64) -> (f64, f64) {
     (average(|_| 1.0), average(f64::cos))
 }
 
-/// Reproducible numbers in (0, 1).
+/// Reproducible pseudo-random numbers in (0, 1).
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -137,13 +141,13 @@ fn mean_strain_inverts_g_everywhere() {
         let averages = Averages::new(alpha, kappa).unwrap();
         for _ in 0..1000 {
             let r = (40.0 * next() - 20.0).exp();
-            // Far scales, and a swing and a force of one size: s between -3 and 1.
+            // Extreme scales; half of the cases have scales of one size. s lies between -3 and 1.
             let (far, s) = ((60.0 * next() - 30.0).exp(), 4.0 * next() - 3.0);
             let alike = next() < 0.5;
             let c = if alike { averages.g(s * 2.0 * kappa * r, r) } else { far };
             let (b, steps) = averages.mean_strain_counted(c, r);
             let v = averages.values(b, r);
-            // A rounding of b, or of the swing that it is held against, is all an answer in doubles can be asked for.
+            // The attainable accuracy is one rounding of b or of the swing.
             let ulp = f64::EPSILON * (b.abs() + 2.0 * kappa * r);
             let lower = averages.g(b + 2.0 * ulp, r);
             let upper = averages.g(b - 2.0 * ulp, r);
@@ -201,7 +205,7 @@ proptest! {
 
     #[test]
     fn g_agrees_with_a_quadrature(alpha in 0.05..10.0f64, kappa in 0.1..5.0f64, s in -4.0..1.0f64, r in 0.1..10.0f64) {
-        // Next to s = -1 the quadrature, not the expansion, loses digits.
+        // Near s = -1 the quadrature loses digits, not the expansion.
         prop_assume!((s + 1.0).abs() > 0.02);
         let b = s * 2.0 * kappa * r;
         let (g, rh) = Averages::new(alpha, kappa).unwrap().force(b, r);
@@ -225,7 +229,8 @@ proptest! {
         let g = averages.g(s, 1.0);
         prop_assert!(averages.g(s - step, 1.0) > g);
         prop_assert!(averages.g(s + step, 1.0) < g || g == 0.0);
-        // Convex powers only: the mean of a concave one falls as the swing grows while the contact stays closed.
+        // Convex powers only: the mean of a concave one decreases as the swing grows while the
+        // contact stays closed.
         if alpha >= 1.0 + 1e-3 {
             prop_assert!(averages.g(s, 1.0 + step.max(1e-3)) > g);
         }

@@ -1,4 +1,5 @@
-//! The chain: forces against the energy, sweeps against naive loops, the linear flow against its closed form.
+//! The chain: forces against the energy, sweeps against naive loops, the linear flow against its
+//! closed form.
 
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
 use hertzchain::integrators::{
@@ -9,11 +10,11 @@ use std::{f64::consts::SQRT_2, num::FpCategory};
 
 const EPS: f64 = f64::EPSILON;
 const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
-/// A law by `sqrt`, two by multiplications, one by a longer product, one by `powf`.
+/// A law by `sqrt`, two by few multiplications, one by a longer product, one by `powf`.
 const ALPHAS: [f64; 5] = [1.5, 2.0, 3.0, 5.0, 1.2];
 /// No resonators, moving ones, fixed ones.
 const RHOS: [f64; 3] = [0.0, 0.5, f64::INFINITY];
-/// Around one, two and three times the block of 128 sites that a sweep works in, and the shortest chains.
+/// Around one, two and three times the block of 128 sites of a sweep, and the shortest chains.
 const SIZES: [usize; 12] = [1, 2, 3, 4, 127, 128, 129, 255, 256, 257, 300, 385];
 
 fn assert_below(value: f64, bound: f64, what: &str) {
@@ -21,7 +22,7 @@ fn assert_below(value: f64, bound: f64, what: &str) {
     assert!(value <= bound, "{what}: {value:e} > {bound:e}");
 }
 
-/// Numbers in (-1, 1) that look random: splitmix64.
+/// Pseudo-random numbers in (-1, 1): splitmix64.
 fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -31,7 +32,7 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A chain, precompressed where it can be.
+/// A chain, precompressed where its boundary allows it.
 fn chain(alpha: f64, rho: f64, boundary: Boundary, sites: usize) -> Chain<f64> {
     let chain = Chain::new(Params::new(alpha, 0.7, rho).unwrap(), boundary, sites).unwrap();
     match boundary {
@@ -52,7 +53,8 @@ fn every_chain(sizes: &[usize]) -> Vec<Chain<f64>> {
     chains
 }
 
-/// A random state. On a strain ring one that has an energy: the mean strain is at rest, and the same for both kinds.
+/// A random state. On a strain ring it has an energy: the mean strain is at rest, and equal for
+/// beads and resonators.
 fn state(chain: &Chain<f64>) -> Vec<f64> {
     let n = chain.sites();
     let mut next = random(n as u64);
@@ -66,7 +68,7 @@ fn state(chain: &Chain<f64>) -> Vec<f64> {
     y
 }
 
-/// A random state without an overlap near the kink of the force at zero.
+/// A random state without overlaps near zero, where the force has a kink.
 fn state_off_the_kinks(chain: &Chain<f64>) -> Vec<f64> {
     let (mut y, mut next) = (state(chain), random(0));
     while let Some(bond) = chain.overlaps(chain.layout().u(&y)).iter().position(|g| g.abs() < 0.02) {
@@ -178,7 +180,8 @@ fn the_energy_of_a_strain_ring_is_invariant() {
 
 #[test]
 fn a_strain_ring_has_an_energy_only_where_its_mean_strain_rests() {
-    // Truth: x'' - y'' of the mean is -omega^2 (x - y), Hamiltonian in no displacement unless it is zero.
+    // Truth: for the means x'' - y'' = -omega^2 (x - y), which is Hamiltonian in displacements only
+    // if it is zero.
     for rho in RHOS {
         let chain = chain(1.5, rho, Boundary::StrainRing, 5);
         let half = chain.layout().dim() / 2;
@@ -196,7 +199,8 @@ fn a_strain_ring_has_an_energy_only_where_its_mean_strain_rests() {
 
 #[test]
 fn a_strain_ring_moves_as_the_differences_of_a_ring() {
-    // Truth: the displacement chain, an independent formula; equal up to the rounding of sums of a few forces.
+    // Truth: the displacement chain, an independent formula. Both agree up to the rounding of sums
+    // of a few forces.
     let (mut worst, mut worst_energy) = (0.0_f64, 0.0_f64);
     for ring in every_chain(&[1, 2, 3, 128, 129]) {
         if ring.boundary() != Boundary::Ring {
@@ -226,7 +230,7 @@ fn a_strain_ring_moves_as_the_differences_of_a_ring() {
 
 #[test]
 fn the_sweep_equals_a_naive_loop_bit_for_bit_at_every_length() {
-    // Truth: one scalar loop, compiled without vector instructions beyond the baseline, without blocks.
+    // Truth: one scalar loop without blocks, compiled for the baseline instructions.
     for chain in every_chain(&SIZES) {
         let y = state(&chain);
         let (n, u) = (chain.sites(), chain.layout().u(&y));
@@ -245,7 +249,7 @@ fn the_sweep_equals_a_naive_loop_bit_for_bit_at_every_length() {
     }
 }
 
-/// The kick of the split kinetic + potential energy and the drift after it, as one reads it in a book.
+/// The kick of the split kinetic + potential energy and the drift after it, in the textbook form.
 fn kinetic_reference(chain: &Chain<f64>, y: &mut [f64], kick: f64, dt: f64) {
     let (n, half) = (chain.sites(), chain.layout().dim() / 2);
     let Params { kappa, rho, .. } = chain.params();
@@ -274,7 +278,8 @@ fn stored(flow: &impl SplitFlow<f64>) -> Vec<f64> {
 
 #[test]
 fn kinetic_sweeps_equal_a_scalar_loop_bit_for_bit() {
-    // Truth: a scalar loop in the same order of operations; no instruction set may contract or reorder any of it.
+    // Truth: a scalar loop in the same order of operations. No instruction set may contract or
+    // reorder them.
     for chain in every_chain(&SIZES) {
         let mut want = state(&chain);
         let mut flow = KineticFlow::new(chain.clone());
@@ -291,7 +296,8 @@ fn kinetic_sweeps_equal_a_scalar_loop_bit_for_bit() {
     }
 }
 
-/// One site in the variables that the linear flow leaves alone, as the documentation of that flow defines them.
+/// One site in the variables that the linear flow conserves, as the documentation of that flow
+/// defines them.
 #[derive(Clone, Copy)]
 struct Modes {
     r0: f64,
@@ -369,14 +375,15 @@ impl LinearReference {
 
 #[test]
 fn linear_sweeps_equal_a_scalar_loop_bit_for_bit() {
-    // Truth: a scalar loop in the same order of operations; long enough for the centre of mass to be re-anchored twice.
+    // Truth: a scalar loop in the same order of operations, long enough for two updates of the
+    // anchor of the centre of mass.
     for chain in every_chain(&SIZES) {
         let y = state(&chain);
         let mut flow = LinearFlow::new(chain.clone());
         flow.load(&y);
         let mut want = LinearReference::new(&chain, &y);
         for step in 0..140 {
-            // Multiples of it are exact, whatever time is kept in.
+            // Multiples of this step are exact in any representation of time.
             let dt = Twofold::new(0.03125);
             flow.kick_drift(0.02, dt);
             want.kick_drift(0.02, dt);
@@ -389,8 +396,8 @@ fn linear_sweeps_equal_a_scalar_loop_bit_for_bit() {
 
 #[test]
 fn a_kick_of_either_flow_adds_the_force_to_the_velocity_and_moves_nothing() {
-    // Truth: u' + j f, and for the kinetic flow the springs as well; equal up to the rounding of the change of
-    // variables.
+    // Truth: u' + j f, and for the kinetic flow the springs as well, up to the rounding of the
+    // change of variables.
     let mut worst = 0.0_f64;
     for chain in every_chain(&[1, 2, 3, 129, 300]) {
         let (n, half) = (chain.sites(), chain.layout().dim() / 2);
@@ -419,8 +426,9 @@ fn a_kick_of_either_flow_adds_the_force_to_the_velocity_and_moves_nothing() {
 
 #[test]
 fn the_linear_flow_is_the_closed_form_at_any_time() {
-    // Truth: R0 + R0' t and D0 cos(omega t) + D0' sin(omega t)/omega, with omega to 32 digits and times that are powers
-    // of two, so that the phase is exact. Bound: a few roundings of each term.
+    // Truth: R0 + R0' t and D0 cos(omega t) + D0' sin(omega t)/omega, with omega to 32 digits and
+    // times that are powers of two, so that the phase is exact. Bound: a few roundings of each
+    // term.
     let root_2 = (SQRT_2, -9.667_293_313_452_913e-17);
     let root_3 = (1.732_050_807_568_877_2, 1.003_508_422_180_691_7e-16);
     let cases = [(3.0, 0.5, (3.0, 0.0)), (1.0, 0.5, root_3), (2.0, f64::INFINITY, root_2), (1.0, 0.0, (1.0, 0.0))];
@@ -460,7 +468,8 @@ fn the_linear_flow_is_the_closed_form_at_any_time() {
 
 #[test]
 fn a_state_survives_loading_and_storing() {
-    // Truth: the state itself; exactly for the kinetic flow, up to the rounding of a change of variables for the other.
+    // Truth: the state itself, exactly for the kinetic flow, up to the rounding of a change of
+    // variables for the linear flow.
     let mut worst = 0.0_f64;
     for chain in every_chain(&[1, 3, 129]) {
         let y = state(&chain);
@@ -480,7 +489,7 @@ fn a_state_survives_loading_and_storing() {
 
 #[test]
 fn the_parts_of_a_state_are_where_its_layout_says() {
-    // Truth: what was put in, site by site.
+    // Truth: the values that were set, site by site.
     for rho in RHOS {
         let chain = chain(1.5, rho, Boundary::Free, 3);
         let site = |i: usize| Site { u: i as f64, v: 10.0, u_dot: -(i as f64), v_dot: -10.0 };
@@ -500,7 +509,8 @@ fn the_parts_of_a_state_are_where_its_layout_says() {
 
 #[test]
 fn site_energies_sum_to_the_energy() {
-    // Truth: two different sums of the same terms; bound: the rounding of a sum of N positive numbers.
+    // Truth: two different sums of the same terms; bound: the rounding of a sum of N positive
+    // numbers.
     let mut worst = 0.0_f64;
     for chain in every_chain(&SIZES) {
         let y = state(&chain);
@@ -514,7 +524,8 @@ fn site_energies_sum_to_the_energy() {
 
 #[test]
 fn momentum_is_conserved_where_nothing_outside_pushes() {
-    // Truth: forces come in pairs. Bound: the rounding of 200 sums of forces of order one; walls and cradles break it.
+    // Truth: forces come in pairs. Bound: the rounding of 200 sums of forces of order one. Walls
+    // and cradles violate it.
     let mut worst = 0.0_f64;
     for chain in every_chain(&[2, 3, 20, 129]) {
         let isolated = matches!(chain.boundary(), Boundary::Free | Boundary::Ring);
@@ -563,9 +574,9 @@ fn assert_no_subnormal(chain: &Chain<f64>, flow: impl SplitFlow<f64>) {
 
 #[test]
 fn no_number_becomes_subnormal_ahead_of_a_wave() {
-    // Truth: the classification of every number of every state of a run. The front decays doubly exponentially, from
-    // one to nothing within some ten sites, so that without the dead band of the contact law it holds subnormals all
-    // the time.
+    // Truth: the classification of all numbers of all states of a run. The front decays doubly
+    // exponentially, from one to zero within some ten sites; without the dead band of the contact
+    // law it always contains subnormal numbers.
     for alpha in [1.2, 1.5, 3.0] {
         let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 400).unwrap();
         let mut y = vec![0.0; chain.layout().dim()];

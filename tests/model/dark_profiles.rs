@@ -1,4 +1,5 @@
-//! Dark profiles of the generalised DpS equations: the stationary equations by quadrature, closed forms, the flow they rotate in, and the chain.
+//! Dark profiles of the generalised DpS equations against quadrature, closed forms, the flow, and
+//! the chain.
 
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
@@ -22,8 +23,9 @@ fn paper(center: Center) -> DarkProfile {
     DarkProfile::new(params(1.5, 1.0), center, 41, 0.0).unwrap()
 }
 
-/// `(g_alpha(b, r), r h_alpha(b, r))` by the midpoint rule: in `t` where the contact never opens, else in `theta` with `t = t_c sin(theta)`, which has
-/// an integrand like `cos(theta)^{2 alpha + 1}` at the end.
+/// `(g_alpha(b, r), r h_alpha(b, r))` by the midpoint rule. The variable is `t` where the contact
+/// does not open, else `theta` with `t = t_c sin(theta)`, where the integrand ends like
+/// `cos(theta)^{2 alpha + 1}`.
 fn by_quadrature(alpha: f64, kappa: f64, b: f64, r: f64) -> (f64, f64) {
     const COUNT: usize = 4000;
     let swing = 2.0 * kappa * r;
@@ -43,7 +45,8 @@ fn by_quadrature(alpha: f64, kappa: f64, b: f64, r: f64) -> (f64, f64) {
     })
 }
 
-/// The largest residual of (eq:DpSsw2) all around the ring, by quadrature: of the first equation over the amplitude at `-N`, of the second over the force.
+/// The largest residual of (eq:DpSsw2) over the ring, by quadrature: of the first equation relative
+/// to the amplitude at `-N`, of the second relative to the force.
 fn residual(profile: &DarkProfile) -> f64 {
     let Params { alpha, kappa, .. } = profile.params();
     let (first, last) = profile.sites().into_inner();
@@ -66,7 +69,7 @@ fn the_stationary_equations_hold_by_quadrature() {
     for alpha in [1.2, 1.5, 2.0, 2.5, 3.0] {
         for kappa in [0.3, 1.0, 4.0] {
             for center in BOTH {
-                // Lengths are those of the background at c = 0.
+                // The unit of length is that of the background at c = 0.
                 let swing =
                     2.0 * kappa * DarkProfile::new(params(alpha, kappa), center, 21, 0.0).unwrap().background().0;
                 for c in [-0.05, 0.0, 0.3, 2.0] {
@@ -79,11 +82,12 @@ fn the_stationary_equations_hold_by_quadrature() {
             }
         }
     }
-    // Measured: 9.9e-14, of the quadrature.
+    // Measured: 9.9e-14, from the quadrature.
     println!("largest residual {worst:e}");
 }
 
-// Truth: c_alpha below (disp) with Gamma(5/4), Gamma(7/4), Gamma(9/4) from tables; elsewhere 4 h(c, a) = 1 by quadrature.
+// Truth: c_alpha below (disp) with Gamma(5/4), Gamma(7/4), Gamma(9/4) from tables; elsewhere 4 h(c,
+// a) = 1 by quadrature.
 #[test]
 fn the_background_is_the_uniform_solution() {
     let c_alpha = PI.sqrt() * 0.919_062_526_848_883_2 / (PI * 1.133_003_096_319_346_4);
@@ -113,7 +117,8 @@ fn the_background_is_the_uniform_solution() {
 
 #[test]
 fn of_two_backgrounds_the_one_whose_contacts_open_is_taken() {
-    // At c = -0.035, alpha = 3/2: h falls from 3/2 sqrt(0.035) = 0.2806 to its least, 0.2456 or so, and rises again.
+    // At c = -0.035, alpha = 3/2: h falls from 3/2 sqrt(0.035) = 0.2806 to a minimum of about
+    // 0.2456 and rises again.
     let c = -0.035;
     let h = |r: f64| by_quadrature(1.5, 1.0, c, r).1 / r;
     let (a, _) = DarkProfile::new(params(1.5, 1.0), Center::Site, 41, c).unwrap().background();
@@ -140,7 +145,8 @@ fn signs_and_mirror_images_are_those_of_one_kink() {
                 let length = sites as i64;
                 assert_eq!((profile.a(n + length), profile.b(n - 3 * length)), (profile.a(n), profile.b(n)));
             }
-            // Signs change an even number of times around any ring: with one bond at which they do not, or one site without sign, it is odd.
+            // Around a ring the sign changes an even number of times. With one bond without a
+            // change, or one site without a sign, the number of sites is odd.
             let signs: Vec<f64> =
                 profile.sites().map(|n| profile.a(n)).filter(|a| *a != 0.0).map(f64::signum).collect();
             let changes = (0..signs.len()).filter(|&k| signs[k] != signs[(k + 1) % signs.len()]).count();
@@ -152,8 +158,8 @@ fn signs_and_mirror_images_are_those_of_one_kink() {
     }
 }
 
-// A Jacobian with an error of a percent converges linearly, with factor 0.01.
-// Measured: at most 0.74 times the square, in units of the amplitude.
+// A Jacobian with an error of one percent would converge linearly, with factor 0.01. Measured: at
+// most 0.74 times the square, in units of the amplitude.
 #[test]
 fn newton_is_quadratic() {
     let mut steps = 0;
@@ -174,7 +180,8 @@ fn newton_is_quadratic() {
     assert!(steps > 24);
 }
 
-/// Times by `s`, lengths by `l`: `kappa` by `s^{-2}`, `l^{alpha-1} = s^{-2}`. The paper's `2 kappa omega^3` in `mu` fails this.
+/// Times scale by `s`, lengths by `l`, `kappa` by `s^{-2}`, with `l^{alpha-1} = s^{-2}`. The
+/// paper's `2 kappa omega^3` in `mu` fails this.
 #[test]
 fn profiles_and_seeds_scale_as_the_model_does() {
     let mut worst = 0.0f64;
@@ -182,7 +189,7 @@ fn profiles_and_seeds_scale_as_the_model_does() {
         for center in BOTH {
             let (s, c, omega_b) = (0.7f64, 0.02, 2.01);
             let l = s.powf(-2.0 / (alpha - 1.0));
-            // Strains are mu^{1/(alpha-1)} b, and mu goes by s^{-4}.
+            // Strains are mu^{1/(alpha-1)} b, and mu scales by s^{-4}.
             let one = DarkProfile::new(params(alpha, 1.0), center, 31, c).unwrap();
             let other = DarkProfile::new(params(alpha, s.powi(-2)), center, 31, c / l).unwrap();
             let ([x, y], [x_s, y_s]) =
@@ -193,7 +200,7 @@ fn profiles_and_seeds_scale_as_the_model_does() {
             }
         }
     }
-    // Measured: 1.8e-13, of powers 1/(alpha-1).
+    // Measured: 1.8e-13, from powers 1/(alpha-1).
     println!("{worst:e}");
     assert!(worst < 4e-13, "{worst:e}");
 }
@@ -223,8 +230,8 @@ fn a_seed_is_the_ansatz_at_rest() {
     }
 }
 
-// Measured: 3.6e-10, of the flow.
-// (eq:ab_sw): at mu = 1 the profile turns with Omega = 1 / (2 omega^3). The flow has its own mean strains, from the force.
+// (eq:ab_sw): at mu = 1 the profile turns with Omega = 1 / (2 omega^3). The flow computes its own
+// mean strains from the force. Measured: 3.6e-10, from the flow.
 #[test]
 fn a_profile_turns_rigidly_in_the_flow() {
     for (alpha, kappa, rho, c) in
@@ -242,7 +249,7 @@ fn a_profile_turns_rigidly_in_the_flow() {
             for (b, n) in flow.mean_strains(&z).iter().zip(profile.sites()) {
                 assert!((b - profile.b(n)).abs() < 1e-13 * (size * kappa));
             }
-            // Nine tenths of a turn: a sign of Omega is seen.
+            // Nine tenths of a turn, so that the sign of Omega matters.
             let phase = 1.8 * PI;
             let end = phase * 2.0 * params.omega().powi(3);
             drive(&mut Dop853::new(flow, &z, (0.0, end), Options::new(1e-12)).unwrap(), &mut Silent, &mut z).unwrap();
@@ -254,8 +261,9 @@ fn a_profile_turns_rigidly_in_the_flow() {
     }
 }
 
-/// `(X, Y)` at rest of the background of an exact breather, `X'' = -2 abs(X)^{alpha-1} X - kappa (X - Y)`, `rho Y'' = kappa (X - Y)`, both zero a quarter of a
-/// period later: Newton's method with the classical Runge-Kutta scheme.
+/// `(X, Y)` at rest of the background of an exact breather,
+/// `X'' = -2 abs(X)^{alpha-1} X - kappa (X - Y)`, `rho Y'' = kappa (X - Y)`. Both are zero a
+/// quarter of a period later. Newton's method with the classical Runge-Kutta scheme.
 fn exact_background(params: Params, omega_b: f64, mut start: [f64; 2]) -> [f64; 2] {
     let Params { alpha, kappa, rho } = params;
     let slope =
@@ -293,7 +301,8 @@ fn exact_background(params: Params, omega_b: f64, mut start: [f64; 2]) -> [f64; 
     start
 }
 
-// The background of an exact breather needs no chain. At omega_b = 2.05 the seed overestimates it, and less and less towards omega.
+// The background of an exact breather does not depend on the chain. At omega_b = 2.05 the seed
+// overestimates it; the difference decreases towards omega.
 #[test]
 fn seeds_have_the_exact_background_to_first_order() {
     let ratios = |params: Params, detuning: f64| {
@@ -310,7 +319,8 @@ fn seeds_have_the_exact_background_to_first_order() {
         println!("{omega_b}: {x} {y}");
         assert!((x_low..x_high).contains(&x) && (y_low..y_high).contains(&y), "{omega_b}: {x} {y}");
     }
-    // Ten times nearer, a tenth. Measured: the ratio within 1.4 %, the fine ones at most 1.9e-3.
+    // A tenth of the detuning gives a tenth of the difference. Measured: the ratio within 1.4 %,
+    // the smaller differences at most 1.9e-3.
     for params in
         [params(1.5, 1.0), params(1.5, 2.5), Params::new(1.2, 1.0, 1.0).unwrap(), Params::new(3.0, 0.6, 3.0).unwrap()]
     {
@@ -323,8 +333,9 @@ fn seeds_have_the_exact_background_to_first_order() {
     }
 }
 
-/// The frequency of the chain that starts from a seed, less `omega`, over `omega_b - omega`, at sites `n`; from the phases a period after the start and about half a
-/// slow turn later.
+/// The frequency of the chain that starts from a seed, minus `omega`, over `omega_b - omega`, at
+/// the given sites. It follows from the phases one period after the start and about half a slow
+/// turn later.
 fn measured_detuning(profile: &DarkProfile, detuning: f64, sites: &[i64]) -> Vec<f64> {
     let params = profile.params();
     let omega = params.omega();
@@ -356,7 +367,8 @@ fn measured_detuning(profile: &DarkProfile, detuning: f64, sites: &[i64]) -> Vec
     turned.map(|phase| phase / (times[1] - times[0]) / detuning).collect()
 }
 
-// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's 2 kappa omega^3 the latter would be 0.6.
+// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's 2
+// kappa omega^3 the latter would be 0.6.
 #[test]
 fn the_chain_turns_with_omega_b_to_first_order() {
     for (params, center) in [(params(1.5, 1.0), Center::Site), (Params::new(1.5, 2.5, 1.0).unwrap(), Center::Bond)] {
@@ -442,7 +454,7 @@ fn the_command_keeps_its_contract_and_refuses() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let numbers = |value: &Value| value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>();
-    // Equal but for the rounding of who reads it.
+    // Equal up to the rounding of the reader.
     let near = |x: f64, y: f64| (x - y).abs() <= 2.0 * f64::EPSILON * y.abs();
     let params = Params::new(1.7, 2.0, 3.0).unwrap();
     let profile = DarkProfile::new(params, Center::Bond, 21, 0.01).unwrap();

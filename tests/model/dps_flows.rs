@@ -1,4 +1,5 @@
-//! The modulation flows against the exact travelling wave, the full chain, their invariants, and one method against another.
+//! The modulation flows against the exact travelling wave, the full chain, their invariants, and a
+//! second method.
 
 use hertzchain::{
     chain::Params,
@@ -36,7 +37,7 @@ fn dop853(dps: impl VectorField<f64>, y: &[f64], end: f64, tolerance: f64) -> Ve
     y
 }
 
-/// Amplitudes that are no wave: strains between 0.5 and 1.6.
+/// Amplitudes that are not a wave: strains between 0.5 and 1.6.
 fn uneven(sites: usize) -> Vec<f64> {
     state((0..sites).map(|n| {
         let (n, bend) = (n as f64, (1.3 * n as f64).sin());
@@ -45,7 +46,8 @@ fn uneven(sites: usize) -> Vec<f64> {
     }))
 }
 
-/// `(g_{3/2}, h_{3/2})` by the midpoint rule in `t = t_c sin(theta)`, in which the integrand is even and smooth at both ends.
+/// `(g_{3/2}, h_{3/2})` by the midpoint rule in `theta`, `t = t_c sin(theta)`; the integrand is
+/// even and smooth at both ends.
 fn averages_by_midpoints(kappa: f64, b: f64, r: f64) -> (f64, f64) {
     const COUNT: usize = 400;
     let t_c = (b / (2.0 * kappa * r)).clamp(-1.0, 1.0).acos();
@@ -96,7 +98,7 @@ fn travelling_waves_turn_as_the_dispersion_relation_says() {
     assert!(worst < 5e-11);
 }
 
-/// Amplitudes whose strains change their sizes quickly.
+/// Amplitudes whose moduli change quickly.
 fn lump() -> Vec<f64> {
     vec![1.0, 0.0, 0.0, -0.1, 0.0, 0.0, 0.1, 0.0, 0.1, 0.0]
 }
@@ -122,7 +124,8 @@ impl VectorField<f64> for Hertz {
     }
 }
 
-/// Largest difference between the amplitudes of the full ring at slow time 30 and those of the flow.
+/// Largest difference between the amplitudes of the full ring at slow time 30 and those of the
+/// flow.
 fn error_of_the_flow(epsilon: f64, constraint: impl Fn(&[f64]) -> Constraint) -> f64 {
     let (kappa, rho, end) = (2.5, 0.7, 30.0);
     let (params, a) = (Params::new(2.0, kappa, rho).unwrap(), lump());
@@ -151,10 +154,12 @@ fn error_of_the_flow(epsilon: f64, constraint: impl Fn(&[f64]) -> Constraint) ->
 
 #[test]
 fn the_flow_is_the_limit_of_the_full_chain() {
-    // kappa != 1, so the factor counts. A ring of displacements keeps its length: mean strain zero.
+    // kappa != 1, so that its power in the factor is tested. A ring of displacements keeps its
+    // length: mean strain zero.
     let errors = |constraint: &dyn Fn(&[f64]) -> Constraint| [1e-3, 2.5e-4].map(|e| error_of_the_flow(e, constraint));
     let given_length = errors(&|_| Constraint::MeanStrain(0.0));
-    // C falls by 7 % meanwhile, so a mean force that stays as it was at the start is another flow, however small epsilon is.
+    // C falls by 7 % in the run. A mean force fixed at its initial value is a different flow for
+    // any epsilon.
     let given_force = errors(&|a| {
         let (params, averages) = (Params::new(2.0, 2.5, 0.7).unwrap(), Averages::new(2.0, 2.5).unwrap());
         let b = Dps::generalised(params, Constraint::MeanStrain(0.0), RING).unwrap().mean_strains(a)[0];
@@ -166,7 +171,7 @@ fn the_flow_is_the_limit_of_the_full_chain() {
     assert!(given_force[1] > 0.06);
 }
 
-/// Every flow, with a state of it.
+/// All flows, each with a state.
 fn all_flows() -> Vec<(Dps, Vec<f64>)> {
     let params = Params::new(1.5, 2.5, 0.5).unwrap();
     let mut flows = vec![];
@@ -180,7 +185,8 @@ fn all_flows() -> Vec<(Dps, Vec<f64>)> {
 
 #[test]
 fn every_flow_is_that_of_its_energy() {
-    // i dA = -dH/d conj(A), in real numbers x' = -H_y / 2, y' = H_x / 2: central differences of the energy.
+    // i dA = -dH/d conj(A), in real numbers x' = -H_y / 2, y' = H_x / 2: central differences of the
+    // energy.
     let (step, mut worst) = (1e-5, 0f64);
     for (mut dps, y) in all_flows() {
         let mut dy = vec![0.0; 10];
@@ -197,11 +203,12 @@ fn every_flow_is_that_of_its_energy() {
         }
     }
     println!("largest difference {worst:e}");
-    // Measured: 3.1e-11, what the differences round.
+    // Measured: 3.1e-11, the rounding of the differences.
     assert!(worst < 7e-11);
 }
 
-/// Largest errors of norm and energy, and the mean error of energy over the first and the last tenth: all relative.
+/// Largest errors of norm and energy, and the mean error of energy over the first and the last
+/// tenth: all relative.
 fn conservation(dps: impl Fn() -> Dps, y: &[f64], period: f64, periods: u64, per_period: u64) -> [f64; 4] {
     let (mut meter, end) = (dps(), period * periods as f64);
     let mut run = Gauss::new(dps(), y, (0.0, end), periods * per_period, Stages::Two).unwrap();
@@ -242,7 +249,7 @@ fn norm_is_kept_to_rounding_and_energy_does_not_drift() {
         let (dps, y, period) = long_run(layout, constraint);
         let [norm, energy, first, last] = conservation(dps, &y, period, 1000, 16);
         println!("{layout:?} {constraint:?}: norm {norm:e}, energy {energy:e}, mean {first:e} then {last:e}");
-        // Measured: 1.2e-14; 1.7e-5, the error of so long a step; 0.026.
+        // Measured: 1.2e-14; 1.7e-5, the error of these long steps; 0.026.
         assert!(norm < 2.5e-14);
         assert!(energy < 3.5e-5);
         assert!((last - first).abs() < 0.05 * energy);
@@ -272,7 +279,7 @@ fn both_methods_agree_at_tight_tolerance() {
 
 #[test]
 fn gauss_has_order_four_and_midpoint_two() {
-    // Never open: the averages are analytic along the run.
+    // Contacts never open: the averages are analytic along the run.
     let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
     let dps = || Dps::generalised(params, Constraint::Force(20.0), RING).unwrap();
     let exact = dop853(dps(), &uneven(5), 20.0, 1e-14);
@@ -288,7 +295,8 @@ fn gauss_has_order_four_and_midpoint_two() {
 
 #[test]
 fn samples_inside_a_step_lie_on_the_collocation_polynomial() {
-    // Error of the cube of the step inside, halved: 8; the ends are the states themselves.
+    // The error inside a step goes with the cube of the step: a factor 8 for half the step. The
+    // ends are the states themselves.
     let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
     let dps = || Dps::generalised(params, Constraint::Force(20.0), RING).unwrap();
     let errors = [0.8, 0.4].map(|h| {
@@ -316,13 +324,14 @@ fn strains_of_the_flow_are_the_flow_of_the_strains() {
         };
         let y = uneven(5);
         let dps = |layout| Dps::generalised(params, Constraint::Force(0.5), layout).unwrap();
-        // Collocation commutes with linear maps, so one step size shows the two flows apart from any error of the method.
+        // Collocation commutes with linear maps, so that one step size compares the flows without
+        // an error of the method.
         let run = |layout, y: &[f64]| gauss(dps(layout), y, 10.0, 400, Stages::Two);
         let (moved, moved_strains) = (run(a, &y), run(d, &strains(&y)));
         assert!(distance(&moved, &y) > 0.1);
         let error = distance(&strains(&moved), &moved_strains);
         let energies = [dps(a).energy(&y), dps(d).energy(&strains(&y))];
-        // Norm: the same for the amplitudes less their mean.
+        // The norm is that of the amplitudes minus their mean.
         let centred: Vec<f64> =
             y.chunks(5).flat_map(|part| part.iter().map(|z| z - part.iter().sum::<f64>() / 5.0)).collect();
         let norms = [dps(a).norm(&centred).unwrap(), dps(d).norm(&strains(&y)).unwrap()];
@@ -339,7 +348,8 @@ fn strains_of_the_flow_are_the_flow_of_the_strains() {
 
 #[test]
 fn heavy_resonators_give_the_plain_equation_only_where_b_is_zero() {
-    // The constraint does not fade with rho (Sec. 3.2): waves with b = 0 agree, to 3/(2 rho); uneven sizes never do.
+    // The constraint remains for large rho (Sec. 3.2): waves with b = 0 agree to 3/(2 rho), uneven
+    // sizes do not.
     let slopes = |rho: f64, y: &[f64]| {
         let c = Averages::new(1.5, 2.5).unwrap().g(0.0, y[1].hypot(y[6]));
         let mut general = Dps::generalised(Params::new(1.5, 2.5, rho).unwrap(), Constraint::Force(c), STRAINS).unwrap();
@@ -355,7 +365,8 @@ fn heavy_resonators_give_the_plain_equation_only_where_b_is_zero() {
     let apart = [1e4, 1e8].map(|rho| slopes(rho, &uneven(5)));
     println!("uneven: {apart:?}");
     assert!(apart[1] > 0.05 && (apart[0] / apart[1] - 1.0).abs() < 1e-2);
-    // omega_0 of (eq:defom0) at kappa = 1: 2^{-1/2} Gamma(7/4) / (sqrt(pi) Gamma(9/4)), half of h(0, 1) = 0.647...
+    // omega_0 of (eq:defom0) at kappa = 1: 2^{-1/2} Gamma(7/4) / (sqrt(pi) Gamma(9/4)), half of
+    // h(0, 1) = 0.647...
     let mut plain = Dps::plain(1.5, 1.0, STRAINS).unwrap();
     let mut dy = vec![0.0; 10];
     let unit: Vec<f64> = wave.iter().map(|x| x / 0.7).collect();
@@ -368,13 +379,14 @@ fn heavy_resonators_give_the_plain_equation_only_where_b_is_zero() {
 
 #[test]
 fn open_rings_stand_still_and_bonds_at_rest_stay() {
-    // A given mean strain beyond the mean swing: no contact closes.
+    // A given mean strain larger than the mean amplitude of the oscillation: no contact closes.
     let params = Params::new(1.5, 1.0, 1.0).unwrap();
     let mut dps = Dps::generalised(params, Constraint::MeanStrain(10.0), RING).unwrap();
     let mut dy = vec![1.0; 10];
     dps.eval(0.0, &uneven(5), &mut dy);
     assert!(dy.iter().all(|&dy| dy == 0.0));
-    // Sites that move as one have D = 0, where |D|^{alpha-1} is singular for alpha < 1.
+    // Neighbouring sites with equal amplitudes have D = 0, where |D|^{alpha-1} is singular for
+    // alpha < 1.
     for alpha in [0.8, 1.5] {
         Dps::plain(alpha, 1.0, FREE).unwrap().eval(0.0, &[0.5; 10], &mut dy);
         assert!(dy.iter().all(|&dy| dy == 0.0));
@@ -389,7 +401,7 @@ fn steps_that_are_too_long_say_so() {
     let error = run.step().unwrap_err();
     assert!(matches!(error, Error::NotSettled { t: 0.0, h: 500.0, residual } if residual > 0.1), "{error}");
     assert!(error.to_string().contains("did not settle at t = 0"));
-    // The state is the one before.
+    // The state is the one before the step.
     let mut y = vec![0.0; 10];
     run.sample(run.time(), &mut y);
     assert_eq!(y, uneven(5));

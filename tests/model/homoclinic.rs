@@ -1,4 +1,5 @@
-//! Homoclinic solutions of the stationary DpS equation against shooting with 1000 digits, and against what theory says of them.
+//! Homoclinic solutions of the stationary DpS equation against shooting with 1000 digits, and
+//! against the theory.
 
 use hertzchain::dps::{Center, Homoclinic};
 use serde_json::Value;
@@ -8,7 +9,8 @@ const BOTH: [Center; 2] = [Center::Site, Center::Bond];
 
 #[test]
 fn values_are_those_of_shooting_with_1000_digits() {
-    // tests/reference/homoclinic.py: bisection and the map, where this library iterates and uses Newton's method.
+    // tests/reference/homoclinic.py uses bisection and the map; this library uses iteration and
+    // Newton's method.
     let table = include_str!("../reference/homoclinic.csv");
     let mut worst = 0.0f64;
     let mut rows = 0;
@@ -24,7 +26,7 @@ fn values_are_those_of_shooting_with_1000_digits() {
             worst = worst.max((one.a(last).abs() / b - 1.0).abs());
             rows += 1;
         }
-        // Not one more and not one less.
+        // Neither more nor fewer sites.
         assert_eq!(last, *one.sites().end(), "{alpha} {center}");
     }
     println!("{rows} rows: {worst:e}");
@@ -48,9 +50,10 @@ fn they_are_what_the_theorem_says() {
                 assert!(n > 0 || one.a(n).abs() > one.a(n - 1).abs());
             }
             assert_eq!((one.a(last + 1), one.a(i64::MAX), one.a(i64::MIN)), (0.0, 0.0, 0.0));
-            // The next one would be below the smallest normal double.
+            // The next value would be below the smallest normal double.
             assert!(one.a(last).abs().ln() * alpha < f64::MIN_POSITIVE.ln());
-            // b_{n+1} = (b_n + b_{n+1})^alpha (1 + ..): the ratio of logarithms is alpha up to b_{n+1}/b_n.
+            // b_{n+1} = (b_n + b_{n+1})^alpha (1 + ..): the ratio of logarithms is alpha up to
+            // b_{n+1}/b_n.
             let ratio = one.a(last).abs().ln() / one.a(last - 1).abs().ln();
             assert!((ratio / alpha - 1.0).abs() < 1e-5, "{alpha} {center:?}: {ratio}");
             println!(
@@ -86,7 +89,7 @@ fn the_command_keeps_its_contract_and_refuses() {
     assert!((2.0 * std::f64::consts::PI / json["omega_0"].as_f64().unwrap() - 19.4158).abs() < 5e-5);
     let bond = Homoclinic::new(1.5, Center::Bond).unwrap();
     assert_eq!(numbers("n"), bond.sites().map(|n| n as f64).collect::<Vec<_>>());
-    // serde_json reads a number to the nearest double or the one beside it.
+    // serde_json reads a number to within one unit in the last place.
     for (read, n) in numbers("a").into_iter().zip(bond.sites()) {
         assert!((read / bond.a(n) - 1.0).abs() <= f64::EPSILON);
     }

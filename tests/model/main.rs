@@ -1,4 +1,5 @@
-//! The chain, its modulation equations and their solutions. One binary for all of them: what is generic is compiled once.
+//! The chain, its modulation equations and their solutions. All tests are in one binary, so that
+//! generic code is compiled once.
 
 mod averaged;
 mod averages;

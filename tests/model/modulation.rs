@@ -1,4 +1,5 @@
-//! Modulational stability of travelling waves: the closed form against the whole flow, its integration, quadrature, and the full chain.
+//! Modulational stability of travelling waves: the closed form against the flow, its integration,
+//! quadrature, and the full chain.
 
 use hertzchain::{
     chain::{Params, Site},
@@ -28,7 +29,8 @@ fn ring(sites: usize) -> Layout {
     Layout { sites, ends: Ends::Ring, form: Form::Strains }
 }
 
-/// The flow of `z_n = D_n e^{i (q n - Omega tau)}`, in which the wave rests at `a`; `[Re, Im]` as the flow has it.
+/// The flow of `z_n = D_n e^{i (q n - Omega tau)}`, in which the wave is the fixed point `a`.
+/// States are `[Re, Im]`, as in the flow.
 fn resting(dps: &mut Dps, wave: &Modulation, z: &[f64]) -> Vec<f64> {
     let (n, q) = (z.len() / 2, wave.shape().q);
     let turned = |z: &[f64], sign: f64| -> Vec<f64> {
@@ -45,7 +47,7 @@ fn resting(dps: &mut Dps, wave: &Modulation, z: &[f64]) -> Vec<f64> {
     rate
 }
 
-/// The eigenvalues of the flow at the wave, from central differences.
+/// The eigenvalues of the flow linearised at the wave, from central differences.
 fn eigenvalues_of_the_flow(mut dps: Dps, wave: &Modulation, sites: usize) -> Vec<C> {
     let a = wave.shape().a;
     let rest: Vec<f64> = (0..2 * sites).map(|k| if k < sites { a } else { 0.0 }).collect();
@@ -63,7 +65,8 @@ fn eigenvalues_of_the_flow(mut dps: Dps, wave: &Modulation, sites: usize) -> Vec
     DMatrix::from_vec(2 * sites, 2 * sites, columns).complex_eigenvalues().iter().copied().collect()
 }
 
-/// Largest distance of numbers in the two lists, each paired with the nearest that is left.
+/// Largest distance between paired numbers of the two lists; each is paired with the nearest one
+/// left.
 fn mismatch(mut found: Vec<C>, expected: &[C]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let nearest = |z: &C| {
@@ -74,8 +77,8 @@ fn mismatch(mut found: Vec<C>, expected: &[C]) -> f64 {
     expected.iter().map(nearest).fold(0.0, f64::max)
 }
 
-// Truth: the flow itself, all 2N of its eigenvalues. Measured: 4.7e-10 sigma, and 3.1e-5 sigma with the double zero at p = 0, which the
-// differences split by the square root of their error.
+// Truth: all 2N eigenvalues of the flow itself. Measured: 4.7e-10 sigma, and 3.1e-5 sigma with the
+// double zero at p = 0, which differences split by the square root of their error.
 #[test]
 fn the_closed_form_has_all_eigenvalues_of_the_flow() {
     let cases = [
@@ -117,7 +120,7 @@ fn the_closed_form_has_all_eigenvalues_of_the_flow() {
     assert!(worst[0] < 1e-9 && worst[1] < 6e-5);
 }
 
-// Truth: the flow, integrated. Measured: 1.2e-8 at worst.
+// Truth: the integrated flow. Measured: at most 1.2e-8.
 #[test]
 fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
     let mut worst = 0f64;
@@ -145,13 +148,14 @@ fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
     assert!(worst < 2.5e-8, "{worst:e}");
 }
 
-/// `s` from means with the weight `(cos t - beta)_+^{alpha-1}`, by the midpoint rule, in `t = t_c sin(theta)` if the contact opens.
+/// `s` from means with the weight `(cos t - beta)_+^{alpha-1}`, by the midpoint rule; in `theta`
+/// with `t = t_c sin(theta)` if the contact opens.
 fn slope_by_midpoints(alpha: f64, beta: f64) -> f64 {
     const COUNT: usize = 40_000;
     let mut sums = [0.0; 3];
     for k in 0..COUNT {
         let theta = (k as f64 + 0.5) / COUNT as f64 * 0.5 * PI;
-        // Without an opening the integrand is periodic in t itself.
+        // If the contact does not open, the integrand is periodic in t itself.
         let (t, dt) = if beta < -1.0 { (2.0 * theta, 1.0) } else { (beta.acos() * theta.sin(), theta.cos()) };
         let cos = t.cos();
         let weight = (cos - beta).max(0.0).powf(alpha - 1.0) * dt;
@@ -161,7 +165,7 @@ fn slope_by_midpoints(alpha: f64, beta: f64) -> f64 {
     (square - mean * mean) / (1.0 - square) - 1.0
 }
 
-// Truth: quadrature, whose own error is the larger (1.03e-11, at alpha = 1.2), and closed forms.
+// Truth: quadrature, which has the larger error (1.03e-11, at alpha = 1.2), and closed forms.
 #[test]
 fn the_slope_has_its_closed_forms_and_is_negative() {
     let slope = |alpha: f64, beta: f64| modulation((alpha, 0.8, 2.0), 1.0, 1.7, beta * 1.6 * 1.7).slope();
@@ -176,7 +180,8 @@ fn the_slope_has_its_closed_forms_and_is_negative() {
         let all = (0..200).map(|k| slope(alpha, 0.9995 - 0.03 * f64::from(k)));
         assert!(all.into_iter().all(|s| -1.0 < s && s < 0.0), "alpha = {alpha}");
     }
-    // b = 0: <cos> = Gamma((alpha+1)/2)^2 / (Gamma(alpha/2) Gamma(alpha/2+1)): pi/4 at alpha = 2, 8/(3 pi) at alpha = 3.
+    // b = 0: <cos> = Gamma((alpha+1)/2)^2 / (Gamma(alpha/2) Gamma(alpha/2+1)): pi/4 at alpha = 2,
+    // 8/(3 pi) at alpha = 3.
     for (alpha, mean) in [(2.0, PI / 4.0), (3.0, 8.0 / (3.0 * PI))] {
         assert!((slope(alpha, 0.0) - (alpha - 1.0 - (alpha + 1.0) * mean * mean)).abs() < 1e-13);
     }
@@ -193,7 +198,8 @@ fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
     let one = modulation((1.5, 1.0, 1.0 / 3.0), 0.7, 1.0, 0.4);
     let factor = |rho: f64| (1.0 + 1.0 / rho).powf(-1.5);
     for (kappa, rho, a) in [(1.0, 3.0, 1.0), (4.0, 1.0 / 3.0, 0.7), (0.3, 1000.0, 5.0)] {
-        // The same b / (2 kappa a): only Omega's unit changes, by kappa^{-1/2} (2 kappa a)^{alpha-1} (1 + 1/rho)^{-3/2}.
+        // The same b / (2 kappa a): only the unit of Omega changes, by kappa^{-1/2} (2 kappa
+        // a)^{alpha-1} (1 + 1/rho)^{-3/2}.
         let other = modulation((1.5, kappa, rho), 0.7, a, 0.4 * kappa * a);
         let scale = (kappa * a / kappa).sqrt() * factor(rho) / factor(1.0 / 3.0);
         assert_eq!((one.verdict(), other.verdict()), (Verdict::ShortWaves, Verdict::ShortWaves));
@@ -216,7 +222,7 @@ fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
             for p in [0.0, 0.4, 1.3, PI] {
                 let ([x, y], [m, n]) = (wave.eigenvalues(p), wave.eigenvalues(-p));
                 assert_eq!(x.growth, -y.growth);
-                // lambda(-p) = conj(lambda(p)), in some order.
+                // lambda(-p) = conj(lambda(p)), in any order.
                 assert_eq!(x.growth.max(y.growth), m.growth.max(n.growth));
                 assert!((x.frequency + y.frequency + m.frequency + n.frequency).abs() < 1e-15);
             }
@@ -237,7 +243,7 @@ fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
             }
         }
     }
-    // The boundary itself: cos(pi/2) rounds to 6e-17, which is no growth.
+    // The boundary itself: cos(pi/2) rounds to 6e-17, which gives no growth.
     assert_eq!(modulation((1.5, 1.0, 1.0), 0.5 * PI, 1.0, 1.0).verdict(), Verdict::Neutral);
     // The waves of the paper.
     assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.8 * PI, 1.0, 1.0).band(), None);
@@ -273,8 +279,9 @@ fn deviation(study: &StabilityStudy, epsilon: f64) -> f64 {
     largest(at.map(|at| (at.row.growth - at.theory.growth) / fastest))
 }
 
-// Truth: the full chain. DpS is of first order in epsilon^{1/2}: a quarter of epsilon, half of the error. Measured: 2.2 % and 1.1 % of the
-// fastest growth at rho = 3, 4.1 % and 2.0 % at rho = 1/3.
+// Truth: the full chain. The error of DpS is of first order in epsilon^{1/2}: a quarter of epsilon
+// halves it. Measured: 2.2 % and 1.1 % of the fastest growth at rho = 3, 4.1 % and 2.0 % at rho =
+// 1/3.
 #[test]
 fn the_full_chain_grows_as_theory_says_to_first_order() {
     for (rho, epsilon, bounds) in [(3.0, 0.01, [0.045, 0.023]), (1.0 / 3.0, 0.05, [0.09, 0.045])] {
@@ -296,7 +303,7 @@ fn nothing_grows_on_the_wave_that_is_neutral() {
     assert!(error < 5e-3);
 }
 
-/// The command, as people and machines use it.
+/// The command: its JSON and its messages.
 #[cfg(feature = "cli")]
 mod program {
     use serde_json::Value;
@@ -339,7 +346,7 @@ mod program {
         // rho = 3 itself has the factor one, rho = 1/3 the ratio of (1 + 1/rho)^{-3/2}.
         assert!((number(&chart["rho"][2]["factor"]) - 1.0).abs() < 1e-15);
         assert!((number(&chart["rho"][0]["factor"]) - (1.0_f64 / 3.0).powf(1.5)).abs() < 1e-12);
-        // Nobody asked, nobody gets.
+        // Not computed unless asked for.
         let theory = json(&["tw-q45"], "1");
         assert!(theory["chart"].is_null() && theory["fastest"].is_null() && theory["verdict"] == "neutrally stable");
         assert_eq!(theory["measured"].as_array().unwrap().len(), 0);

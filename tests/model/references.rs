@@ -1,8 +1,9 @@
-//! End states with errors below 1e-20, by the same code in double-double; and what `f64` makes of them.
+//! End states with errors below 1e-20, computed by the same code in double-double, and the errors
+//! of `f64` runs.
 //!
-//! `tests/reference/*.json` come from `cargo test --release --test model references -- --ignored`. For alpha = 2 and 3 they were
-//! once held against Taylor series of order 45 in 45 digits, stopped at every event, by a program that shares nothing with
-//! this one: they agree to 7e-25.
+//! `cargo test --release --test model references -- --ignored` writes `tests/reference/*.json`. For
+//! alpha = 2 and 3 these states agree to 7e-25 with Taylor series of order 45 in 45 digits, stopped
+//! at every event, by a separate program.
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
@@ -13,7 +14,8 @@ use serde_json::{Value, json};
 use std::{fs, path::PathBuf};
 use twofloat::TwoFloat;
 
-/// Exponents whose force takes only products and square roots: what the double-double crate computes to its last digits.
+/// Exponents whose force needs only products and square roots, which double-double computes to its
+/// last digits.
 const ALPHAS: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
 const END: f64 = 12.0;
 const BEADS: usize = 6;
@@ -52,11 +54,11 @@ fn energy_error(alpha: f64, y: &[TwoFloat]) -> f64 {
     Real::f64(chain.energy(y).total() - chain.energy(&start).total()).abs()
 }
 
-/// The stored end state, and what it is good to.
+/// The stored end state, and its error.
 fn stored(alpha: f64) -> (Vec<TwoFloat>, f64) {
     let text = fs::read_to_string(path(alpha)).unwrap();
     let value: Value = serde_json::from_str(&text).unwrap();
-    // Texts, because not every reader of JSON reads numbers to the last bit.
+    // Numbers are stored as texts, because not every JSON reader is exact to the last bit.
     let part = |part: &Value| part.as_str().unwrap().parse::<f64>().unwrap();
     let number = |pair: &Value| TwoFloat::new_add(part(&pair[0]), part(&pair[1]));
     let state = value["state"].as_array().unwrap().iter().map(number).collect();
@@ -67,7 +69,7 @@ fn stored(alpha: f64) -> (Vec<TwoFloat>, f64) {
 #[ignore = "writes tests/reference: run it when the reference itself should change"]
 fn regenerate() {
     for alpha in ALPHAS {
-        // Two powers of the map and two tolerances: what they agree in is not an artefact of either.
+        // Two powers of the map and two tolerances: digits in which they agree depend on neither.
         let q = power(alpha, 8);
         let (fine, other) = (end::<TwoFloat>(alpha, q, 1e-25), end::<TwoFloat>(alpha, q + 2, 1e-24));
         let error = distance(&fine, &other);
@@ -87,13 +89,13 @@ fn regenerate() {
 
 #[test]
 fn the_stored_states_conserve_energy_to_twenty_digits() {
-    // An invariant that no run was told of.
+    // The energy is an invariant that the method does not enforce.
     for alpha in ALPHAS {
         let (state, error) = stored(alpha);
         assert!(error < 1e-20, "alpha = {alpha}: {error:e}");
         let energy = energy_error(alpha, &state);
         assert!(energy < 1e-20, "alpha = {alpha}: {energy:e}");
-        // A state off by 1e-19 shows.
+        // An error of 1e-19 in the state is seen.
         let mut wrong = state.clone();
         wrong[2 * BEADS] += TwoFloat::from(1e-19);
         assert!(energy_error(alpha, &wrong) > 1e-20);
@@ -104,7 +106,8 @@ fn the_stored_states_conserve_energy_to_twenty_digits() {
 fn double_precision_reaches_them_to_its_rounding() {
     for alpha in ALPHAS {
         let (truth, _) = stored(alpha);
-        // Landed only, a half-integer exponent leaves singular starts to the error control.
+        // With landing only, the singular starts after events of a half-integer exponent are left
+        // to the error control.
         for (q, bound) in [(1, 1.5e-13), (power(alpha, 8), 1.2e-14)] {
             let y: Vec<TwoFloat> = end::<f64>(alpha, q, 1e-16).into_iter().map(TwoFloat::from).collect();
             let error = distance(&y, &truth);

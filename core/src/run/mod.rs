@@ -2,8 +2,8 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is kept on the way |
-//! | `method` | [`Method`]: the integrators by name; [`Setting`]: number of steps, tolerance or windows |
+//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
+//! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
@@ -45,7 +45,8 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 10)?;
 /// let mut state = State::rest(&chain);
 /// state.u_dot_mut()[0] = 1.0;
-/// let run = Run::new(chain, state).until(30.0)?.method(Method::Collocation).tolerance(1e-10)?.contacts();
+/// let run = Run::new(chain, state).until(30.0)?;
+/// let run = run.method(Method::Collocation).tolerance(1e-10)?.contacts();
 /// let end = run.start()?;
 /// assert!(end.energy_error.unwrap() < 1e-10);
 /// // Each bond has closed at least once.

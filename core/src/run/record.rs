@@ -31,7 +31,7 @@ pub enum Records {
     End,
     /// Energies at the sample times.
     Energy,
-    /// Energies and strain profiles.
+    /// Energies at the sample times; strains and states at every k-th of them.
     Profiles,
 }
 

@@ -56,7 +56,9 @@ pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
 /// | regime | method | setting | energy error measured there |
 /// |---|---|---|---|
 /// | `omega <= 10^4 Omega_c` | `collocation` | tolerance 10^-10 | below 10^-9 |
-/// | above: light resonators, or weakly compressed contacts | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
+/// | `omega > 10^4 Omega_c` | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
+///
+/// The second row means light resonators, or weakly compressed contacts.
 ///
 /// # Errors
 /// A run without an end.

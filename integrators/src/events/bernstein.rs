@@ -215,7 +215,7 @@ mod tests {
         let p = through(|s| 1e-3 * (s - 0.2) * (s - 0.4) * (s - 0.6));
         let (zero, left) = p.first_crossing(false, false, 2e-5).unwrap();
         assert!((zero - 0.6).abs() < 1e-12 && left > 0.6);
-        // One that starts inside the band and only leaves it: the zero is the start.
+        // A polynomial that starts inside the band and leaves it: the zero is the start.
         let p = through(|s| 1e-12 + s);
         assert_eq!(p.first_crossing(false, false, 1e-9).unwrap().0, 0.0);
     }

@@ -296,7 +296,7 @@ mod tests {
         let nothing = LinearPath { a: 0.0, b: 0.0, c: 0.0, d: 0.0, omega: 2.0 };
         assert!(roots(&nothing, -1.0, 1.0).is_empty() && !nothing.misses(-1.0, 1.0, 0.0));
         assert!(roots(&LinearPath { c: 5.0, omega: 0.0, ..nothing }, -1.0, 1.0).is_empty());
-        // Tiny is not nothing.
+        // Tiny coefficients are not zero.
         let tiny = LinearPath { a: -1e-250, b: 2e-250, ..nothing };
         assert_eq!(roots(&tiny, 0.0, 1.0), [0.5]);
     }

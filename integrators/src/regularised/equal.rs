@@ -1,4 +1,4 @@
-//! The same method without step-size control, for studies of its order.
+//! The regularised method without step-size control, for studies of its order.
 
 use super::{Mapped, TimeMap, check_problem};
 use crate::{
@@ -113,7 +113,6 @@ impl<R: Real> Division<R> {
 /// # Errors
 /// A division or a problem that is not valid; a state that is not finite; steps so long that the
 /// solution lacks an event of the itinerary.
-/// itinerary.
 pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     mut field: F,
     functions: &E,

@@ -122,7 +122,6 @@ fn binomial(n: u32, k: u32) -> f64 {
 /// `q (alpha + 1) >= p` (the step at the event then errs by no more than all others together). For
 /// `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of the
 /// same number of steps.
-/// Larger ones cost: the same steps then err more.
 pub fn power(alpha: f64, p: u32) -> u32 {
     let analytic = |q: f64| (q * alpha - (q * alpha).round()).abs() < 1e-12;
     (1..=64u32).find(|&q| analytic(f64::from(q)) || f64::from(q) * (alpha + 1.0) >= f64::from(p)).unwrap_or(64)

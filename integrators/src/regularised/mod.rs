@@ -5,12 +5,13 @@
 //! | `g, alpha` | event functions; near `g = 0` the field behaves like `(g)_+^alpha` |
 //! | *leg* | time interval between two events; no function changes its sign inside |
 //! | `tau, sigma` | time since the leg's origin, and the mapped variable, see [`TimeMap`] |
-//! | `q` | power of the map at a singular end: at the start after an onset (`g` rises), at the end before a release (`g` falls) |
+//! | `q` | power of the map at a singular end: a start at an onset, an end at a release |
 //! | `s` | `tau^{1/q}`: step lengths of legs with a singular end are stored in this variable |
 //!
-//! After an onset the force grows like `tau^alpha`, which no polynomial in `tau` approximates to
-//! high order. In `sigma`, with `tau ~ sigma^q` and `q alpha` an integer, it is analytic. With
-//! `q = 1` the method stops and restarts at events but uses no map.
+//! At an onset `g` rises, at a release it falls. After an onset the force grows like `tau^alpha`,
+//! which no polynomial in `tau` approximates to high order. In `sigma`, with `tau ~ sigma^q` and
+//! `q alpha` an integer, it is analytic. With `q = 1` the method stops and restarts at events but
+//! uses no map.
 //!
 //! Every trial step is searched for events, also one whose error is too large. If an event is
 //! found, the trial is repeated in the map that this event needs, so that the step ends on the

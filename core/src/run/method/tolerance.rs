@@ -2,8 +2,8 @@
 //!
 //! The order is four. Two runs over the whole span, with `n` and `sqrt(2) n` steps, therefore
 //! differ by three times the error of the finer run, and the number of steps for the tolerance
-//! follows from this error. If it is more than twice that of the finer run, the pair is repeated
-//! with more steps.
+//! follows from this error. If this number is more than twice that of the finer run, the pair is
+//! repeated with more steps.
 
 use super::{Method, Setting};
 use crate::run::Run;
