@@ -23,6 +23,7 @@ examples! {
     dark_breather: "../examples/dark_breather.rs";
     continuation: "../examples/continuation.rs";
     sweep: "../examples/sweep.rs";
+    long_energy: "../examples/long_energy.rs";
     arenstorf: "../integrators/examples/arenstorf.rs";
     own_hamiltonian: "../integrators/examples/own_hamiltonian.rs";
 }
