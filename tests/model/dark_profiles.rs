@@ -367,8 +367,8 @@ fn measured_detuning(profile: &DarkProfile, detuning: f64, sites: &[i64]) -> Vec
     turned.map(|phase| phase / (times[1] - times[0]) / detuning).collect()
 }
 
-// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's 2
-// kappa omega^3 the latter would be 0.6.
+// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's
+// 2 kappa omega^3 the latter would be 0.6.
 #[test]
 fn the_chain_turns_with_omega_b_to_first_order() {
     for (params, center) in [(params(1.5, 1.0), Center::Site), (Params::new(1.5, 2.5, 1.0).unwrap(), Center::Bond)] {

@@ -198,8 +198,8 @@ fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
     let one = modulation((1.5, 1.0, 1.0 / 3.0), 0.7, 1.0, 0.4);
     let factor = |rho: f64| (1.0 + 1.0 / rho).powf(-1.5);
     for (kappa, rho, a) in [(1.0, 3.0, 1.0), (4.0, 1.0 / 3.0, 0.7), (0.3, 1000.0, 5.0)] {
-        // The same b / (2 kappa a): only the unit of Omega changes, by kappa^{-1/2} (2 kappa
-        // a)^{alpha-1} (1 + 1/rho)^{-3/2}.
+        // The same b / (2 kappa a): only the unit of Omega changes, by
+        // kappa^{-1/2} (2 kappa a)^{alpha-1} (1 + 1/rho)^{-3/2}.
         let other = modulation((1.5, kappa, rho), 0.7, a, 0.4 * kappa * a);
         let scale = (kappa * a / kappa).sqrt() * factor(rho) / factor(1.0 / 3.0);
         assert_eq!((one.verdict(), other.verdict()), (Verdict::ShortWaves, Verdict::ShortWaves));
