@@ -280,8 +280,8 @@ fn deviation(study: &StabilityStudy, epsilon: f64) -> f64 {
 }
 
 // Truth: the full chain. The error of DpS is of first order in epsilon^{1/2}: a quarter of epsilon
-// halves it. Measured: 2.2 % and 1.1 % of the fastest growth at rho = 3, 4.1 % and 2.0 % at rho =
-// 1/3.
+// halves it. Measured: 2.2 % and 1.1 % of the fastest growth at rho = 3, 4.1 % and 2.0 % at
+// rho = 1/3.
 #[test]
 fn the_full_chain_grows_as_theory_says_to_first_order() {
     for (rho, epsilon, bounds) in [(3.0, 0.01, [0.045, 0.023]), (1.0 / 3.0, 0.05, [0.09, 0.045])] {
