@@ -35,8 +35,7 @@ fn averages(c: &mut Criterion) {
             [("all", (-3.0, 1.0)), ("opens", (-0.5, 1.0)), ("near", (-1.1, -0.9)), ("closed", (-5.0, -2.5))]
         {
             let bonds = bonds(0.7, ends);
-            // Checks the timed function on one bond by Euler's identity, b dg/db + r dg/dr = alpha
-            // g.
+            // Checks one bond by Euler's identity, b dg/db + r dg/dr = alpha g.
             let (b, r) = bonds[COUNT / 3];
             let v = averages.values(b, r);
             assert!(((b * v.dg_db + r * v.dg_dr) / (alpha * v.g) - 1.0).abs() < 1e-13);

@@ -209,9 +209,9 @@ fn a_resonant_bead_meets_the_wall_at_the_root_of_its_linear_path() {
 
 #[test]
 fn a_contact_lasts_as_long_as_its_closed_form_says() {
-    // Truth: a bead and its mirror image, g'' = -2 g^alpha, touch for the time T = 2 g_m/w sqrt(pi)
-    // Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1)), computed with 30 digits, with g_m = (w^2
-    // (alpha+1)/4)^{1/(alpha+1)} and w = 0.7.
+    // Truth: a bead and its mirror image, g'' = -2 g^alpha, touch for the time
+    // `T = 2 g_m/w sqrt(pi) Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1))`, with
+    // `g_m = (w^2 (alpha+1)/4)^{1/(alpha+1)}` and w = 0.7; computed with 30 digits.
     let closed_form = [
         (1.2, 2.403_091_115_402_883_4),
         (1.5, 2.619_167_467_203_314),

@@ -112,7 +112,7 @@ fn grazing(alpha: f64, excess: f64) -> (Chain<f64>, Vec<f64>) {
 #[test]
 fn short_contacts_are_found_in_few_sweeps() {
     // Onset and release lie within one window, where a chord of the overlap differs much from its
-    // tangent. Newton's method with the slope of a chord would not converge. Measured: 9, 7, 7, 3
+    // tangent. Newton's method with the slope of a chord oscillates. Measured: 9, 7, 7, 3
     // sweeps.
     for excess in [1e-2, 1e-3, 1e-4, 1e-5] {
         let (chain, y0) = grazing(1.5, excess);
@@ -129,9 +129,9 @@ fn short_contacts_are_found_in_few_sweeps() {
 
 #[test]
 fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
-    // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse e^{alpha+1/2}
-    // sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx, up to a relative error measured to be 1.2 e. The
-    // impulse stays with the centres of mass.
+    // Truth: the force of g = e - c t^2/2, c = (1 + e) omega^2, has the impulse
+    // `e^{alpha+1/2} sqrt(2/c) int_{-1}^1 (1 - x^2)^alpha dx`, up to a relative error measured to
+    // be 1.2 e. The impulse stays with the centres of mass.
     let third = 1.0 / 3.0;
     for (alpha, integral) in [(1.0, 4.0 * third), (1.5, 0.375 * std::f64::consts::PI), (2.0, 3.2 * third)] {
         for excess in [1e-2, 1e-4, 1e-6, 1e-10, 0.0, -1e-10, -1e-6] {

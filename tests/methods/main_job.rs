@@ -203,8 +203,8 @@ fn the_same_code_in_double_double_shows_the_rounding_of_the_double_run() {
 }
 
 // Truth: the energy. Resonators of mass 1e-8 give h omega = 100. The exact flow is not affected
-// (measured 1.6e-5, the error of the impact itself); velocity Verlet is beyond its limit h omega =
-// 2 and must fail.
+// (measured 1.6e-5, the error of the impact itself); velocity Verlet has the limit
+// h omega = 2 and must fail.
 #[test]
 fn a_light_resonator_limits_the_step_of_verlet_only() {
     let mut file = scene("impact").file().clone();

@@ -86,8 +86,8 @@ fn the_stationary_equations_hold_by_quadrature() {
     println!("largest residual {worst:e}");
 }
 
-// Truth: c_alpha below (disp) with Gamma(5/4), Gamma(7/4), Gamma(9/4) from tables; elsewhere 4 h(c,
-// a) = 1 by quadrature.
+// Truth: c_alpha below (disp) with Gamma(5/4), Gamma(7/4), Gamma(9/4) from tables; elsewhere
+// 4 h(c, a) = 1 by quadrature.
 #[test]
 fn the_background_is_the_uniform_solution() {
     let c_alpha = PI.sqrt() * 0.919_062_526_848_883_2 / (PI * 1.133_003_096_319_346_4);
@@ -301,7 +301,7 @@ fn exact_background(params: Params, omega_b: f64, mut start: [f64; 2]) -> [f64; 
     start
 }
 
-// The background of an exact breather does not depend on the chain. At omega_b = 2.05 the seed
+// The background of an exact breather is computed without a chain. At omega_b = 2.05 the seed
 // overestimates it; the difference decreases towards omega.
 #[test]
 fn seeds_have_the_exact_background_to_first_order() {
@@ -367,8 +367,8 @@ fn measured_detuning(profile: &DarkProfile, detuning: f64, sites: &[i64]) -> Vec
     turned.map(|phase| phase / (times[1] - times[0]) / detuning).collect()
 }
 
-// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's 2
-// kappa omega^3 the latter would be 0.6.
+// Measured: 1.54e-2 and 3.1e-3 at kappa = 1, 4.5e-3 and 9.1e-4 at kappa = 2.5; with the paper's
+// 2 kappa omega^3 the latter would be 0.6.
 #[test]
 fn the_chain_turns_with_omega_b_to_first_order() {
     for (params, center) in [(params(1.5, 1.0), Center::Site), (Params::new(1.5, 2.5, 1.0).unwrap(), Center::Bond)] {

@@ -198,8 +198,8 @@ fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
     let one = modulation((1.5, 1.0, 1.0 / 3.0), 0.7, 1.0, 0.4);
     let factor = |rho: f64| (1.0 + 1.0 / rho).powf(-1.5);
     for (kappa, rho, a) in [(1.0, 3.0, 1.0), (4.0, 1.0 / 3.0, 0.7), (0.3, 1000.0, 5.0)] {
-        // The same b / (2 kappa a): only the unit of Omega changes, by kappa^{-1/2} (2 kappa
-        // a)^{alpha-1} (1 + 1/rho)^{-3/2}.
+        // The same b / (2 kappa a): only the unit of Omega changes, by
+        // kappa^{-1/2} (2 kappa a)^{alpha-1} (1 + 1/rho)^{-3/2}.
         let other = modulation((1.5, kappa, rho), 0.7, a, 0.4 * kappa * a);
         let scale = (kappa * a / kappa).sqrt() * factor(rho) / factor(1.0 / 3.0);
         assert_eq!((one.verdict(), other.verdict()), (Verdict::ShortWaves, Verdict::ShortWaves));
@@ -280,8 +280,8 @@ fn deviation(study: &StabilityStudy, epsilon: f64) -> f64 {
 }
 
 // Truth: the full chain. The error of DpS is of first order in epsilon^{1/2}: a quarter of epsilon
-// halves it. Measured: 2.2 % and 1.1 % of the fastest growth at rho = 3, 4.1 % and 2.0 % at rho =
-// 1/3.
+// halves it. Measured: 2.2 % and 1.1 % of the fastest growth at rho = 3, 4.1 % and 2.0 % at
+// rho = 1/3.
 #[test]
 fn the_full_chain_grows_as_theory_says_to_first_order() {
     for (rho, epsilon, bounds) in [(3.0, 0.01, [0.045, 0.023]), (1.0 / 3.0, 0.05, [0.09, 0.045])] {

@@ -11,12 +11,12 @@
 //!
 //! | case | what happens |
 //! |---|---|
-//! | starts at zero, moving | an event at the start if to the positive side, none if to the negative |
+//! | starts at zero, moving | an event at the start if it becomes positive; none if negative |
 //! | starts at zero, at rest | no event until it leaves the band; then an event at its last zero |
 //! | identically zero | no event |
 //! | two roots inside a step | both are found: the search is that of a polynomial over the step |
 //! | grazing (double root) | two events if the band is left on the other side, otherwise none |
-//! | event at the end of a step | belongs to the step that leaves the band; its time is the step's end |
+//! | event at the end of a step | belongs to the step that leaves the band; its time is that end |
 //! | simultaneous events | each is an event; events within rounding may come in any order |
 //!
 //! The tail of a breather holds overlaps down to 1e-300 and below, which do not change a bit of the

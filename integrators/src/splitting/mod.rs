@@ -10,8 +10,7 @@
 //! sweeps a step; a kick-first scheme costs one sweep less than it has kicks.
 //!
 //! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, [`Averaged`] is a flow whose
-//! kicks integrate the force, and [`Corrected`] corrects the state after contacts that begin or
-//! end.
+//! kicks integrate the force, and [`Corrected`] adds corrections at contacts that begin or end.
 
 mod averaged;
 pub mod corrected;
