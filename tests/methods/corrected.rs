@@ -405,3 +405,14 @@ fn no_run_of_a_family_that_passes_through_grazing_contacts_stands_out() {
         assert!(errors[399] < 5.0 * errors[200], "{seed}: {:e} {:e}", errors[200], errors[399]);
     }
 }
+
+#[test]
+fn legs_of_a_run_share_a_tolerance_that_the_method_accepts() {
+    for (method, least) in [(Method::CORRECTED, 1e-13), (Method::Collocation, 1e-15)] {
+        let leg = |tol| Setting::Tolerance(tol).of_leg(method, 0.01);
+        assert_eq!(leg(1e-8), Setting::Tolerance(1e-10));
+        // Not below what the method accepts; what it refuses, it refuses as it was given.
+        assert_eq!(leg(10.0 * least), Setting::Tolerance(least));
+        assert_eq!(leg(0.1 * least), Setting::Tolerance(0.1 * least));
+    }
+}

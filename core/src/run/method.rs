@@ -92,9 +92,11 @@ impl Setting {
         match self {
             Self::Steps(steps) => Self::Steps(part(steps)),
             Self::Windows(windows, nodes) => Self::Windows(part(windows), nodes),
-            // At least the smallest tolerance of collocation, unless the given tolerance is smaller
-            // still.
-            Self::Tolerance(tol) if method.of_the_run() => Self::Tolerance((tol * share).max(tol.min(LEAST_TOLERANCE))),
+            // At least the smallest tolerance of the method, unless the given tolerance is smaller
+            // still, and refused.
+            Self::Tolerance(tol) if method.of_the_run() => {
+                Self::Tolerance((tol * share).max(tol.min(method.least_tolerance())))
+            }
             Self::Tolerance(_) => self,
         }
     }
@@ -215,6 +217,14 @@ impl Method {
     /// Whether its tolerance holds for the whole run, not for a step.
     pub fn of_the_run(&self) -> bool {
         self.tolerant() && !matches!(self, Self::Dop853(_))
+    }
+
+    /// Smallest tolerance that a method of the whole run accepts.
+    fn least_tolerance(self) -> f64 {
+        match self {
+            Self::Corrected(..) => *tolerance::TOLERANCES.start(),
+            _ => LEAST_TOLERANCE,
+        }
     }
 
     /// Article with the coefficients.

@@ -16,7 +16,7 @@ use hertzchain_integrators::{Error as Failure, Observer, Stats, drive};
 use std::{f64::consts::SQRT_2, ops::ControlFlow};
 
 /// Accepted tolerances. Rounding errors prevent smaller ones.
-const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=0.1;
+pub(super) const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=0.1;
 /// Number of steps per period in the first run.
 const FIRST: f64 = 16.0;
 /// Error that the number of steps is chosen for, in units of the tolerance. It is less than one
