@@ -12,8 +12,8 @@
 //! | [`scene`] | a named, complete set-up, read from TOML; what it needs and what it leaves out |
 //! | [`run`] | the one door: a chain, a state, a span, a method; the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
-//! | [`experiments`] | data in, data out: one run; error against run time |
-//! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
+//! | [`study`] | what is asked of chains: options, work, and what people and machines read of it |
+//! | [`present`] | rows and words as text |
 //! | [`paper`] | what the paper says, our numbers and figures for it |
 //! | [`output`] | files and text, written whole or not at all |
 //! | `cli` | the command line (feature `cli`) |
@@ -25,16 +25,16 @@ pub mod breathers;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod dps;
-pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
 mod number;
 pub mod orbits;
 pub mod output;
 pub mod paper;
+pub mod present;
 mod random;
-pub mod report;
 pub mod scene;
+pub mod study;
 pub mod sweep;
 pub mod waves;
 

@@ -1,13 +1,11 @@
 //! Charts of stability, against closed forms: limits of steps, resonances, and collocation at the corners.
 
 use hertzchain::{
-    experiments::{
-        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance,
-    },
     integrators::splitting::First,
     run::method::{Method, Split},
     run::{Records, Regime, regime},
     scene::{Scene, SceneFile},
+    study::{Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance},
 };
 use std::f64::consts::PI;
 
@@ -17,8 +15,9 @@ fn named(names: &[&str]) -> Vec<Method> {
 
 /// Quick charts of some methods on the built-in problem.
 fn study(charted: &[Chart], methods: Vec<Method>) -> ChartStudy {
+    let integrators = methods.iter().map(Method::name).collect();
     let options =
-        ChartOptions { charts: charted.to_vec(), methods, sites: 1000, periods: 100.0, work: 1e6, quick: true };
+        ChartOptions { charts: charted.to_vec(), integrators, sites: 1000, periods: 100.0, work: 1e6, quick: true };
     charts(&Problem::built_in(), &options, None, &|_, _| ()).unwrap()
 }
 

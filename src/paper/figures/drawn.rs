@@ -1,7 +1,7 @@
 //! What became of the figures: a line each.
 
 use super::Figure;
-use crate::{error::Error, output::to_json, report::table};
+use crate::{error::Error, output::to_json, present::table};
 use serde_json::{Value, json};
 use std::time::Duration;
 

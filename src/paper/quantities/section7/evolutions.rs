@@ -7,7 +7,7 @@ use super::{
     super::{Quantity, Runs},
     THIRD, least, most, released,
 };
-use crate::{dps::Center, error::Result, experiments::Evolution, sweep::map};
+use crate::{dps::Center, error::Result, study::Evolution, sweep::map};
 
 const UNTIL: f64 = 1200.0;
 /// `E_b` of a rounding, and of what is not small any more.
