@@ -233,6 +233,7 @@ fn spread_csv(study: &WaveStudy, ensemble: &Ensemble) -> Vec<u8> {
 /// Strains at the end beside the ansatz, and errors in time.
 #[cfg(feature = "plot")]
 fn picture(study: &WaveStudy) -> Result<Vec<u8>> {
+    use super::Errors;
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let line = |name: &str, x: Vec<f64>, y: &[f64]| Line {
         name: name.to_owned(),
@@ -245,24 +246,25 @@ fn picture(study: &WaveStudy) -> Result<Vec<u8>> {
         lines: vec![line("chain", sites(), chain), line("ansatz", sites(), ansatz)],
         ..Panel::default()
     };
-    let errors = |label: &str, lines: &[(&str, &Vec<f64>)]| Panel {
-        kind: Kind::LogTime,
+    let in_time = |kind, label: &str, names: [&str; 2], Errors { x, y }: &Errors| Panel {
+        kind,
         x_label: "time t".into(),
         y_label: label.into(),
-        lines: lines.iter().map(|(name, errors)| line(name, study.t.clone(), errors)).collect(),
+        lines: vec![line(names[0], study.t.clone(), x), line(names[1], study.t.clone(), y)],
         ..Panel::default()
     };
-    let (x, y) = (&study.strains, &study.ansatz);
-    let profiles = [strains("strain xₙ", &x.x, &y.x), strains("strain yₙ", &x.y, &y.y)];
-    let mut in_time = vec![errors("error over amplitude", &[("E_x", &study.errors.x), ("E_y", &study.errors.y)])];
-    let difference = study.perturbed.as_ref().map(|run| &run.difference);
-    in_time.extend(difference.map(|one| errors("perturbed − unperturbed", &[("Ẽ_x", &one.x), ("Ẽ_y", &one.y)])));
+    let (chain, ansatz) = (&study.strains, &study.ansatz);
+    let profiles = [strains("strain xₙ", &chain.x, &ansatz.x), strains("strain yₙ", &chain.y, &ansatz.y)];
+    let mut errors = vec![in_time(Kind::Time, "error over amplitude", ["E_x", "E_y"], &study.errors)];
+    errors.extend(study.perturbed.as_ref().map(|PerturbedRun { difference, .. }| {
+        in_time(Kind::LogTime, "perturbed − unperturbed", ["Ẽ_x", "Ẽ_y"], difference)
+    }));
     let how = format!(
         "Unperturbed wave at t = {:.6} beside its first-order ansatz (eq:xytw_app), and largest distances from it in time (eq:relerr_tw). {}.",
         study.scene.end(),
         study.setting
     );
-    let columns = vec![Column::new("", profiles), Column::new("", in_time)];
+    let columns = vec![Column::new("", profiles), Column::new("", errors)];
     let title = format!("{}: chain and ansatz", study.scene.name());
     Ok(panels(&Panels { title, columns, caption: crate::study::provenance(&study.scene, &how) })?)
 }
