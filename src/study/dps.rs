@@ -293,15 +293,10 @@ impl Report for Profiled {
 
     #[cfg(feature = "plot")]
     fn pictures(&self) -> Result<Vec<File>> {
-        use crate::figures::{Column, Line, Panel, Panels, panels};
-        let panel = |label: &str, values: &[f64]| Panel {
-            x_label: "site n".into(),
-            y_label: label.into(),
-            lines: vec![Line {
-                name: label.into(),
-                points: self.profile.sites().map(|n| n as f64).zip(values.iter().copied()).collect(),
-            }],
-            ..Panel::default()
+        use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
+        let panel = |label: &str, values: &[f64]| {
+            let points = self.profile.sites().map(|n| n as f64).zip(values.iter().copied());
+            Panel::new(Kind::Sites, ["site n", label], vec![Line::new(label, points)])
         };
         let params = self.profile.params();
         let columns = vec![

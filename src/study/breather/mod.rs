@@ -47,7 +47,13 @@ pub struct BreatherOptions {
     /// Integrator; `hertzchain integrators` lists all.
     ///
     /// One that takes a tolerance.
-    #[cfg_attr(feature = "cli", arg(long = "integrator", value_parser = Method::named, value_name = "NAME", default_value = "collocation"))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long = "integrator", value_parser = Method::named, value_name = "NAME",
+            default_value = "collocation"
+        )
+    )]
     pub method: Method,
     /// Tolerance, from 1e-15 to 0.1.
     ///
@@ -174,7 +180,12 @@ pub struct Trivial {
     /// Offsets d_n, separated by commas [default: the scene's].
     ///
     /// Nondecreasing: how much the mean positions rise beyond what contacts demand.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with_all = ["means", "gap"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',', conflicts_with_all = ["means", "gap"]
+        )
+    )]
     pub offsets: Vec<f64>,
     /// Mean positions b_n, separated by commas [default: the scene's].
     ///

@@ -330,36 +330,25 @@ fn kink_height(study: &TrivialStudy) -> f64 {
     means.last().copied().unwrap_or_default() - means.first().copied().unwrap_or_default()
 }
 
-#[cfg(feature = "plot")]
-fn line(name: &str, points: impl Iterator<Item = (f64, f64)>) -> crate::figures::Line {
-    crate::figures::Line { name: name.to_owned(), points: points.collect() }
-}
-
 /// Beads and resonators at the end beside the ansatz; distances from it, and the share of the core, in time.
 #[cfg(feature = "plot")]
 fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
-    use crate::figures::{Column, Kind, Panel, Panels, panels};
+    use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let BrightStudy { scene, breather, samples, profiles, .. } = study;
     let (layout, last) = (scene.chain().layout(), &profiles[profiles.len() - 1]);
-    let sites = |name: &str, values: Vec<f64>| line(name, (0..).map(f64::from).zip(values));
+    let sites = |name: &str, values: Vec<f64>| Line::new(name, (0..).map(f64::from).zip(values));
     let ansatz = (0..layout.sites()).map(|n| breather.site(n, last.t).u).collect();
-    let panel = |x_label: &str, y_label: &str, kind, lines| Panel {
-        kind,
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        lines,
-        ..Panel::default()
-    };
     let beads = vec![sites("chain", layout.u(&last.state).to_vec()), sites("ansatz", ansatz)];
     let resonators = layout.v(&last.state).map(|v| vec![sites("resonators", v.to_vec())]);
-    let mut left = vec![panel("site n", "position uₙ", Kind::Sites, beads)];
-    left.extend(resonators.map(|lines| panel("site n", "position vₙ", Kind::Sites, lines)));
-    let time = |name: &str, of: &dyn Fn(&BrightSample) -> f64| line(name, samples.iter().map(|one| (one.t, of(one))));
+    let mut left = vec![Panel::new(Kind::Sites, ["site n", "position uₙ"], beads)];
+    left.extend(resonators.map(|lines| Panel::new(Kind::Sites, ["site n", "position vₙ"], lines)));
+    let time =
+        |name: &str, of: &dyn Fn(&BrightSample) -> f64| Line::new(name, samples.iter().map(|one| (one.t, of(one))));
     let norms = vec![time("E_u", &|one| one.norms.u), time("E_v", &|one| one.norms.v)];
     let share = vec![time("share of the core", &|one| one.share)];
     let right = vec![
-        panel("time t", "distance from the ansatz", Kind::Time, norms),
-        panel("time t", "share of the energy", Kind::Time, share),
+        Panel::new(Kind::Time, ["time t", "distance from the ansatz"], norms),
+        Panel::new(Kind::Time, ["time t", "share of the energy"], share),
     ];
     let how = format!(
         "Beads and resonators at t = {:.6}; l₁ distances from the ansatz; share of the energy in the core. {}.",
@@ -376,23 +365,16 @@ fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
 /// Amplitudes and mean positions by site; the distance of the integrator from the closed form in time.
 #[cfg(feature = "plot")]
 fn trivial_picture(study: &TrivialStudy) -> Result<Vec<u8>> {
-    use crate::figures::{Kind, Panel, Panels, panels};
+    use crate::figures::{Kind, Line, Panel, Panels, panels};
     let breather = &study.breather;
-    let sites = |label: &str, values: &[f64]| Panel {
-        x_label: "site n".into(),
-        y_label: label.into(),
-        lines: vec![line(label, (0..).map(f64::from).zip(values.iter().copied()))],
-        ..Panel::default()
+    let sites = |label: &str, values: &[f64]| {
+        let line = Line::new(label, (0..).map(f64::from).zip(values.iter().copied()));
+        Panel::new(Kind::Sites, ["site n", label], vec![line])
     };
     // A zero has no place on a logarithmic axis: it is drawn below every rounding.
     let distances = study.deviation.iter().map(|deviation| deviation.max(1e-17));
-    let deviation = Panel {
-        kind: Kind::LogTime,
-        x_label: "time t".into(),
-        y_label: "distance over amplitude".into(),
-        lines: vec![line("integrator against closed form", study.t.iter().copied().zip(distances))],
-        ..Panel::default()
-    };
+    let line = Line::new("integrator against closed form", study.t.iter().copied().zip(distances));
+    let deviation = Panel::new(Kind::LogTime, ["time t", "distance over amplitude"], vec![line]);
     let panels_of =
         vec![sites("amplitude aₙ", breather.amplitudes()), sites("mean position bₙ", breather.means()), deviation];
     let how = format!("Closed form (uncpl) against {}.", study.setting);

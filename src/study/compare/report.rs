@@ -3,33 +3,26 @@
 use super::{Comparison, Row};
 use crate::{
     error::Result,
-    present::{machine_json, table},
+    present::{machine_json, rows_csv, table},
     study::{File, Report, named, scene_json},
 };
 use serde_json::{Value, json};
 
+/// Columns of the CSV: keys of the rows.
+const COLUMNS: &str =
+    "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure";
+
+/// What stands for a number or words that there are not.
+fn missing(key: &str) -> &'static str {
+    match key {
+        "failure" => "",
+        "step" => "NaN",
+        _ => "nan",
+    }
+}
+
 impl Report for Comparison {
     fn json(&self) -> Value {
-        let rows: Vec<Value> = self
-            .rows
-            .iter()
-            .map(|row| {
-                json!({
-                    "integrator": row.method.name(),
-                    "setting": row.setting,
-                    "step": row.step,
-                    "error": row.error,
-                    "energy_error": row.energy_error,
-                    "wall_s": row.wall,
-                    "runs": row.repeats,
-                    "force_evaluations": row.stats.force_evaluations,
-                    "steps": row.stats.steps,
-                    "rejected": row.stats.rejected,
-                    "below_reference": row.below_reference,
-                    "failure": row.failure,
-                })
-            })
-            .collect();
         let slopes: serde_json::Map<String, Value> =
             self.methods().iter().map(|method| (method.name(), json!(self.slope(method)))).collect();
         json!({
@@ -40,7 +33,7 @@ impl Report for Comparison {
                 "method": self.reference.method,
                 "error_estimate": self.reference.error_estimate,
             },
-            "rows": rows,
+            "rows": rows(self),
             "slopes": slopes,
             "scene_file": scene_json(&self.scene),
             "machine": machine_json(),
@@ -108,7 +101,7 @@ impl Report for Comparison {
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
-        Ok(named([("compare.csv", csv(self)), ("compare.json", json.into())]))
+        Ok(named([("compare.csv", rows_csv(COLUMNS, &rows(self), missing)), ("compare.json", json.into())]))
     }
 
     #[cfg(feature = "plot")]
@@ -117,30 +110,24 @@ impl Report for Comparison {
     }
 }
 
-/// A line a row; no cell holds a comma or needs quotes.
-fn csv(comparison: &Comparison) -> Vec<u8> {
-    let mut text = String::from(
-        "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure\n",
-    );
-    let number = |value: Option<f64>| value.map(|value| format!("{value:e}")).unwrap_or_else(|| "nan".to_owned());
-    for row in &comparison.rows {
-        let failure = row.failure.as_deref().unwrap_or_default().replace(',', ";");
-        text += &format!(
-            "{},{},{:e},{},{},{},{},{},{},{},{},{failure}\n",
-            row.method.name(),
-            row.setting,
-            row.step,
-            number(row.error),
-            number(row.energy_error),
-            number(row.wall),
-            row.repeats,
-            row.stats.force_evaluations,
-            row.stats.steps,
-            row.stats.rejected,
-            u8::from(row.below_reference),
-        );
-    }
-    text.into_bytes()
+fn rows(comparison: &Comparison) -> Vec<Value> {
+    let row = |row: &Row| {
+        json!({
+            "integrator": row.method.name(),
+            "setting": row.setting,
+            "step": row.step,
+            "error": row.error,
+            "energy_error": row.energy_error,
+            "wall_s": row.wall,
+            "runs": row.repeats,
+            "force_evaluations": row.stats.force_evaluations,
+            "steps": row.stats.steps,
+            "rejected": row.stats.rejected,
+            "below_reference": row.below_reference,
+            "failure": row.failure,
+        })
+    };
+    comparison.rows.iter().map(row).collect()
 }
 
 fn fastest(comparison: &Comparison) -> String {

@@ -55,7 +55,13 @@ pub struct DriftOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
     pub periods: f64,
     /// Integrators, separated by commas, or all.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', default_values = ["collocation", "corrected", "strang-linear", "yoshida4-linear"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',',
+            default_values = ["collocation", "corrected", "strang-linear", "yoshida4-linear"]
+        )
+    )]
     pub integrators: Vec<String>,
     /// Number of times that are kept.
     ///

@@ -136,9 +136,8 @@ fn picture(study: &Evolution) -> Result<Vec<u8>> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let setting = study.orbit.setting;
     let time = |kind: Kind, label: &str, values: &[f64]| {
-        let points = study.times.iter().copied().zip(values.iter().copied()).collect();
-        let lines = vec![Line { name: label.to_owned(), points }];
-        Panel { kind, x_label: "time t".into(), y_label: label.into(), lines, ..Panel::default() }
+        let points = study.times.iter().copied().zip(values.iter().copied());
+        Panel::new(kind, ["time t", label], vec![Line::new(label, points)])
     };
     // A zero has no place on a logarithmic axis: it is drawn below every rounding.
     let e_b: Vec<f64> = study.e_b.iter().map(|e_b| e_b.max(1e-17)).collect();

@@ -112,12 +112,24 @@ pub struct LifetimeOptions {
     /// Sizes, separated by commas.
     ///
     /// Positive, each once; displacements.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["1e-3", "3e-3", "0.01", "0.03", "0.1"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "E,F,..", value_delimiter = ',',
+            default_values = ["1e-3", "3e-3", "0.01", "0.03", "0.1"]
+        )
+    )]
     pub epsilons: Vec<f64>,
     /// Mass ratios resonator to bead, separated by commas.
     ///
     /// Positive, each once.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "R,S,..", value_delimiter = ',', default_values = ["10", "100", "1e3", "1e4", "1e5"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "R,S,..", value_delimiter = ',',
+            default_values = ["10", "100", "1e3", "1e4", "1e5"]
+        )
+    )]
     pub rhos: Vec<f64>,
     /// What ends a life.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Criterion::Energy))]

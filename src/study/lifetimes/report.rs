@@ -4,7 +4,7 @@ use super::{Criterion, Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     error::Result,
     output::to_json,
-    present::table,
+    present::{rows_csv, table},
     study::{File, Report, dps::center_word, named},
 };
 use serde_json::{Value, json};
@@ -172,42 +172,11 @@ fn fit_lines(fit: Option<PowerLaw>) -> String {
     )
 }
 
-/// A line a point: `epsilon,rho,lifetime,not_before,fate,energy,distance,frequency,end,decoupled,core_share,contact,x,horizon,omega_b,sites,ends_felt`; what there is not is empty.
+/// A line a point; what there is not is empty.
 pub(crate) fn csv(study: &LifetimeStudy) -> Vec<u8> {
-    const COLUMNS: [&str; 17] = [
-        "epsilon",
-        "rho",
-        "lifetime",
-        "not_before",
-        "fate",
-        "energy",
-        "distance",
-        "frequency",
-        "end",
-        "decoupled",
-        "core_share",
-        "contact",
-        "x",
-        "horizon",
-        "omega_b",
-        "sites",
-        "ends_felt",
-    ];
-    let cell = |value: &Value| match value {
-        Value::Null => String::new(),
-        Value::String(word) => word.clone(),
-        Value::Number(number) => number.as_u64().map_or_else(
-            || number.as_f64().map(|value| format!("{value:e}")).unwrap_or_default(),
-            |whole| whole.to_string(),
-        ),
-        other => other.to_string(),
-    };
-    let mut text = COLUMNS.join(",") + "\n";
-    for point in &study.points {
-        let point = point_json(point, study.options.criterion);
-        text += &(COLUMNS.map(|name| cell(&point[name])).join(",") + "\n");
-    }
-    text.into_bytes()
+    const COLUMNS: &str = "epsilon,rho,lifetime,not_before,fate,energy,distance,frequency,end,decoupled,core_share,contact,x,horizon,omega_b,sites,ends_felt";
+    let rows: Vec<Value> = study.points.iter().map(|point| point_json(point, study.options.criterion)).collect();
+    rows_csv(COLUMNS, &rows, |_| "")
 }
 
 /// Lifetimes over mass ratio and size, each with its number and the first letter of its fate.

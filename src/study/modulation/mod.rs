@@ -47,7 +47,12 @@ pub struct ModulationStudy {
     /// Name of a built-in scene, or a TOML file.
     ///
     /// With an initial state of kind travelling-wave, to take all numbers of the wave from.
-    #[cfg_attr(feature = "cli", arg(conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]
+        )
+    )]
     pub scene: Option<String>,
     /// Changes to it.
     #[cfg_attr(feature = "cli", command(flatten))]

@@ -161,7 +161,16 @@ pub struct Continue {
     ///
     /// A file branch.npz, from its last point: to another --to, by another --step; multipliers and bifurcations are computed
     /// anew. The results are written beside it unless --out says where.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "PATH", conflicts_with_all = ["center", "parameter", "from", "natural", "weak", "omega_b", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "PATH",
+            conflicts_with_all = [
+                "center", "parameter", "from", "natural", "weak", "omega_b",
+                "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+            ]
+        )
+    )]
     pub resume: Option<PathBuf>,
     /// The ring.
     #[cfg_attr(feature = "cli", command(flatten))]
@@ -242,7 +251,13 @@ pub struct Doubled {
     /// File branch.npz of the main branch [default: it is followed here].
     ///
     /// One which `breather continue --center bond` has written.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "FILE",
+            conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]
+        )
+    )]
     pub branch: Option<PathBuf>,
     /// The ring.
     #[cfg_attr(feature = "cli", command(flatten))]

@@ -307,31 +307,20 @@ fn orbit_picture(title: String, study: &OrbitStudy) -> Result<Vec<u8>> {
     use crate::figures::{self, Column, Line, Panel, Panels, panels};
     let Setting { params, sites, omega_b, .. } = study.orbit.setting;
     let half = (sites / 2) as i64;
-    let strains = |label: &str, values: &[f64]| Panel {
-        x_label: "site n".into(),
-        y_label: label.into(),
-        lines: vec![Line {
-            name: label.into(),
-            points: (-half..=half).map(|n| n as f64).zip(values.iter().copied()).collect(),
-        }],
-        ..Panel::default()
+    let strains = |label: &str, values: &[f64]| {
+        let points = (-half..=half).map(|n| n as f64).zip(values.iter().copied());
+        Panel::new(figures::Kind::Sites, ["site n", label], vec![Line::new(label, points)])
     };
-    let all = &study.spectrum.multipliers;
-    let marks = |name: &str, kinds: &[Kind]| Line {
-        name: name.into(),
-        points: all.iter().filter(|one| kinds.contains(&one.kind)).map(|one| (one.re, one.im)).collect(),
+    let marks = |name: &str, kinds: &[Kind]| {
+        let all = study.spectrum.multipliers.iter().filter(|one| kinds.contains(&one.kind));
+        Line::new(name, all.map(|one| (one.re, one.im)))
     };
-    let plane = Panel {
-        kind: figures::Kind::Plane,
-        x_label: "Re λ".into(),
-        y_label: "Im λ".into(),
-        lines: vec![
-            marks("on the circle", &[Kind::Circle]),
-            marks("real", &[Kind::Real, Kind::Negative]),
-            marks("quartet", &[Kind::Quartet]),
-        ],
-        ..Panel::default()
-    };
+    let kinds = vec![
+        marks("on the circle", &[Kind::Circle]),
+        marks("real", &[Kind::Real, Kind::Negative]),
+        marks("quartet", &[Kind::Quartet]),
+    ];
+    let plane = Panel::new(figures::Kind::Plane, ["Re λ", "Im λ"], kinds);
     let caption = format!(
         "Strains at rest, and Floquet multipliers; the largest modulus is {:.9}. N = {sites}, α = {}, κ = {}, ρ = {}, ω_b = {omega_b}, residual {:.1e}. hertzchain {}.",
         study.spectrum.largest(),
@@ -359,7 +348,7 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
     let place = |point: &BranchPoint| point.orbit.setting.get(parameter);
     let marks = |name: &str, unstable: bool| {
         let chosen = branch.points.iter().filter(|point| (point.spectrum.largest() > UNSTABLE) == unstable);
-        Line { name: name.into(), points: chosen.map(|point| (place(point), point.extent.k_x)).collect() }
+        Line::new(name, chosen.map(|point| (place(point), point.extent.k_x)))
     };
     let at = |one: &Bifurcation| {
         let near = |a: &&BranchPoint, b: &&BranchPoint| {
@@ -367,16 +356,10 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
         };
         branch.points.iter().min_by(near).map(|point| (one.parameter, point.extent.k_x))
     };
-    let bifurcations = Line { name: "bifurcation".into(), points: branch.bifurcations.iter().filter_map(at).collect() };
-    let panel = |kind, y_label: &str, lines| Panel {
-        kind,
-        x_label: parameter.name().into(),
-        y_label: y_label.into(),
-        lines,
-        ..Panel::default()
-    };
+    let bifurcations = Line::new("bifurcation", branch.bifurcations.iter().filter_map(at));
+    let panel = |kind, label: &str, lines| Panel::new(kind, [parameter.name(), label], lines);
     let moduli = branch.points.iter().map(|point| (place(point), point.spectrum.largest()));
-    let moduli = vec![Line { name: "largest |λ|".into(), points: moduli.collect() }];
+    let moduli = vec![Line::new("largest |λ|", moduli)];
     let amplitudes = vec![marks("stable", false), marks("unstable", true), bifurcations];
     let plots = vec![
         panel(figures::Kind::Cloud, "amplitude K_x", amplitudes),

@@ -219,13 +219,9 @@ pub fn run_pictures(
     }
     let errors = energy_errors(outcome);
     if !errors.is_empty() {
-        let panel = figures::Panel {
-            kind: figures::Kind::LogTime,
-            x_label: "time t".to_owned(),
-            y_label: "|E(t) − E(0)| / |E(0)|".to_owned(),
-            lines: vec![figures::Line { name: integrator.to_owned(), points: errors }],
-            ..Default::default()
-        };
+        let lines = vec![figures::Line { name: integrator.to_owned(), points: errors }];
+        let labels = ["time t", "|E(t) − E(0)| / |E(0)|"];
+        let panel = figures::Panel::new(figures::Kind::LogTime, labels, lines);
         let what = "Relative error of the total energy at the sample times; points without error are left out.";
         let title = format!("{}: relative energy error", scene.name());
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));

@@ -38,7 +38,12 @@ pub struct ScalingOptions {
     /// Numbers of sites, separated by commas.
     ///
     /// Multiples of 10, up to 10^6.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "500", "5000", "50000"]))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "500", "5000", "50000"]
+        )
+    )]
     pub sites: Vec<usize>,
     /// Tolerance, from 1e-15 to 0.1.
     ///

@@ -3,34 +3,29 @@
 use super::{ScalingRow, ScalingStudy};
 use crate::{
     error::Result,
-    present::{machine_json, table},
+    present::{machine_json, rows_csv, table},
     study::{File, Report, named},
 };
 use serde_json::{Value, json};
 
+/// Columns of the CSV: keys of the rows.
+const COLUMNS: &str = "integrator,sites,wall,per_bond_period,runs,steps,rejected,force_evaluations,failure";
+
+/// What stands for a number or words that there are not.
+fn missing(key: &str) -> &'static str {
+    if key == "failure" { "" } else { "nan" }
+}
+
 impl Report for ScalingStudy {
     /// Times are in seconds, null where a run failed or was left out.
     fn json(&self) -> Value {
-        let row = |row: &ScalingRow| {
-            json!({
-                "integrator": row.method.name(),
-                "sites": row.sites,
-                "wall": row.wall,
-                "per_bond_period": row.per_bond_period,
-                "runs": row.repeats,
-                "steps": row.stats.steps,
-                "rejected": row.stats.rejected,
-                "force_evaluations": row.stats.force_evaluations,
-                "failure": row.failure,
-            })
-        };
         json!({
             "tol": self.tol,
             "periods": self.periods,
             "perturbation": self.perturbation,
             "seed": self.seed,
             "scene": self.scene,
-            "rows": self.rows.iter().map(row).collect::<Vec<Value>>(),
+            "rows": rows(self),
             "machine": machine_json(),
             "version": env!("CARGO_PKG_VERSION"),
         })
@@ -63,7 +58,7 @@ impl Report for ScalingStudy {
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
-        Ok(named([("scaling.csv", csv(self)), ("scaling.json", json.into())]))
+        Ok(named([("scaling.csv", rows_csv(COLUMNS, &rows(self), missing)), ("scaling.json", json.into())]))
     }
 
     #[cfg(feature = "plot")]
@@ -72,26 +67,21 @@ impl Report for ScalingStudy {
     }
 }
 
-/// A line a row; no cell holds a comma or needs quotes.
-fn csv(study: &ScalingStudy) -> Vec<u8> {
-    let mut text =
-        String::from("integrator,sites,wall,per_bond_period,runs,steps,rejected,force_evaluations,failure\n");
-    let number = |value: Option<f64>| value.map_or_else(|| "nan".to_owned(), |value| format!("{value:e}"));
-    for row in &study.rows {
-        text += &format!(
-            "{},{},{},{},{},{},{},{},{}\n",
-            row.method.name(),
-            row.sites,
-            number(row.wall),
-            number(row.per_bond_period),
-            row.repeats,
-            row.stats.steps,
-            row.stats.rejected,
-            row.stats.force_evaluations,
-            row.failure.as_deref().unwrap_or_default().replace(',', ";"),
-        );
-    }
-    text.into_bytes()
+fn rows(study: &ScalingStudy) -> Vec<Value> {
+    let row = |row: &ScalingRow| {
+        json!({
+            "integrator": row.method.name(),
+            "sites": row.sites,
+            "wall": row.wall,
+            "per_bond_period": row.per_bond_period,
+            "runs": row.repeats,
+            "steps": row.stats.steps,
+            "rejected": row.stats.rejected,
+            "force_evaluations": row.stats.force_evaluations,
+            "failure": row.failure,
+        })
+    };
+    study.rows.iter().map(row).collect()
 }
 
 /// What was measured, in words.

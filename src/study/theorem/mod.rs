@@ -148,7 +148,13 @@ pub struct TheoremOptions {
     ///
     /// eps^-2(alpha-1), the least that the theorem allows; eps^-(alpha-1), which is less; or a number, inf for Newton's
     /// cradle.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true, value_parser = RhoLaw::named))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true,
+            value_parser = RhoLaw::named
+        )
+    )]
     pub rho_law: RhoLaw,
     /// What A(0) is.
     ///
@@ -169,7 +175,13 @@ pub struct TheoremOptions {
     /// Sizes, separated by commas [default: decades from 0.1 to 1e-6].
     ///
     /// Between 0 and 1, in any order.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["0.1", "0.01", "1e-3", "1e-4", "1e-5", "1e-6"], hide_default_value = true))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "E,F,..", value_delimiter = ',',
+            default_values = ["0.1", "0.01", "1e-3", "1e-4", "1e-5", "1e-6"], hide_default_value = true
+        )
+    )]
     pub epsilons: Vec<f64>,
     /// Number of sites.
     ///

@@ -255,16 +255,14 @@ fn slopes_csv(study: &TheoremStudy) -> Vec<u8> {
 fn picture(study: &TheoremStudy) -> Result<Vec<u8>> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};
     let options = &study.options;
-    let line = |quantity: usize, norm: Norm| Line {
-        name: format!("l_{}", norm.name()),
-        points: study.runs.iter().map(|run| (run.epsilon, study.scaled(run, norm).0[quantity])).collect(),
+    let line = |quantity: usize, norm: Norm| {
+        let points = study.runs.iter().map(|run| (run.epsilon, study.scaled(run, norm).0[quantity]));
+        Line::new(&format!("l_{}", norm.name()), points)
     };
-    let panel = |quantity: usize| Panel {
-        kind: Kind::LogLog,
-        x_label: "size ε".into(),
-        y_label: ["u over ε^α", "v over ε^α", "v′ over ε^(2α−1)"][quantity].into(),
-        lines: Norm::ALL.map(|norm| line(quantity, norm)).into(),
-        ..Panel::default()
+    let labels = ["u over ε^α", "v over ε^α", "v′ over ε^(2α−1)"];
+    let panel = |quantity: usize| {
+        let lines = Norm::ALL.map(|norm| line(quantity, norm)).into();
+        Panel::new(Kind::LogLog, ["size ε", labels[quantity]], lines)
     };
     // Where resonators do not move there are no errors of theirs.
     let seen = |panel: &Panel| panel.lines.iter().flat_map(|line| &line.points).any(|point| point.1 > 0.0);

@@ -81,7 +81,13 @@ pub struct WaveOptions {
     /// Integrator; `hertzchain integrators` lists all.
     ///
     /// One that takes a tolerance.
-    #[cfg_attr(feature = "cli", arg(long = "integrator", value_parser = Method::named, value_name = "NAME", default_value = "collocation"))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long = "integrator", value_parser = Method::named, value_name = "NAME",
+            default_value = "collocation"
+        )
+    )]
     pub method: Method,
     /// Tolerance, from 1e-15 to 0.1.
     ///

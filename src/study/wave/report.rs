@@ -235,29 +235,20 @@ fn spread_csv(study: &WaveStudy, ensemble: &Ensemble) -> Vec<u8> {
 fn picture(study: &WaveStudy) -> Result<Vec<u8>> {
     use super::Errors;
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
-    let line = |name: &str, x: Vec<f64>, y: &[f64]| Line {
-        name: name.to_owned(),
-        points: x.into_iter().zip(y.iter().copied()).collect(),
+    let over = |x: &mut dyn Iterator<Item = f64>, y: &[f64]| x.zip(y.iter().copied()).collect::<Vec<_>>();
+    let profile = |name: &str, values: &[f64]| Line::new(name, over(&mut (0..).map(f64::from), values));
+    let in_time = |name: &str, values: &[f64]| Line::new(name, over(&mut study.t.iter().copied(), values));
+    let strains = |label: &str, chain: &[f64], ansatz: &[f64]| {
+        Panel::new(Kind::Sites, ["site n", label], vec![profile("chain", chain), profile("ansatz", ansatz)])
     };
-    let sites = || (0..study.strains.x.len()).map(|n| n as f64).collect::<Vec<_>>();
-    let strains = |label: &str, chain: &[f64], ansatz: &[f64]| Panel {
-        x_label: "site n".into(),
-        y_label: label.into(),
-        lines: vec![line("chain", sites(), chain), line("ansatz", sites(), ansatz)],
-        ..Panel::default()
-    };
-    let in_time = |kind, label: &str, names: [&str; 2], Errors { x, y }: &Errors| Panel {
-        kind,
-        x_label: "time t".into(),
-        y_label: label.into(),
-        lines: vec![line(names[0], study.t.clone(), x), line(names[1], study.t.clone(), y)],
-        ..Panel::default()
+    let errors_of = |kind, label: &str, names: [&str; 2], Errors { x, y }: &Errors| {
+        Panel::new(kind, ["time t", label], vec![in_time(names[0], x), in_time(names[1], y)])
     };
     let (chain, ansatz) = (&study.strains, &study.ansatz);
     let profiles = [strains("strain xₙ", &chain.x, &ansatz.x), strains("strain yₙ", &chain.y, &ansatz.y)];
-    let mut errors = vec![in_time(Kind::Time, "error over amplitude", ["E_x", "E_y"], &study.errors)];
+    let mut errors = vec![errors_of(Kind::Time, "error over amplitude", ["E_x", "E_y"], &study.errors)];
     errors.extend(study.perturbed.as_ref().map(|PerturbedRun { difference, .. }| {
-        in_time(Kind::LogTime, "perturbed − unperturbed", ["Ẽ_x", "Ẽ_y"], difference)
+        errors_of(Kind::LogTime, "perturbed − unperturbed", ["Ẽ_x", "Ẽ_y"], difference)
     }));
     let how = format!(
         "Unperturbed wave at t = {:.6} beside its first-order ansatz (eq:xytw_app), and largest distances from it in time (eq:relerr_tw). {}.",
