@@ -1,4 +1,5 @@
-//! The command line: raw flags in `args`, their meaning in one file a command.
+//! The command line: commands with their examples in `args`; flags of studies are their options; one way to run them in
+//! `runner`.
 
 mod args;
 mod figures;

@@ -9,8 +9,7 @@ use hertzchain::{
     orbits::{Orbit, Pick, Shooting, Trail},
     output::{Archive, Array, npz, to_json},
     scene::{Initial, Scene, SceneFile},
-    study::{DarkStudy, Report},
-    study::{LongRun, orbit_study},
+    study::{DarkStudy, LongRun, Report, orbit_study},
 };
 use serde_json::{Value, json};
 use std::{

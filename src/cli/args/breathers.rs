@@ -1,4 +1,4 @@
-//! Flags of breathers, bright and dark.
+//! Breathers as commands, bright and dark.
 
 use crate::{
     cli::runner::Told,

@@ -1,4 +1,4 @@
-//! Flags of what compares and runs integrators.
+//! Flags of a run, and examples of comparisons.
 
 use crate::study::Changes;
 use clap::Args;

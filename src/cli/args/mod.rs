@@ -1,4 +1,4 @@
-//! The raw flags.
+//! Commands, and the flags of those that are no studies.
 //!
 //! The first paragraph of a comment is what `-h` prints, the whole is what `--help` prints. A flag that several commands
 //! have is said in the same words by each; what differs between commands stands in the second paragraph.

@@ -1,4 +1,4 @@
-//! Flags of waves and of the modulation equations.
+//! Waves and the modulation equations as commands.
 
 use crate::{
     cli::runner::Told,

@@ -1,4 +1,4 @@
-//! Flags of studies.
+//! Studies as commands.
 
 use crate::{
     cli::runner::Told,

@@ -496,23 +496,6 @@ pub struct DoubledBranch {
 /// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's method falls back on the main branch.
 const FIRST_SIZE: f64 = 0.02;
 
-/// Follows the main branch of bond-centred breathers up from the frequency of `breather`, by at most `step` a point, to `most` at the furthest;
-/// at its first period doubling the branch of doubled period, as [`doubled_from`] does.
-///
-/// # Errors
-/// No period doubling on the way, or numbers outside their rules.
-pub fn doubled(
-    breather: &DarkBreather,
-    most: f64,
-    omega_b: f64,
-    step: f64,
-    shooting: &Shooting,
-    progress: Progress<'_>,
-) -> Result<DoubledBranch> {
-    let main = main_branch(breather, most, step, shooting, &|share, what| progress(0.5 * share, what))?;
-    doubled_from(&main, omega_b, step, &mut |_| {}, &|share, what| progress(0.5 + 0.5 * share, what))
-}
-
 /// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
 ///
 /// # Errors
