@@ -24,7 +24,6 @@
 pub mod breathers;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod dps;
 #[cfg(feature = "plot")]
 pub mod figures;
 mod number;
@@ -38,7 +37,7 @@ pub mod study;
 pub mod sweep;
 pub mod waves;
 
-pub use hertzchain_core::{chain, error, interrupt, run};
+pub use hertzchain_core::{chain, dps, error, interrupt, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

@@ -42,13 +42,13 @@ use std::f64::consts::PI;
 /// The chain state that an envelope stands for, to first order in its size.
 ///
 /// ```
-/// use hertzchain::{chain::Params, dps::{Ansatz, Constraint, Ends, Form, Layout}};
+/// use hertzchain_core::{chain::Params, dps::{Ansatz, Constraint, Ends, Form, Layout}};
 /// let layout = Layout { sites: 2, ends: Ends::Ring, form: Form::Strains };
 /// let mut ansatz = Ansatz::generalised(Params::new(1.5, 1.0, 1.0)?, Constraint::MeanStrain(0.5), layout, 0.01)?;
 /// // D = (1, -1): x = epsilon (1/2 +- 2), y = epsilon (1/2 -+ 2).
 /// let sites = ansatz.sites(0.0, &[1.0, -1.0, 0.0, 0.0]);
 /// assert!((sites[0].u - 0.025).abs() < 1e-15 && (sites[0].v + 0.015).abs() < 1e-15);
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 pub struct Ansatz {
     params: Params,
@@ -118,13 +118,7 @@ impl Ansatz {
 }
 
 /// A site at time `t`, from `Z`, `M` and their slow derivatives.
-pub(crate) fn first_order(
-    params: Params,
-    epsilon: f64,
-    t: f64,
-    [z, dz]: [Complex64; 2],
-    [m, dm]: [f64; 2],
-) -> Site<f64> {
+pub fn first_order(params: Params, epsilon: f64, t: f64, [z, dz]: [Complex64; 2], [m, dm]: [f64; 2]) -> Site<f64> {
     let (Params { alpha, kappa, rho }, omega) = (params, params.omega());
     let (slowness, turn) = (epsilon.powf(alpha - 1.0), Complex64::from_polar(2.0 * kappa * epsilon, omega * t));
     let swing = (z * turn).re;

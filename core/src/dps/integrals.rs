@@ -33,13 +33,13 @@ use std::f64::consts::PI;
 /// `NaN` and for `r < 0`; [`Averages::checked`] says what is wrong instead.
 ///
 /// ```
-/// use hertzchain::dps::Averages;
+/// use hertzchain_core::dps::Averages;
 /// let averages = Averages::new(1.5, 1.0)?;
 /// // b = 0 has a closed form: h_{3/2}(0, 1) = 2^{1/2} c, c = Gamma(1/2) Gamma(7/4) / (pi Gamma(9/4)).
 /// assert!((averages.h(0.0, 1.0) - 0.647_223_121_426_055_2).abs() < 1e-15);
 /// // g = 1 at b = -1 without oscillation.
 /// assert_eq!(averages.mean_strain(1.0, 0.0), -1.0);
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Averages {

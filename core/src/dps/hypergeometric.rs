@@ -258,7 +258,7 @@ fn polynomial(coefficients: &[f64], x: f64) -> f64 {
 }
 
 /// `1 / Gamma(x)`, zero at the poles; relative error about 2e-15 for `|x| < 20`.
-pub(crate) fn per_gamma(x: f64) -> f64 {
+pub fn per_gamma(x: f64) -> f64 {
     /// Where Stirling's series with the terms below is good to 1e-18.
     const FAR: f64 = 20.0;
     let (mut product, mut x) = (1.0, x);

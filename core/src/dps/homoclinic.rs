@@ -52,11 +52,11 @@ pub enum Center {
 /// A homoclinic solution, of full double precision in every `a_n` that is a normal double.
 ///
 /// ```
-/// use hertzchain::dps::{Center, Homoclinic};
+/// use hertzchain_core::dps::{Center, Homoclinic};
 /// let breather = Homoclinic::new(1.5, Center::Site)?;
 /// let f = |n: i64| (breather.a(n) - breather.a(n - 1)).abs().powf(0.5) * (breather.a(n) - breather.a(n - 1));
 /// assert!((breather.a(3) + f(4) - f(3)).abs() < 1e-15 * breather.a(3).abs());
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Homoclinic {

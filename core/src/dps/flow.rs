@@ -110,14 +110,14 @@ enum Coupling {
 /// The state is real, `[Re z_1, .., Re z_M, Im z_1, .., Im z_M]` with the `M` complex numbers that [`Form`] says.
 ///
 /// ```
-/// use hertzchain::{chain::Params, dps::{Constraint, Dps, Ends, Form, Layout}};
+/// use hertzchain_core::{chain::Params, dps::{Constraint, Dps, Ends, Form, Layout}};
 /// let layout = Layout { sites: 3, ends: Ends::Ring, form: Form::Displacements };
 /// let mut dps = Dps::generalised(Params::new(1.5, 1.0, 1.0 / 3.0)?, Constraint::Force(1.0), layout)?;
 /// // No strain, no oscillation: every bond is compressed by g = 1 at b = -1, and H is counted from there.
 /// let rest = [0.3, 0.3, 0.3, 0.1, 0.1, 0.1];
 /// assert_eq!(dps.mean_strains(&rest), [-1.0, -1.0, -1.0]);
 /// assert_eq!(dps.energy(&rest), 0.0);
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 pub struct Dps {
     coupling: Coupling,

@@ -42,13 +42,13 @@ const SETTLED: f64 = 1e-11;
 /// A dark profile on a ring: real `a_n` and `b_n` with one kink (eq:DpSsw2), `mu = 1`.
 ///
 /// ```
-/// use hertzchain::{chain::Params, dps::{Center, DarkProfile}};
+/// use hertzchain_core::{chain::Params, dps::{Center, DarkProfile}};
 /// let profile = DarkProfile::new(Params::new(1.5, 1.0, 1.0 / 3.0)?, Center::Site, 41, 0.0)?;
 /// // The background alternates; at c = 0 its amplitude is (4 h_alpha(0, 1))^{-1/(alpha-1)}. The kink has none.
 /// assert!((profile.a(-20).abs() - 0.149_201_081_120_233_7).abs() < 1e-12);
 /// assert_eq!(profile.a(0), 0.0);
 /// assert!(profile.residual() < 1e-13);
-/// # Ok::<(), hertzchain::Error>(())
+/// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DarkProfile {
@@ -77,13 +77,10 @@ impl DarkProfile {
     }
 
     /// The same from a guess of another amplitude; that of (eq:an_ini) is one.
-    pub(crate) fn from_guess(
-        params: Params,
-        center: Center,
-        sites: usize,
-        c: f64,
-        amplitude: Option<f64>,
-    ) -> Result<Self> {
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_guess(params: Params, center: Center, sites: usize, c: f64, amplitude: Option<f64>) -> Result<Self> {
         params.validate()?;
         if !ALPHAS.contains(&params.alpha) {
             return Err(Error::parameter(

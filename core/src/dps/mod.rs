@@ -7,10 +7,9 @@ mod homoclinic;
 mod hypergeometric;
 mod integrals;
 
-pub(crate) use ansatz::first_order;
-pub use ansatz::{Ansatz, Envelope, project};
+pub use ansatz::{Ansatz, Envelope, first_order, project};
 pub use dark::DarkProfile;
 pub use flow::{Constraint, Dps, Ends, Form, Layout};
 pub use homoclinic::{Center, Homoclinic};
-pub(crate) use hypergeometric::per_gamma;
+pub use hypergeometric::per_gamma;
 pub use integrals::{Averages, Values};
