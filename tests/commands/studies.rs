@@ -539,7 +539,7 @@ fn studies_write_the_pictures_that_their_help_names() {
 fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     for (args, words) in [
         (&["study", "theorem", "--rho-law", "eps^-3"][..], "error: rho-law = eps^-3 is not valid"),
-        (&["study", "stability", "--charts", "lite"], "error: unknown chart \"lite\"; did you mean \"light\"?"),
+        (&["study", "stability", "--charts", "lite"], "error: unknown chart \"lite\"; one of light, stiffness"),
         (&["breather", "bright", "--integrator", "xx"], "`hertzchain integrators` lists all"),
         (&["run", "impact", "--integrator", "xx"], "`hertzchain integrators` lists all"),
     ] {
