@@ -6,12 +6,12 @@
 use criterion::{Criterion, Throughput};
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
-    experiments::generic_state,
     integrators::{
         Regularised, Silent, Stepper, collocation::Pace, dop853::Options, drive, regularised::power, splitting::tables,
     },
     run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
+    study::generic_state,
 };
 use std::{f64::consts::PI, hint::black_box, time::Duration};
 

@@ -6,8 +6,8 @@ use hertzchain::{
     Params, Result,
     breathers::DarkBreather,
     dps::Center,
-    experiments::branch,
     orbits::{Continuation, Parameter, Shooting},
+    study::branch,
 };
 
 pub(crate) fn main() -> Result<()> {

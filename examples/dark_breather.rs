@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --example dark_breather`
 
-use hertzchain::{Params, Result, breathers::DarkBreather, dps::Center, experiments::orbit_study, orbits::Shooting};
+use hertzchain::{Params, Result, breathers::DarkBreather, dps::Center, orbits::Shooting, study::orbit_study};
 
 pub(crate) fn main() -> Result<()> {
     let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;

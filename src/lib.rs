@@ -12,8 +12,8 @@
 //! | [`scene`] | named, complete set-ups, read from TOML; what their runs compute and leave out |
 //! | [`run`] | a run: a chain, a state, a span, a method; the integrators by name |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
-//! | [`experiments`] | studies, as functions from settings to outcomes |
-//! | [`report`] | from outcomes to tables, JSON, CSV, NPZ and figures |
+//! | [`study`] | studies: their options, their computations, and their reports |
+//! | [`present`] | tables of text, CSV, and the HTML page |
 //! | [`paper`] | claims of the paper, and our numbers and figures for them |
 //! | [`output`] | files, written whole or not at all, and text |
 //! | `cli` | the command line (feature `cli`) |
@@ -24,21 +24,20 @@
 pub mod breathers;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod dps;
-pub mod experiments;
 #[cfg(feature = "plot")]
 pub mod figures;
 mod number;
 pub mod orbits;
 pub mod output;
 pub mod paper;
+pub mod present;
 mod random;
-pub mod report;
 pub mod scene;
+pub mod study;
 pub mod sweep;
 pub mod waves;
 
-pub use hertzchain_core::{chain, error, interrupt, run};
+pub use hertzchain_core::{chain, dps, error, interrupt, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

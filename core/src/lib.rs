@@ -3,6 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, state, energy, and the two splittings |
+//! | [`dps`] | modulation theory: averages, flows, homoclinics, dark profiles |
 //! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
 //! | [`error`] | the error type |
 //! | [`interrupt`] | the flag that asks the process to end |
@@ -12,6 +13,7 @@
 //! of this package under the same names.
 
 pub mod chain;
+pub mod dps;
 pub mod error;
 pub mod interrupt;
 pub mod run;

@@ -9,7 +9,7 @@
 
 use hertzchain::{
     Error,
-    experiments::LongRun,
+    study::LongRun,
     output::{Archive, Array, npz_with},
     scene::{Initial, SceneFile},
 };

@@ -1,7 +1,7 @@
 //! `hertzchain integrators`.
 
 use super::{Exit, args::IntegratorsArgs, print};
-use crate::{output::to_json, report::table, run::Method};
+use crate::{output::to_json, present::table, run::Method};
 use serde_json::json;
 use std::process::ExitCode;
 

@@ -1,28 +1,18 @@
-//! The command line: raw flags in `args`, their meaning in one file a command.
+//! The command line: commands with their examples in `args`; flags of studies are their options; one way to run them in
+//! `runner`.
 
 mod args;
-mod breather;
-mod compare;
-mod dps;
-mod drift;
 mod figures;
 mod integrators;
-mod lifetimes;
-mod modulation;
-mod orbits;
-mod order;
 mod report;
 mod run;
-mod scaling;
+mod runner;
 mod scenes;
 mod signals;
-mod stability;
-mod theorem;
 mod verify;
-mod wave;
 
-use crate::{error::Result, run::Method, scene::Scene};
-use args::{BreatherAction, Cli, Command, DpsAction, PaperAction, SetArgs, StudyAction, WaveAction};
+use crate::error::{Error, Result};
+use args::{BreatherAction, Cli, Command, DpsAction, PaperAction, StudyAction, WaveAction};
 use clap::{
     CommandFactory, FromArgMatches,
     builder::ValueParser,
@@ -40,6 +30,10 @@ pub fn main() -> ExitCode {
     let matches = match numbers_checked(Cli::command()).try_get_matches() {
         Ok(matches) => matches,
         Err(error) => {
+            if let Some(refusal) = refusal(&error) {
+                eprintln!("error: {refusal}");
+                return ExitCode::FAILURE;
+            }
             let Some(words) = moved(&error) else { error.exit() };
             eprintln!("error: {words}");
             return ExitCode::from(NOT_UNDERSTOOD);
@@ -60,33 +54,33 @@ pub fn main() -> ExitCode {
 fn run_command(command: &Command) -> Exit {
     match command {
         Command::Run(args) => run::main(args),
-        Command::Compare(args) => compare::main(args),
+        Command::Compare(told) => told.run(),
         Command::Scenes(args) => scenes::main(args),
         Command::Integrators(args) => integrators::main(args),
         Command::Study(args) => match &args.action {
-            StudyAction::Order(args) => order::main(args),
-            StudyAction::Scaling(args) => scaling::main(args),
-            StudyAction::Drift(args) => drift::main(args),
-            StudyAction::Stability(args) => stability::main(args),
-            StudyAction::Theorem(args) => theorem::main(args),
-            StudyAction::Lifetimes(args) => lifetimes::main(args),
+            StudyAction::Order(told) => told.run(),
+            StudyAction::Scaling(told) => told.run(),
+            StudyAction::Drift(told) => told.run(),
+            StudyAction::Stability(told) => told.run(),
+            StudyAction::Theorem(told) => told.run(),
+            StudyAction::Lifetimes(told) => told.run(),
         },
         Command::Wave(args) => match &args.action {
-            Some(WaveAction::Modulation(args)) => modulation::main(args),
-            None => wave::main(args),
+            Some(WaveAction::Modulation(told)) => told.run(),
+            None => args.told.run(),
         },
         Command::Breather(args) => match &args.action {
-            BreatherAction::Bright(args) => breather::bright(args),
-            BreatherAction::Trivial(args) => breather::trivial(args),
-            BreatherAction::Dark(args) => orbits::dark(args),
-            BreatherAction::Continue(args) => orbits::branch(args),
-            BreatherAction::Doubled(args) => orbits::doubled(args),
-            BreatherAction::Evolve(args) => orbits::evolve(args),
+            BreatherAction::Bright(told) => told.run(),
+            BreatherAction::Trivial(told) => told.run(),
+            BreatherAction::Dark(told) => told.run(),
+            BreatherAction::Continue(told) => told.run(),
+            BreatherAction::Doubled(told) => told.run(),
+            BreatherAction::Evolve(told) => told.run(),
         },
         Command::Dps(args) => match &args.action {
-            DpsAction::Integrals(args) => dps::integrals(args),
-            DpsAction::Homoclinic(args) => dps::homoclinic(args),
-            DpsAction::Dark(args) => dps::dark(args),
+            DpsAction::Integrals(told) => told.run(),
+            DpsAction::Homoclinic(told) => told.run(),
+            DpsAction::Dark(told) => told.run(),
         },
         Command::Paper(args) => match &args.action {
             PaperAction::Figures(args) => figures::main(args),
@@ -94,6 +88,11 @@ fn run_command(command: &Command) -> Exit {
             PaperAction::Report(args) => report::main(args),
         },
     }
+}
+
+/// What the library says of a value that it refuses.
+fn refusal(error: &clap::Error) -> Option<&Error> {
+    std::error::Error::source(error)?.downcast_ref()
 }
 
 /// Where a command has gone that is no longer there, if that is the error.
@@ -109,32 +108,21 @@ fn moved(error: &clap::Error) -> Option<String> {
     Some(format!("`hertzchain {above}{name}` is now `hertzchain {now}`"))
 }
 
-/// The command with every flag that takes a number refusing in words what is none, or what a double cannot hold.
+/// The command with every flag that takes a number taking negative ones, and refusing in words what is none or what a
+/// double cannot hold.
 fn numbers_checked(command: clap::Command) -> clap::Command {
     let double = ValueParser::from(value_parser!(f64)).type_id();
     let size = ValueParser::from(value_parser!(usize)).type_id();
     let whole = ValueParser::from(value_parser!(u64)).type_id();
+    let others = [ValueParser::from(value_parser!(u32)).type_id(), ValueParser::from(value_parser!(i64)).type_id()];
     let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
-        id if id == double => arg.value_parser(crate::number::double),
-        id if id == size => arg.value_parser(crate::number::whole::<usize>),
-        id if id == whole => arg.value_parser(crate::number::whole::<u64>),
+        id if id == double => arg.value_parser(crate::number::double).allow_negative_numbers(true),
+        id if id == size => arg.value_parser(crate::number::whole::<usize>).allow_negative_numbers(true),
+        id if id == whole => arg.value_parser(crate::number::whole::<u64>).allow_negative_numbers(true),
+        id if others.contains(&id) => arg.allow_negative_numbers(true),
         _ => arg,
     });
     command.mut_subcommands(numbers_checked)
-}
-
-/// The scene of a command, with the changes asked for.
-fn scene(name: &str, changes: &SetArgs) -> Result<Scene> {
-    Scene::load_with(name, &changes.set)
-}
-
-/// The integrators that are named; all for `all`; `unnamed` where none is.
-fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>> {
-    match names {
-        [] => Ok(unnamed()),
-        [all] if all.trim() == "all" => Ok(Method::all()),
-        names => names.iter().map(|name| Method::named(name.trim())).collect(),
-    }
 }
 
 /// Writes to stdout. A reader that has gone away is no error of ours.

@@ -3,14 +3,14 @@
 use super::{Exit, args::ReportArgs, print, progress_bar};
 use crate::{
     error::{Error, Result},
-    experiments::{
-        Chart, ChartOptions, CompareOptions, Problem, RhoLaw, TheoremOptions, charts, compare, order, theorem,
-    },
     output::Folder,
     paper::{Data, FIGURES, Figure, verify, verify_table},
-    report::{self, Block, Page, Section},
-    run::method::Method,
+    present::{Block, Page, Section},
     scene::Scene,
+    study::{
+        ChartOptions, CompareOptions, OrderOptions, Problem, Report, RhoLaw, TheoremOptions, charts, compare, order,
+        theorem,
+    },
 };
 use std::{process::ExitCode, time::Instant};
 
@@ -132,30 +132,30 @@ impl Part {
 
 fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
     let scene = Scene::load("tw-q15")?;
-    let options = CompareOptions { methods: Method::all(), max_time: SHORT };
+    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
     let comparison = compare(&scene, &options, &|share, _| tell(share))?;
     #[cfg(feature = "plot")]
     let pictures = vec![Block::Picture {
         title: "Error against run time".to_owned(),
         caption: scene.file().summary.clone(),
-        png: report::comparison_png(&comparison)?,
+        png: comparison.pictures()?.remove(0).1,
     }];
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([pictures, vec![Block::Table(report::comparison_table(&comparison))]].concat())
+    Ok([pictures, vec![Block::Table(comparison.text())]].concat())
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let study = order(1.5, 6, tell)?;
+    let study = order(&OrderOptions { alpha: 1.5, beads: 6 }, tell)?;
     #[cfg(feature = "plot")]
-    let pictures = report::order_pictures(&study)?.into_iter().map(|(name, png)| {
+    let pictures = study.pictures()?.into_iter().map(|(name, png)| {
         let tangent = name.contains("tangent");
         let of = if tangent { "Error of the derivative by the initial state" } else { "Error of the state" };
         Block::Picture { title: of.to_owned(), caption: "Against the number of steps, α = 1.5.".to_owned(), png }
     });
     #[cfg(not(feature = "plot"))]
     let pictures = std::iter::empty();
-    Ok(pictures.chain([Block::Table(report::order_table(&study))]).collect())
+    Ok(pictures.chain([Block::Table(study.text())]).collect())
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -163,15 +163,15 @@ fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let study = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
         let study = theorem(&options, None, &|share| tell((k as f64 + share) / laws.len() as f64))?;
-        Ok(Block::Table(report::theorem_table(&study)))
+        Ok(Block::Table(study.text()))
     };
     laws.into_iter().enumerate().map(study).collect()
 }
 
 fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     let options = ChartOptions {
-        charts: Chart::ALL.to_vec(),
-        methods: Method::all(),
+        charts: Vec::new(),
+        integrators: Vec::new(),
         sites: SITES,
         periods: PERIODS,
         work: WORK,
@@ -179,13 +179,13 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     };
     let study = charts(&Problem::built_in(), &options, None, &|done, total| tell(done as f64 / total as f64))?;
     #[cfg(feature = "plot")]
-    let pictures = report::charts_pictures(&study)?.into_iter().map(|(name, png)| {
+    let pictures = study.pictures()?.into_iter().map(|(name, png)| {
         let title = name.trim_end_matches(".png").to_owned();
         Block::Picture { title, caption: "The caption is in the picture.".to_owned(), png }
     });
     #[cfg(not(feature = "plot"))]
     let pictures = std::iter::empty();
-    Ok(std::iter::once(Block::Table(report::charts_table(&study))).chain(pictures).collect())
+    Ok(std::iter::once(Block::Table(study.text())).chain(pictures).collect())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {

@@ -1,14 +1,13 @@
 //! `hertzchain run`.
 
-use super::{Exit, args::RunArgs, orbits::folder_of, print, progress_bar, signals};
+use super::{Exit, args::RunArgs, print, progress_bar, signals};
 use crate::{
     breathers::{self, TrivialBreather},
     error::{Error, Result},
-    experiments::LongRun,
     output::{Folder, to_json},
-    report,
     run::{Method, Records, Regime, Setting, Trajectory, regime},
     scene::Scene,
+    study::{self, LongRun, folder_of},
 };
 use std::{path::Path, process::ExitCode};
 
@@ -72,12 +71,12 @@ fn report(
     outcome: Trajectory,
     folder: Option<&Folder>,
 ) -> Exit {
-    let json = report::run_json(scene, name, wording, reason, &outcome);
-    print(&if args.json { json.clone() + "\n" } else { report::run_summary(scene, name, wording, &outcome) });
+    let json = study::run_json(scene, name, wording, reason, &outcome);
+    print(&if args.json { json.clone() + "\n" } else { study::run_summary(scene, name, wording, &outcome) });
     if let Some(folder) = folder {
-        report::run_files(folder, scene, &outcome, &json)?;
+        study::run_files(folder, scene, &outcome, &json)?;
         #[cfg(feature = "plot")]
-        match report::run_pictures(scene, name, wording, &outcome) {
+        match study::run_pictures(scene, name, wording, &outcome) {
             // What stopped the run is the error, not that there is too little of it to draw.
             Err(why) if outcome.failure.is_some() => eprintln!("no pictures: {why}"),
             pictures => {
@@ -99,8 +98,7 @@ fn resume(args: &RunArgs, path: &Path) -> Exit {
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));
     }
-    let beside = if path.is_dir() { path.to_owned() } else { folder_of(path) };
-    go_on(args, long, &Folder::create(beside)?)
+    go_on(args, long, &Folder::create(folder_of(path))?)
 }
 
 /// Runs what is left of a run in legs.

@@ -5,11 +5,7 @@ use super::{
     args::{ScenesAction, ScenesArgs},
     print,
 };
-use crate::{
-    output::to_json,
-    report::{scene_json, table},
-    scene::Scene,
-};
+use crate::{output::to_json, present::table, scene::Scene, study::scene_json};
 use serde_json::json;
 use std::process::ExitCode;
 

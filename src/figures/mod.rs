@@ -74,6 +74,13 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
 }
 
+impl Line {
+    /// A line through some points.
+    pub fn new(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { name: name.to_owned(), points: points.into_iter().collect() }
+    }
+}
+
 /// Whether a value can be drawn on an axis; the bound keeps the width of every range finite.
 fn usable(value: f64) -> bool {
     value.abs() <= 1e300

@@ -176,6 +176,11 @@ impl Plot {
 }
 
 impl Panel {
+    /// Lines on axes of a kind, with the labels of abscissa and ordinate.
+    pub fn new(kind: Kind, [x_label, y_label]: [&str; 2], lines: Vec<Line>) -> Self {
+        Self { kind, x_label: x_label.to_owned(), y_label: y_label.to_owned(), lines, ..Self::default() }
+    }
+
     /// All points that the axes can show, including the ends of ranges.
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();

@@ -5,7 +5,7 @@ use super::{
     rule::Rule,
     verify::{Item, Verdict, Verification},
 };
-use crate::{output::to_json, report::table};
+use crate::{output::to_json, present::table};
 use serde_json::{Value, json};
 
 const VERDICTS: [Verdict; 4] = [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails];

@@ -6,11 +6,10 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::{LongRun, orbit_study},
     orbits::{Orbit, Pick, Shooting, Trail},
-    output::{Archive, Array, npz},
-    report::dark_breather_json,
+    output::{Archive, Array, npz, to_json},
     scene::{Initial, Scene, SceneFile},
+    study::{DarkStudy, LongRun, Report, orbit_study},
 };
 use serde_json::{Value, json};
 use std::{
@@ -265,8 +264,8 @@ fn orbit_file() -> (Orbit, String) {
     let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
     let breather = DarkBreather { params, center: Center::Bond, sites: 5, omega_b: 2.03, c_x: 0.0 };
     let orbit = breather.orbit(&Shooting::default()).unwrap();
-    let text = dark_breather_json(&breather, &orbit_study(orbit.clone(), &Shooting::default()).unwrap());
-    (orbit, text)
+    let study = orbit_study(orbit.clone(), &Shooting::default()).unwrap();
+    (orbit, to_json(&DarkStudy { center: breather.center, study }.json()))
 }
 
 #[test]

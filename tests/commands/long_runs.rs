@@ -3,11 +3,11 @@
 use hertzchain::{
     Error,
     chain::Contact,
-    experiments::LongRun,
     output::{Archive, Folder, npz_with},
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
+    study::LongRun,
 };
 use std::{
     fs,

@@ -5,9 +5,9 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::evolve,
     orbits::Shooting,
     paper::{Data, Figure, OrbitData, OrbitRecipe, Recipe},
+    study::evolve,
 };
 use serde_json::Value;
 use std::{

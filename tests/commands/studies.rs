@@ -496,3 +496,55 @@ fn an_orbit_is_written_read_back_and_let_go() {
     assert!(refusal(&["breather", "evolve", name, "--kick", "1e-3", "--mode", "84"]).contains("mode = 84"));
     assert!(refusal(&["breather", "evolve", "no-such-file.json"]).contains("no-such-file.json"));
 }
+
+/// Short runs of the studies, all but those whose files have a test of their own.
+#[cfg(feature = "plot")]
+const SHORT: [&str; 10] = [
+    "study order --beads 2",
+    "study theorem --epsilons 0.1,0.05",
+    "study lifetimes --epsilons 0.05 --rhos 10 --sites 20 --until 100",
+    "wave tw-q45 --until 5",
+    "wave modulation --sites 10",
+    "breather bright --sites 10 --epsilon 0.05 --rho 100 --until 20",
+    "breather trivial --until 5",
+    "breather dark --sites 5 --omega-b 2.02",
+    "breather continue --sites 5 --from 2.01 --to 2.02 --step 0.005",
+    "dps dark --sites 5",
+];
+
+// Truth: the help itself, in its sentence about files.
+#[cfg(feature = "plot")]
+#[test]
+fn studies_write_the_pictures_that_their_help_names() {
+    for line in SHORT {
+        let folder = tempfile::tempdir().unwrap();
+        let words: Vec<&str> = line.split(' ').collect();
+        let flags = words.iter().position(|word| word.starts_with("--")).unwrap();
+        let help = hertzchain(&[&words[..flags], &["--help"]].concat()).stdout;
+        let help = String::from_utf8(help).unwrap();
+        let files = help.split("Files: ").nth(1).unwrap().split("--json").next().unwrap();
+        let names = files.split_whitespace().map(|word| word.trim_matches([',', '.', ';']));
+        let pictures: Vec<&str> = names.filter(|name| name.ends_with(".png")).collect();
+        assert!(!pictures.is_empty(), "{line}: {files}");
+        let output = hertzchain(&[&words[..], &["--out", folder.path().to_str().unwrap()]].concat());
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        for name in pictures {
+            let png = std::fs::read(folder.path().join(name)).unwrap_or_else(|why| panic!("{line}: {name}: {why}"));
+            assert!(png.starts_with(b"\x89PNG"), "{line}: {name}");
+        }
+    }
+}
+
+#[test]
+fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
+    for (args, words) in [
+        (&["study", "theorem", "--rho-law", "eps^-3"][..], "error: rho-law = eps^-3 is not valid"),
+        (&["study", "stability", "--charts", "lite"], "error: unknown chart \"lite\"; one of light, stiffness"),
+        (&["breather", "bright", "--integrator", "xx"], "`hertzchain integrators` lists all"),
+        (&["run", "impact", "--integrator", "xx"], "`hertzchain integrators` lists all"),
+    ] {
+        let output = hertzchain(args);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && text.contains(words), "{args:?}: {text}");
+    }
+}

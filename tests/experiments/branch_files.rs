@@ -6,10 +6,9 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::Params,
     dps::Center,
-    experiments::{orbit_study, study},
     orbits::{Continuation, End, Formulation, Orbit, Parameter, Pick, Shooting, Trail},
-    output::{Archive, Array, npz, npz_with},
-    report::dark_breather_json,
+    output::{Archive, Array, npz, npz_with, to_json},
+    study::{DarkStudy, Report, orbit_study, study},
 };
 use serde_json::{Value, json};
 use std::{
@@ -73,7 +72,8 @@ fn branches_and_orbits_are_read_back_to_the_bit() {
             // The JSON of a single orbit, with a centre other than the measured one.
             let study = orbit_study(orbit.clone(), &shooting).unwrap();
             let json = folder.path().join("dark-breather.json");
-            fs::write(&json, dark_breather_json(&breather(), &study)).unwrap();
+            let dark = DarkStudy { center: breather().center, study };
+            fs::write(&json, to_json(&dark.json())).unwrap();
             assert_eq!(bits(&Orbit::load(&json, None, &shooting).unwrap()), bits(orbit));
         }
     }

@@ -5,11 +5,11 @@ use hertzchain::{
     breathers::{BrightBreather, ClosedForm, Norms, TrivialBreather},
     chain::{Boundary, Chain, Field, Params, Site, State},
     dps::{Averages, Center},
-    experiments::{BreatherOptions, BrightStudy, bright_breather},
     integrators::{Stepper, VectorField, collocation::Pace},
     run::Records,
     run::method::{Method, Setting},
     scene::{Initial, Scene, Theory},
+    study::{BreatherOptions, BrightStudy, bright_breather},
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;

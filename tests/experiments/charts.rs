@@ -2,13 +2,11 @@
 //! the corners.
 
 use hertzchain::{
-    experiments::{
-        Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance,
-    },
     integrators::splitting::First,
     run::method::{Method, Split},
     run::{Records, Regime, regime},
     scene::{Scene, SceneFile},
+    study::{Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance},
 };
 use std::f64::consts::PI;
 
@@ -18,8 +16,9 @@ fn named(names: &[&str]) -> Vec<Method> {
 
 /// Quick charts of the given methods on the built-in problem.
 fn study(charted: &[Chart], methods: Vec<Method>) -> ChartStudy {
+    let integrators = methods.iter().map(Method::name).collect();
     let options =
-        ChartOptions { charts: charted.to_vec(), methods, sites: 1000, periods: 100.0, work: 1e6, quick: true };
+        ChartOptions { charts: charted.to_vec(), integrators, sites: 1000, periods: 100.0, work: 1e6, quick: true };
     charts(&Problem::built_in(), &options, None, &|_, _| ()).unwrap()
 }
 

@@ -7,9 +7,9 @@ use hertzchain::{
     breathers::BrightBreather,
     chain::{Boundary, Chain, Params, State},
     dps::Center,
-    experiments::{Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
     integrators::{Silent, collocation::Pace, drive},
     run::method::Method,
+    study::{Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
 };
 use num_complex::Complex64;
 use serde_json::Value;

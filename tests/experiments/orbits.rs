@@ -5,9 +5,9 @@ use hertzchain::{
     breathers::DarkBreather,
     chain::{Boundary, Chain, Field, Overlaps, Params},
     dps::Center,
-    experiments::{Kick, evolve},
     integrators::{Real, Regularised, Stepper, collocation::Pace, dop853::Options, regularised::power},
     orbits::{Bifurcation, BifurcationKind, Continuation, End, Formulation, Kind, Orbit, Parameter, Shooting},
+    study::{Kick, evolve},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use twofloat::TwoFloat;

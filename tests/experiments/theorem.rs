@@ -4,8 +4,8 @@
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State},
     dps::{Center, Dps, Ends, Form, Homoclinic, Layout},
-    experiments::{Bound, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremStudy, theorem},
     integrators::{Dop853, Regularised, Stepper, dop853::Options, regularised::power},
+    study::{Bound, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremStudy, theorem},
 };
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -169,7 +169,7 @@ fn bounds_hold_for_departures_and_are_no_less_than_these() {
         epsilons: epsilons.clone(),
         ..short(1.5, Initial::Site, RhoLaw::Heavy)
     };
-    let [one, other, none] = [given(2.0, 1), given(2.0, 2), given(0.0, 1)].map(|options| study(&options));
+    let [one, other] = [given(2.0, Some(1)), given(2.0, Some(2))].map(|options| study(&options));
     for study in [&one, &other] {
         assert_eq!(study.verdict(), Bound::Bounded);
         for run in &study.runs {
@@ -178,7 +178,10 @@ fn bounds_hold_for_departures_and_are_no_less_than_these() {
         }
     }
     assert_ne!(one.runs[0].suprema, other.runs[0].suprema);
-    assert_eq!(none.runs, study(&given(0.0, 2)).runs);
+    // One is the seed of those that name none; without a departure there is nothing to draw.
+    assert_eq!(one.runs, study(&given(2.0, None)).runs);
+    let refused = theorem(&given(0.0, Some(2)), None, &|_| ()).unwrap_err().to_string();
+    assert!(refused.starts_with("seed = 2 is not valid"), "{refused}");
 }
 
 // Truth: three times as many samples per period, in twice as many periods.

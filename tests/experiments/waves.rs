@@ -4,10 +4,10 @@
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
-    experiments::{WaveOptions, WaveStudy, wave},
     integrators::{Collocation, Dop853, Stepper, collocation::Pace, dop853::Options},
     run::method::Method,
     scene::Scene,
+    study::{WaveOptions, WaveStudy, wave},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use std::f64::consts::PI;

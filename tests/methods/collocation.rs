@@ -6,11 +6,11 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
-    experiments::generic_state,
     integrators::{Error, Observer, Stats, Stepper, collocation::Pace, drive},
     run::Records,
     run::method::{Method, Setting},
     scene::{Scene, SceneFile},
+    study::generic_state,
 };
 use proptest::{
     prelude::*,

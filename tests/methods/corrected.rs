@@ -3,7 +3,6 @@
 use hertzchain::{
     chain::{Bonded, Boundary, Chain, Contact, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
     error::Error,
-    experiments::generic_state,
     integrators::{
         Stepper,
         collocation::Pace,
@@ -12,6 +11,7 @@ use hertzchain::{
     run::Records,
     run::method::{Method, Setting, Split},
     scene::Scene,
+    study::generic_state,
 };
 use serde_json::Value;
 use std::{fs, path::PathBuf};

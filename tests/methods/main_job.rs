@@ -1,10 +1,10 @@
 //! The paper's chain: errors, orders and theory of the built-in scenes.
 
 use hertzchain::{
-    experiments::{CompareOptions, compare},
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::{Scene, Theory},
+    study::{CompareOptions, compare},
 };
 
 fn scene(name: &str) -> Scene {
@@ -148,7 +148,12 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
     let methods =
         ["verlet", "strang-linear", "yoshida8-linear", "dop853"].map(|name| Method::named(name).unwrap()).to_vec();
     let scene = scene("tw-q15").until(31.4).unwrap();
-    let comparison = compare(&scene, &CompareOptions { methods: methods.clone(), max_time: 20.0 }, &|_, _| ()).unwrap();
+    let comparison = compare(
+        &scene,
+        &CompareOptions { integrators: methods.iter().map(Method::name).collect(), max_time: 20.0 },
+        &|_, _| (),
+    )
+    .unwrap();
     assert_eq!(comparison.methods(), methods);
     assert!(comparison.reference.error_estimate < 1e-9);
     // Yoshida's scheme of order 8 is unstable with one step a period: its row holds the reason and

@@ -1,11 +1,12 @@
 //! The effect of contacts on the order of every method: the claims of the order study, on a small
 //! version of it.
 
-use hertzchain::experiments::{Mode, OrderStudy, Quantity, order, theory};
+use hertzchain::study::{Mode, OrderOptions, OrderStudy, Quantity, order, theory};
 use std::sync::LazyLock;
 
 /// Spheres: the study of the README.
-static SPHERES: LazyLock<OrderStudy> = LazyLock::new(|| order(1.5, 6, &|_| ()).unwrap());
+static SPHERES: LazyLock<OrderStudy> =
+    LazyLock::new(|| order(&OrderOptions { alpha: 1.5, beads: 6 }, &|_| ()).unwrap());
 
 fn slope(study: &OrderStudy, name: &str, mode: Mode, quantity: Quantity) -> f64 {
     let row = study.rows.iter().find(|row| row.method.name() == name && row.mode == mode && row.quantity == quantity);
@@ -13,7 +14,7 @@ fn slope(study: &OrderStudy, name: &str, mode: Mode, quantity: Quantity) -> f64 
 }
 
 fn errors<'a>(study: &'a OrderStudy, name: &str, mode: Mode) -> (&'a [f64], &'a [u64]) {
-    let state = |row: &&hertzchain::experiments::OrderRow| {
+    let state = |row: &&hertzchain::study::OrderRow| {
         row.method.name() == name && row.mode == mode && row.quantity == Quantity::State
     };
     let row = study.rows.iter().find(state).unwrap();
@@ -103,7 +104,7 @@ fn the_regularised_method_has_its_full_order_down_to_rounding() {
 #[test]
 fn an_integer_exponent_needs_landing_only() {
     // The force is a polynomial on either side of the event.
-    let study = order(2.0, 6, &|_| ()).unwrap();
+    let study = order(&OrderOptions { alpha: 2.0, beads: 6 }, &|_| ()).unwrap();
     let state = |name, mode| slope(&study, name, mode, Quantity::State);
     assert!((state("dop853", Mode::Plain) - 3.0).abs() < 0.3);
     assert!(state("dop853", Mode::Landed) > 7.0);
@@ -114,7 +115,7 @@ fn an_integer_exponent_needs_landing_only() {
 #[test]
 fn a_steep_exponent_has_the_whole_order_whatever_the_mode() {
     // The force is so smooth that contacts do not limit a method of order 8.
-    let study = order(7.0, 6, &|_| ()).unwrap();
+    let study = order(&OrderOptions { alpha: 7.0, beads: 6 }, &|_| ()).unwrap();
     for (name, mode) in [("kahan-li8-linear", Mode::Averaged), ("dop853", Mode::Regularised)] {
         assert!((slope(&study, name, mode, Quantity::State) - 8.0).abs() < 0.5, "{name}");
     }
@@ -140,8 +141,28 @@ fn theory_is_that_of_the_exponent() {
 
 #[test]
 fn a_study_without_contacts_or_with_a_bad_exponent_is_refused() {
-    assert!(order(1.5, 1, &|_| ()).unwrap_err().to_string().starts_with("beads = 1 is not valid"));
-    assert!(order(1.5, 1001, &|_| ()).unwrap_err().to_string().starts_with("beads = 1001 is not valid"));
-    assert!(order(1e308, 6, &|_| ()).unwrap_err().to_string().starts_with("alpha = 1e308 is not valid"));
-    assert!(order(-1.0, 6, &|_| ()).unwrap_err().to_string().starts_with("alpha = -1 is not valid"));
+    assert!(
+        order(&OrderOptions { alpha: 1.5, beads: 1 }, &|_| ())
+            .unwrap_err()
+            .to_string()
+            .starts_with("beads = 1 is not valid")
+    );
+    assert!(
+        order(&OrderOptions { alpha: 1.5, beads: 1001 }, &|_| ())
+            .unwrap_err()
+            .to_string()
+            .starts_with("beads = 1001 is not valid")
+    );
+    assert!(
+        order(&OrderOptions { alpha: 1e308, beads: 6 }, &|_| ())
+            .unwrap_err()
+            .to_string()
+            .starts_with("alpha = 1e308 is not valid")
+    );
+    assert!(
+        order(&OrderOptions { alpha: -1.0, beads: 6 }, &|_| ())
+            .unwrap_err()
+            .to_string()
+            .starts_with("alpha = -1 is not valid")
+    );
 }

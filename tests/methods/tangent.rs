@@ -2,13 +2,13 @@
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
-    experiments::generic_state,
     integrators::{
         Real, Regularised, Stepper,
         collocation::{Pace, Tangent},
         dop853::Options,
         regularised::power,
     },
+    study::generic_state,
 };
 use nalgebra::DMatrix;
 use std::thread;

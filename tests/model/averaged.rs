@@ -2,13 +2,13 @@
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, LinearFlow, Overlaps, Params, Site, State},
-    experiments::generic_state,
     integrators::{
         Regularised, Scheme, Silent, SplitFlow, Splitting, Stepper,
         dop853::Options,
         drive,
         splitting::{Averaged, First, Landed, tables::*},
     },
+    study::generic_state,
 };
 
 fn chain((kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {

@@ -4,7 +4,7 @@
 use hertzchain::{
     chain::{Params, Site},
     dps::{Constraint, Dps, Ends, Form, Layout},
-    experiments::{StabilityOptions, StabilityStudy, stability},
+    study::{StabilityOptions, StabilityStudy, stability},
     waves::{Mode, Modulation, Shape, Size, TravellingWave, Verdict},
 };
 use hertzchain_integrators::{Dop853, Silent, VectorField, dop853::Options, drive};

@@ -7,8 +7,8 @@
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
-    experiments::generic_state,
     integrators::{Real, Regularised, Stepper, dop853::Options, regularised::power},
+    study::generic_state,
 };
 use serde_json::{Value, json};
 use std::{fs, path::PathBuf};
@@ -77,7 +77,7 @@ fn regenerate() {
         let state: Vec<_> = fine.iter().map(|y| [format!("{:e}", y.hi()), format!("{:e}", y.lo())]).collect();
         let value = json!({
             "what": "u, v, u', v' as unevaluated sums of two doubles",
-            "start": "hertzchain::experiments::generic_state",
+            "start": "hertzchain::study::generic_state",
             "alpha": alpha, "kappa": 1.0, "rho": 1.0 / 3.0, "boundary": "free", "beads": BEADS, "t": END,
             "error": error,
             "state": state,

@@ -1,48 +1,8 @@
-//! Flags of what compares and runs integrators.
+//! Flags of a run, and examples of comparisons.
 
-use super::SetArgs;
-use crate::run::method::Method;
+use crate::study::Changes;
 use clap::Args;
 use std::path::PathBuf;
-
-#[derive(Args)]
-pub(crate) struct CompareArgs {
-    /// Name of a built-in scene, or a TOML file.
-    pub(crate) scene: String,
-    #[command(flatten)]
-    pub(crate) set: SetArgs,
-    #[arg(
-        long,
-        value_name = "A,B,..",
-        value_delimiter = ',',
-        help = INTEGRATORS,
-        long_help = integrators_help()
-    )]
-    pub(crate) integrators: Vec<String>,
-    /// Wall time for all runs, in seconds; what would not fit is left out.
-    #[arg(long, value_name = "S", default_value = "60", allow_negative_numbers = true)]
-    pub(crate) max_time: f64,
-    /// Write the results to this folder; without it, no file is written.
-    ///
-    /// Files: compare.csv, compare.json and compare.png.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print JSON instead of text.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const INTEGRATORS: &str = "Integrators, separated by commas, or all [default: the telling ones]";
-
-/// Names the integrators of a comparison by default.
-fn integrators_help() -> String {
-    let names: Vec<_> = Method::telling().iter().map(Method::name).collect();
-    format!(
-        "{INTEGRATORS}.\n\nBy default those that are the fastest at some error on a built-in scene, and those that others are \
-         measured by: {}.",
-        names.join(", ")
-    )
-}
 
 pub(super) const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -56,7 +16,7 @@ pub(crate) struct RunArgs {
     #[arg(required_unless_present = "resume")]
     pub(crate) scene: Option<String>,
     #[command(flatten)]
-    pub(crate) set: SetArgs,
+    pub(crate) set: Changes,
     /// Integrator; `hertzchain integrators` lists all.
     ///
     /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without any of these: the method
@@ -70,18 +30,18 @@ pub(crate) struct RunArgs {
     /// For collocation: of the whole run, relative to the size of the state. For corrected and corrected-kinetic: of the
     /// state at the end, from 1e-13; steps come from runs over the whole span. For dop853: of a step, relative, and
     /// absolute in units of the largest entry of the initial state [default: 1e-10].
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T")]
     pub(crate) tol: Option<f64>,
     /// Steps a period of the scene, for splitting schemes [default: 512].
-    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"], allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"])]
     pub(crate) steps_per_period: Option<f64>,
     /// Step size, in units of time, for splitting schemes.
     ///
     /// Made smaller where a whole number of steps must fit the span.
-    #[arg(long, value_name = "H", conflicts_with = "tol", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", conflicts_with = "tol")]
     pub(crate) step: Option<f64>,
     /// Equal windows a period, for collocation without error control.
-    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"], allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) windows_per_period: Option<f64>,
     /// Nodes a panel: 4, 6, 8, 10 or 12 [default: 10].
     ///
@@ -89,12 +49,12 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "M", requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T")]
     pub(crate) until: Option<f64>,
     /// Number of times that are kept [default: the scene's].
     ///
     /// Equally spaced times at which energy and strains are kept, up to 10^6; 0: the end only.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K")]
     pub(crate) samples: Option<usize>,
     /// Log every contact.
     ///
@@ -114,7 +74,7 @@ pub(crate) struct RunArgs {
     ///
     /// In units of time; the file is in the folder of --out. A run that was stopped goes on by --resume and ends with the
     /// same bits. Every leg starts the method anew.
-    #[arg(long, value_name = "D", requires = "out", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.
     ///

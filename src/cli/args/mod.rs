@@ -1,4 +1,4 @@
-//! The raw flags.
+//! Commands, and the flags of those that are no studies.
 //!
 //! The first paragraph of a comment is what `-h` prints, the whole is what `--help` prints. A flag that several commands
 //! have is said in the same words by each; what differs between commands stands in the second paragraph.
@@ -17,6 +17,7 @@ pub(super) use paper::*;
 pub(super) use scenes::*;
 pub(super) use study::*;
 
+use crate::{cli::runner::Told, study::Compare};
 use clap::{Parser, Subcommand};
 use hertzchain_integrators::Instructions;
 
@@ -77,7 +78,7 @@ pub(super) enum Command {
     /// Every integrator runs with finer and finer steps until the time is used up. Errors are those of the strains at the
     /// end, against a reference by two methods. The table ends with the fastest run at each error.
     #[command(after_long_help = COMPARE_EXAMPLES)]
-    Compare(CompareArgs),
+    Compare(Told<Compare>),
     /// List the built-in scenes, show one as TOML, or print a template.
     #[command(after_long_help = SCENES_EXAMPLES)]
     Scenes(ScenesArgs),

@@ -40,7 +40,7 @@ Examples:
 #[derive(Args)]
 pub(crate) struct VerifyArgs {
     /// One section of the paper: 3, 4, 5, 6 or 7 [default: all].
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     pub(crate) section: Option<u32>,
     /// Write the results to this folder; without it, no file is written.
     ///

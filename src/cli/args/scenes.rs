@@ -2,17 +2,6 @@
 
 use clap::{Args, Subcommand};
 
-/// Changes to the scene that a command takes.
-#[derive(Args)]
-pub(crate) struct SetArgs {
-    /// Change a key of the scene, as in chain.rho=3; may be repeated.
-    ///
-    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-    /// needs no quotation marks, as in chain.boundary=ring.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(crate) set: Vec<String>,
-}
-
 #[derive(Args)]
 pub(crate) struct ScenesArgs {
     #[command(subcommand)]

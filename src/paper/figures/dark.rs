@@ -5,7 +5,7 @@ use crate::{
     dps::{Center, DarkProfile},
     error::Result,
     output::csv,
-    report::{center_word, of_sites, shown},
+    study::{center_word, of_sites, shown},
 };
 
 /// Profiles with the kink on a site and on a bond.

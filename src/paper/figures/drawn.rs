@@ -1,7 +1,7 @@
 //! The result of drawing figures, one line for each.
 
 use super::Figure;
-use crate::{error::Error, output::to_json, report::table};
+use crate::{error::Error, output::to_json, present::table};
 use serde_json::{Value, json};
 use std::time::Duration;
 

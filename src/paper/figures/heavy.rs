@@ -4,14 +4,14 @@ use super::{INTEGRATOR, Tables};
 use crate::{
     dps::{Center, Homoclinic},
     error::Result,
-    experiments::{
-        BreatherOptions, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm,
-        RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, lifetimes, theorem,
-    },
     output::csv,
-    report::{center_word, shown, theorem_csv},
     run::method::Method,
     scene::Scene,
+    study::{
+        BreatherOptions, BrightHistory, BrightSample, BrightStudy, Criterion, LifetimeOptions, LifetimeStudy, Norm,
+        RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, center_word, lifetimes, shown, theorem,
+        theorem_csv,
+    },
 };
 
 /// Tolerance of the runs of the breather of Sec. 5, and samples per period.
@@ -244,8 +244,8 @@ pub(super) fn lifetimes_caption(study: &LifetimeStudy) -> String {
 #[cfg(feature = "plot")]
 mod pictures {
     use super::*;
-    use crate::experiments::{Fate, LifetimePoint};
     use crate::figures::{CellMap, Column, Kind, Line, Maps, Panel, Panels, SpaceTime};
+    use crate::study::{Fate, LifetimePoint};
 
     fn line(name: impl Into<String>, points: impl Iterator<Item = (f64, f64)>) -> Line {
         Line { name: name.into(), points: points.collect() }

@@ -19,9 +19,11 @@ pub use waves::{WaveColumn, WavePanel, WaveRun};
 use crate::{
     dps::{DarkProfile, Homoclinic},
     error::{Error, Result},
-    experiments::{BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy},
     output::to_json,
-    report::{bright_tables, center_word, lifetimes_csv, stability_caption, stability_tables, wave_tables},
+    study::{
+        BrightHistory, BrightStudy, LifetimeStudy, StabilityStudy, TheoremStudy, WaveStudy, bright_tables, center_word,
+        lifetimes_csv, stability_caption, stability_tables, wave_tables,
+    },
 };
 use serde_json::json;
 
@@ -222,7 +224,7 @@ impl Figure {
         let (title, caption) = (self.title, self.caption(data));
         Ok(match data {
             Data::Waves(columns, runs) => panels(&waves::wave_panels(title, columns, runs, caption))?,
-            Data::Growth(study) => growth(&crate::report::stability_figure(study, caption))?,
+            Data::Growth(study) => growth(&crate::study::stability_figure(study, caption))?,
             Data::Dark(profiles) => panels(&dark::dark_panels(title, profiles, caption))?,
             Data::Bounds(pairs) => panels(&heavy::bounds_panels(title, pairs, caption))?,
             Data::Homoclinics(both) => panels(&heavy::homoclinic_panels(title, both, caption))?,

@@ -4,10 +4,9 @@ use super::INTEGRATOR;
 use crate::{
     chain::Params,
     error::Result,
-    experiments::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, stability, wave},
-    report::shown,
     run::method::Method,
     scene::Scene,
+    study::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
     waves::Shape,
 };
 use std::f64::consts::PI;
@@ -191,8 +190,8 @@ pub(super) use pictures::wave_panels;
 mod pictures {
     use super::{WaveColumn, WavePanel, WaveRun};
     use crate::{
-        experiments::{Errors, PerturbedRun, Spread, Strains, WaveStudy},
         figures::{Band, Column, Inset, Kind, Line, Panel, Panels},
+        study::{Errors, PerturbedRun, Spread, Strains, WaveStudy},
     };
 
     pub(in super::super) fn wave_panels(

@@ -3,8 +3,8 @@
 use crate::{
     chain::{Boundary, Chain, Params, State},
     error::Result,
-    experiments::fit_line,
     run::state_at,
+    study::fit_line,
     waves::{Shape, Size, TravellingWave, strains},
 };
 use hertzchain_integrators::{VectorField, collocation::Pace};

@@ -16,9 +16,9 @@ mod section7;
 
 use crate::{
     error::Result,
-    experiments::{WaveOptions, WaveStudy, wave},
     run::method::Method,
     scene::{Initial, Scene},
+    study::{WaveOptions, WaveStudy, wave},
     sweep::Tally,
 };
 

@@ -15,8 +15,8 @@ use crate::{
     chain::{Boundary, Chain, Params, Site, State, max_norm},
     dps::{Averages, Center, Constraint, Dps, Ends, Form, Layout, per_gamma},
     error::Result,
-    experiments::{self, Initial, Norm, RhoLaw, TheoremOptions},
     run::state_at,
+    study::{self, Initial, Norm, RhoLaw, TheoremOptions},
     waves::{Modulation, Shape},
 };
 use hertzchain_integrators::collocation::Pace;
@@ -163,7 +163,7 @@ fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
     let decade = |rho_law: RhoLaw| -> Result<[f64; 3]> {
         let (initial, epsilons) = (Initial::Generic, vec![1e-4, 1e-5]);
         let options = TheoremOptions { horizon: 2.0, rho_law, initial, epsilons, ..TheoremOptions::default() };
-        let study = experiments::theorem(&options, None, &|_| {})?;
+        let study = study::theorem(&options, None, &|_| {})?;
         let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::Infinity).0);
         Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
     };

@@ -14,7 +14,7 @@ use crate::{
     chain::{Params, max_norm},
     dps::Averages,
     error::Result,
-    experiments::WaveStudy,
+    study::WaveStudy,
     waves::{Modulation, PerturbedWave, Shape, Size, TravellingWave},
 };
 use std::f64::consts::PI;

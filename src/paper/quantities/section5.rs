@@ -12,11 +12,11 @@ use crate::{
     chain::{Boundary, Chain, Params, State, max_norm},
     dps::{Center, Homoclinic, per_gamma},
     error::Result,
-    experiments::{self, BreatherOptions, Initial, Norm, TheoremOptions, bright_breather, trivial_breather},
     orbits::Shooting,
     run::method::Method,
     run::state_at,
     scene::Scene,
+    study::{self, BreatherOptions, Initial, Norm, TheoremOptions, bright_breather, trivial_breather},
 };
 use hertzchain_integrators::collocation::Pace;
 use num_complex::Complex64;
@@ -219,7 +219,7 @@ fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
     let decade = |initial: Initial| -> Result<[f64; 3]> {
         let epsilons = vec![1e-4, 1e-5];
         let options = TheoremOptions { horizon: 2.0, initial, c_i: 1.0, epsilons, ..TheoremOptions::default() };
-        let study = experiments::theorem(&options, None, &|_| {})?;
+        let study = study::theorem(&options, None, &|_| {})?;
         let [coarse, fine] = [0, 1].map(|k| study.scaled(&study.runs[k], Norm::One).0);
         Ok([0, 1, 2].map(|k| fine[k] / coarse[k]))
     };

@@ -16,10 +16,10 @@ use crate::{
     chain::Params,
     dps::Center,
     error::Result,
-    experiments::{Evolution, Kick, OrbitStudy, branch, evolve, orbit_study},
     orbits::{
         Bifurcation, BifurcationKind, Continuation, Extent, Kind, Multiplier, Orbit, Parameter, Shooting, Spectrum,
     },
+    study::{Evolution, Kick, OrbitStudy, branch, evolve, orbit_study},
     sweep::map,
 };
 

@@ -12,8 +12,8 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    experiments::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
+    study::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     sweep::Tally,
 };
 

@@ -4,11 +4,10 @@ use super::{DoublingData, FloquetData, MassRatioData, OrbitData, ProfileData};
 use crate::{
     chain::max_norm,
     dps::Center,
-    experiments::{Branch, Evolution, OrbitStudy},
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
-    report::{branch_csv, center_word, evolution_csv, shown, swing_csv},
+    study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, evolution_csv, shown, swing_csv},
 };
 
 /// Tables of a figure: `(part of the file name, tables)`.
@@ -271,7 +270,7 @@ fn evolutions_words(all: &[(Center, Evolution)], profiles: bool) -> String {
         let kick = run.kick.map_or(String::new(), |(kick, _)| {
             format!(", kicked by {} of its amplitude along the mode of its largest λ", kick.size)
         });
-        let motion = |one: &crate::experiments::Motion| shown(one.velocity).replace('-', "−");
+        let motion = |one: &crate::study::Motion| shown(one.velocity).replace('-', "−");
         let velocity = if *center == Center::Bond && run.orbit.setting.omega_b < 2.06 {
             let [first, last] = [0, 2].map(|k| run.motion.get(k));
             first.zip(last).map_or(String::new(), |(first, last)| {
@@ -342,7 +341,7 @@ pub(in super::super) use pictures::orbit_panels;
 mod pictures {
     use super::*;
     use crate::figures::{Column, Kind as Axes, Line, Panel, Panels, Plot};
-    use crate::report::swing_maps;
+    use crate::study::swing_maps;
 
     fn line(name: &str, points: impl Iterator<Item = (f64, f64)>) -> Line {
         Line { name: name.to_owned(), points: points.collect() }

@@ -8,7 +8,7 @@ use super::{
     super::{Quantity, Runs},
     THIRD, least, most, released,
 };
-use crate::{dps::Center, error::Result, experiments::Evolution, sweep::map};
+use crate::{dps::Center, error::Result, study::Evolution, sweep::map};
 
 const UNTIL: f64 = 1200.0;
 /// `E_b` slightly above rounding errors, and `E_b` that is no longer small.

@@ -1,0 +1,95 @@
+//! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit code.
+
+use super::{Exit, print, progress_bar, signals};
+use crate::{
+    error::Result,
+    output::{Folder, to_json},
+    study::{Report, Study, Work},
+};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
+use std::{path::PathBuf, process::ExitCode};
+
+/// What `--out` says everywhere.
+const OUT: &str = "Write the results to this folder; without it, no file is written";
+
+/// A study with where its results go.
+pub(super) struct Told<S> {
+    study: S,
+    out: Option<PathBuf>,
+    json: bool,
+}
+
+impl<S: Study> Told<S> {
+    pub(super) fn run(&self) -> Exit {
+        let work = self.study.begin()?;
+        carry_out(work, self.out.clone().or_else(|| self.study.beside()), self.json, S::STOPS)
+    }
+}
+
+impl<S: Study + Args> Args for Told<S> {
+    fn augment_args(command: Command) -> Command {
+        with_outputs(S::augment_args(command), S::FILES)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<S: FromArgMatches> FromArgMatches for Told<S> {
+    fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
+        let out = matches.try_get_one("out").ok().flatten().cloned();
+        Ok(Self { study: S::from_arg_matches(matches)?, out, json: matches.get_flag("json") })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
+        Self::from_arg_matches(matches).map(|told| *self = told)
+    }
+}
+
+/// Adds `--out`, for a study that writes files, and `--json`.
+fn with_outputs(command: Command, files: &'static str) -> Command {
+    let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf)).help(OUT);
+    let json = Arg::new("json").long("json").action(ArgAction::SetTrue).help("Print JSON instead of text");
+    if files.is_empty() {
+        return command.arg(json);
+    }
+    command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
+}
+
+/// Does the work of a study, prints what came of it and writes its files.
+fn carry_out(work: Work<'_>, out: Option<PathBuf>, json: bool, stops: bool) -> Exit {
+    let folder = out.map(Folder::create).transpose()?;
+    if stops {
+        signals::ask()?;
+    }
+    let bar = progress_bar();
+    let report = work(folder.as_ref(), &|share, what| {
+        bar.set_position((1000.0 * share.min(1.0)) as u64);
+        bar.set_message(what.to_owned());
+    });
+    bar.finish_and_clear();
+    let report = report?;
+    if let Some(remark) = report.remark() {
+        eprintln!("{remark}");
+    }
+    let text = to_json(&report.json());
+    // Printed first: what was computed is not lost if a file cannot be written.
+    print(&if json { format!("{text}\n") } else { report.text() });
+    if let Some(folder) = folder {
+        write(&folder, &*report, &text)?;
+    }
+    Ok(if report.succeeded() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
+    for (name, bytes) in report.files(json)? {
+        folder.write(&name, &bytes)?;
+    }
+    #[cfg(feature = "plot")]
+    for (name, bytes) in report.pictures()? {
+        folder.write(&name, &bytes)?;
+    }
+    eprintln!("written to {}", folder.path().display());
+    Ok(())
+}

@@ -1,0 +1,626 @@
+//! Breathers on the chain (Sec. 5): the long-lived bright one against its ansatz, and what becomes of it; the trivial one against an integrator.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E_u, E_u', E_v, E_v'` | rescaled distances from the ansatz (diff_u_l1norm), (diff_v_l1norm) |
+//! | `T_b, T` | period of the breather; `2 pi/omega_0` |
+//! | participation | `(sum e_n)^2 / sum e_n^2` of the site energies, half of a contact's at either bead |
+//! | share | energy of the core, the sites that hold the breather at first, over the energy of the chain |
+//! | `Fbar_n` | mean contact force over a period (Theorem nobreath) |
+
+mod report;
+
+use super::{Changes, Study, Work};
+pub(crate) use report::bright_tables;
+
+use crate::{
+    breathers::{BrightBreather, Norms, TrivialBreather},
+    chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
+    dps::Center,
+    error::{Error, Result},
+    run::method::Method,
+    run::state_at,
+    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
+};
+use hertzchain_integrators::{Stats, collocation::Pace};
+use std::time::{Duration, Instant};
+
+/// End of a run of a bright breather, in `T`, unless it is given: that of the paper.
+const SLOW_PERIODS: f64 = 80.0;
+/// Samples a period.
+const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 1..=1000;
+/// More samples than a run of years gives.
+const MOST_SAMPLES: f64 = 1e7;
+/// The paper shows a profile after this many periods.
+const SHOWN_PERIOD: f64 = 30.0;
+/// Share of the energy whose departure ends the life of a breather.
+const GONE: f64 = 0.1;
+/// Times a period at which a history is taken.
+const PARTS: u32 = 32;
+/// Samples of a trivial breather in a scene that asks for none.
+const DEFAULT_SAMPLES: usize = 100;
+
+/// How a breather is run.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct BreatherOptions {
+    /// Integrator; `hertzchain integrators` lists all.
+    ///
+    /// One that takes a tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long = "integrator", value_parser = Method::named, value_name = "NAME",
+            default_value = "collocation"
+        )
+    )]
+    pub method: Method,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
+    pub tolerance: f64,
+}
+
+/// The long-lived bright breather on the chain.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Bright {
+    /// What the profile is symmetric about.
+    ///
+    /// A site (a^1), or the bond of the paper's run (a^2).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
+    pub center: Center,
+    /// Size: beads start at 2 epsilon a_n.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "E", default_value = "0.01"))]
+    pub epsilon: f64,
+    /// Mass ratio resonator to bead, positive.
+    ///
+    /// inf for resonators at rest.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value = "1000"))]
+    pub rho: f64,
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// From 1.01 to 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// Spring constant of the resonators, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
+    pub kappa: f64,
+    /// Number of sites.
+    ///
+    /// With a bond in the middle if even, with a site if odd.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
+    pub sites: usize,
+    /// What holds the ends.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "B", value_enum, default_value_t = Boundary::Free))]
+    pub boundary: Boundary,
+    /// End time, in units of time [default: 80 T].
+    ///
+    /// T = 2 pi/omega_0 in units of 1/sqrt(kappa).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
+    pub until: Option<f64>,
+    /// Samples a period, from which largest values are taken.
+    ///
+    /// Of T_b, from 1 to 1000; also for the time at which energy has left.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 20))]
+    pub samples_per_period: u32,
+    /// How it is run.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub options: BreatherOptions,
+}
+
+impl Bright {
+    /// The scene of these numbers.
+    fn scene(&self) -> Result<Scene> {
+        let &Self { center, boundary, epsilon, rho, alpha, kappa, sites, .. } = self;
+        let until = match self.until {
+            Some(until) => until,
+            None => {
+                let params = Params { alpha, kappa, rho };
+                SLOW_PERIODS * BrightBreather::new(params, center, epsilon, sites)?.slow_period()
+            }
+        };
+        Scene::build(SceneFile {
+            name: "bright-breather".to_owned(),
+            summary: "a long-lived bright breather, from a homoclinic solution of the stationary DpS equation"
+                .to_owned(),
+            chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0 },
+            initial: Initial::BrightBreather { center, epsilon },
+            span: Span { periods: None, until: Some(until), period: None },
+            method: None,
+            record: Record::of(0),
+        })
+    }
+}
+
+impl Study for Bright {
+    const FILES: &'static str =
+        "Files: breather.json, breather.png, norms.csv, periods.csv, profiles.csv and forces.csv.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let scene = self.scene()?;
+        Ok(Box::new(move |_, progress| {
+            let mut tell = |share| progress(share, "");
+            Ok(Box::new(bright_breather(&scene, &self.options, self.samples_per_period, &mut tell)?))
+        }))
+    }
+}
+
+/// A trivial breather, from a scene, with other numbers where they are given.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args), command(mut_arg("method", |arg| arg.long_help(TRIVIAL_INTEGRATOR))))]
+pub struct Trivial {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// With an initial state of kind trivial-breather, or one that is such.
+    #[cfg_attr(feature = "cli", arg(default_value = "trivial-breather"))]
+    pub scene: String,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// Amplitudes a_n, separated by commas [default: the scene's].
+    ///
+    /// At least zero; as many sites as amplitudes.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
+    pub amplitudes: Vec<f64>,
+    /// Phases phi_n, separated by commas [default: the scene's].
+    ///
+    /// In radians.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "phase_step_over_pi")
+    )]
+    pub phases: Vec<f64>,
+    /// The same (phi_n - phi_{n-1}) / pi for all [default: the scene's].
+    ///
+    /// 1 for neighbours in antiphase.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
+    pub phase_step_over_pi: Option<f64>,
+    /// Offsets d_n, separated by commas [default: the scene's].
+    ///
+    /// Nondecreasing: how much the mean positions rise beyond what contacts demand.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',', conflicts_with_all = ["means", "gap"]
+        )
+    )]
+    pub offsets: Vec<f64>,
+    /// Mean positions b_n, separated by commas [default: the scene's].
+    ///
+    /// Refused where beads would press.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "gap"))]
+    pub means: Vec<f64>,
+    /// The same gap in all bonds [default: the scene's].
+    ///
+    /// Beyond what contacts demand, at least zero.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "G"))]
+    pub gap: Option<f64>,
+    /// End time, in units of time [default: the scene's].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
+    pub until: Option<f64>,
+    /// How it is run.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub options: BreatherOptions,
+}
+
+/// What `--integrator` is for here.
+#[cfg(feature = "cli")]
+const TRIVIAL_INTEGRATOR: &str = "Integrator; `hertzchain integrators` lists all.\n\n\
+                                  One that takes a tolerance, to hold the closed form against.";
+
+impl Trivial {
+    /// The scene with what is given: each number replaces what the scene says of the same thing in another way.
+    fn scene(&self) -> Result<Scene> {
+        let scene = super::scene(&self.scene, &self.set)?;
+        let scene = if self.changes() { self.changed(&scene)? } else { scene };
+        match self.until {
+            Some(until) => scene.until(until),
+            None => Ok(scene),
+        }
+    }
+
+    fn changes(&self) -> bool {
+        let lists = [&self.amplitudes, &self.phases, &self.offsets, &self.means];
+        self.gap.is_some() || self.phase_step_over_pi.is_some() || lists.iter().any(|list| !list.is_empty())
+    }
+
+    fn changed(&self, scene: &Scene) -> Result<Scene> {
+        let mut file = scene.file().clone();
+        let Initial::TrivialBreather(section) = &mut file.initial else {
+            return Err(Error::parameter("scene", scene.name(), "these flags need a scene of kind trivial-breather"));
+        };
+        let list = |values: &Vec<f64>| (!values.is_empty()).then(|| values.clone());
+        if let Some(amplitudes) = list(&self.amplitudes) {
+            file.chain.sites = amplitudes.len();
+            (section.center, section.amplitude, section.decay) = (None, None, None);
+            section.amplitudes = Some(amplitudes);
+        }
+        if self.phase_step_over_pi.is_some() || !self.phases.is_empty() {
+            (section.phase_step_over_pi, section.phases) = (self.phase_step_over_pi, list(&self.phases));
+        }
+        if self.gap.is_some() || !self.offsets.is_empty() || !self.means.is_empty() {
+            (section.gap, section.d, section.b) = (self.gap, list(&self.offsets), list(&self.means));
+        }
+        Scene::build(file)
+    }
+}
+
+impl Study for Trivial {
+    const FILES: &'static str = "Files: breather.json, breather.png, sites.csv and deviation.csv.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let scene = self.scene()?;
+        Ok(Box::new(move |_, progress| {
+            Ok(Box::new(trivial_breather(&scene, &self.options, &mut |share| progress(share, ""))?))
+        }))
+    }
+}
+
+/// A bright breather at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrightSample {
+    /// Time.
+    pub t: f64,
+    /// How far from the ansatz.
+    pub norms: Norms,
+    /// Participation number.
+    pub participation: f64,
+    /// Share of the energy in the core.
+    pub share: f64,
+    /// Energy.
+    pub energy: f64,
+}
+
+/// A step from one end of the chain to the other in the positions of beads and resonators.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kink {
+    /// `max u_n - min u_n`.
+    pub height_u: f64,
+    /// `max v_n - min v_n`.
+    pub height_v: f64,
+    /// `v` of the last bead before the centre and the first behind it: of the two in the middle, or of the neighbours of the middle one.
+    pub jump_v: f64,
+    /// `u` of the last bead less that of the first: zero until what the breather sends out comes to the ends.
+    pub between_ends_u: f64,
+    /// `v` of the last bead less that of the first.
+    pub between_ends_v: f64,
+}
+
+/// The whole state at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub state: Vec<f64>,
+}
+
+/// The outcome for a bright breather.
+#[derive(Clone, Debug)]
+pub struct BrightStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: BrightBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// From 0 to the end: equally spaced in each period `T_b`, and the horizon and the end as well.
+    pub samples: Vec<BrightSample>,
+    /// At 0, at 30 `T_b` if the run goes there, and at the end.
+    pub profiles: Vec<Shown>,
+    /// At the end.
+    pub kink: Kink,
+    /// When the share of the core first falls to 0.9 of what it was at the start, between samples by interpolation.
+    pub tenth_left: Option<f64>,
+    /// Largest relative change of the energy.
+    pub energy_error: f64,
+    /// `Fbar_n` over the first `T_b`.
+    pub first_forces: MeanForces,
+    /// `Fbar_n` over a `T_b` from the end on.
+    pub last_forces: MeanForces,
+    /// Work of the run, samples included.
+    pub stats: Stats,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+impl BrightStudy {
+    /// The sample at a time that is one, such as a multiple of `T_b`, the horizon or the end.
+    pub fn at(&self, t: f64) -> Option<&BrightSample> {
+        self.samples.binary_search_by(|sample| sample.t.total_cmp(&t)).ok().map(|k| &self.samples[k])
+    }
+
+    /// The samples at multiples of `T_b`.
+    pub fn periods(&self) -> impl Iterator<Item = &BrightSample> {
+        let period = self.breather.period();
+        (0_u32..).map_while(move |k| self.at(period * f64::from(k)))
+    }
+
+    /// The largest norms of all samples in `[from, to]`.
+    pub fn largest(&self, from: f64, to: f64) -> Norms {
+        let within = self.samples.iter().filter(|sample| (from..=to).contains(&sample.t));
+        within.fold(Norms::default(), |largest, sample| largest.max(&sample.norms))
+    }
+
+    /// 30 `T_b`.
+    pub fn shown_time(&self) -> f64 {
+        SHOWN_PERIOD * self.breather.period()
+    }
+}
+
+/// Runs the bright breather of a scene. `progress` is told the share of the run that is done.
+///
+/// `samples_per_period`, from 1 to 1000, are for largest values and the time at which energy has left: with 20, in the run of the paper, largest norms are
+/// at most 0.6 % below those with 400, and the time is the same to four digits.
+///
+/// # Errors
+/// A scene of another kind, a method that takes no tolerance, an option outside its rule, a run that fails.
+pub fn bright_breather(
+    scene: &Scene,
+    options: &BreatherOptions,
+    samples_per_period: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<BrightStudy> {
+    let clock = Instant::now();
+    let breather = bright_of(scene)?;
+    check(options)?;
+    let times = bright_times(breather, scene.end(), samples_per_period)?;
+    let shown_times = [0.0, SHOWN_PERIOD * breather.period(), scene.end()];
+    let chain = scene.chain();
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&times)?;
+    let (mut samples, mut profiles) = (Vec::with_capacity(times.len()), Vec::new());
+    for (t, state) in times.into_iter().zip(states.by_ref()) {
+        let y = state?.as_slice().to_vec();
+        samples.push(bright_sample(breather, chain, t, &y));
+        if shown_times.contains(&t) {
+            profiles.push(Shown { t, state: y });
+        }
+        progress(t / scene.end());
+    }
+    let stats = states.stats();
+    let last = &profiles[profiles.len() - 1].state;
+    let initial = samples[0].energy;
+    let pace = Pace::Tolerance(options.tolerance);
+    let forces = |y: &[f64]| chain.mean_contact_forces(y, breather.period(), pace);
+    Ok(BrightStudy {
+        scene: scene.clone(),
+        breather: breather.clone(),
+        setting: words(options),
+        kink: kink(breather, chain.layout(), last),
+        tenth_left: falls_to(&samples, 1.0 - GONE),
+        energy_error: max_norm(samples.iter().map(|sample| sample.energy / initial - 1.0)),
+        first_forces: forces(scene.initial().as_slice())?,
+        last_forces: forces(last)?,
+        samples,
+        profiles,
+        stats,
+        wall: clock.elapsed(),
+    })
+}
+
+/// A bright breather over space and time: a row of sites for each period `T_b`.
+#[derive(Clone, Debug)]
+pub struct BrightHistory {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: BrightBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// Middle of each period.
+    pub t: Vec<f64>,
+    /// Half of `max u_n - min u_n` in the period, at 32 times: up to half a percent too small for a sine.
+    pub swing: Vec<f64>,
+    /// Mean of `v_n` over the period.
+    pub v: Vec<f64>,
+}
+
+/// Looks at every site of the bright breather of a scene, period by period. `progress` is told the share of the run that is done.
+///
+/// # Errors
+/// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that fails.
+pub fn bright_history(
+    scene: &Scene,
+    options: &BreatherOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<BrightHistory> {
+    let breather = bright_of(scene)?;
+    check(options)?;
+    let (period, layout, sites) = (breather.period(), scene.chain().layout(), scene.chain().sites());
+    let periods = (scene.end() / period).floor();
+    if !(1.0..=MOST_SAMPLES).contains(&periods) {
+        return Err(Error::parameter("until", scene.end(), "from one to 10^7 periods of the breather"));
+    }
+    let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+    let (mut t, mut swing, mut mean) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..periods as u64 {
+        let (mut low, mut high) = (vec![f64::INFINITY; sites], vec![f64::NEG_INFINITY; sites]);
+        let mut sum = vec![0.0; sites];
+        for part in 0..PARTS {
+            let y = state_at(&mut run, period * (k as f64 + f64::from(part) / f64::from(PARTS)))?;
+            let v = layout.v(&y);
+            for (n, &u) in layout.u(&y).iter().enumerate() {
+                (low[n], high[n]) = (low[n].min(u), high[n].max(u));
+                sum[n] += v.map_or(0.0, |v| v[n]);
+            }
+        }
+        t.push(period * (k as f64 + 0.5));
+        swing.extend(low.iter().zip(&high).map(|(low, high)| 0.5 * (high - low)));
+        mean.extend(sum.iter().map(|sum| sum / f64::from(PARTS)));
+        progress((k + 1) as f64 / periods);
+    }
+    Ok(BrightHistory { scene: scene.clone(), breather: breather.clone(), setting: words(options), t, swing, v: mean })
+}
+
+fn bright_of(scene: &Scene) -> Result<&BrightBreather> {
+    let rule = "a scene whose initial state is of kind bright-breather";
+    match scene.theory() {
+        Some(Theory::Bright(breather)) => Ok(breather),
+        _ => Err(Error::parameter("scene", scene.name(), rule)),
+    }
+}
+
+fn check(options: &BreatherOptions) -> Result<()> {
+    if options.method.adaptive() {
+        return Ok(());
+    }
+    let rule = "breathers are run by an adaptive method: collocation or a dop853";
+    Err(Error::parameter("integrator", options.method.name(), rule))
+}
+
+fn words(options: &BreatherOptions) -> String {
+    format!("{}, tol {:e}", options.method.name(), options.tolerance)
+}
+
+/// Parts of periods, the horizon if the run goes there, and the end.
+fn bright_times(breather: &BrightBreather, end: f64, per_period: u32) -> Result<Vec<f64>> {
+    if !SAMPLES_PER_PERIOD.contains(&per_period) {
+        return Err(Error::parameter("samples-per-period", per_period, "from 1 to 1000"));
+    }
+    let (period, parts) = (breather.period(), f64::from(per_period));
+    let count = (end / period * parts).floor();
+    if count > MOST_SAMPLES {
+        return Err(Error::parameter("samples", count, "at most 10^7: a shorter run, or fewer samples a period"));
+    }
+    let mut times: Vec<f64> = (0..=count as u64).map(|k| period * (k as f64 / parts)).collect();
+    times.extend([breather.horizon(), end]);
+    times.retain(|t| *t <= end);
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    Ok(times)
+}
+
+fn bright_sample(breather: &BrightBreather, chain: &Chain<f64>, t: f64, y: &[f64]) -> BrightSample {
+    BrightSample {
+        t,
+        norms: breather.norms(t, chain.layout(), y),
+        participation: chain.participation(y),
+        share: breather.core_share(chain, y),
+        energy: chain.energy(y).total(),
+    }
+}
+
+/// When the share first falls to `part` of its first value.
+fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
+    let bound = part * samples[0].share;
+    let two = samples.windows(2).find(|two| two[1].share <= bound)?;
+    let (before, after) = (two[0], two[1]);
+    Some(before.t + (after.t - before.t) * (before.share - bound) / (before.share - after.share))
+}
+
+fn kink(breather: &BrightBreather, layout: Layout, y: &[f64]) -> Kink {
+    let height = |x: &[f64]| {
+        let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        high - low
+    };
+    let (u, v) = (layout.u(y), layout.v(y));
+    let last = u.len() - 1;
+    let core = breather.core();
+    let middle = (core.start + core.end - 1) / 2;
+    let before = if core.len().is_multiple_of(2) { middle } else { middle.saturating_sub(1) };
+    Kink {
+        height_u: height(u),
+        height_v: v.map_or(0.0, height),
+        jump_v: v.map_or(0.0, |v| v[(middle + 1).min(last)] - v[before]),
+        between_ends_u: u[last] - u[0],
+        between_ends_v: v.map_or(0.0, |v| v[last] - v[0]),
+    }
+}
+
+/// The outcome for a trivial breather.
+#[derive(Clone, Debug)]
+pub struct TrivialStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// The breather.
+    pub breather: TrivialBreather,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// Sample times, from 0 to the end.
+    pub t: Vec<f64>,
+    /// Largest distance of a bead or a resonator from the closed form at these times, over the largest amplitude of a bead.
+    pub deviation: Vec<f64>,
+    /// Largest relative change of the energy of the closed form at these times: its roundings.
+    pub energy_error: f64,
+    /// The least of `b_n - b_{n-1} - l_n`, and its bond; `None` for a single bead.
+    pub least_slack: Option<(usize, f64)>,
+    /// `Fbar_n` over a period.
+    pub forces: MeanForces,
+    /// Work of the integrator, samples included.
+    pub stats: Stats,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+/// Holds the closed form of a scene against an integrator. `progress` is told the share of the run that is done.
+///
+/// # Errors
+/// A scene without exact solution, a method that takes no tolerance, a run that fails.
+pub fn trivial_breather(
+    scene: &Scene,
+    options: &BreatherOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<TrivialStudy> {
+    let clock = Instant::now();
+    let Some(breather) = scene.exact() else {
+        let rule = "a scene of kind trivial-breather, or a state that is one";
+        return Err(Error::parameter("scene", scene.name(), rule));
+    };
+    check(options)?;
+    let samples = match scene.samples() {
+        0 => DEFAULT_SAMPLES,
+        samples => samples,
+    };
+    let t: Vec<f64> = (0..=samples).map(|k| scene.end() * (k as f64 / samples as f64)).collect();
+    let chain = scene.chain();
+    let exact = |t: f64| -> Vec<f64> {
+        let sites: Vec<_> = (0..chain.sites()).map(|n| breather.site(n, t)).collect();
+        let of = |part: fn(&crate::chain::Site<f64>) -> f64| sites.iter().map(part).collect::<Vec<_>>();
+        [of(|site| site.u), of(|site| site.v), of(|site| site.u_dot), of(|site| site.v_dot)].concat()
+    };
+    let swing = max_norm((0..chain.sites()).map(|n| breather.swing(n)));
+    let scale = if swing > 0.0 { swing } else { 1.0 };
+    let positions = 2 * chain.sites();
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(&t)?;
+    let (mut deviation, mut energies) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
+    for (&t, state) in t.iter().zip(states.by_ref()) {
+        let (state, exact) = (state?, exact(t));
+        let y = state.as_slice();
+        energies.push(chain.energy(&exact).total());
+        deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
+        progress(t / scene.end());
+    }
+    let first = if energies[0] > 0.0 { energies[0] } else { 1.0 };
+    let slack = (1..chain.sites()).map(|n| (n, breather.slack(n)));
+    Ok(TrivialStudy {
+        scene: scene.clone(),
+        breather: breather.clone(),
+        setting: words(options),
+        energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
+        least_slack: slack.min_by(|a, b| a.1.total_cmp(&b.1)),
+        forces: chain.mean_contact_forces(
+            scene.initial().as_slice(),
+            scene.period(),
+            Pace::Tolerance(options.tolerance),
+        )?,
+        stats: states.stats(),
+        t,
+        deviation,
+        wall: clock.elapsed(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tenth_has_left_between_the_samples_that_say_so() {
+        let sample = |t, share| BrightSample { t, share, norms: Norms::default(), participation: 1.0, energy: 1.0 };
+        let samples = [sample(0.0, 1.0), sample(1.0, 0.95), sample(2.0, 0.85), sample(3.0, 0.99)];
+        assert!((falls_to(&samples, 0.9).unwrap() - 1.5).abs() < 1e-14);
+        assert_eq!(falls_to(&samples, 0.8), None);
+    }
+}

@@ -1,0 +1,321 @@
+//! One point: a method on a variant, over a ladder of steps or tolerances.
+
+use super::problem::Prepared;
+use crate::{
+    error::Result,
+    run::method::{Method, Setting, Split},
+    study::drift::energy,
+};
+use hertzchain_integrators::{Stepper, Twofold};
+use serde::{Deserialize, Serialize};
+use std::{f64::consts::TAU, time::Instant};
+
+/// The energy errors for which the largest step is looked for.
+pub const BOUNDS: [f64; 2] = [1e-3, 1e-6];
+/// Looks at the energy in a run, times sites where they are many, at least.
+const LOOKS: (f64, f64, f64) = (128.0, 4e6, 8.0);
+/// An energy error of this size has no bound.
+const BLOWN: f64 = 1e6;
+/// Energy errors up to this are rounding.
+const ROUNDING: f64 = 1e-12;
+/// A line through the errors that rises by this many of its residuals is a drift.
+const DRIFT: f64 = 4.0;
+/// The longest step of a ladder, in radians of the fastest motion; of the contacts, where the linear flow is exact.
+const LONGEST: f64 = 12.0;
+/// The first and the last tolerance of a ladder, and one over the next.
+const TOLERANCES: (f64, f64, f64) = (1e-1, 1e-13, 10.0);
+/// Of a splitting scheme at its usual step: kicks a period of the fastest motion; of an adaptive method.
+const KICKS: f64 = 64.0;
+const TOLERANCE: f64 = 1e-9;
+/// Force evaluations that a run may take on any chain, with fixed steps, with adaptive ones, and at the usual setting.
+const LEAST_FIXED: f64 = 50.0;
+const LEAST_ADAPTIVE: f64 = 1e3;
+const LEAST_USUAL: f64 = 1e4;
+/// Bisections, of steps and of the limit of stability.
+const BISECTIONS: (usize, usize) = (2, 10);
+/// The step down to which `light` looks, in radians of the fastest motion.
+const LEAST_LIGHT: f64 = 0.1;
+
+/// What became of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The energy error has a bound.
+    Stable,
+    /// It has a trend: a line through it rises by more than four of its residuals.
+    Drifting,
+    /// It is above 1, or the run failed.
+    Lost,
+    /// The run would have taken more work than it may, and tells nothing.
+    Dear,
+}
+
+/// A run at one step or tolerance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// The step, the mean one for adaptive methods, in units of time.
+    pub step: f64,
+    /// The tolerance of an adaptive method.
+    pub tol: Option<f64>,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Largest `|H - H(0)|/|H(0)|` at 128 times; `None` if it was not bounded or the run failed.
+    pub error: Option<f64>,
+    /// Whether the error passed 10^6.
+    pub blown: bool,
+    /// Force evaluations a unit of time.
+    pub cost: f64,
+    /// Seconds a unit of time, looks included, on whatever the machine did beside.
+    pub wall: f64,
+    /// Why it failed.
+    pub failure: Option<String>,
+}
+
+impl Trial {
+    fn meets(&self, bound: f64) -> bool {
+        self.error.is_some_and(|error| error < bound) && matches!(self.verdict, Verdict::Stable | Verdict::Drifting)
+    }
+}
+
+/// The largest step that keeps the energy error below a bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// The bound.
+    pub bound: f64,
+    /// The run at that step: the first of the ladder, from coarse to fine, after the last that does not meet the bound, refined to 9 %. `None`: no run
+    /// that is cheap enough meets it.
+    pub trial: Option<Trial>,
+    /// Whether it is the longest step that was tried: it may be longer still.
+    pub longest: bool,
+}
+
+/// What was measured at a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// `Omega_c`, radians a unit of time.
+    pub contact: f64,
+    /// `max(omega, Omega_c)`.
+    pub fast: f64,
+    /// Length of the runs in units of time.
+    pub span: f64,
+    /// The run at the usual setting: 64 kicks a period of the fastest motion, or tolerance 10^-9.
+    pub usual: Trial,
+    /// All others, from coarse to fine.
+    pub ladder: Vec<Trial>,
+    /// The largest steps for [`BOUNDS`].
+    pub limits: Vec<Limit>,
+    /// The step times `fast` above which the energy has no bound, where that was looked for and there is one: to a factor of 1.0004, between two rungs of the
+    /// ladder. Instabilities narrower than those, as some compositions have them below, are stepped over.
+    pub stability: Option<f64>,
+}
+
+/// What to look for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// Force evaluations times sites that a run may take.
+    pub(super) work: f64,
+    /// Whether the ladder goes on to short steps whatever the error, and the limit of stability is bracketed.
+    pub(super) light: bool,
+}
+
+/// A setting by one number: the step, or the tolerance.
+type Knob = f64;
+
+pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Result<Measured> {
+    let Prepared { scene, contact, fast } = prepared;
+    let sites = scene.chain().sites() as f64;
+    // The usual run is made at any cost that is bounded: it is the one that everybody makes first.
+    let usual = trial(prepared, method, usual_knob(&method, *fast), 20.0 * search.work / sites + LEAST_USUAL)?;
+    let most = search.work / sites + if method.adaptive() { LEAST_ADAPTIVE } else { LEAST_FIXED };
+    let at = |knob: Knob| trial(prepared, method, knob, most);
+
+    let mut rungs: Vec<(Knob, Trial)> = Vec::new();
+    for knob in knobs(&method, *contact, *fast, scene.end()) {
+        let trial = at(knob)?;
+        let dear = trial.verdict == Verdict::Dear;
+        rungs.push((knob, trial));
+        let settled = rungs.len() > 1 && rungs[rungs.len() - 2..].iter().all(|(_, trial)| trial.meets(BOUNDS[1]));
+        let wanted = search.light && !method.adaptive() && knob * fast > LEAST_LIGHT;
+        if dear || settled && !wanted {
+            break;
+        }
+    }
+    let limits = BOUNDS.into_iter().map(|bound| limit(&rungs, bound, &at)).collect::<Result<_>>()?;
+    let stability = if search.light && !method.adaptive() { stability(&rungs, &at)? } else { None };
+    Ok(Measured {
+        contact: *contact,
+        fast: *fast,
+        span: scene.end(),
+        usual,
+        ladder: rungs.into_iter().map(|(_, trial)| trial).collect(),
+        limits,
+        stability: stability.map(|step| step * fast),
+    })
+}
+
+fn usual_knob(method: &Method, fast: f64) -> Knob {
+    if method.adaptive() { TOLERANCE } else { TAU * method.stages() as f64 / (KICKS * fast) }
+}
+
+/// Steps from the longest on, each over the square root of two; or tolerances.
+fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterator<Item = Knob>> {
+    if method.adaptive() {
+        let (first, last, factor) = TOLERANCES;
+        let ladder = (0..).map(move |k| first / f64::powi(factor, k)).take_while(move |tol| *tol > 0.9 * last);
+        return Box::new(ladder);
+    }
+    let longest = match method {
+        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) => LONGEST / fast,
+        // Rungs are the same for all methods, counted from those of the fastest motion.
+        _ => {
+            let most = (LONGEST / contact).min(0.5 * span);
+            let rung = (2.0 * (most * fast / LONGEST).log2()).floor().max(0.0);
+            LONGEST / fast * f64::powf(2.0, 0.5 * rung)
+        }
+    };
+    Box::new((0..).map(move |k| longest * f64::powf(2.0, -0.5 * f64::from(k))))
+}
+
+/// The first rung after the last that does not meet the bound, refined towards that.
+fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Limit> {
+    let runs = rungs.iter().rposition(|(_, trial)| trial.verdict != Verdict::Dear).map_or(0, |last| last + 1);
+    let first = rungs[..runs].iter().rposition(|(_, trial)| !trial.meets(bound)).map_or(0, |failing| failing + 1);
+    let Some((knob, trial)) = rungs[..runs].get(first) else {
+        return Ok(Limit { bound, trial: None, longest: false });
+    };
+    let (mut good, mut best) = (*knob, trial.clone());
+    if first > 0 {
+        let mut bad = rungs[first - 1].0;
+        for _ in 0..BISECTIONS.0 {
+            let middle = (good * bad).sqrt();
+            let trial = at(middle)?;
+            if trial.meets(bound) {
+                (good, best) = (middle, trial);
+            } else {
+                bad = middle;
+            }
+        }
+    }
+    Ok(Limit { bound, trial: Some(best), longest: first == 0 })
+}
+
+/// The step above which the energy has no bound.
+fn stability(rungs: &[(Knob, Trial)], at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Option<f64>> {
+    let Some(blown) = rungs.iter().rposition(|(_, trial)| trial.blown) else { return Ok(None) };
+    let Some((good, _)) = rungs.get(blown + 1).filter(|(_, trial)| trial.verdict != Verdict::Dear) else {
+        return Ok(None);
+    };
+    let (mut bad, mut good) = (rungs[blown].0, *good);
+    for _ in 0..BISECTIONS.1 {
+        let middle = (good * bad).sqrt();
+        *(if at(middle)?.blown { &mut bad } else { &mut good }) = middle;
+    }
+    Ok(Some((good * bad).sqrt()))
+}
+
+/// One run that may take so many evaluations.
+pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) -> Result<Trial> {
+    let scene = &prepared.scene;
+    let span = scene.end();
+    let setting = if method.adaptive() {
+        Setting::Tolerance(knob)
+    } else {
+        Setting::Steps((span / knob).round().max(1.0) as u64)
+    };
+    let mut trial = Trial {
+        step: if method.adaptive() { 0.0 } else { span / (span / knob).round().max(1.0) },
+        tol: method.adaptive().then_some(knob),
+        verdict: Verdict::Dear,
+        error: None,
+        blown: false,
+        cost: 0.0,
+        wall: 0.0,
+        failure: None,
+    };
+    if let Setting::Steps(steps) = setting
+        && steps as f64 * method.stages() as f64 > most
+    {
+        trial.cost = steps as f64 * method.stages() as f64 / span;
+        return Ok(trial);
+    }
+    let clock = Instant::now();
+    let mut run = scene.run().method(method).setting(setting).stepper()?;
+    let mut look = Look::new(prepared);
+    while !run.done() {
+        if let Err(failure) = run.step() {
+            trial.failure = Some(failure.to_string());
+            break;
+        }
+        let dear = run.stats().force_evaluations as f64 > most;
+        if run.time() >= look.next || run.done() || dear {
+            look.at(&mut *run);
+        }
+        if look.largest > BLOWN || dear {
+            break;
+        }
+    }
+    let (t, stats) = (run.time(), run.stats());
+    // What looks cost is not the method's.
+    let evaluations = (stats.force_evaluations as f64 - look.evaluations).max(1.0);
+    if stats.steps > 0 {
+        trial.step = t / stats.steps as f64;
+        (trial.cost, trial.wall) = (evaluations / t, clock.elapsed().as_secs_f64() / t);
+    }
+    trial.blown = look.largest > BLOWN;
+    let lost = trial.failure.is_some() || look.largest > 1.0;
+    trial.error = (!trial.blown && trial.failure.is_none()).then_some(look.largest);
+    trial.verdict = match () {
+        () if lost => Verdict::Lost,
+        () if !run.done() => Verdict::Dear,
+        () if look.largest > ROUNDING && look.drifts() => Verdict::Drifting,
+        () => Verdict::Stable,
+    };
+    Ok(trial)
+}
+
+/// Looks at the energy at ends of steps.
+struct Look<'a> {
+    prepared: &'a Prepared,
+    y: Vec<f64>,
+    initial: Twofold<f64>,
+    /// Not before this time.
+    next: f64,
+    every: f64,
+    largest: f64,
+    errors: Vec<(f64, f64)>,
+    /// Force evaluations of looks.
+    evaluations: f64,
+}
+
+impl<'a> Look<'a> {
+    fn new(prepared: &'a Prepared) -> Self {
+        let y = prepared.scene.initial().as_slice().to_vec();
+        let initial = energy(prepared.scene.chain(), &y);
+        let looks = (LOOKS.1 / prepared.scene.chain().sites() as f64).clamp(LOOKS.2, LOOKS.0);
+        let every = prepared.scene.end() / looks;
+        Self { prepared, y, initial, next: every, every, largest: 0.0, errors: Vec::new(), evaluations: 0.0 }
+    }
+
+    fn at(&mut self, run: &mut (dyn Stepper<f64> + Send)) {
+        let (t, before) = (run.time(), run.stats().force_evaluations);
+        run.sample(t, &mut self.y);
+        self.evaluations += (run.stats().force_evaluations - before) as f64;
+        let error = ((energy(self.prepared.scene.chain(), &self.y) - self.initial).value()) / self.initial.value();
+        self.largest = if error.is_finite() { self.largest.max(error.abs()) } else { f64::INFINITY };
+        self.errors.push((t, error));
+        self.next = self.every * ((t / self.every).floor() + 1.0);
+    }
+
+    /// Whether the line through the errors rises by more than four of its residuals.
+    fn drifts(&self) -> bool {
+        let n = self.errors.len() as f64;
+        let (mt, me) = self.errors.iter().fold((0.0, 0.0), |(t, e), at| (t + at.0 / n, e + at.1 / n));
+        let (tt, te) = self
+            .errors
+            .iter()
+            .fold((0.0, 0.0), |(tt, te), at| (tt + (at.0 - mt).powi(2), te + (at.0 - mt) * (at.1 - me)));
+        let slope = te / tt;
+        let rest = self.errors.iter().map(|at| (at.1 - me - slope * (at.0 - mt)).powi(2)).sum::<f64>();
+        self.errors.len() > 8 && slope.abs() * self.prepared.scene.end() > DRIFT * (rest / n).sqrt()
+    }
+}

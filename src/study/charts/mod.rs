@@ -1,0 +1,414 @@
+//! Charts of stability: which method stands which regime, at which step, and at what cost.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `A` | amplitude: the largest overlap that the state can make |
+//! | `Omega_c` | `sqrt(2 alpha (A + delta_0)^{alpha-1})`, the stiffness of the contacts of a bead; a *contact period* is `2 pi/Omega_c` |
+//! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
+//! | *fast* | `max(omega, Omega_c)`, the fastest motion |
+//! | *error* | largest `|H - H(0)|/|H(0)|` at 128 times of a run (fewer on long chains) |
+//! | *cost* | force evaluations a unit of time |
+//!
+//! A point is a method on a variant of the problem: another mass ratio, another amplitude and spring constant, another exponent, length or span. It runs
+//! over ten contact periods, at most 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`, or of tolerances. A run that
+//! would take more work than it may says so. Resonances of steps with periods, which a ladder may step over, have a chart of their own.
+//!
+//! Measured on the built-in problem: kinetic splits lose stability where the oscillator says (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
+//! collocation at tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`, at `A = 10^-12`, `kappa = 10^8`; of the looser tolerances from 0.1 on it exceeds
+//! one at one point, `10^-7` by 3.4 times.
+
+mod report;
+
+mod measure;
+mod problem;
+mod resonances;
+
+pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
+pub use problem::{Problem, Variant};
+pub use resonances::{Resonance, kick_sum, resonance};
+
+use super::{Changes, Study, Work, methods, scene};
+use crate::{
+    error::{Error, Result},
+    output::Folder,
+    run::method::{Contacts, Method, Split},
+    sweep::{Row, Store, Threads, sweep},
+};
+use measure::{Search, measure};
+use serde::Serialize;
+use serde_json::json;
+use std::time::{Duration, Instant};
+
+/// Length of runs in contact periods.
+const PERIODS: f64 = 10.0;
+/// The stores in the folder of results.
+const STORES: [&str; 2] = ["charts.store", "resonances.store"];
+/// Lengths of runs that may be asked for, in contact periods.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1.0..=1e6;
+/// Sites of the longest chain that may be asked for.
+const MOST_SITES: usize = 1_000_000;
+/// Sites that methods which stop the whole chain at every event are tried on.
+const STOPPING_SITES: usize = 1000;
+/// Sites times periods of the runs on long chains.
+const SITE_PERIODS: f64 = 1e4;
+/// Runs longer than this may take more work, up to ten times.
+const LONG: f64 = 1e3;
+/// Multiples of half a period near which resonances are looked for, and amplitudes.
+const MULTIPLES: std::ops::RangeInclusive<u32> = 1..=4;
+const PRESSED: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
+
+/// One chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Chart {
+    /// (a) mass ratios from 1e-8 to 1e8, with steps from 12/omega down.
+    Light,
+    /// (b) amplitudes from 1e-12 to 1e3 against spring constants from 1e-8 to 1e8.
+    Stiffness,
+    /// (c) exponents from 0.5 to 10.
+    Alpha,
+    /// (d) one bead to 10^6.
+    Length,
+    /// (e) lengths of runs.
+    Time,
+    /// (a) resonances of the exact linear flow, against amplitude.
+    Resonances,
+}
+
+impl Chart {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Light => "light",
+            Self::Stiffness => "stiffness",
+            Self::Alpha => "alpha",
+            Self::Length => "length",
+            Self::Time => "time",
+            Self::Resonances => "resonances",
+        }
+    }
+
+    /// The chart of this name.
+    ///
+    /// # Errors
+    /// An unknown name, with the nearest one.
+    pub fn named(name: &str) -> Result<Self> {
+        let known = Self::ALL.into_iter().find(|chart| chart.name() == name);
+        known.ok_or_else(|| Error::unknown("chart", name, Self::ALL.map(Self::name)))
+    }
+
+    /// Its variants.
+    fn variants(self, options: &ChartOptions) -> Vec<Variant> {
+        let none = Variant::default();
+        let thin = |fine: usize| if options.quick { 2 * fine } else { fine };
+        let decades = |from: i32, to: i32, by: usize| (from..=to).step_by(by).map(|k| 10f64.powi(k));
+        // Powers of ten, and the last number if it is none.
+        let up_to = |last: f64| {
+            let most = (last.log10() + 1e-9).floor() as i32;
+            decades(0, most, 1).chain((10f64.powi(most) < last).then_some(last))
+        };
+        match self {
+            Self::Light => decades(-8, 8, if options.quick { 4 } else { 1 })
+                .map(|rho| Variant { rho: Some(rho), ..none })
+                .collect(),
+            Self::Stiffness => {
+                let kappas: Vec<f64> = decades(-8, 8, thin(4)).collect();
+                decades(-12, 3, if options.quick { 5 } else { 3 })
+                    .flat_map(|a| {
+                        kappas
+                            .iter()
+                            .map(move |&kappa| Variant { amplitude: Some(a), kappa: Some(kappa), ..none })
+                            .collect::<Vec<_>>()
+                    })
+                    .collect()
+            }
+            Self::Alpha => [0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 5.0, 7.0, 10.0]
+                .into_iter()
+                .step_by(if options.quick { 5 } else { 1 })
+                .map(|alpha| Variant { alpha: Some(alpha), ..none })
+                .collect(),
+            Self::Length => up_to(options.sites as f64)
+                .map(|sites| {
+                    let periods = Some((SITE_PERIODS / sites).clamp(1.0, PERIODS));
+                    Variant { sites: Some(sites as usize), periods, ..none }
+                })
+                .collect(),
+            Self::Time => up_to(options.periods).map(|periods| Variant { periods: Some(periods), ..none }).collect(),
+            Self::Resonances => Vec::new(),
+        }
+    }
+}
+
+/// Charts of the built-in chain, or of a scene.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Charts {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// Its chain and state are varied [default: four spheres between walls, kappa = 1, rho = 1/3, amplitude 1].
+    pub scene: Option<String>,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// What is charted.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub options: ChartOptions,
+}
+
+/// What to chart.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ChartOptions {
+    /// Charts, separated by commas [default: all].
+    ///
+    /// Of light, stiffness, alpha, length, time, resonances.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
+    pub charts: Vec<Chart>,
+    /// Integrators, separated by commas, or all [default: all].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
+    pub integrators: Vec<String>,
+    /// Length of the longest run, in periods.
+    ///
+    /// Of the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)), from 1 to 10^6.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
+    pub periods: f64,
+    /// Work of a run while steps are looked for.
+    ///
+    /// Force evaluations times sites, from 10^4 to 10^12.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "4e6"))]
+    pub work: f64,
+    /// Number of sites.
+    ///
+    /// Of the longest chain of the chart `length`, from 1 to 10^6.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
+    pub sites: usize,
+    /// A third of the points of light, stiffness and alpha, or fewer.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub quick: bool,
+}
+
+/// A name in a list.
+#[cfg(feature = "cli")]
+fn listed(name: &str) -> Result<Chart> {
+    Chart::named(name.trim())
+}
+
+impl ChartOptions {
+    /// All, if none is named.
+    fn charts(&self) -> Vec<Chart> {
+        if self.charts.is_empty() { Chart::ALL.to_vec() } else { self.charts.clone() }
+    }
+
+    fn methods(&self) -> Result<Vec<Method>> {
+        methods(&self.integrators, Method::all)
+    }
+}
+
+impl Study for Charts {
+    const FILES: &'static str = "Files: stability.json, a CSV and PNGs a chart, and the stores of points.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let problem = match &self.scene {
+            Some(name) => Problem::of(&scene(name, &self.set)?)?,
+            None => match self.set.set.first() {
+                Some(change) => return Err(Error::parameter("set", change, "it changes a scene: name one")),
+                None => Problem::built_in(),
+            },
+        };
+        let options = &self.options;
+        options.methods()?;
+        Ok(Box::new(move |folder, progress| {
+            let tell = |done, total| progress(done as f64 / total as f64, "");
+            Ok(Box::new(charts(&problem, options, folder, &tell)?))
+        }))
+    }
+}
+
+/// A method on a variant.
+#[derive(Clone, Debug)]
+pub struct ChartPoint {
+    /// The chart.
+    pub chart: Chart,
+    /// The variant.
+    pub variant: Variant,
+    /// The method.
+    pub method: Method,
+    /// What was measured, or the rule by which nothing was.
+    pub measured: Row<Measured>,
+}
+
+/// A scheme near a multiple of half a period at an amplitude.
+#[derive(Clone, Debug)]
+pub struct ResonancePoint {
+    /// The scheme.
+    pub method: Method,
+    /// The multiple of `pi`.
+    pub k: u32,
+    /// The static overlap.
+    pub amplitude: f64,
+    /// The resonance, if there is one that grows by more than 10^-6 a step.
+    pub resonance: Row<Option<Resonance>>,
+}
+
+/// The charts.
+#[derive(Clone, Debug)]
+pub struct ChartStudy {
+    /// What was charted.
+    pub charts: Vec<Chart>,
+    /// By these methods.
+    pub methods: Vec<Method>,
+    /// Force evaluations times sites that a run may take.
+    pub work: f64,
+    /// Of what.
+    pub problem: Problem,
+    /// Chart by chart, in each variant by variant, in each all methods.
+    pub points: Vec<ChartPoint>,
+    /// Scheme by scheme, in each multiple by multiple.
+    pub resonances: Vec<ResonancePoint>,
+    /// How many points were in the stores.
+    pub resumed: usize,
+    /// Wall time.
+    pub wall: Duration,
+}
+
+impl ChartStudy {
+    /// The points of a chart.
+    pub fn of(&self, chart: Chart) -> impl Iterator<Item = &ChartPoint> {
+        self.points.iter().filter(move |point| point.chart == chart)
+    }
+
+    /// The variants of a chart, in order.
+    pub fn variants(&self, chart: Chart) -> Vec<Variant> {
+        let mut variants: Vec<Variant> = self.of(chart).map(|point| point.variant).collect();
+        variants.dedup();
+        variants
+    }
+
+    /// The point of a method on a variant.
+    pub fn point(&self, chart: Chart, variant: &Variant, method: &Method) -> Option<&ChartPoint> {
+        self.of(chart).find(|point| point.variant == *variant && point.method == *method)
+    }
+
+    /// The method that meets [`BOUNDS`]`[nth]` on a variant with the fewest force evaluations, with its run.
+    pub fn cheapest(&self, chart: Chart, variant: &Variant, nth: usize) -> Option<(Method, &Limit, &Trial)> {
+        let candidates = self.of(chart).filter(|point| point.variant == *variant).filter_map(|point| {
+            let limit = point.measured.as_ref().ok()?.limits.get(nth)?;
+            Some((point.method, limit, limit.trial.as_ref()?))
+        });
+        candidates.min_by(|a, b| a.2.cost.total_cmp(&b.2.cost))
+    }
+}
+
+/// A point before anything is known of it.
+#[derive(Serialize)]
+struct Place<'a> {
+    chart: Chart,
+    variant: Variant,
+    integrator: &'a str,
+    #[serde(skip)]
+    method: Method,
+}
+
+#[derive(Serialize)]
+struct ResonancePlace<'a> {
+    integrator: &'a str,
+    k: u32,
+    amplitude: f64,
+    #[serde(skip)]
+    method: Method,
+}
+
+/// Measures all points of the charts, on all cores. With a folder they are kept there as they are computed, and those that are there are not computed again.
+/// `progress` is told how many points are done of how many.
+///
+/// # Errors
+/// An option outside its rule; a store of another study, or one that was altered. A point that fails is a row of its own.
+pub fn charts(
+    problem: &Problem,
+    options: &ChartOptions,
+    folder: Option<&Folder>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<ChartStudy> {
+    let clock = Instant::now();
+    check(options)?;
+    let (charted, tried) = (options.charts(), options.methods()?);
+    let open = |name: &str, study: &str| -> Result<Option<Store>> {
+        let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
+        folder.map(|folder| Store::open(folder, name, study, &settings)).transpose()
+    };
+    let names: Vec<String> = tried.iter().map(Method::name).collect();
+    let methods = || tried.iter().zip(&names);
+
+    let mut places = Vec::new();
+    for &chart in &charted {
+        for variant in chart.variants(options) {
+            places.extend(methods().map(|(&method, integrator)| Place { chart, variant, integrator, method }));
+        }
+    }
+    let mut pressed = Vec::new();
+    if charted.contains(&Chart::Resonances) {
+        for (&method, integrator) in methods().filter(|(method, _)| {
+            matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear))
+        }) {
+            for k in MULTIPLES {
+                pressed.extend(PRESSED.map(|amplitude| ResonancePlace { integrator, k, amplitude, method }));
+            }
+        }
+    }
+    let total = (places.len() + pressed.len()) as u64;
+    let before = places.len() as u64;
+    let swept =
+        sweep(&places, open(STORES[0], "charts")?.as_mut(), &Threads, &|done, _| progress(done, total), |place| {
+            measured(problem, options, place)
+        })?;
+    let found = sweep(
+        &pressed,
+        open(STORES[1], "resonances")?.as_mut(),
+        &Threads,
+        &|done, _| progress(before + done, total),
+        |place| resonances::resonance(problem, place.method, place.k, place.amplitude),
+    )?;
+    let resumed = swept.resumed + found.resumed;
+    let point = |(Place { chart, variant, method, .. }, measured)| ChartPoint { chart, variant, method, measured };
+    let resonance =
+        |(ResonancePlace { method, k, amplitude, .. }, resonance)| ResonancePoint { method, k, amplitude, resonance };
+    Ok(ChartStudy {
+        work: options.work,
+        problem: problem.clone(),
+        points: places.into_iter().zip(swept.rows).map(point).collect(),
+        resonances: pressed.into_iter().zip(found.rows).map(resonance).collect(),
+        resumed,
+        wall: clock.elapsed(),
+        charts: charted,
+        methods: tried,
+    })
+}
+
+fn check(options: &ChartOptions) -> Result<()> {
+    let ChartOptions { sites, periods, work, .. } = options;
+    if !(1..=MOST_SITES).contains(sites) {
+        return Err(Error::parameter("sites", sites, "from 1 to 10^6"));
+    }
+    if !LENGTHS.contains(periods) {
+        return Err(Error::parameter("periods", periods, "from 1 to 10^6 contact periods"));
+    }
+    if !(1e4..=1e12).contains(work) {
+        return Err(Error::parameter("work", work, "from 10^4 to 10^12 evaluations times sites"));
+    }
+    Ok(())
+}
+
+fn measured(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Measured> {
+    let stops = matches!(place.method, Method::Landed(_) | Method::Dop853(Contacts::Landed | Contacts::Regularised));
+    if let Some(sites) = place.variant.sites.filter(|sites| stops && *sites > STOPPING_SITES) {
+        let rule =
+            "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
+        return Err(Error::parameter("sites", sites, rule));
+    }
+    let longer = (place.variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
+    let search = Search { work: longer * options.work, light: place.chart == Chart::Light };
+    measure(&problem.prepare(&place.variant)?, place.method, search)
+}

@@ -1,0 +1,281 @@
+//! How the error of the energy grows with time.
+//!
+//! A method whose errors have no rule to their sign makes a random walk of the energy, which grows like the square root of time;
+//! one with a bias grows like time; a symplectic one on a smooth problem does not grow at all.
+
+mod report;
+
+use super::{Changes, Progress, Study, Work, compare::steps_for_kicks, fit_line, methods, scene};
+use crate::{
+    chain::Chain,
+    error::{Error, Result},
+    run::method::{Method, Setting},
+    scene::Scene,
+};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, Twofold, drive};
+use std::{ops::ControlFlow, time::Instant};
+
+/// Lengths of the runs in periods.
+const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
+/// Times that are kept.
+const SAMPLES: std::ops::RangeInclusive<usize> = 2..=100_000;
+/// Contact kicks a period of splitting schemes.
+const KICKS: f64 = 64.0;
+/// Tolerance of adaptive methods.
+const TOLERANCE: f64 = 1e-13;
+/// Periods from one look at the energy to the next: by the golden ratio, so that looks meet every phase of the motion alike.
+const LOOK: f64 = 0.618_033_988_749_894_9;
+/// Times of the fit of a slope: the last of them over this.
+const FITTED: f64 = 100.0;
+/// A run is unstable when its energy exceeds the initial one by this factor.
+const ENERGY_BOUND: f64 = 10.0;
+
+/// The drift study of a scene.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Drift {
+    /// Name of a built-in scene, or a TOML file.
+    #[cfg_attr(feature = "cli", arg(default_value = "bright-breather-16"))]
+    pub scene: String,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// What is measured.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub options: DriftOptions,
+}
+
+/// What to measure.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DriftOptions {
+    /// Length of the longest run, in periods.
+    ///
+    /// Of the scene; all runs have this length, from 1 to 10^9.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
+    pub periods: f64,
+    /// Integrators, separated by commas, or all.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',',
+            default_values = ["collocation", "corrected", "strang-linear", "yoshida4-linear"]
+        )
+    )]
+    pub integrators: Vec<String>,
+    /// Number of times that are kept.
+    ///
+    /// Spaced evenly in their logarithm, from 2 to 10^5.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 200))]
+    pub samples: usize,
+}
+
+impl Study for Drift {
+    const FILES: &'static str = "Files: drift.csv, drift.json and drift.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let scene = scene(&self.scene, &self.set)?;
+        methods(&self.options.integrators, Method::all)?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(drift(&scene, &self.options, progress)?))))
+    }
+}
+
+/// One method.
+#[derive(Clone, Debug)]
+pub struct DriftRow {
+    /// The method.
+    pub method: Method,
+    /// Its setting, in words.
+    pub setting: String,
+    /// Times, up to the end or to where the run failed.
+    pub t: Vec<f64>,
+    /// Largest `|E - E(0)| / |E(0)|` seen up to each (absolute where `E(0) = 0`); the energy is looked at more than once a period.
+    pub energy_error: Vec<f64>,
+    /// Slope of `log energy_error` against `log t` over the last two decades, if the run covers them and did not fail.
+    pub slope: Option<f64>,
+    /// Wall time of the run, looks included, in seconds.
+    pub wall: f64,
+    /// Work of the run, looks included.
+    pub stats: Stats,
+    /// Why it stopped before the end, if it did.
+    pub failure: Option<String>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct DriftStudy {
+    /// Scene, until the end of the runs.
+    pub scene: Scene,
+    /// Length of the runs in periods of the scene.
+    pub periods: f64,
+    /// A row a method.
+    pub rows: Vec<DriftRow>,
+}
+
+/// Runs the methods one after the other. `progress` is told the share done and which method runs.
+///
+/// # Errors
+/// An option outside its rule, a scene without an energy, or a run that cannot start.
+pub fn drift(scene: &Scene, options: &DriftOptions, progress: Progress<'_>) -> Result<DriftStudy> {
+    let DriftOptions { periods, samples, .. } = options;
+    let methods = methods(&options.integrators, Method::all)?;
+    if !PERIODS.contains(periods) {
+        return Err(Error::parameter("periods", periods, "from 1 to 10^9"));
+    }
+    if !SAMPLES.contains(samples) {
+        return Err(Error::parameter("samples", samples, "from 2 to 10^5"));
+    }
+    if !scene.chain().has_energy(scene.initial().as_slice()) {
+        let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+        return Err(Error::parameter("scene", scene.name(), rule));
+    }
+    let scene = scene.clone().until(periods * scene.period())?;
+    let times = spaced(scene.period(), scene.end(), *samples);
+    let mut rows = Vec::with_capacity(methods.len());
+    for (nth, method) in methods.iter().enumerate() {
+        let name = method.name();
+        let mut told = |share: f64| progress((nth as f64 + share) / methods.len() as f64, &name);
+        rows.push(row(&scene, *method, &times, &mut told)?);
+    }
+    Ok(DriftStudy { scene, periods: *periods, rows })
+}
+
+/// So many times from `first` to `last`, both included, spaced evenly in their logarithm.
+fn spaced(first: f64, last: f64, count: usize) -> Vec<f64> {
+    let step = (last / first).ln() / (count - 1) as f64;
+    let inner = (0..count - 1).map(|k| (first * (step * k as f64).exp()).min(last));
+    inner.chain([last]).collect()
+}
+
+fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
+    if method.adaptive() {
+        (Setting::Tolerance(TOLERANCE), format!("tol {TOLERANCE:e}"))
+    } else {
+        (Setting::Steps(steps_for_kicks(scene, method, KICKS)), format!("{KICKS} kicks/period"))
+    }
+}
+
+fn row(scene: &Scene, method: Method, times: &[f64], progress: &mut dyn FnMut(f64)) -> Result<DriftRow> {
+    let (setting, words) = setting(scene, &method);
+    let mut stepper = scene.run().method(method).setting(setting).stepper()?;
+    let mut state = scene.initial().as_slice().to_vec();
+    let mut look = Look::new(scene, times, progress);
+    let clock = Instant::now();
+    let failure = drive(&mut *stepper, &mut look, &mut state).err();
+    let wall = clock.elapsed().as_secs_f64();
+    let energy_error = look.errors;
+    let t = times[..energy_error.len()].to_vec();
+    Ok(DriftRow {
+        method,
+        setting: words,
+        slope: slope(&t, &energy_error).filter(|_| failure.is_none()),
+        t,
+        energy_error,
+        wall,
+        stats: stepper.stats(),
+        failure: failure.map(|failure| failure.to_string()),
+    })
+}
+
+/// The slope over the last two decades of `t`.
+fn slope(t: &[f64], errors: &[f64]) -> Option<f64> {
+    let from = t.last()? / FITTED;
+    // Rounding must not lose a first time that is just as far back.
+    let covered = *t.first()? <= from * (1.0 + 1e-9);
+    let fitted = t.iter().zip(errors).filter(|(t, _)| **t >= from * (1.0 - 1e-9));
+    let points: Vec<(f64, f64)> = fitted.map(|(t, error)| (t.log10(), error.log10())).collect();
+    let good = covered && points.len() >= 3 && points.iter().all(|point| point.1.is_finite());
+    fit_line(&points).filter(|_| good).map(|(slope, _)| slope)
+}
+
+/// The energy of a state, its sites added up to twice the working precision: a long chain loses no digit that a short one has.
+pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
+    chain.site_energies(y).into_iter().fold(Twofold::zero(), |sum, site| sum + Twofold::new(site))
+}
+
+/// The observer that looks at the energy again and again and keeps its largest error at a few times.
+struct Look<'a> {
+    scene: &'a Scene,
+    times: &'a [f64],
+    progress: &'a mut dyn FnMut(f64),
+    /// Looks so far, but for those at `times`.
+    looks: u64,
+    /// The share of the run that was last told.
+    told: f64,
+    initial: Twofold<f64>,
+    /// Largest error so far.
+    largest: f64,
+    /// The same at each of `times` that has passed.
+    errors: Vec<f64>,
+}
+
+impl<'a> Look<'a> {
+    fn new(scene: &'a Scene, times: &'a [f64], progress: &'a mut dyn FnMut(f64)) -> Self {
+        let initial = energy(scene.chain(), scene.initial().as_slice());
+        Self { scene, times, progress, looks: 0, told: 0.0, initial, largest: 0.0, errors: Vec::new() }
+    }
+
+    /// The next look that is not one of `times`.
+    fn regular(&self) -> f64 {
+        LOOK * self.scene.period() * (self.looks + 1) as f64
+    }
+
+    fn tell(&mut self, share: f64) {
+        if share >= self.told + 1e-3 {
+            self.told = share;
+            (self.progress)(share);
+        }
+    }
+}
+
+impl Observer<f64> for Look<'_> {
+    fn next(&self) -> Option<f64> {
+        self.times.get(self.errors.len()).map(|time| time.min(self.regular()))
+    }
+
+    fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
+        let kept = self.times[self.errors.len()] <= self.regular();
+        let (now, initial) = (energy(self.scene.chain(), y), self.initial.value());
+        if !now.value().is_finite() {
+            let index = y.iter().position(|value| !value.is_finite()).unwrap_or(0);
+            return Err(Failure::NotFinite { t, step: stats.steps, index });
+        }
+        if initial > 0.0 && now.value() > ENERGY_BOUND * initial {
+            let value = now.value();
+            return Err(Failure::Unstable { quantity: "energy", initial, value, t, step: stats.steps });
+        }
+        let scale = if initial == 0.0 { 1.0 } else { initial.abs() };
+        self.largest = self.largest.max(((now - self.initial).value() / scale).abs());
+        if kept {
+            self.errors.push(self.largest);
+        } else {
+            self.looks += 1;
+        }
+        self.tell(t / self.scene.end());
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_spaced_evenly_and_end_at_the_end() {
+        let times = spaced(2.0, 2e4, 5);
+        assert_eq!((times[0], times[4]), (2.0, 2e4));
+        assert!(times.windows(2).all(|pair| (pair[1] / pair[0] - 10.0).abs() < 1e-12));
+        assert_eq!(spaced(3.0, 3.0, 2), [3.0, 3.0]);
+    }
+
+    #[test]
+    fn slopes_are_of_the_last_two_decades() {
+        let t = spaced(1.0, 1e4, 81);
+        // Flat first, then like a random walk.
+        let errors: Vec<f64> = t.iter().map(|t| 1e-15 * (t / 100.0).sqrt().max(1.0)).collect();
+        assert!((slope(&t, &errors).unwrap() - 0.5).abs() < 1e-12);
+        assert!(slope(&t, &vec![0.0; 81]).is_none());
+        assert!(slope(&t[..39], &errors[..39]).is_none());
+        assert!(slope(&t[..41], &errors[..41]).unwrap().abs() < 1e-12);
+    }
+}

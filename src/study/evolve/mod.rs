@@ -1,0 +1,269 @@
+//! What becomes of an orbit: its return error, and where its kink goes (Sec. 7).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E_b(m T)` | `max |Z(m T) - Z(0)| / max |Z(0)|` (eq:relerr) |
+//! | `r_n` | `(x_n^2 + (x_n'/omega_b)^2)^{1/2}` at `t = m T`: about the amplitude of bond `n`, in any phase |
+//! | `w_n` | `max(0, 1 - r_n / K_x)^4`: what is missing from the background; ripples of it count for little |
+//! | position | of the kink: the angle of `sum w_n e^{2 pi i n/L}` on the ring of `L` sites, in sites, followed continuously |
+
+mod report;
+
+#[cfg(feature = "plot")]
+pub(crate) use report::swing_maps;
+pub(crate) use report::{evolution_csv, swing_csv};
+
+use super::{Progress, Study, Work, fit_line};
+use crate::{
+    chain::max_norm,
+    error::{Error, Result},
+    orbits::{Orbit, Pick, Shooting, Spectrum},
+};
+use hertzchain_integrators::{Stepper, collocation::Pace};
+use nalgebra::Complex;
+use std::{f64::consts::PI, path::PathBuf};
+
+/// A push along an eigenvector of the monodromy matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kick {
+    /// Largest change of an entry of `(Z, Z')`, in units of `max |Z(0)|`; of either sign.
+    pub size: f64,
+    /// Which multiplier, counted from 0 in the order of the spectrum: the largest modulus first.
+    pub mode: usize,
+}
+
+/// An orbit that is let go, from a file.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Evolve {
+    /// File dark-breather.json or branch.npz.
+    ///
+    /// dark-breather.json of `breather dark`, or branch.npz of `breather continue` or `breather doubled` with --point or
+    /// --at.
+    pub orbit: PathBuf,
+    /// Point of the branch, counted from 0; from the last, -1, if negative.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", conflicts_with = "at"))]
+    pub point: Option<i64>,
+    /// Value of the parameter: the nearest point of the branch.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
+    pub at: Option<f64>,
+    /// End time, in units of time.
+    ///
+    /// Rounded down to whole periods.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
+    pub until: f64,
+    /// Largest change of the start along a mode [default: none].
+    ///
+    /// In units of the orbit's amplitude, of either sign.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE"))]
+    pub kick: Option<f64>,
+    /// Multiplier along whose eigenvector the kick is.
+    ///
+    /// Counted from 0 as `breather dark --json` lists them: the largest modulus first.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 0, requires = "kick"))]
+    pub mode: usize,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// Of the run, relative to the size of the state.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
+    pub tol: f64,
+}
+
+impl Study for Evolve {
+    const FILES: &'static str = "Files: evolution.json, evolution.csv, evolution-x.csv and evolution-y.csv (largest strains in time), evolution.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let shooting = Shooting { tol: self.tol, ..Shooting::default() };
+        let pick = self.point.map(Pick::Point).or(self.at.map(Pick::At));
+        let orbit = Orbit::load(&self.orbit, pick, &shooting)?;
+        let kick = self.kick.map(|size| Kick { size, mode: self.mode });
+        Ok(Box::new(move |_, progress| Ok(Box::new(evolve(&orbit, self.until, kick, &shooting, progress)?))))
+    }
+}
+
+/// A straight line through positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// The times it was fitted over.
+    pub window: (f64, f64),
+    /// Sites per unit of time.
+    pub velocity: f64,
+    /// Largest distance of a position from the line, in sites.
+    pub misfit: f64,
+}
+
+/// An orbit that was let go.
+#[derive(Clone, Debug)]
+pub struct Evolution {
+    /// Where it started, without the kick.
+    pub orbit: Orbit,
+    /// The kick, and the multiplier it is along.
+    pub kick: Option<(Kick, Complex<f64>)>,
+    /// Tolerance of the run.
+    pub tol: f64,
+    /// `m T`, from 0.
+    pub times: Vec<f64>,
+    /// `E_b` there.
+    pub e_b: Vec<f64>,
+    /// Position of the kink there, in sites `n`.
+    pub position: Vec<f64>,
+    /// The last three quarters of the run in three equal windows: equal velocities mean no acceleration.
+    pub motion: Vec<Motion>,
+    /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as long as they are small.
+    pub amplification: f64,
+    /// Largest strains in time.
+    pub swing: Swing,
+    /// The state `(Z, Z')` at the last of the times.
+    pub end: Vec<f64>,
+    /// Why it ended before its time.
+    pub failure: Option<String>,
+}
+
+/// Largest strains, a row for each of equal numbers of periods: what a picture over space and time shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Swing {
+    /// Time that a row covers; the first one begins at 0.
+    pub span: f64,
+    /// Largest `|x_n|` of 16 samples a period, a row after the other.
+    pub x: Vec<f64>,
+    /// Largest `|y_n|`.
+    pub y: Vec<f64>,
+}
+
+const MOST_PERIODS: f64 = 1e6;
+/// Samples a period for the largest strains; a power of two, so that whole periods are among the samples to the bit.
+const SAMPLES: u64 = 16;
+/// Rows of largest strains at most.
+const MOST_ROWS: u64 = 600;
+
+/// Lets an orbit go, for a time `until` rounded down to whole periods.
+///
+/// # Errors
+/// `until` not in `[T, 10^6 T]`; a kick of size zero, not finite or above 1, or along a multiplier that is not there; multipliers that cannot be computed. A run that fails keeps
+/// what it had.
+pub fn evolve(
+    orbit: &Orbit,
+    until: f64,
+    kick: Option<Kick>,
+    shooting: &Shooting,
+    progress: Progress<'_>,
+) -> Result<Evolution> {
+    let period = orbit.setting.period();
+    let periods = (until / period * (1.0 + 1e-12)).floor();
+    if !(1.0..=MOST_PERIODS).contains(&periods) {
+        return Err(Error::parameter("until", until, "from one period of the orbit to 10^6"));
+    }
+    let spectrum = orbit.spectrum(shooting)?;
+    let mut start = orbit.start();
+    let kick = kick.map(|kick| pushed(&mut start, kick, orbit, &spectrum).map(|lambda| (kick, lambda))).transpose()?;
+    let chain = orbit.setting.chain()?;
+    let mut run = chain.collocation(&start, (0.0, periods * period), Pace::Tolerance(shooting.tol))?;
+    let background = orbit.x()[0].abs();
+    let mut out = Evolution {
+        amplification: spectrum.largest().powf(periods),
+        kick,
+        tol: shooting.tol,
+        times: vec![],
+        e_b: vec![],
+        position: vec![],
+        motion: vec![],
+        swing: Swing::default(),
+        end: vec![],
+        failure: None,
+        orbit: orbit.clone(),
+    };
+    let mut state = start.clone();
+    let a_row = (periods as u64).div_ceil(MOST_ROWS);
+    out.swing.span = a_row as f64 * period;
+    for k in 0..=periods as u64 * SAMPLES {
+        let (t, m) = (k as f64 * period / SAMPLES as f64, k / SAMPLES);
+        while run.time() < t && !run.done() && out.failure.is_none() {
+            out.failure = run.step().err().map(|error| error.to_string());
+        }
+        if out.failure.is_some() {
+            break;
+        }
+        run.sample(t, &mut state);
+        // The sample at the end of a row belongs to it, not to the next one.
+        out.swing.add(&state[..orbit.z.len()], (k.saturating_sub(1) / (a_row * SAMPLES)) as usize);
+        if k % SAMPLES > 0 {
+            continue;
+        }
+        let (x, x_dot) = (&state[..], &state[orbit.z.len()..]);
+        let amplitudes: Vec<f64> =
+            (0..orbit.setting.sites).map(|n| x[n].hypot(x_dot[n] / orbit.setting.omega_b) / background).collect();
+        out.times.push(t);
+        out.e_b.push(max_norm(orbit.z.iter().zip(&state).map(|(a, b)| a - b)) / orbit.amplitude());
+        out.position.push(kink(&amplitudes, out.position.last().copied()));
+        progress(m as f64 / periods, "evolution");
+    }
+    out.motion = motion(&out.times, &out.position);
+    out.end = state;
+    Ok(out)
+}
+
+impl Swing {
+    fn add(&mut self, z: &[f64], row: usize) {
+        let (x, y) = z.split_at(z.len() / 2);
+        for (rows, strains) in [(&mut self.x, x), (&mut self.y, y)] {
+            rows.resize((row + 1) * strains.len(), 0.0);
+            let largest = rows[row * strains.len()..].iter_mut();
+            largest.zip(strains).for_each(|(most, strain)| *most = most.max(strain.abs()));
+        }
+    }
+}
+
+/// Adds the kick; the multiplier it is along.
+fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> Result<Complex<f64>> {
+    let Kick { size, mode } = kick;
+    if !(size.is_finite() && size != 0.0 && size.abs() <= 1.0) {
+        return Err(Error::parameter("kick", size, "a share of the amplitude, not zero and at most 1"));
+    }
+    let Some(one) = spectrum.multipliers.get(mode) else {
+        return Err(Error::parameter(
+            "mode",
+            mode,
+            "the number of a multiplier, counted from 0, the largest modulus first",
+        ));
+    };
+    let by = size * orbit.amplitude();
+    start.iter_mut().zip(spectrum.direction(mode)).for_each(|(start, direction)| *start += by * direction);
+    Ok(Complex::new(one.re, one.im))
+}
+
+/// Where the background is missing, from amplitudes over its own, in sites `n = -N .. N`: of all images round the ring the one nearest to the position `before`.
+fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
+    let length = amplitudes.len() as f64;
+    let moment: Complex<f64> = (0..)
+        .zip(amplitudes)
+        .map(|(i, r)| Complex::from_polar((1.0 - r).max(0.0).powi(4), 2.0 * PI * f64::from(i) / length))
+        .sum();
+    let position = moment.arg() / (2.0 * PI) * length - (length - 1.0) / 2.0;
+    let before = before.unwrap_or(0.0);
+    position - length * ((position - before) / length).round()
+}
+
+/// Lines through the second, third and fourth quarter.
+fn motion(times: &[f64], position: &[f64]) -> Vec<Motion> {
+    let quarter = times.len() / 4;
+    let window = |k: usize| {
+        let points: Vec<(f64, f64)> = (k * quarter..(k + 1) * quarter).map(|i| (times[i], position[i])).collect();
+        let (velocity, misfit) = fit_line(&points)?;
+        Some(Motion { window: (points[0].0, points[points.len() - 1].0), velocity, misfit })
+    };
+    (1..4).filter_map(window).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kink;
+
+    #[test]
+    fn a_gap_is_found_and_followed_round_the_ring() {
+        let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
+        assert!(kink(&gap(20), None).abs() < 1e-12);
+        assert!((kink(&gap(40), Some(19.0)) - 20.0).abs() < 1e-12);
+        // One further is the first site again.
+        assert!((kink(&gap(0), Some(20.0)) - 21.0).abs() < 1e-12);
+    }
+}

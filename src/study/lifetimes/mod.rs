@@ -1,0 +1,714 @@
+//! How long the long-lived bright breather lives, over a map of its size and the mass ratio (Sec. 5).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `Omega_b, T_b` | frequency and period of the ansatz (time-periodic_osc) |
+//! | `x` | `rho epsilon^{2(alpha-1)}`; the theorem wants it bounded from below |
+//! | horizon | `T epsilon^{1-alpha}`, the time scale of the theorem |
+//! | core | the central sites, [`BrightBreather::core`] |
+//! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
+//!
+//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
+//!
+//! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
+//! - *distance*: `|A - A~|_1 / |A~|_1` is above 1/2, `A_n = u_n + i u_n'` of the chain and of the ansatz. Is (time-periodic_osc) still a description of it, phase
+//!   included? A drift of the phase by `2 arcsin(1/4)`, half a radian, suffices, and comes long before anything has been radiated.
+//! - *frequency*: the oscillation of the first central bead against its resonator, over four of its periods, has a frequency nearer to `omega` than to `Omega_b`. Do its
+//!   neighbours still act on it?
+//!
+//! Lifetimes are first times: of what is seen so often, for both shares swing a little within a period. Those of energy and distance are located on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and is interpolated
+//! linearly between one and the next.
+//!
+//! What becomes of a breather is its [`Fate`]: whichever comes first, less than 0.9 of the energy in the core or less contact than 1/3.
+
+mod report;
+
+use super::{Study, Work};
+pub(crate) use report::csv as lifetimes_csv;
+
+use crate::{
+    breathers::BrightBreather,
+    chain::{Boundary, Chain, Params},
+    dps::Center,
+    error::{Error, Result},
+    interrupt,
+    output::Folder,
+    run::method::Method,
+    scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
+    sweep::{Row, Store, Threads, sweep},
+};
+use hertzchain_integrators::{Error as Failure, Stepper};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::{
+    collections::VecDeque,
+    f64::consts::PI,
+    ops::{Range, RangeInclusive},
+    time::{Duration, Instant},
+};
+
+/// The store in the folder of results.
+const STORE: &str = "lifetimes.store";
+/// Share of the energy in the core, below which the breather has radiated.
+const CORE_SHARE: f64 = 0.9;
+/// Relative distance, above which the ansatz describes nothing.
+const DISTANCE: f64 = 0.5;
+/// Contact, below which bonds are open twice as long as they are closed.
+const CONTACT: f64 = 1.0 / 3.0;
+/// Samples a period at least.
+const SAMPLES: f64 = 16.0;
+/// Periods over which contact is measured.
+const CONTACT_PERIODS: f64 = 10.0;
+/// Periods over which the frequency is measured.
+const FREQUENCY_PERIODS: usize = 4;
+/// Accuracy of a crossing, in periods.
+const RESOLUTION: f64 = 1e-8;
+/// The cap in horizons, unless it is given.
+const CAP: f64 = 25.0;
+/// Share of the energy at which an end of the chain counts as reached.
+const REACHED: f64 = 1e-9;
+/// Sites that a chain has at first and at most, unless they are given.
+const SITES: RangeInclusive<usize> = 100..=25_600;
+/// Sites that may be given.
+const GIVEN_SITES: RangeInclusive<usize> = 20..=100_000;
+/// Most periods of a run.
+const MOST_PERIODS: f64 = 1e6;
+/// Most points of a map.
+const MOST_POINTS: usize = 10_000;
+/// `x` from which lifetimes are fitted.
+const FITTED_FROM: f64 = 10.0;
+/// Largest ratio of a lifetime to its fit that a power law may have.
+const HONEST: f64 = 1.25;
+
+/// When a breather is at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Criterion {
+    /// The core has less than 0.9 of the energy.
+    Energy,
+    /// The relative distance to the ansatz is above 1/2.
+    Distance,
+    /// The frequency is nearer to `omega` than to `Omega_b`.
+    Frequency,
+}
+
+/// What becomes of a breather.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fate {
+    /// The core loses a tenth of its energy while its bonds are at work.
+    Radiates,
+    /// Gaps open between the central sites, until each swings for itself as in a trivial breather (uncpl).
+    Decouples,
+    /// Neither before the cap.
+    Persists,
+}
+
+/// The map of lifetimes.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct LifetimeOptions {
+    /// Sizes, separated by commas.
+    ///
+    /// Positive, each once; displacements.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "E,F,..", value_delimiter = ',',
+            default_values = ["1e-3", "3e-3", "0.01", "0.03", "0.1"]
+        )
+    )]
+    pub epsilons: Vec<f64>,
+    /// Mass ratios resonator to bead, separated by commas.
+    ///
+    /// Positive, each once.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "R,S,..", value_delimiter = ',',
+            default_values = ["10", "100", "1e3", "1e4", "1e5"]
+        )
+    )]
+    pub rhos: Vec<f64>,
+    /// What ends a life.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Criterion::Energy))]
+    pub criterion: Criterion,
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// From 1.01 to 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// What the profile is symmetric about.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
+    pub center: Center,
+    /// Number of sites.
+    ///
+    /// Of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the ends].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub sites: Option<usize>,
+    /// End time, in units of time.
+    ///
+    /// No breather is followed longer [default: 25 times the theorem's scale T epsilon^(1-alpha) of each].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
+    pub until: Option<f64>,
+    /// An adaptive method.
+    #[cfg_attr(feature = "cli", arg(skip = Method::Collocation))]
+    pub method: Method,
+    /// Its tolerance, of a whole run.
+    #[cfg_attr(feature = "cli", arg(skip = 1e-9))]
+    pub tolerance: f64,
+}
+
+impl Study for LifetimeOptions {
+    const FILES: &'static str = "Files: lifetimes.csv, lifetimes.json, lifetimes.png and lifetimes.store.";
+    const STOPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        Ok(Box::new(|folder, progress| {
+            let tell = |done, total| progress(done as f64 / total as f64, "");
+            Ok(Box::new(lifetimes(self, folder, &tell)?))
+        }))
+    }
+}
+
+/// The life of one breather.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Life {
+    /// Lifetime by energy; `None`: not before `end`, as with the next two.
+    pub energy: Option<f64>,
+    /// Lifetime by distance.
+    pub distance: Option<f64>,
+    /// Lifetime by frequency.
+    pub frequency: Option<f64>,
+    /// How long it was followed.
+    pub end: f64,
+    /// What became of it.
+    pub fate: Fate,
+    /// When contact fell below 1/3, if it did.
+    pub decoupled: Option<f64>,
+    /// Share of the energy in the core at the end.
+    pub core_share: f64,
+    /// Contact at the end.
+    pub contact: f64,
+    /// Sites of the chain.
+    pub sites: usize,
+    /// From when on the ends of the chain may be felt: twice the time at which they were reached.
+    pub ends_felt: Option<f64>,
+}
+
+impl Life {
+    /// Lifetime by a criterion.
+    pub fn lifetime(&self, criterion: Criterion) -> Option<f64> {
+        match criterion {
+            Criterion::Energy => self.energy,
+            Criterion::Distance => self.distance,
+            Criterion::Frequency => self.frequency,
+        }
+    }
+}
+
+/// A point of the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LifetimePoint {
+    /// Size.
+    pub epsilon: f64,
+    /// Mass ratio.
+    pub rho: f64,
+    /// `x = rho epsilon^{2(alpha-1)}`.
+    pub x: f64,
+    /// `T epsilon^{1-alpha}`.
+    pub horizon: f64,
+    /// `Omega_b`.
+    pub omega_b: f64,
+    /// What came of it.
+    pub life: Row<Life>,
+}
+
+/// `lifetime = factor rho^rho_power epsilon^epsilon_power` where `x >= 10` and breathers radiate, by least squares of logarithms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PowerLaw {
+    /// Points it is fitted to.
+    pub points: usize,
+    /// The factor.
+    pub factor: f64,
+    /// The power of `rho`.
+    pub rho_power: f64,
+    /// The power of `epsilon`.
+    pub epsilon_power: f64,
+    /// Largest ratio of a lifetime to its fit, or of the fit to the lifetime.
+    pub largest_ratio: f64,
+    /// The power of `x` in `lifetime = factor horizon x^power`, fitted to the same points: lifetimes as a function of `x` alone, in the theorem's time scale.
+    pub x_power: f64,
+    /// The largest ratio of that.
+    pub x_largest_ratio: f64,
+}
+
+impl PowerLaw {
+    /// Whether it describes its points: the largest ratio is at most 1.25.
+    pub fn holds(&self) -> bool {
+        self.largest_ratio <= HONEST
+    }
+}
+
+/// The map.
+#[derive(Clone, Debug)]
+pub struct LifetimeStudy {
+    /// What was run.
+    pub options: LifetimeOptions,
+    /// All points: sizes one after the other, in each all mass ratios.
+    pub points: Vec<LifetimePoint>,
+    /// The power law; `None` with fewer than four points, or if they lie on a line.
+    pub fit: Option<PowerLaw>,
+    /// How many points were in the store.
+    pub resumed: usize,
+    /// How many were computed now.
+    pub computed: usize,
+    /// Wall time.
+    pub wall: Duration,
+}
+
+/// Follows every breather of the map to its end. With a folder, points are kept there as they are computed, and those that are there are not computed again,
+/// whichever the criterion. `progress` is told how many points are done of how many.
+///
+/// A point that fails is a row of its own. Points run on all cores; every number is the same for any number of them.
+///
+/// # Errors
+/// An option outside its rule; a store of another study, or one that was altered.
+pub fn lifetimes(
+    options: &LifetimeOptions,
+    folder: Option<&Folder>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<LifetimeStudy> {
+    let clock = Instant::now();
+    let places = checked(options)?;
+    let mut store = folder.map(|folder| Store::open(folder, STORE, "lifetimes", &settings(options))).transpose()?;
+    let swept = sweep(&places, store.as_mut(), &Threads, progress, |place| place.life(options))?;
+    let (resumed, computed) = (swept.resumed, swept.computed());
+    let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));
+    let points = points.collect::<Result<Vec<_>>>()?;
+    let fit = power_law(&points, options.criterion);
+    Ok(LifetimeStudy { options: options.clone(), points, fit, resumed, computed, wall: clock.elapsed() })
+}
+
+/// What lives depend on beside size and mass ratio.
+fn settings(options: &LifetimeOptions) -> serde_json::Value {
+    let LifetimeOptions { alpha, center, sites, until, method, tolerance, .. } = options;
+    json!({
+        "alpha": alpha,
+        "center": center,
+        "sites": sites,
+        "until": until,
+        "integrator": method.name(),
+        "tolerance": tolerance,
+        "levels": [CORE_SHARE, DISTANCE, CONTACT],
+        "looks": [SAMPLES, CAP, REACHED],
+    })
+}
+
+/// The places of the map, if all options keep their rules.
+fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
+    let LifetimeOptions { epsilons, rhos, sites, until, method, .. } = options;
+    for (name, values) in [("epsilons", epsilons), ("rhos", rhos)] {
+        if values.is_empty() {
+            return Err(Error::parameter(name, "\"\"", "name at least one value"));
+        }
+        if let Some(value) = values.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
+            return Err(Error::parameter(name, value, "finite and positive"));
+        }
+        if let Some((_, twice)) = values.iter().enumerate().find(|(k, value)| values[..*k].contains(value)) {
+            return Err(Error::parameter(name, twice, "each value once"));
+        }
+    }
+    if epsilons.len() * rhos.len() > MOST_POINTS {
+        return Err(Error::parameter("points", epsilons.len() * rhos.len(), "a map has at most 10^4 points"));
+    }
+    if let Some(sites) = sites.filter(|sites| !GIVEN_SITES.contains(sites)) {
+        return Err(Error::parameter("sites", sites, "from 20 to 10^5"));
+    }
+    if let Some(until) = until.filter(|until| !(until.is_finite() && *until > 0.0)) {
+        return Err(Error::parameter("until", until, "finite and positive"));
+    }
+    if !method.adaptive() {
+        let rule = "lifetimes are measured by an adaptive method: collocation or a dop853";
+        return Err(Error::parameter("integrator", method.name(), rule));
+    }
+    let at = |epsilon: &f64| rhos.iter().map(|&rho| Place { epsilon: *epsilon, rho }).collect::<Vec<_>>();
+    let places: Vec<Place> = epsilons.iter().flat_map(at).collect();
+    for place in &places {
+        let breather = place.breather(options, place.sites(options))?;
+        let cap = options.until.unwrap_or(CAP * breather.horizon());
+        if cap > MOST_PERIODS * breather.period() {
+            let rule = "a run has at most 10^6 periods of the breather: give an earlier --until";
+            return Err(Error::parameter("until", cap, rule));
+        }
+    }
+    Ok(places)
+}
+
+/// A point of the map before anything is known of it.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Place {
+    epsilon: f64,
+    rho: f64,
+}
+
+impl Place {
+    /// Sites to begin with: symmetric about the centre.
+    fn sites(&self, options: &LifetimeOptions) -> usize {
+        options.sites.unwrap_or(match options.center {
+            Center::Bond => *SITES.start(),
+            Center::Site => *SITES.start() + 1,
+        })
+    }
+
+    fn breather(&self, options: &LifetimeOptions, sites: usize) -> Result<BrightBreather> {
+        BrightBreather::new(Params::new(options.alpha, 1.0, self.rho)?, options.center, self.epsilon, sites)
+    }
+
+    fn point(&self, options: &LifetimeOptions, life: Row<Life>) -> Result<LifetimePoint> {
+        let breather = self.breather(options, self.sites(options))?;
+        let (horizon, omega_b) = (breather.horizon(), breather.omega_b());
+        Ok(LifetimePoint {
+            epsilon: self.epsilon,
+            rho: self.rho,
+            x: breather.mass_condition().recip(),
+            horizon,
+            omega_b,
+            life,
+        })
+    }
+
+    /// The life, on a chain from whose ends nothing comes back in time.
+    fn life(&self, options: &LifetimeOptions) -> Result<Life> {
+        let mut sites = self.sites(options);
+        loop {
+            let may_grow = options.sites.is_none() && 2 * sites <= *SITES.end();
+            if let Some(life) = self.follow(options, sites, may_grow)? {
+                return Ok(life);
+            }
+            // Odd lengths stay odd.
+            sites = 2 * sites - sites % 2;
+        }
+    }
+
+    /// The life on a chain of so many sites; `None` once its ends may be felt, if a longer one is to be had.
+    fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
+        let breather = self.breather(options, sites)?;
+        let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
+        let mut run = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let mut watch = Watch::new(&breather, scene.chain());
+        while !run.done() && !watch.finished() {
+            if may_grow && watch.ends_felt() {
+                return Ok(None);
+            }
+            let from = run.time();
+            if interrupt::asked() {
+                return Err(Failure::Stopped { t: from }.into());
+            }
+            run.step()?;
+            let (h, longest) = (run.time() - from, breather.period() / SAMPLES);
+            let parts = (h / longest).ceil().max(1.0);
+            for k in 1..=parts as u64 {
+                let t = if k as f64 == parts { run.time() } else { from + h * (k as f64 / parts) };
+                watch.look(t, &mut *run)?;
+            }
+        }
+        Ok(Some(watch.life()))
+    }
+
+    fn scene(&self, options: &LifetimeOptions, sites: usize, until: f64) -> Result<Scene> {
+        Scene::build(SceneFile {
+            name: "lifetimes".to_owned(),
+            summary: "a bright breather followed to its end".to_owned(),
+            chain: ChainSection {
+                sites,
+                alpha: options.alpha,
+                kappa: 1.0,
+                rho: self.rho,
+                boundary: Boundary::Free,
+                precompression: 0.0,
+            },
+            initial: Initial::BrightBreather { center: options.center, epsilon: self.epsilon },
+            span: Span { periods: None, until: Some(until), period: None },
+            method: None,
+            record: Record::of(0),
+        })
+    }
+}
+
+/// What is seen of a state.
+#[derive(Clone, Copy)]
+struct Sight {
+    t: f64,
+    /// Share of the energy in the core.
+    core: f64,
+    /// Share of the energy in the two beads at the ends.
+    ends: f64,
+    /// Share of the bonds of the core that are closed.
+    closed: f64,
+    /// Relative distance to the ansatz; not measured where that has been answered.
+    distance: Option<f64>,
+    /// Stretch `u - v` of the first central bead, and its rate.
+    stretch: (f64, f64),
+}
+
+/// Looks at a run and remembers what has happened.
+struct Watch<'a> {
+    breather: &'a BrightBreather,
+    chain: &'a Chain<f64>,
+    core: Range<usize>,
+    /// `|2 epsilon a|_1`.
+    size: f64,
+    y: Vec<f64>,
+    last: Sight,
+    /// Time that bonds of the core have been closed, at some of the last times.
+    closed: VecDeque<(f64, f64)>,
+    /// The last times at which the stretch became positive.
+    upward: VecDeque<f64>,
+    /// The last frequency, and the time it belongs to.
+    swing: Option<(f64, f64)>,
+    energy: Option<f64>,
+    distance: Option<f64>,
+    frequency: Option<f64>,
+    decoupled: Option<f64>,
+    ends_reached: Option<f64>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(breather: &'a BrightBreather, chain: &'a Chain<f64>) -> Self {
+        let site = |i: usize| breather.site(i, 0.0).u.abs();
+        let mut watch = Self {
+            breather,
+            chain,
+            core: breather.core(),
+            size: (0..chain.sites()).map(site).sum(),
+            y: vec![0.0; chain.layout().dim()],
+            last: Sight { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: None, stretch: (0.0, 0.0) },
+            closed: VecDeque::from([(0.0, 0.0)]),
+            upward: VecDeque::new(),
+            swing: None,
+            energy: None,
+            distance: None,
+            frequency: None,
+            decoupled: None,
+            ends_reached: None,
+        };
+        for i in 0..chain.sites() {
+            watch.y[i] = breather.site(i, 0.0).u;
+        }
+        watch.last = watch.sight(0.0);
+        watch
+    }
+
+    /// What is seen of the state `y` at time `t`.
+    fn sight(&self, t: f64) -> Sight {
+        let (chain, layout, y, n) = (self.chain, self.chain.layout(), &self.y, self.chain.sites());
+        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        let energies = chain.site_energies(y);
+        let total: f64 = energies.iter().sum();
+        let away = |i: usize| {
+            let ansatz = self.breather.site(i, t);
+            (u[i] - ansatz.u).hypot(u_dot[i] - ansatz.u_dot)
+        };
+        let bonds = self.core.start + 1..self.core.end;
+        let closed = bonds.clone().filter(|&i| u[i - 1] > u[i]).count();
+        let origin = self.breather.origin();
+        let against = |bead: &[f64], resonator: Option<&[f64]>| bead[origin] - resonator.map_or(0.0, |v| v[origin]);
+        Sight {
+            t,
+            core: energies[self.core.clone()].iter().sum::<f64>() / total,
+            ends: (energies[0] + energies[n - 1]) / total,
+            closed: closed as f64 / bonds.len() as f64,
+            distance: self.distance.is_none().then(|| (0..n).map(away).sum::<f64>() / self.size),
+            stretch: (against(u, layout.v(y)), against(u_dot, layout.v_dot(y))),
+        }
+    }
+
+    fn sight_of(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<Sight> {
+        run.sample(t, &mut self.y);
+        match self.y.iter().position(|value| !value.is_finite()) {
+            Some(index) => Err(Failure::NotFinite { t, step: run.stats().steps, index }.into()),
+            None => Ok(self.sight(t)),
+        }
+    }
+
+    /// Looks at time `t` of the last step; the time before is in it, too.
+    fn look(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<()> {
+        let (before, now) = (self.last, self.sight_of(t, run)?);
+        if self.energy.is_none() && now.core < CORE_SHARE {
+            self.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
+        }
+        let away = |sight: Sight| sight.distance.is_some_and(|distance| distance > DISTANCE);
+        if away(now) {
+            self.distance = Some(self.crossing(before.t, t, run, away)?);
+        }
+        if before.stretch.0 < 0.0 && now.stretch.0 >= 0.0 {
+            let zero = self.zero(before, now, run)?;
+            self.swung(zero);
+        }
+        if self.ends_reached.is_none() && now.ends > REACHED {
+            self.ends_reached = Some(t);
+        }
+        self.touched(before, now);
+        self.last = now;
+        Ok(())
+    }
+
+    /// Where between two times `beyond` begins to hold.
+    fn crossing(
+        &mut self,
+        mut before: f64,
+        mut after: f64,
+        run: &mut dyn Stepper<f64>,
+        beyond: impl Fn(Sight) -> bool,
+    ) -> Result<f64> {
+        while after - before > RESOLUTION * self.breather.period() {
+            let middle = 0.5 * (before + after);
+            if beyond(self.sight_of(middle, run)?) { after = middle } else { before = middle }
+        }
+        Ok(after)
+    }
+
+    /// Where between two times the stretch is zero: two of Newton's steps from the chord, which is good to a hundredth of the period.
+    fn zero(&mut self, before: Sight, after: Sight, run: &mut dyn Stepper<f64>) -> Result<f64> {
+        let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
+        let mut t = before.t + share * (after.t - before.t);
+        for _ in 0..2 {
+            let (stretch, rate) = self.sight_of(t, run)?.stretch;
+            t = (t - stretch / rate).clamp(before.t, after.t);
+        }
+        Ok(t)
+    }
+
+    /// A swing of the central bead is complete.
+    fn swung(&mut self, t: f64) {
+        self.upward.push_back(t);
+        if self.upward.len() <= FREQUENCY_PERIODS {
+            return;
+        }
+        let Some(first) = self.upward.pop_front() else { return };
+        let now = (2.0 * PI * FREQUENCY_PERIODS as f64 / (t - first), 0.5 * (first + t));
+        let (omega, omega_b) = (self.breather.params().omega(), self.breather.omega_b());
+        // How much nearer to omega than to Omega_b.
+        let nearer = |frequency: f64| (frequency - omega_b).abs() - (frequency - omega).abs();
+        if self.frequency.is_none() && nearer(now.0) > 0.0 {
+            self.frequency = Some(self.swing.map_or(now.1, |before| {
+                let (a, b) = (nearer(before.0), nearer(now.0));
+                before.1 + (now.1 - before.1) * (a / (a - b))
+            }));
+        }
+        self.swing = Some(now);
+    }
+
+    /// Contacts between two times.
+    fn touched(&mut self, before: Sight, now: Sight) {
+        let sum = self.closed.back().map_or(0.0, |last| last.1);
+        self.closed.push_back((now.t, sum + 0.5 * (before.closed + now.closed) * (now.t - before.t)));
+        let window = CONTACT_PERIODS * self.breather.period();
+        while self.closed.len() > 2 && self.closed[1].0 <= now.t - window {
+            self.closed.pop_front();
+        }
+        if self.decoupled.is_none() && now.t >= window && self.contact() < CONTACT {
+            self.decoupled = Some(now.t);
+        }
+    }
+
+    /// Contact over the last ten periods, or since the start.
+    fn contact(&self) -> f64 {
+        match (self.closed.front(), self.closed.back()) {
+            (Some(first), Some(last)) if last.0 > first.0 => (last.1 - first.1) / (last.0 - first.0),
+            _ => self.last.closed,
+        }
+    }
+
+    fn finished(&self) -> bool {
+        self.energy.is_some() && self.distance.is_some() && self.frequency.is_some()
+    }
+
+    /// Whether what went to the ends may be back: it does not come faster than it went.
+    fn ends_felt(&self) -> bool {
+        self.ends_reached.is_some_and(|reached| self.last.t > 2.0 * reached)
+    }
+
+    fn life(&self) -> Life {
+        let fate = match (self.energy, self.decoupled) {
+            (Some(energy), decoupled) if decoupled.is_none_or(|decoupled| energy <= decoupled) => Fate::Radiates,
+            (_, Some(_)) => Fate::Decouples,
+            _ => Fate::Persists,
+        };
+        Life {
+            energy: self.energy,
+            distance: self.distance,
+            frequency: self.frequency,
+            end: self.last.t,
+            fate,
+            decoupled: self.decoupled,
+            core_share: self.last.core,
+            contact: self.contact(),
+            sites: self.chain.sites(),
+            ends_felt: self.ends_reached.map(|reached| 2.0 * reached),
+        }
+    }
+}
+
+/// The power law of the breathers that radiate, where `x` is large.
+fn power_law(points: &[LifetimePoint], criterion: Criterion) -> Option<PowerLaw> {
+    let logarithms = |point: &LifetimePoint| {
+        let life = point.life.as_ref().ok().filter(|life| life.fate == Fate::Radiates && point.x >= FITTED_FROM)?;
+        let lifetime = life.lifetime(criterion)?;
+        Some([point.rho, point.epsilon, lifetime, point.x, lifetime / point.horizon].map(f64::ln))
+    };
+    let all: Vec<[f64; 5]> = points.iter().filter_map(logarithms).collect();
+    let plane: Vec<[f64; 3]> = all.iter().map(|&[rho, epsilon, lifetime, ..]| [rho, epsilon, lifetime]).collect();
+    let line: Vec<(f64, f64)> = all.iter().map(|&[.., x, scaled]| (x, scaled)).collect();
+    let ([constant, rho_power, epsilon_power], residual) = fit_plane(&plane)?;
+    let (x_power, x_residual) = crate::study::fit_line(&line)?;
+    Some(PowerLaw {
+        points: all.len(),
+        factor: constant.exp(),
+        rho_power,
+        epsilon_power,
+        largest_ratio: residual.exp(),
+        x_power,
+        x_largest_ratio: x_residual.exp(),
+    })
+}
+
+/// `z = c + p x + q y` by least squares, `[c, p, q]` and the largest residual; `None` with fewer than four points, or if they lie on a line.
+fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
+    if points.len() < 4 {
+        return None;
+    }
+    let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64;
+    let means = [mean(0), mean(1), mean(2)];
+    let moment =
+        |j: usize, k: usize| points.iter().map(|point| (point[j] - means[j]) * (point[k] - means[k])).sum::<f64>();
+    let (xx, xy, yy, xz, yz) = (moment(0, 0), moment(0, 1), moment(1, 1), moment(0, 2), moment(1, 2));
+    let determinant = xx * yy - xy * xy;
+    if determinant <= 1e-9 * xx * yy {
+        return None;
+    }
+    let (p, q) = ((xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant);
+    let c = means[2] - p * means[0] - q * means[1];
+    let off = |&[x, y, z]: &[f64; 3]| (z - c - p * x - q * y).abs();
+    Some(([c, p, q], points.iter().map(off).fold(0.0, f64::max)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_fitted_a_bend_is_seen_and_a_line_refused() {
+        let grid = || (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3)));
+        let plane: Vec<_> = grid().map(|(x, y)| [x, y, 2.0 - 0.5 * x + 3.0 * y]).collect();
+        let ([c, p, q], residual) = fit_plane(&plane).unwrap();
+        assert!([c - 2.0, p + 0.5, q - 3.0, residual].iter().all(|off| off.abs() < 1e-13));
+        let bent: Vec<_> = grid().map(|(x, y)| [x, y, x * y]).collect();
+        // The best plane of x y on this grid is x + y - 1, one off at the corners.
+        assert!((fit_plane(&bent).unwrap().1 - 1.0).abs() < 1e-13);
+        let line: Vec<_> = grid().map(|(x, _)| [x, 2.0 * x, x]).collect();
+        assert!(fit_plane(&line).is_none() && fit_plane(&plane[..3]).is_none());
+    }
+}

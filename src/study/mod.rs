@@ -1,0 +1,213 @@
+//! Studies: each is told once, in its folder, with its options, its work, its rows and its pictures.
+//!
+//! A [`Study`] is its options: the command line reads them, a program fills them in. What comes of it is a [`Report`],
+//! which says what is printed and which files are written. The command line runs all of them in one way.
+
+mod breather;
+mod charts;
+mod compare;
+mod dps;
+mod drift;
+mod evolve;
+mod lifetimes;
+mod modulation;
+mod orbits;
+mod order;
+mod run;
+mod scaling;
+mod theorem;
+mod wave;
+
+pub(crate) use breather::bright_tables;
+pub use breather::*;
+pub use charts::{
+    BOUNDS, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance, ResonancePoint,
+    Trial, Variant, Verdict as ChartVerdict, charts, kick_sum, resonance,
+};
+pub use compare::{Compare, CompareOptions, Comparison, Reference, Row, compare};
+pub use dps::*;
+pub(crate) use dps::{center_word, of_sites};
+pub use drift::*;
+#[cfg(feature = "plot")]
+pub(crate) use evolve::swing_maps;
+pub use evolve::*;
+pub(crate) use evolve::{evolution_csv, swing_csv};
+pub(crate) use lifetimes::lifetimes_csv;
+pub use lifetimes::*;
+#[cfg(feature = "plot")]
+pub(crate) use modulation::figure as stability_figure;
+pub use modulation::*;
+pub(crate) use modulation::{caption as stability_caption, shown, stability_tables};
+pub(crate) use orbits::branch_csv;
+#[cfg(feature = "cli")]
+pub(crate) use orbits::folder_of;
+pub use orbits::*;
+pub use order::*;
+pub use run::*;
+pub use scaling::*;
+pub(crate) use theorem::theorem_csv;
+pub use theorem::{
+    Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
+    TheoremStudy, theorem,
+};
+pub(crate) use wave::wave_tables;
+pub use wave::*;
+
+use crate::{error::Result, output::Folder, run::Method, scene::Scene};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// The name of a file and what is in it.
+pub type File = (String, Vec<u8>);
+
+/// Told of the share that is done, and of what is being done.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+
+/// What is left of a study once its options were checked: given the folder for its results, if there is one.
+pub type Work<'a> = Box<dyn FnOnce(Option<&Folder>, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
+
+/// A study by its options.
+pub trait Study {
+    /// The files it writes, in words for people.
+    const FILES: &'static str;
+    /// Whether it looks whether the process was asked to end, and keeps what it has.
+    const STOPS: bool = false;
+
+    /// Refuses what can be refused at once, before a folder is made, and gives the work.
+    ///
+    /// # Errors
+    /// Options outside their rules; a scene or a file that cannot be read.
+    fn begin(&self) -> Result<Work<'_>>;
+
+    /// Where its files go unless a folder is named.
+    fn beside(&self) -> Option<PathBuf> {
+        None
+    }
+}
+
+/// What came of a study, as people and machines read it.
+pub trait Report {
+    /// What is printed as JSON.
+    fn json(&self) -> Value;
+
+    /// What is printed as text.
+    fn text(&self) -> String;
+
+    /// The files, without pictures; `json` is the text of [`Self::json`].
+    ///
+    /// # Errors
+    /// What cannot be computed, or what the archive writer says.
+    fn files(&self, json: &str) -> Result<Vec<File>>;
+
+    /// The pictures.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<File>>;
+
+    /// What is to be known beside the results.
+    fn remark(&self) -> Option<String> {
+        None
+    }
+
+    /// Whether it came to its end, and as it should.
+    fn succeeded(&self) -> bool {
+        true
+    }
+}
+
+/// Names for files.
+fn named<const N: usize>(files: [(&str, Vec<u8>); N]) -> Vec<File> {
+    files.map(|(name, bytes)| (name.to_owned(), bytes)).into()
+}
+
+/// A scene by its name, with changes.
+fn scene(name: &str, changes: &Changes) -> Result<Scene> {
+    Scene::load_with(name, &changes.set)
+}
+
+/// The integrators that are named; all for `all`; `unnamed` where none is.
+fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>> {
+    match names {
+        [] => Ok(unnamed()),
+        [all] if all.trim() == "all" => Ok(Method::all()),
+        names => names.iter().map(|name| Method::named(name.trim())).collect(),
+    }
+}
+
+/// Changes to a scene.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Changes {
+    /// Change a key of the scene, as in chain.rho=3; may be repeated.
+    ///
+    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
+    /// needs no quotation marks, as in chain.boundary=ring.
+    #[cfg_attr(feature = "cli", arg(long = "set", value_name = "KEY=VALUE"))]
+    pub set: Vec<String>,
+}
+
+/// All of a scene as it runs, with the seed of what it draws, as JSON; an infinite mass ratio, which JSON has no number for, as `"inf"`.
+pub fn scene_json(scene: &Scene) -> Value {
+    let mut value = json!(scene.file());
+    if scene.chain().params().rho.is_infinite() {
+        value["chain"]["rho"] = json!("inf");
+    }
+    value
+}
+
+/// The end of every caption: the scene with its parameters, and the program.
+#[cfg(feature = "plot")]
+fn provenance(scene: &Scene, how: &str) -> String {
+    let params = scene.chain().params();
+    format!(
+        "Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}. {how} hertzchain {}.",
+        scene.name(),
+        scene.file().summary,
+        scene.chain().sites(),
+        params.alpha,
+        params.kappa,
+        params.rho,
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
+/// The families of some methods, each once, and the index of that of each method: colours and headings of a legend.
+#[cfg(feature = "plot")]
+fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
+    let mut names: Vec<String> = Vec::new();
+    let index = |method: &Method| {
+        names.iter().position(|name| name == method.family()).unwrap_or_else(|| {
+            names.push(method.family().to_owned());
+            names.len() - 1
+        })
+    };
+    let indices = methods.iter().map(index).collect();
+    (names, indices)
+}
+
+/// Least-squares slope, and the largest residual.
+pub(crate) fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let n = points.len() as f64;
+    let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (sxx, sxy) =
+        points.iter().fold((0.0, 0.0), |(xx, xy), p| (xx + (p.0 - mx).powi(2), xy + (p.0 - mx) * (p.1 - my)));
+    let slope = (sxx > 0.0).then(|| sxy / sxx)?;
+    let residual = points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max);
+    Some((slope, residual))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_fitted_and_a_bend_is_seen() {
+        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
+        let (slope, residual) = fit_line(&line).unwrap();
+        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
+        assert!(fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap().1 > 0.3);
+        assert!(fit_line(&[(1.0, 0.0)]).is_none());
+    }
+}

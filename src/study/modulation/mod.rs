@@ -1,0 +1,461 @@
+//! How fast modulations of a travelling wave grow: in theory, and on the full chain.
+
+mod report;
+
+#[cfg(feature = "plot")]
+pub(crate) use report::figure;
+pub(crate) use report::tables as stability_tables;
+pub(crate) use report::{caption, shown};
+
+use super::{Changes, Study, Work, fit_line};
+use crate::{
+    chain::{Boundary, Chain, Params, Resonators, State},
+    error::{Error, Result},
+    scene::Theory,
+    sweep::Tally,
+    waves::{Mode, Modulation, Shape, Size, TravellingWave, strains},
+};
+use hertzchain_integrators::{Error as Failure, Observer, Stats, collocation::Pace, drive};
+use num_complex::Complex64;
+use std::{
+    f64::consts::PI,
+    ops::{ControlFlow, RangeInclusive},
+};
+
+/// Rings that can be asked for, and those that are integrated.
+const SITES: RangeInclusive<usize> = 2..=10_000;
+const MOST_MEASURED_SITES: usize = 1000;
+/// Size of the mode at the start, relative to the wave.
+const SEED: f64 = 1e-6;
+/// Tolerance of the runs: what is left of it in the growth of a perturbation of that size is its square root.
+const TOLERANCE: f64 = 1e-11;
+/// The window of the fit, in e-folding times of the fastest mode of the ring (of a neutral wave: in `1/Omega`), and samples in it.
+const WINDOW: (f64, f64) = (0.5, 3.0);
+const SAMPLES: usize = 240;
+/// Longest runs in periods of the wave.
+const MOST_PERIODS: f64 = 1e5;
+/// Cells of the chart in `q` and in `b / (2 kappa a)`, and the range of the latter.
+const CELLS: (usize, usize) = (120, 120);
+const MEANS: (f64, f64) = (-3.0, 1.0);
+/// Mass ratios whose factors are told beside the chart.
+const RHOS: [f64; 4] = [1.0 / 3.0, 1.0, 3.0, 10.0];
+
+/// Modulations of a wave, from a scene or from numbers.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ModulationStudy {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// With an initial state of kind travelling-wave, to take all numbers of the wave from.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]
+        )
+    )]
+    pub scene: Option<String>,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// Above 0 and at most 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// Spring constant of the resonators, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
+    pub kappa: f64,
+    /// Mass ratio resonator to bead, positive.
+    ///
+    /// inf for the DpS equation of Newton's cradle, with --b 0.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
+    pub rho: f64,
+    /// Amplitude of the wave, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1"))]
+    pub a: f64,
+    /// Mean strain.
+    ///
+    /// Of the wave, below 2 kappa a.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "B", default_value = "1"))]
+    pub b: f64,
+    /// Wave number over pi, with a whole number of waves on the ring.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "Q", default_value = "0.2"))]
+    pub q_over_pi: f64,
+    /// Sizes of the wave, separated by commas.
+    ///
+    /// Rates per unit of time are those of the first, growth is measured at each.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["0.01"]))]
+    pub epsilon: Vec<f64>,
+    /// Number of sites.
+    ///
+    /// Of the ring, from 2 to 10^4; to be measured at most 1000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 50))]
+    pub sites: usize,
+    /// Measure the growth on the full chain as well.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub measure: bool,
+    /// Number of wave numbers that are measured.
+    ///
+    /// Spread over those of the ring; the fastest comes on top.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 12, requires = "measure"))]
+    pub modes: usize,
+    /// Chart the fastest growth over q and b as well.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub chart: bool,
+}
+
+impl ModulationStudy {
+    /// The wave of the scene, or that of the numbers.
+    fn options(&self) -> Result<StabilityOptions> {
+        let &Self { alpha, kappa, rho, a, b, q_over_pi, sites, measure, modes, chart, .. } = self;
+        let modes = measure.then_some(modes);
+        let Some(name) = &self.scene else {
+            if let Some(change) = self.set.set.first() {
+                return Err(Error::parameter("set", change, "it changes a scene: name one"));
+            }
+            let shape = Shape { q: q_over_pi * PI, a, b, phi: 0.0 };
+            let (params, epsilons) = (Params { alpha, kappa, rho }, self.epsilon.clone());
+            return Ok(StabilityOptions { params, shape, epsilons, sites, modes, chart });
+        };
+        let scene = super::scene(name, &self.set)?;
+        let Some(Theory::Wave(wave)) = scene.theory() else {
+            return Err(Error::parameter("scene", name, "a scene that starts from a travelling wave"));
+        };
+        let (params, shape, epsilons) = (wave.params(), wave.shape(), vec![wave.epsilon()]);
+        Ok(StabilityOptions { params, shape, epsilons, sites: scene.chain().sites(), modes, chart })
+    }
+}
+
+impl Study for ModulationStudy {
+    const FILES: &'static str =
+        "Files: stability.csv, stability.json and dps-growth.png, with --measure measured.csv, with --chart chart.csv.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let options = self.options()?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?))))
+    }
+}
+
+/// What to compute.
+#[derive(Clone, Debug)]
+pub struct StabilityOptions {
+    /// The chain.
+    pub params: Params,
+    /// The wave, all but its size.
+    pub shape: Shape,
+    /// Its sizes: rates per unit of time are told for the first, and growth is measured at each.
+    pub epsilons: Vec<f64>,
+    /// Sites of the ring.
+    pub sites: usize,
+    /// Wave numbers at which growth is measured on the full chain, spread over those of the ring; the fastest comes on top. None: nothing is measured.
+    pub modes: Option<usize>,
+    /// Whether the largest growth is charted over `q` and `b`.
+    pub chart: bool,
+}
+
+/// What turns slow rates into others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// `epsilon`.
+    pub epsilon: f64,
+    /// `epsilon^{alpha-1}`: slow time per unit of time.
+    pub slow: f64,
+    /// `omega_tw` (eq:w_tw).
+    pub omega_tw: f64,
+    /// `(1 + rho) epsilon^{alpha-1}`: the theory holds where it is small, so that mean strains follow at once. Infinite with `rho`, where there are none.
+    pub lag: f64,
+}
+
+impl Rates {
+    fn new(params: Params, modulation: &Modulation, epsilon: f64) -> Self {
+        let slow = epsilon.powf(params.alpha - 1.0);
+        Self {
+            epsilon,
+            slow,
+            omega_tw: params.omega() + slow * modulation.slow_frequency(),
+            lag: (1.0 + params.rho) * slow,
+        }
+    }
+
+    /// A rate per slow time, per unit of time.
+    pub fn per_time(&self, rate: f64) -> f64 {
+        self.slow * rate
+    }
+
+    /// A rate per slow time, per period of the wave.
+    pub fn per_period(&self, rate: f64) -> f64 {
+        self.per_time(rate) * 2.0 * PI / self.omega_tw
+    }
+}
+
+/// Theory at one wave number of the ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StabilityRow {
+    /// Wave number of the perturbation.
+    pub p: f64,
+    /// Growth rate per slow time.
+    pub growth: f64,
+    /// Frequency of the mode that grows, per slow time, in the frame of the wave's phase.
+    pub frequency: f64,
+}
+
+/// A growth that was measured on the full chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredGrowth {
+    /// Size of the wave.
+    pub epsilon: f64,
+    /// What was measured; rates per slow time.
+    pub row: StabilityRow,
+    /// What theory says.
+    pub theory: StabilityRow,
+    /// Largest deviation of the logarithm of the mode's size from the line that was fitted.
+    pub residual: f64,
+    /// First and last time of the fit, in units of `t`.
+    pub window: (f64, f64),
+}
+
+/// The largest growth over wave numbers and mean strains of waves.
+#[derive(Clone, Debug)]
+pub struct StabilityChart {
+    /// Wave numbers, the middles of cells that fill `[0, pi]`.
+    pub q: Vec<f64>,
+    /// Mean strains, the middles of cells that fill `2 kappa a [-3, 1]`.
+    pub b: Vec<f64>,
+    /// A row of cells each `b`: the growth rate per slow time of the fastest mode on an infinite chain, zero where none grows.
+    pub growth: Vec<Vec<f64>>,
+    /// For each `b` the `q` at which `cos q + s cos^2(q/2)` vanishes: long waves grow below it, short ones from there to `pi/2`.
+    pub edge: Vec<f64>,
+    /// Mass ratios, and how many times faster all of this is there.
+    pub rho: Vec<(f64, f64)>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct StabilityStudy {
+    /// What was asked.
+    pub options: StabilityOptions,
+    /// The linear problem.
+    pub modulation: Modulation,
+    /// The sizes of the wave.
+    pub rates: Vec<Rates>,
+    /// A row for each `p = 2 pi j / N`, `j` from 0 to `N/2`.
+    pub rows: Vec<StabilityRow>,
+    /// What was measured, by size and wave number.
+    pub measured: Vec<MeasuredGrowth>,
+    /// The chart.
+    pub chart: Option<StabilityChart>,
+}
+
+impl StabilityStudy {
+    /// The fastest of the ring's modes, if one grows.
+    pub fn fastest(&self) -> Option<&StabilityRow> {
+        let grows = self.rows.iter().filter(|row| row.growth > 0.0);
+        grows.max_by(|a, b| a.growth.total_cmp(&b.growth))
+    }
+}
+
+/// Theory, and with it what was asked for. `progress` is told the share done and what runs.
+///
+/// # Errors
+/// An option outside its rule, or a run that fails.
+pub fn stability(options: &StabilityOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<StabilityStudy> {
+    let &StabilityOptions { params, shape, sites, .. } = options;
+    let modulation = Modulation::new(params, shape)?;
+    check(options)?;
+    let rates = options.epsilons.iter().map(|&epsilon| Rates::new(params, &modulation, epsilon)).collect();
+    let rows = (0..=sites / 2).map(|j| theory(&modulation, 2.0 * PI * j as f64 / sites as f64)).collect();
+    let mut study =
+        StabilityStudy { options: options.clone(), modulation, rates, rows, measured: Vec::new(), chart: None };
+    if options.chart {
+        study.chart = Some(chart(params, shape)?);
+    }
+    if let Some(modes) = options.modes {
+        study.measured = measure(&study, modes, progress)?;
+    }
+    Ok(study)
+}
+
+fn check(options: &StabilityOptions) -> Result<()> {
+    let StabilityOptions { params, shape, epsilons, sites, modes, chart } = options;
+    if !SITES.contains(sites) {
+        return Err(Error::parameter("sites", sites, "a ring has from 2 to 10^4 sites"));
+    }
+    let waves = shape.q * *sites as f64 / (2.0 * PI);
+    if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
+        let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
+        return Err(Error::parameter("q", shape.q, rule));
+    }
+    if epsilons.is_empty() {
+        return Err(Error::parameter("epsilon", "\"\"", "name at least one size of the wave"));
+    }
+    if let Some(epsilon) = epsilons.iter().find(|epsilon| !(epsilon.is_normal() && **epsilon > 0.0)) {
+        return Err(Error::parameter("epsilon", epsilon, "finite and positive"));
+    }
+    let fixed = params.resonators() == Resonators::Fixed;
+    if fixed && (modes.is_some() || *chart) {
+        let rule = "growth is measured and charted for moving resonators: rho < inf";
+        return Err(Error::parameter("rho", params.rho, rule));
+    }
+    if *modes == Some(0) {
+        return Err(Error::parameter("modes", 0, "at least one wave number is measured"));
+    }
+    if modes.is_some() && *sites > MOST_MEASURED_SITES {
+        return Err(Error::parameter("sites", sites, "growth is measured on rings of at most 1000 sites"));
+    }
+    Ok(())
+}
+
+fn theory(modulation: &Modulation, p: f64) -> StabilityRow {
+    let first = modulation.eigenvalues(p)[0];
+    StabilityRow { p, growth: first.growth, frequency: first.frequency }
+}
+
+/// The largest growth of waves of the same amplitude, all `q` and `b`.
+fn chart(params: Params, shape: Shape) -> Result<StabilityChart> {
+    let middles = |(from, to): (f64, f64), count: usize| -> Vec<f64> {
+        (0..count).map(|k| from + (to - from) * (k as f64 + 0.5) / count as f64).collect()
+    };
+    let swing = 2.0 * params.kappa * shape.a;
+    let q = middles((0.0, PI), CELLS.0);
+    let b = middles((swing * MEANS.0, swing * MEANS.1), CELLS.1);
+    let (mut growth, mut edge) = (Vec::new(), Vec::new());
+    for &b in &b {
+        let waves = Modulation::new(params, Shape { b, ..shape })?;
+        let s = waves.slope();
+        edge.push((-s / (2.0 + s)).acos());
+        growth.push(q.iter().map(|&q| waves.at(q).fastest().map_or(0.0, |(_, growth)| growth)).collect());
+    }
+    let slowness = |rho: f64| (1.0 + rho.recip()).powf(1.5);
+    let rho = RHOS.iter().map(|&rho| (rho, slowness(params.rho) / slowness(rho))).collect();
+    Ok(StabilityChart { q, b, growth, edge, rho })
+}
+
+/// What all runs of one size share.
+struct Bench {
+    rates: Rates,
+    wave: TravellingWave,
+    chain: Chain<f64>,
+    times: Vec<f64>,
+    /// The amplitudes `D_n` of the wave alone, at each time.
+    amplitudes: Vec<Vec<Complex64>>,
+}
+
+impl Bench {
+    fn new(study: &StabilityStudy, rates: Rates) -> Result<Self> {
+        let &StabilityOptions { params, shape, sites, .. } = &study.options;
+        let wave = TravellingWave::new(params, shape, Size::Epsilon(rates.epsilon))?;
+        let chain = Chain::new(params, Boundary::StrainRing, sites)?;
+        let rate = rates.per_time(study.fastest().map_or(study.modulation.slow_frequency(), |row| row.growth));
+        let periods = WINDOW.1 / rate * rates.omega_tw / (2.0 * PI);
+        if periods.is_nan() || periods > MOST_PERIODS {
+            let rule = "growth that takes more than 10^5 periods of the wave is not measured";
+            return Err(Error::parameter("epsilon", rates.epsilon, rule));
+        }
+        let share = |k: usize| k as f64 / (SAMPLES - 1) as f64;
+        let times = (0..SAMPLES).map(|k| (WINDOW.0 + (WINDOW.1 - WINDOW.0) * share(k)) / rate).collect();
+        let mut bench = Self { rates, wave, chain, times, amplitudes: Vec::new() };
+        bench.amplitudes = bench.run(&State::from_fn(&bench.chain, |n| wave.site(n, 0.0))?, |_, d| d)?;
+        Ok(bench)
+    }
+
+    /// What `look` makes of the amplitudes at every time of a run.
+    fn run<T>(&self, initial: &State<f64>, mut look: impl FnMut(usize, Vec<Complex64>) -> T) -> Result<Vec<T>> {
+        let mut y = initial.as_slice().to_vec();
+        let end = self.times.last().copied().unwrap_or_default();
+        let mut run = self.chain.collocation(&y, (0.0, end), Pace::Tolerance(TOLERANCE))?;
+        let mut seen = Vec::with_capacity(self.times.len());
+        let mut sampler = Sampler {
+            times: &self.times,
+            taken: 0,
+            take: |k, t, y: &[f64]| seen.push(look(k, strains(&self.wave, t, quarters(y)))),
+        };
+        drive(&mut run, &mut sampler, &mut y)?;
+        Ok(seen)
+    }
+
+    /// The growth of a mode that is added to the wave.
+    fn growth(&self, mode: &Mode, theory: StabilityRow) -> Result<MeasuredGrowth> {
+        let initial = State::from_fn(&self.chain, |n| mode.site(&self.wave, SEED, n))?;
+        let shares = self.run(&initial, |k, d| mode.share(&self.amplitudes[k], &d))?;
+        let slow = |t: &f64| self.rates.slow * t;
+        let line = |values: &[f64]| {
+            let points: Vec<_> = self.times.iter().map(slow).zip(values.iter().copied()).collect();
+            fit_line(&points).unwrap_or((f64::NAN, f64::NAN))
+        };
+        let (growth, residual) = line(&shares.iter().map(|share| share.norm().ln()).collect::<Vec<_>>());
+        let (frequency, _) = line(&unwrapped(&shares));
+        let row = StabilityRow { growth, frequency, ..theory };
+        let window = (self.times[0], self.times[SAMPLES - 1]);
+        Ok(MeasuredGrowth { epsilon: self.rates.epsilon, row, theory, residual, window })
+    }
+}
+
+/// `[x, y, x', y']` of a state.
+fn quarters(y: &[f64]) -> [&[f64]; 4] {
+    let n = y.len() / 4;
+    [0, 1, 2, 3].map(|k| &y[k * n..(k + 1) * n])
+}
+
+/// Arguments of complex numbers, each within half a turn of the one before.
+fn unwrapped(z: &[Complex64]) -> Vec<f64> {
+    let mut turned = 0.0;
+    let steps = z.windows(2).map(|pair| (pair[1] / pair[0]).arg());
+    std::iter::once(0.0)
+        .chain(steps.map(|step| {
+            turned += step;
+            turned
+        }))
+        .collect()
+}
+
+struct Sampler<'a, F> {
+    times: &'a [f64],
+    taken: usize,
+    take: F,
+}
+
+impl<F: FnMut(usize, f64, &[f64])> Observer<f64> for Sampler<'_, F> {
+    fn next(&self) -> Option<f64> {
+        self.times.get(self.taken).copied()
+    }
+
+    fn observe(&mut self, t: f64, y: &[f64], _: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
+        (self.take)(self.taken, t, y);
+        self.taken += 1;
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+/// The growth of some modes of the ring at every size of the wave: two runs each, one of them the wave alone.
+fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<MeasuredGrowth>> {
+    let modes: Vec<(StabilityRow, Mode)> =
+        chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
+    let tell = |done, runs| progress(done as f64 / runs as f64, "growth on the full chain");
+    let tally = Tally::new(study.rates.len() * (modes.len() + 1), &tell);
+    let benches = tally.map(&study.rates, |&rates| Bench::new(study, rates)).into_iter().collect::<Result<Vec<_>>>()?;
+    let jobs: Vec<_> = benches.iter().flat_map(|bench| modes.iter().map(move |mode| (bench, mode))).collect();
+    tally.map(&jobs, |(bench, (row, mode))| bench.growth(mode, *row)).into_iter().collect()
+}
+
+/// So many rows spread over the ring's wave numbers but zero, with the last of them; and the fastest.
+fn chosen(study: &StabilityStudy, count: usize) -> Vec<StabilityRow> {
+    let last = study.rows.len() - 1;
+    let count = count.min(last);
+    let mut indices: Vec<usize> = (1..=count).map(|k| k * last / count).collect();
+    indices.extend(study.fastest().and_then(|fastest| study.rows.iter().position(|row| row == fastest)));
+    indices.sort_unstable();
+    indices.dedup();
+    indices.into_iter().map(|j| study.rows[j]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_go_on_where_they_would_jump() {
+        let z: Vec<_> = (0..40).map(|k| Complex64::from_polar(2.0, -0.7 * f64::from(k))).collect();
+        let turned = unwrapped(&z);
+        assert!((turned[39] + 0.7 * 39.0).abs() < 1e-12 && turned[0] == 0.0);
+    }
+}

@@ -1,0 +1,557 @@
+//! Dark breathers as exact orbits: one with its multipliers, a branch with its bifurcations, the branch of doubled period (Sec. 7).
+
+mod report;
+
+use super::{Progress, Study, Work};
+pub(crate) use report::branch_csv;
+
+use crate::orbits::Formulation;
+use crate::sweep::map;
+use crate::{
+    breathers::DarkBreather,
+    chain::{MeanForces, Params},
+    dps::Center,
+    error::{Error, Result},
+    interrupt,
+    orbits::{
+        Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Setting, Shooting, Spectrum, Trail,
+    },
+    output::Folder,
+};
+use hertzchain_integrators::collocation::Pace;
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a branch.
+const ONE: f64 = 1.025;
+const RANGE: [f64; 2] = [1.005, 1.05];
+
+/// The ring and the breather on it.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Ring {
+    /// Number of sites.
+    ///
+    /// Of the ring, n = -N .. N: odd, from 3 to 255. Weak quartets, and how many there are, depend on it.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
+    pub sites: usize,
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// From 1.01 to 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// Spring constant of the resonators, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
+    pub kappa: f64,
+    /// Mass ratio resonator to bead, positive.
+    ///
+    /// Finite.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
+    pub rho: f64,
+    /// Vertical centre of the background (eq:center).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
+    pub c_x: f64,
+    /// What Newton's method solves.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Formulation::HalfPeriod))]
+    pub formulation: Formulation,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// Of the flow, relative to the size of the state.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
+    pub tol: f64,
+}
+
+impl Ring {
+    fn shooting(&self) -> Shooting {
+        Shooting { formulation: self.formulation, tol: self.tol, ..Shooting::default() }
+    }
+
+    /// A breather of this frequency, by default `omega` times `ratio`.
+    fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        let omega_b = omega_b.unwrap_or(ratio * params.omega());
+        Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
+    }
+}
+
+/// A dark breather as an exact periodic orbit.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Dark {
+    /// What the profile is symmetric about.
+    ///
+    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
+    pub center: Center,
+    /// Frequency of the breather, in radians per unit of time.
+    ///
+    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
+    pub omega_b: Option<f64>,
+    /// The ring.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub ring: Ring,
+}
+
+/// A dark breather and what is asked of it.
+#[derive(Clone, Debug)]
+pub struct DarkStudy {
+    /// What it is symmetric about.
+    pub center: Center,
+    /// The orbit, its multipliers, and how good both are.
+    pub study: OrbitStudy,
+}
+
+impl Study for Dark {
+    const FILES: &'static str = "Files: dark-breather.json and dark-breather.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let (breather, shooting) = (self.ring.breather(self.center, self.omega_b, ONE)?, self.ring.shooting());
+        Ok(Box::new(move |_, _| {
+            let study = orbit_study(breather.orbit(&shooting)?, &shooting)?;
+            Ok(Box::new(DarkStudy { center: breather.center, study }))
+        }))
+    }
+}
+
+/// A branch of dark breathers in one parameter.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Continue {
+    /// What the profile is symmetric about.
+    ///
+    /// The kink is on the site 0, or on the bond between the sites 0 and 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
+    pub center: Center,
+    /// What varies: omega_b, rho, kappa, alpha or c_x.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "omega_b"))]
+    pub parameter: String,
+    /// Where it begins [default for omega_b: 1.005 omega].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
+    pub from: Option<f64>,
+    /// Where it ends [default for omega_b: 1.05 omega].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
+    pub to: Option<f64>,
+    /// Its largest change from point to point.
+    ///
+    /// [default: a hundredth of the range]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
+    pub step: Option<f64>,
+    /// Points at most, old ones too.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 1000))]
+    pub points: usize,
+    /// Count the way by the parameter, not by the arclength.
+    ///
+    /// Such a branch ends at a fold.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub natural: bool,
+    /// Do not locate collisions of multipliers that stay below 1 + WEAK.
+    ///
+    /// In modulus.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "WEAK", default_value = "0.01"))]
+    pub weak: f64,
+    /// Frequency of the breather, in radians per unit of time.
+    ///
+    /// Where another parameter varies [default: 1.025 omega].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
+    pub omega_b: Option<f64>,
+    /// Go on with what this file, or the file in this folder, has kept.
+    ///
+    /// A file branch.npz, from its last point: to another --to, by another --step; multipliers and bifurcations are computed
+    /// anew. The results are written beside it unless --out says where.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "PATH",
+            conflicts_with_all = [
+                "center", "parameter", "from", "natural", "weak", "omega_b",
+                "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol",
+            ]
+        )
+    )]
+    pub resume: Option<PathBuf>,
+    /// The ring.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub ring: Ring,
+}
+
+impl Continue {
+    /// The branch at its first point.
+    fn first(&self) -> Result<Trail> {
+        let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == self.parameter) else {
+            return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(|(name, _)| name)));
+        };
+        let mut breather = self.ring.breather(self.center, self.omega_b, ONE)?;
+        let varies = parameter == Parameter::OmegaB;
+        if let (true, Some(omega_b)) = (varies, self.omega_b) {
+            let rule = "it is the parameter that varies: give --from and --to";
+            return Err(Error::parameter("omega-b", omega_b, rule));
+        }
+        let end = |given: Option<f64>, ratio: f64, name: &'static str| match given {
+            Some(value) => Ok(value),
+            None if varies => Ok(ratio * breather.params.omega()),
+            None => Err(Error::parameter(name, "nothing", "a parameter other than omega_b needs --from and --to")),
+        };
+        let (from, to) = (end(self.from, RANGE[0], "from")?, end(self.to, RANGE[1], "to")?);
+        breather.set(parameter, from);
+        let continuation = Continuation {
+            parameter,
+            to,
+            step: self.step.unwrap_or(0.01 * (to - from).abs()),
+            most_points: self.points,
+            natural: self.natural,
+            shooting: self.ring.shooting(),
+        };
+        begin(&breather, &continuation, self.weak)
+    }
+}
+
+impl Study for Continue {
+    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz; the last is written every 20 points or 10 s as well. \
+                                 With --resume and without --out, the files go to the folder of the file that is gone on with.";
+    const STOPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let trail = match &self.resume {
+            Some(path) => {
+                let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
+                Trail::load(&file)?.onward(self.to, self.step, self.points)?
+            }
+            None => self.first()?,
+        };
+        Ok(Box::new(move |folder, progress| Ok(Box::new(go_on(trail, &mut keeper(folder), progress)?))))
+    }
+
+    fn beside(&self) -> Option<PathBuf> {
+        self.resume.as_deref().map(folder_of)
+    }
+}
+
+/// The branch of doubled period.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Doubled {
+    /// Frequency of the breather, in radians per unit of time.
+    ///
+    /// Of the whole period where the branch is to end, about half of that of the main branch.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "1.056"))]
+    pub omega_b: f64,
+    /// Where the main branch is left without a period doubling.
+    ///
+    /// [default: 1.05 omega]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
+    pub most: Option<f64>,
+    /// Largest change of the frequency from point to point.
+    ///
+    /// Of the main branch; half of it on the doubled one.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DW", default_value = "0.002"))]
+    pub step: f64,
+    /// File branch.npz of the main branch [default: it is followed here].
+    ///
+    /// One which `breather continue --center bond` has written.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "FILE",
+            conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "c_x", "formulation", "tol"]
+        )
+    )]
+    pub branch: Option<PathBuf>,
+    /// The ring.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub ring: Ring,
+}
+
+/// The branch of doubled period and what is asked of its last orbit.
+#[derive(Clone, Debug)]
+pub struct DoubledStudy {
+    /// The branch.
+    pub doubled: DoubledBranch,
+    /// Its last orbit, if there is one.
+    pub last: Option<OrbitStudy>,
+}
+
+impl Study for Doubled {
+    const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
+        let most = self.most.unwrap_or(RANGE[1] * breather.params.omega());
+        // Before the main branch, which takes its time.
+        for (name, value) in self.most.map(|most| ("most", most)).into_iter().chain([("omega-b", self.omega_b)]) {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::parameter(name, value, "a frequency is finite and positive"));
+            }
+        }
+        Ok(Box::new(move |folder, progress| {
+            let half = |share: f64, what: &str| progress(0.5 * share, what);
+            let main = match &self.branch {
+                Some(file) => study(Trail::load(file)?, &half)?,
+                None => main_branch(&breather, most, self.step, &shooting, &half)?,
+            };
+            let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+            let doubled = doubled_from(&main, self.omega_b, self.step, &mut keeper(folder), &half)?;
+            let last = doubled.branch.points.last();
+            let last = last.map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
+            Ok(Box::new(DoubledStudy { doubled, last }))
+        }))
+    }
+}
+
+/// The file that a branch is gone on with.
+const BRANCH_FILE: &str = "branch.npz";
+
+/// The folder that is named, or that of a file.
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
+    if path.is_dir() {
+        return path.to_owned();
+    }
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
+}
+
+/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have gone by, at its end, and when it is asked to end.
+fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
+    let mut last = Instant::now();
+    move |trail| {
+        let Some(folder) = folder else { return };
+        let late = last.elapsed() >= Duration::from_secs(10);
+        if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() || interrupt::asked() {
+            last = Instant::now();
+            let kept = trail.npz(Vec::new()).and_then(|bytes| folder.write(BRANCH_FILE, &bytes));
+            // What cannot be kept now is still computed: it is written at the end, or that is the error.
+            kept.err().into_iter().for_each(|why| eprintln!("not kept so far: {why}"));
+        }
+    }
+}
+
+/// An orbit and what is asked of it.
+#[derive(Clone, Debug)]
+pub struct OrbitStudy {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Its multipliers.
+    pub spectrum: Spectrum,
+    /// Centres and amplitudes of the first bond.
+    pub extent: Extent,
+    /// `E_b(T)` (eq:relerr).
+    pub e_b: f64,
+    /// Mean contact force of every bond over a period, constant along the chain (Theorem nobreath).
+    pub forces: MeanForces,
+    /// How it was searched for and measured.
+    pub shooting: Shooting,
+}
+
+/// All that is asked of an orbit.
+///
+/// # Errors
+/// An integration that fails.
+pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
+    let (chain, period) = (orbit.setting.chain()?, orbit.setting.period());
+    Ok(OrbitStudy {
+        spectrum: orbit.spectrum(shooting)?,
+        extent: orbit.extent(shooting.tol)?,
+        e_b: orbit.e_b(shooting.tol, 1)?,
+        forces: chain.mean_contact_forces(&orbit.start(), period, Pace::Tolerance(shooting.tol))?,
+        shooting: *shooting,
+        orbit,
+    })
+}
+
+/// A point of a branch.
+#[derive(Clone, Debug)]
+pub struct BranchPoint {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Its multipliers.
+    pub spectrum: Spectrum,
+    /// Centres and amplitudes of the first bond.
+    pub extent: Extent,
+}
+
+/// A branch of orbits.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// How it was followed.
+    pub continuation: Continuation,
+    /// Its points, in their order along it.
+    pub points: Vec<BranchPoint>,
+    /// What happens between them.
+    pub bifurcations: Vec<Bifurcation>,
+    /// Why it ended.
+    pub end: End,
+    /// All of its orbits, with what it takes to go on; more than points, where one has no multipliers.
+    pub trail: Trail,
+}
+
+/// Given what there is of a branch after every point, to keep it.
+pub type Keep<'a> = &'a mut dyn FnMut(&Trail);
+
+/// Share of the work of a branch that its orbits are; the rest are multipliers and bifurcations.
+const ORBITS: f64 = 0.4;
+
+/// The branch of dark breathers through `breather`, followed as `continuation` says; collisions of multipliers up to a modulus of `1 + weak` are passed over.
+///
+/// # Errors
+/// Numbers outside their rules, and no orbit to begin with.
+pub fn branch(
+    breather: &DarkBreather,
+    continuation: &Continuation,
+    weak: f64,
+    progress: Progress<'_>,
+) -> Result<Branch> {
+    go_on(begin(breather, continuation, weak)?, &mut |_| {}, progress)
+}
+
+/// The first point of [`branch`].
+///
+/// # Errors
+/// As there.
+pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Trail> {
+    if !(weak.is_finite() && weak >= 0.0) {
+        return Err(Error::parameter("weak", weak, "finite and at least zero"));
+    }
+    stays_dark(&breather.setting(), continuation)?;
+    let trail = Trail::new(*continuation, breather.orbit(&continuation.shooting)?)?;
+    Ok(Trail { center: Some(breather.center), weak: Some(weak), ..trail })
+}
+
+/// Where it is to go there are breathers.
+fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
+    let last = setting.with(continuation.parameter, continuation.to);
+    if f64::from(last.turns) * last.omega_b <= last.params.omega() {
+        let rule = "a branch of dark breathers ends where they vanish: omega_b > omega = sqrt(kappa (1 + 1/rho)) up to its end";
+        return Err(Error::parameter("to", continuation.to, rule));
+    }
+    Ok(())
+}
+
+/// Follows a branch on, unless it has ended, and studies it.
+///
+/// # Errors
+/// Numbers outside their rules, and no multipliers at its first point; `keep` was then given its orbits.
+pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
+    if let (Some(first), None) = (trail.orbits.first(), trail.end) {
+        let Continuation { parameter, to, .. } = trail.continuation;
+        let from = first.setting.get(parameter);
+        stays_dark(&first.setting, &trail.continuation)?;
+        let extended = trail.extend(|trail| {
+            keep(trail);
+            let p = trail.orbits.last().map_or(from, |orbit| orbit.setting.get(parameter));
+            let share = ((p - from) / (to - from)).clamp(0.0, 1.0);
+            progress(ORBITS * share, &format!("{} = {p:.5}", parameter.name()));
+        });
+        keep(&trail);
+        extended?;
+    }
+    study(trail, progress)
+}
+
+/// Multipliers, extents and bifurcations of a branch that was followed.
+///
+/// # Errors
+/// No multipliers at its first point.
+pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
+    let (continuation, orbits) = (trail.continuation, &trail.orbits);
+    let shooting = &continuation.shooting;
+    let mut end = trail.end.unwrap_or(End::MostPoints);
+    progress(ORBITS, "multipliers");
+    // A point without multipliers costs what comes after it, not the branch.
+    let mut spectra = Vec::with_capacity(orbits.len());
+    let spectrum = |orbit: &Orbit| {
+        let stopped =
+            || Error::Stopped { kept: format!("all {} points of the branch, not yet its multipliers", orbits.len()) };
+        if interrupt::asked() { Err(stopped()) } else { orbit.spectrum(shooting) }
+    };
+    for spectrum in map(orbits, spectrum) {
+        match spectrum {
+            Err(stopped @ Error::Stopped { .. }) => return Err(stopped),
+            Ok(spectrum) => spectra.push(spectrum),
+            Err(error) if spectra.is_empty() => return Err(error),
+            Err(_) => {
+                end = End::NoMultipliers;
+                break;
+            }
+        }
+    }
+    let orbits = &orbits[..spectra.len()];
+    let extents = map(orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
+    progress(0.5 * (1.0 + ORBITS), "bifurcations");
+    let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(orbits, &spectra, weak));
+    let points = orbits.iter().cloned().zip(spectra).zip(extents);
+    let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
+    Ok(Branch { continuation, points, bifurcations, end, trail })
+}
+
+/// The branch of doubled period: where it is born, and its points.
+#[derive(Clone, Debug)]
+pub struct DoubledBranch {
+    /// The period doubling of the main branch.
+    pub birth: Bifurcation,
+    /// The orbits of doubled period, the last one at the frequency asked for if the branch gets there.
+    pub branch: Branch,
+}
+
+/// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's method falls back on the main branch.
+const FIRST_SIZE: f64 = 0.02;
+
+/// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
+///
+/// # Errors
+/// As [`branch`]; a site-centred breather.
+pub fn main_branch(
+    breather: &DarkBreather,
+    most: f64,
+    step: f64,
+    shooting: &Shooting,
+    progress: Progress<'_>,
+) -> Result<Branch> {
+    let continuation = Continuation {
+        parameter: Parameter::OmegaB,
+        to: most,
+        step,
+        most_points: 10_000,
+        natural: false,
+        shooting: *shooting,
+    };
+    bond_centred(Some(breather.center))?;
+    branch(breather, &continuation, 0.01, progress)
+}
+
+fn bond_centred(center: Option<Center>) -> Result<()> {
+    let rule = "only bond-centred breathers double their period: a site-centred one is the square of half its period";
+    if center == Some(Center::Site) { Err(Error::parameter("center", "site", rule)) } else { Ok(()) }
+}
+
+/// Leaves a main branch at its first period doubling, and follows the branch of doubled period to `omega_b` (that of the whole period). Bifurcations of the
+/// latter are not located: its background is unstable, and the bands of that are full of collisions.
+///
+/// # Errors
+/// No period doubling on the main branch, or numbers outside their rules.
+pub fn doubled_from(
+    main: &Branch,
+    omega_b: f64,
+    step: f64,
+    keep: Keep<'_>,
+    progress: Progress<'_>,
+) -> Result<DoubledBranch> {
+    bond_centred(main.trail.center)?;
+    if main.points.iter().any(|point| point.orbit.setting.turns > 1) {
+        return Err(Error::parameter("turns", 2, "the main branch has one turn a period: this one is doubled"));
+    }
+    let Continuation { to, ref shooting, .. } = main.continuation;
+    let birth = main.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling).cloned();
+    let Some(birth) = birth else {
+        return Err(Error::parameter("most", to, "the main branch has no period doubling up to there"));
+    };
+    if omega_b <= birth.orbit.setting.omega_b / 2.0 {
+        let rule =
+            "the branch of doubled period goes up from half the frequency of the period doubling, 1.0316 at rho = 1/3";
+        return Err(Error::parameter("omega-b", omega_b, rule));
+    }
+    let continuation =
+        Continuation { parameter: Parameter::OmegaB, to: omega_b, step: 0.5 * step, ..main.continuation };
+    let trail = Trail { center: main.trail.center, ..Trail::new(continuation, birth.doubled(shooting, FIRST_SIZE)?)? };
+    Ok(DoubledBranch { birth, branch: go_on(trail, keep, progress)? })
+}

@@ -1,0 +1,484 @@
+//! What contacts do to the order of every method, and what lifts it.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `p` | order of a method on smooth problems |
+//! | `alpha` | exponent of the contact force |
+//! | `T` | end of the runs |
+//!
+//! A step that crosses the beginning or the end of a contact errs by `O(h^{alpha+1})` in the state and by `O(h^alpha)` in
+//! its derivative by the initial state, the tangent, whatever `p` is. Landing on the event leaves the force
+//! `(t - t_e)^alpha` just beside it: a smaller constant and the same order, unless `alpha` is an integer. Contact-corrected splitting takes the error of
+//! an event back: `min(4, alpha + 3, 2 alpha + 2)` in the state, which is 4 for its exponents, and one less than the terms of events in the tangent.
+
+mod report;
+
+use super::{Study, Work, fit_line};
+use crate::{
+    chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
+    error::{Error, Result},
+    run::method::{Contacts, Method, Split, loaded},
+    sweep::Tally,
+};
+use hertzchain_integrators::{
+    Dop853, Error as Failure, Event, Regularised, Scheme, Silent, Splitting, Stepper,
+    dop853::Options,
+    drive,
+    regularised::{Division, Itinerary, equal_steps, power},
+    splitting::{Averaged, Coefficients, Corrected, First, Landed, Parts, tables},
+};
+
+/// Exponents that the ladders are made for.
+const EXPONENTS: std::ops::RangeInclusive<f64> = 0.5..=10.0;
+/// Beads of the longest chain.
+const MOST_BEADS: usize = 1000;
+/// End of the runs.
+const END: f64 = 12.0;
+/// Spring constant and mass ratio.
+const KAPPA: f64 = 1.0;
+const RHO: f64 = 1.0 / 3.0;
+/// Force evaluations on the rungs of the ladder, over the whole run.
+const EVALUATIONS: [f64; 8] = [480.0, 960.0, 1920.0, 3840.0, 7680.0, 15_360.0, 30_720.0, 61_440.0];
+/// The same for corrected kicks, which are at the floor of the tangent before others begin.
+const CORRECTED_EVALUATIONS: [f64; 8] = [60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0, 7680.0];
+/// Each rung is the root mean square over runs with these shares of steps more: where a step happens to cross an event is
+/// chance, and a slope should not depend on it. For corrected kicks it is the median.
+const NEIGHBOURS: [f64; 7] = [1.0, 1.015, 1.031, 1.046, 1.062, 1.079, 1.095];
+/// Steps a leg, where legs are regularised.
+const STEPS_A_LEG: [u64; 11] = [2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
+/// Steps a leg of the reference, and of the run that its error is told from.
+const REFERENCE_STEPS: [u64; 2] = [120, 90];
+/// Errors above so many times that of the reference show an order.
+const RESOLVED: f64 = 20.0;
+/// Rungs that a slope is fitted to: the finest, where the order has set in.
+const RUNGS_FITTED: usize = 6;
+/// Half the distance of initial states whose difference gives the tangent.
+const TANGENT_STEP: f64 = 1e-5;
+
+/// How a method meets contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Steps across events.
+    Plain,
+    /// Steps end on events.
+    Landed,
+    /// Kicks integrate the contact force along the exact linear flow instead of sampling it.
+    Averaged,
+    /// Kicks sample the contact force, and what they miss at events is taken back.
+    Corrected,
+    /// Steps start anew at events, in a variable in which the solution is smooth.
+    Regularised,
+}
+
+impl Mode {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Plain, Self::Landed, Self::Averaged, Self::Corrected, Self::Regularised];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Landed => "landed",
+            Self::Averaged => "averaged",
+            Self::Corrected => "corrected",
+            Self::Regularised => "regularised",
+        }
+    }
+}
+
+/// What an error is taken of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The state at the end.
+    State,
+    /// Its derivative by the initial state, in one direction.
+    Tangent,
+}
+
+impl Quantity {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::State => "state",
+            Self::Tangent => "tangent",
+        }
+    }
+}
+
+/// Errors of one method over a ladder of steps.
+#[derive(Clone, Debug)]
+pub struct OrderRow {
+    /// The method.
+    pub method: Method,
+    /// How it meets contacts.
+    pub mode: Mode,
+    /// What the errors are of.
+    pub quantity: Quantity,
+    /// The order it shows, if its errors lie on a line somewhere.
+    pub slope: Option<f64>,
+    /// The order that theory gives it.
+    pub theory: f64,
+    /// Largest error of a component at the end, coarse to fine; infinite where a run failed.
+    pub errors: Vec<f64>,
+    /// Steps of the run.
+    pub steps: Vec<u64>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct OrderStudy {
+    /// Exponent.
+    pub alpha: f64,
+    /// Number of beads.
+    pub beads: usize,
+    /// Exponent, spring constant and mass ratio.
+    pub params: Params,
+    /// End of the runs.
+    pub end: f64,
+    /// Power of the map of the regularised mode.
+    pub q: u32,
+    /// Onsets and releases of the reference run, in order of time.
+    pub events: Vec<Event<f64>>,
+    /// What the reference is good to: the state, and the tangent.
+    pub floor: (f64, f64),
+    /// All rows.
+    pub rows: Vec<OrderRow>,
+}
+
+/// The order that theory gives a method of order `p`.
+///
+/// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed; the same when they are
+/// landed on, unless `alpha` is an integer and the force analytic on either side; one more when kicks are averaged; two more when they are corrected, or
+/// `alpha + 1` if that is less; `p` when regularised.
+pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
+    let p = f64::from(p);
+    let limit = if quantity == Quantity::State { alpha + 1.0 } else { alpha };
+    match mode {
+        Mode::Regularised => p,
+        Mode::Landed if alpha.fract() == 0.0 => p,
+        Mode::Averaged => p.min(limit + 1.0),
+        // The next terms of an event are of order alpha + 3 and 2 alpha + 2.
+        Mode::Corrected => p.min(limit + 2.0).min(limit + alpha + 1.0),
+        Mode::Plain | Mode::Landed => p.min(limit),
+    }
+}
+
+/// The order study.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct OrderOptions {
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// From 0.5 to 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// Number of beads of the chain, from 2 to 1000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 6))]
+    pub beads: usize,
+}
+
+impl Study for OrderOptions {
+    const FILES: &'static str = "Files: order.csv, order.json, order-state.png and order-tangent.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        Ok(Box::new(|_, progress| Ok(Box::new(order(self, &|share| progress(share, ""))?))))
+    }
+}
+
+/// Runs every method over its ladder on a chain of beads that fly at each other. `progress` is told the share done.
+///
+/// # Errors
+/// An option outside its rule, or a reference that cannot be had.
+pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
+    let &OrderOptions { alpha, beads } = options;
+    let problem = Problem::new(alpha, beads)?;
+    let truth = problem.truth()?;
+    let cases = cases(alpha);
+    let tell = |done, total| progress(done as f64 / total as f64);
+    let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
+    Ok(OrderStudy {
+        alpha,
+        beads,
+        params: Params { alpha, kappa: KAPPA, rho: RHO },
+        end: END,
+        q: power(alpha, 8),
+        floor: truth.floor,
+        rows: ladders.into_iter().flatten().collect(),
+        events: truth.events,
+    })
+}
+
+/// The methods and the modes each can be run in, mode by mode.
+fn cases(alpha: f64) -> Vec<(Method, Mode)> {
+    let dop853 = Method::Dop853(Contacts::Crossed);
+    let all = || Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
+    let linear = || all().filter(|method| matches!(method, Method::Splitting(_, Split::Linear)));
+    // Averaged kicks keep the order of compositions of Strang steps only.
+    let composed = |method: &Method| {
+        matches!(method, Method::Splitting(Scheme { coefficients: Coefficients::Composition(_), .. }, Split::Linear))
+    };
+    let mode = |mode: Mode| move |method: Method| (method, mode);
+    let plain = all().chain([dop853]).map(mode(Mode::Plain));
+    let landed = linear().chain([dop853]).map(mode(Mode::Landed));
+    let averaged = linear().filter(composed).map(mode(Mode::Averaged));
+    // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
+    let corrected = [
+        (Method::TAKAHASHI_IMADA, Mode::Plain),
+        (Method::Splitting(&tables::STRANG, Split::Linear), Mode::Corrected),
+        (Method::CORRECTED, Mode::Corrected),
+        (Method::CORRECTED_KINETIC, Mode::Corrected),
+    ];
+    let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
+    plain.chain(landed).chain(averaged).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
+}
+
+/// A chain with generic contacts, its initial state, and a direction in the space of those.
+struct Problem {
+    chain: Chain<f64>,
+    alpha: f64,
+    /// The initial state, and those a little ahead of it and behind it in the direction of the tangent.
+    starts: [Vec<f64>; 3],
+}
+
+/// What errors are held against.
+struct Truth {
+    events: Vec<Event<f64>>,
+    itinerary: Itinerary<f64>,
+    state: Vec<f64>,
+    tangent: Vec<f64>,
+    floor: (f64, f64),
+}
+
+/// The study's initial state: beads apart, flying at each other, with positions and velocities without a pattern.
+///
+/// # Errors
+/// None for a chain that is there.
+pub fn generic_state(chain: &Chain<f64>) -> Result<State<f64>> {
+    let middle = 0.5 * (chain.sites() as f64 - 1.0);
+    let noise = |k: usize| (0.710_550_39 * k as f64 + 0.092_516_4).fract() - 0.5;
+    State::from_fn(chain, |n| {
+        let x = n as f64 - middle;
+        let u = (x + 0.3 * noise(2 * n)) / 7.0;
+        Site { u, v: x / 7.0, u_dot: 0.6 * noise(2 * n + 1) - 0.2 * x, v_dot: 0.0 }
+    })
+}
+
+impl Problem {
+    fn new(alpha: f64, beads: usize) -> Result<Self> {
+        if !(2..=MOST_BEADS).contains(&beads) {
+            let rule = "at least two beads, or nothing can touch, and at most 1000: the study stops at every event";
+            return Err(Error::parameter("beads", beads, rule));
+        }
+        let chain = Chain::new(Params::new(alpha, KAPPA, RHO)?, Boundary::Free, beads)?;
+        if !EXPONENTS.contains(&alpha) {
+            return Err(Error::parameter("alpha", alpha, "the order study takes exponents from 0.5 to 10"));
+        }
+        let start = generic_state(&chain)?.as_slice().to_vec();
+        let shifted = |size: f64| -> Vec<f64> {
+            let direction = |i: usize| (2.399_963 * i as f64 + 1.0).sin();
+            start.iter().enumerate().map(|(i, y)| y + size * direction(i)).collect()
+        };
+        let starts = [start.clone(), shifted(TANGENT_STEP), shifted(-TANGENT_STEP)];
+        Ok(Self { chain, alpha, starts })
+    }
+
+    /// The events of a run with error control.
+    fn events(&self, y0: &[f64]) -> std::result::Result<Vec<Event<f64>>, Failure> {
+        let (field, overlaps) = (Field::new(self.chain.clone()), Overlaps::new(self.chain.clone()));
+        let options = Options::new(1e-13);
+        let powers = (self.alpha, power(self.alpha, 8));
+        let mut run = Regularised::new(field, overlaps, powers, y0, (0.0, END), options)?;
+        let mut events = Vec::new();
+        while !run.done() {
+            run.step()?;
+            events.extend_from_slice(run.events());
+        }
+        events.sort_by(|x, y| x.t.total_cmp(&y.t));
+        Ok(events)
+    }
+
+    fn divided(
+        &self,
+        y0: &[f64],
+        division: Division<f64>,
+        itinerary: &Itinerary<f64>,
+    ) -> std::result::Result<(Vec<f64>, u64), Failure> {
+        let (field, overlaps) = (Field::new(self.chain.clone()), Overlaps::new(self.chain.clone()));
+        equal_steps(field, &overlaps, y0, (0.0, END), division, itinerary)
+    }
+
+    fn truth(&self) -> Result<Truth> {
+        let events = self.events(&self.starts[0])?;
+        let itinerary = Itinerary::new(&events, 1e-9);
+        let q = power(self.alpha, 8);
+        let ends = |steps: u64| -> Result<[Vec<f64>; 2]> {
+            let end = |y0: &Vec<f64>| self.divided(y0, Division::Count { steps, q }, &itinerary);
+            let [state, ahead, behind] = [end(&self.starts[0])?.0, end(&self.starts[1])?.0, end(&self.starts[2])?.0];
+            Ok([state, tangent(&ahead, &behind)])
+        };
+        let [[state, tangent], coarse] = [ends(REFERENCE_STEPS[0])?, ends(REFERENCE_STEPS[1])?];
+        let rounding = 4.0 * f64::EPSILON * max_norm(state.iter().copied());
+        let floor =
+            (distance(&state, &coarse[0]).max(rounding), distance(&tangent, &coarse[1]).max(rounding / TANGENT_STEP));
+        Ok(Truth { events, itinerary, state, tangent, floor })
+    }
+
+    /// The state at the end of a run from `y0`, and its steps.
+    fn end(
+        &self,
+        (method, mode): (Method, Mode),
+        work: Rung,
+        truth: &Truth,
+        y0: &[f64],
+    ) -> std::result::Result<(Vec<f64>, u64), Failure> {
+        let (chain, span) = (self.chain.clone(), (0.0, END));
+        let steps = match work {
+            Rung::Divided(division) => return self.divided(y0, division, &truth.itinerary),
+            Rung::Steps(steps) => steps,
+        };
+        let mut y = y0.to_vec();
+        let steps = match (method, mode) {
+            (Method::Splitting(scheme, Split::Kinetic), _) => {
+                let flow = loaded(KineticFlow::new(chain), y0);
+                finish(&mut Splitting::new(scheme, First::Kick, flow, span, steps)?, &mut y)
+            }
+            (Method::Splitting(scheme, Split::Linear), Mode::Landed) => {
+                let flow = loaded(LinearFlow::new(chain), y0);
+                finish(&mut Landed::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            // Corrections without processing.
+            (Method::Splitting(_, Split::Linear), Mode::Corrected) => {
+                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, Parts::CORRECTED)?, &mut y)
+            }
+            (Method::Splitting(scheme, Split::Linear), Mode::Averaged) => {
+                let flow = loaded(Averaged::new(LinearFlow::new(chain)), y0);
+                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            (Method::Splitting(scheme, Split::Linear), _) => {
+                let flow = loaded(LinearFlow::new(chain), y0);
+                finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
+            (Method::Corrected(parts, Split::Kinetic), _) => {
+                let flow = Bonded::new(loaded(KineticFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
+            }
+            (Method::Corrected(parts, Split::Linear), _) => {
+                let flow = Bonded::new(loaded(LinearFlow::new(chain), y0));
+                finish(&mut Corrected::new(flow, span, steps, parts)?, &mut y)
+            }
+            (Method::Landed(_) | Method::Collocation, _) => {
+                unreachable!("not a method of this study")
+            }
+        }?;
+        Ok((y, steps))
+    }
+
+    /// Errors of the state and of the tangent, and steps; errors are infinite if a run fails.
+    fn errors(&self, case: (Method, Mode), work: Rung, truth: &Truth) -> ([f64; 2], u64) {
+        let end = |y0: &Vec<f64>| self.end(case, work, truth, y0);
+        let [state, ahead, behind] = [&self.starts[0], &self.starts[1], &self.starts[2]].map(end);
+        match (state, ahead, behind) {
+            (Ok((state, steps)), Ok((ahead, _)), Ok((behind, _))) => {
+                ([distance(&state, &truth.state), distance(&tangent(&ahead, &behind), &truth.tangent)], steps)
+            }
+            _ => ([f64::INFINITY; 2], 0),
+        }
+    }
+
+    /// The rows of a method in a mode: of the state and of the tangent.
+    fn ladder(&self, method: Method, mode: Mode, truth: &Truth) -> [OrderRow; 2] {
+        let mut rows = [Quantity::State, Quantity::Tangent].map(|quantity| OrderRow {
+            method,
+            mode,
+            quantity,
+            slope: None,
+            theory: theory(method.order(), self.alpha, mode, quantity),
+            errors: Vec::new(),
+            steps: Vec::new(),
+        });
+        for rung in self.rungs(method, mode) {
+            let runs: Vec<_> = rung.iter().map(|&work| self.errors((method, mode), work, truth)).collect();
+            for (k, row) in rows.iter_mut().enumerate() {
+                let errors: Vec<f64> = runs.iter().map(|(errors, _)| errors[k]).collect();
+                row.errors.push(if mode == Mode::Corrected { median(errors) } else { root_mean_square(&errors) });
+                row.steps.push(runs[0].1);
+            }
+        }
+        let floors = [truth.floor.0, truth.floor.1];
+        for (row, floor) in rows.iter_mut().zip(floors) {
+            row.slope = slope(row, floor);
+        }
+        rows
+    }
+
+    /// The ladder of a method in a mode; the runs of a rung are averaged.
+    fn rungs(&self, method: Method, mode: Mode) -> Vec<Vec<Rung>> {
+        if mode == Mode::Regularised {
+            let q = power(self.alpha, method.order());
+            return STEPS_A_LEG.iter().map(|&steps| vec![Rung::Divided(Division::Count { steps, q })]).collect();
+        }
+        let steps = |evaluations: f64, share: f64| (evaluations * share / method.stages() as f64).round().max(1.0);
+        let work = |steps: f64| match (method, mode) {
+            (Method::Dop853(_), Mode::Landed) => Rung::Divided(Division::Length(END / steps)),
+            _ => Rung::Steps(steps as u64),
+        };
+        // Averaged kicks cost a hundred times more, and do not care where a step crosses.
+        let (rungs, shares) = if mode == Mode::Averaged { (5, 1) } else { (EVALUATIONS.len(), NEIGHBOURS.len()) };
+        let rung = |rung: f64| NEIGHBOURS[..shares].iter().map(|&share| work(steps(rung, share))).collect();
+        let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
+        ladder[..rungs].iter().map(|&evaluations| rung(evaluations)).collect()
+    }
+}
+
+fn root_mean_square(errors: &[f64]) -> f64 {
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Corrected kicks are no continuous function of the start: where an event meets a kick they jump by what corrections leave. A difference across a jump
+/// is no derivative, and the median passes over it.
+fn median(mut errors: Vec<f64>) -> f64 {
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
+}
+
+/// How finely a run goes.
+#[derive(Clone, Copy)]
+enum Rung {
+    /// So many equal steps over the whole span.
+    Steps(u64),
+    /// From event to event.
+    Divided(Division<f64>),
+}
+
+/// The order that a row shows: the slope over its finest rungs whose errors lie well above the floor and below one, at
+/// least three and over at least a decade of errors.
+fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
+    let resolved = |error: f64| error > RESOLVED * floor && error < 0.1;
+    let points: Vec<(f64, f64)> = row
+        .errors
+        .iter()
+        .zip(&row.steps)
+        .filter(|(error, _)| resolved(**error))
+        .map(|(error, &steps)| (-(steps as f64).log10(), error.log10()))
+        .collect();
+    let points = &points[points.len().saturating_sub(RUNGS_FITTED)..];
+    let decades = points.first()?.1 - points.last()?.1;
+    let (slope, _) = fit_line(points)?;
+    (points.len() >= 3 && decades >= 1.0).then_some(slope)
+}
+
+/// Runs to the end and returns the number of steps.
+fn finish(run: &mut impl Stepper<f64>, y: &mut [f64]) -> std::result::Result<u64, Failure> {
+    drive(run, &mut Silent, y)?;
+    Ok(run.stats().steps)
+}
+
+fn tangent(ahead: &[f64], behind: &[f64]) -> Vec<f64> {
+    ahead.iter().zip(behind).map(|(a, b)| (a - b) / (2.0 * TANGENT_STEP)).collect()
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    max_norm(a.iter().zip(b).map(|(a, b)| a - b))
+}

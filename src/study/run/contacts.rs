@@ -1,0 +1,229 @@
+//! Reports of contacts.
+
+use crate::{
+    chain::Contact,
+    error::Result,
+    output::{Array, SETTINGS, npz_with},
+};
+use serde::Serialize;
+
+/// The columns of the tables: the fields of a [`Contact`].
+const COLUMNS: [&str; Contact::NUMBERS] =
+    ["bond", "onset", "release", "approach", "separation", "largest_overlap", "impulse"];
+
+/// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release after the end.
+pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
+    let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
+    let mut text = COLUMNS.join(",") + "\n";
+    for contact in contacts {
+        let numbers: Vec<String> = contact.numbers()[1..].iter().map(number).collect();
+        text += &format!("{},{}\n", contact.bond, numbers.join(","));
+    }
+    text.into_bytes()
+}
+
+/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a contact does not have. `settings`: where they come from, as JSON.
+///
+/// # Errors
+/// What the archive writer says.
+pub fn contacts_npz(contacts: &[Contact], settings: &str) -> Result<Vec<u8>> {
+    let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
+    let arrays: Vec<Array<'_>> = COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
+    npz_with(SETTINGS, settings, &arrays)
+}
+
+/// What the contacts of a run come to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ContactTotals {
+    /// How many there were.
+    pub contacts: usize,
+    /// How many began during the run.
+    pub onsets: usize,
+    /// How many ended during the run.
+    pub releases: usize,
+    /// How many lasted to the end.
+    pub open_at_end: usize,
+    /// Number of bonds that touched.
+    pub bonds: usize,
+    /// The largest overlap, if there was a contact.
+    pub largest_overlap: Option<f64>,
+    /// The longest time between an onset and its release, if any contact has both.
+    pub longest: Option<f64>,
+    /// The shortest such time.
+    pub shortest: Option<f64>,
+    /// The sum of all impulses.
+    pub impulse: f64,
+}
+
+/// What the contacts of a run come to.
+pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
+    let count = |has: fn(&Contact) -> bool| contacts.iter().filter(|contact| has(contact)).count();
+    let durations = || contacts.iter().filter_map(|contact| Some(contact.release? - contact.onset?));
+    let mut bonds: Vec<usize> = contacts.iter().map(|contact| contact.bond).collect();
+    bonds.sort_unstable();
+    bonds.dedup();
+    ContactTotals {
+        contacts: contacts.len(),
+        onsets: count(|contact| contact.onset.is_some()),
+        releases: count(|contact| contact.release.is_some()),
+        open_at_end: count(|contact| contact.release.is_none()),
+        bonds: bonds.len(),
+        largest_overlap: contacts.iter().map(|contact| contact.largest_overlap).reduce(f64::max),
+        longest: durations().reduce(f64::max),
+        shortest: durations().reduce(f64::min),
+        // An empty sum of floats is -0.
+        impulse: contacts.iter().fold(0.0, |sum, contact| sum + contact.impulse),
+    }
+}
+
+/// The same in a readable line or two.
+pub fn contact_lines(contacts: &[Contact]) -> Vec<String> {
+    let totals = contact_totals(contacts);
+    let ContactTotals { contacts, onsets, releases, open_at_end, bonds, impulse, .. } = totals;
+    let Some(overlap) = totals.largest_overlap else { return vec!["contacts    none".to_owned()] };
+    let lasted = match totals.shortest.zip(totals.longest) {
+        Some((shortest, longest)) => format!("lasted {shortest:.3e} to {longest:.3e}, "),
+        None => String::new(),
+    };
+    vec![
+        format!(
+            "contacts    {contacts} (bonds {bonds}, onsets {onsets}, releases {releases}, open at the end {open_at_end})"
+        ),
+        format!("            {lasted}largest overlap {overlap:.6e}, impulse {impulse:.6e}"),
+    ]
+}
+
+/// The contacts as bars over time, up to `t_end`; `how` tells in a sentence how they were computed.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+#[cfg(feature = "plot")]
+pub fn contacts_png(scene: &crate::scene::Scene, how: &str, t_end: f64, contacts: &[Contact]) -> Result<Vec<u8>> {
+    use crate::{
+        chain::Overlaps,
+        figures::{Bar, Raster, raster},
+    };
+    use hertzchain_integrators::EventFunctions;
+    let bar = |contact: &Contact| {
+        let start = contact.onset.unwrap_or(0.0);
+        Bar {
+            bond: contact.bond as f64,
+            start,
+            end: contact.release.unwrap_or(t_end.max(start)),
+            shade: contact.largest_overlap,
+        }
+    };
+    let overlaps = Overlaps::new(scene.chain().clone());
+    let [first, last] = [0, overlaps.count().saturating_sub(1)].map(|index| overlaps.bond(index) as f64);
+    let what =
+        "A bar is a contact of a bond from its onset to its release, darker where its largest overlap is larger.";
+    let figure = Raster {
+        title: format!("{}: contacts over time", scene.name()),
+        bond_label: "bond n".to_owned(),
+        time_label: "time t".to_owned(),
+        shade_label: "largest overlap of the contact".to_owned(),
+        bars: contacts.iter().map(bar).collect(),
+        bonds: (first, last),
+        times: (0.0, t_end),
+        caption: format!("{what} {}", crate::study::provenance(scene, how)),
+    };
+    Ok(raster(&figure)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::Archive;
+    use std::path::Path;
+
+    /// One contact that was there at the start, one whole, one that lasts to the end.
+    fn three() -> [Contact; 3] {
+        let whole = Contact {
+            bond: 12,
+            onset: Some(0.1),
+            release: Some(0.4),
+            approach: Some(1.0 / 3.0),
+            separation: Some(0.3),
+            largest_overlap: 2e-5,
+            impulse: 0.25,
+        };
+        let early = Contact { bond: 3, onset: None, approach: None, release: Some(7.0), impulse: 0.5, ..whole };
+        let late = Contact { release: None, separation: None, largest_overlap: 5e-5, ..whole };
+        [early, whole, late]
+    }
+
+    #[test]
+    fn the_csv_reads_back() {
+        let text = String::from_utf8(contacts_csv(&three())).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "bond,onset,release,approach,separation,largest_overlap,impulse");
+        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1");
+        assert_eq!(lines.len(), 4);
+        for (line, contact) in lines[1..].iter().zip(&three()) {
+            let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            assert_eq!(numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), contact.numbers().map(f64::to_bits));
+        }
+        assert_eq!(contacts_csv(&[]).iter().filter(|&&byte| byte == b'\n').count(), 1);
+    }
+
+    #[test]
+    fn the_archive_holds_the_columns() {
+        for contacts in [&three()[..], &[]] {
+            let archive =
+                Archive::from_bytes(Path::new("contacts.npz"), &contacts_npz(contacts, "{}").unwrap()).unwrap();
+            for (k, name) in COLUMNS.iter().enumerate() {
+                let column = archive.array(name, &[contacts.len() as u64]).unwrap();
+                let expected = contacts.iter().map(|contact| contact.numbers()[k].to_bits());
+                assert!(column.iter().map(|x| x.to_bits()).eq(expected), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_totals_count_what_there_was() {
+        let [_, whole, late] = three();
+        let totals = ContactTotals {
+            contacts: 3,
+            onsets: 2,
+            releases: 2,
+            open_at_end: 1,
+            bonds: 2,
+            largest_overlap: Some(5e-5),
+            longest: Some(0.4 - 0.1),
+            shortest: Some(0.4 - 0.1),
+            impulse: 1.0,
+        };
+        assert_eq!(contact_totals(&three()), totals);
+        assert_eq!(contact_totals(&[]), ContactTotals::default());
+        assert_eq!(contact_totals(&[late]).longest, None);
+        let longer = Contact { release: Some(9.0), ..whole };
+        let totals = contact_totals(&[longer, whole]);
+        assert_eq!((totals.shortest, totals.longest), (Some(0.4 - 0.1), Some(9.0 - 0.1)));
+        let json = serde_json::to_value(contact_totals(&[])).unwrap();
+        assert!(json["largest_overlap"].is_null() && json["impulse"] == 0.0 && json["contacts"] == 0);
+    }
+
+    #[test]
+    fn the_lines_are_short() {
+        assert_eq!(contact_lines(&[]), ["contacts    none"]);
+        assert_eq!(
+            contact_lines(&three()),
+            [
+                "contacts    3 (bonds 2, onsets 2, releases 2, open at the end 1)",
+                "            lasted 3.000e-1 to 3.000e-1, largest overlap 5.000000e-5, impulse 1.000000e0",
+            ]
+        );
+        assert!(contact_lines(&three()[2..])[1].trim().starts_with("largest"));
+    }
+
+    #[cfg(feature = "plot")]
+    #[test]
+    fn every_scene_can_show_its_contacts() {
+        for (name, _) in crate::scene::Scene::list() {
+            let scene = crate::scene::Scene::load(name).unwrap();
+            for contacts in [&three()[..], &[]] {
+                contacts_png(&scene, "Integrator verlet.", 1.0, contacts).unwrap();
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Reports of one run.
+
+use super::contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz};
+#[cfg(feature = "plot")]
+use crate::chain::Overlaps;
+use crate::{
+    chain::{Boundary, Energy},
+    error::Result,
+    output::{Folder, NpzWriter, SETTINGS, csv, to_json},
+    run::{Profile, Trajectory},
+    scene::{Scene, Theory},
+};
+use serde_json::{Map, Value, json};
+use std::fs::File;
+
+/// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
+///
+/// Arrays of resonators are empty where none moves.
+fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
+    [0, 1, 2, 3].map(|i| state_array(scene, state, i))
+}
+
+/// The array `i` of [`state_arrays`].
+fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64>) {
+    let (layout, rho) = (scene.chain().layout(), scene.chain().params().rho);
+    let ring = scene.chain().boundary() == Boundary::StrainRing;
+    let values = match i {
+        0 => layout.u(state),
+        1 => layout.v(state).unwrap_or_default(),
+        2 => layout.u_dot(state),
+        _ => layout.v_dot(state).unwrap_or_default(),
+    };
+    let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
+    let momenta = !ring && i == 3;
+    (names[i], values.iter().map(|&value| if momenta { rho * value } else { value }).collect())
+}
+
+/// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
+fn wave_errors(scene: &Scene, outcome: &Trajectory) -> Option<(f64, f64)> {
+    let layout = scene.chain().layout();
+    match (scene.theory(), layout.v(&outcome.state)) {
+        (Some(Theory::Wave(wave)), Some(y)) => Some(wave.errors(outcome.t, layout.u(&outcome.state), y)),
+        _ => None,
+    }
+}
+
+fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
+    [
+        ("beads", energy.beads),
+        ("resonators", energy.resonators),
+        ("springs", energy.springs),
+        ("contacts", energy.contacts),
+    ]
+}
+
+/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy; `reason` is there where nobody named the integrator.
+pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> String {
+    let mut object = Map::new();
+    let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
+    put("scene", json!(scene.name()));
+    put("integrator", json!(integrator));
+    put("setting", json!(setting));
+    if let Some(reason) = reason {
+        put("reason", json!(reason));
+    }
+    put("t", json!(outcome.t));
+    put("period", json!(scene.period()));
+    for (name, values) in state_arrays(scene, &outcome.state) {
+        put(name, json!(values));
+    }
+    put("energy", json!(outcome.energy.map(|energy| energy.total())));
+    put("energy_error", json!(outcome.energy_error));
+    put(
+        "energies",
+        outcome.energy.map_or(Value::Null, |energy| {
+            json!(kinds(&energy).into_iter().collect::<std::collections::BTreeMap<_, _>>())
+        }),
+    );
+    if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
+        put("e_x_final", json!(e_x));
+        put("e_y_final", json!(e_y));
+    }
+    if let Some(contacts) = &outcome.contacts {
+        put("contacts", json!(contact_totals(contacts)));
+    }
+    put("force_evaluations", json!(outcome.stats.force_evaluations));
+    put("steps", json!(outcome.stats.steps));
+    put("rejected", json!(outcome.stats.rejected));
+    put("wall_s", json!(outcome.wall.as_secs_f64()));
+    put("sampling_s", json!(outcome.sampling.as_secs_f64()));
+    put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
+    put("scene_file", crate::study::scene_json(scene));
+    put("version", json!(env!("CARGO_PKG_VERSION")));
+    to_json(&Value::Object(object))
+}
+
+/// The run in a few readable lines.
+pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Trajectory) -> String {
+    let mut lines = vec![
+        format!("scene       {} ({})", scene.name(), scene.file().summary),
+        format!("integrator  {integrator}, {setting}"),
+        format!("reached     t = {} = {:.6} periods of {}", outcome.t, outcome.t / scene.period(), scene.period()),
+    ];
+    match outcome.energy {
+        Some(energy) => {
+            let parts = kinds(&energy).map(|(kind, value)| format!("{kind} {value:.6e}")).join(", ");
+            lines.push(format!("energy      {:.16e} ({parts})", energy.total()));
+            lines
+                .push(format!("            largest error on the way {:.3e}", outcome.energy_error.unwrap_or(f64::NAN)));
+        }
+        None => lines.push("energy      none on this strain ring: sum x != sum y".to_owned()),
+    }
+    if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
+        lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
+    }
+    if let Some(contacts) = &outcome.contacts {
+        lines.extend(contact_lines(contacts));
+    }
+    let stats = outcome.stats;
+    lines.push(format!(
+        "work        {} steps, {} rejected, {} force evaluations, {:.3e} s, of which sampling {:.3e} s",
+        stats.steps,
+        stats.rejected,
+        stats.force_evaluations,
+        outcome.wall.as_secs_f64(),
+        outcome.sampling.as_secs_f64()
+    ));
+    if let Some(failure) = &outcome.failure {
+        lines.push(format!("FAILED      {failure}"));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`; with a contact log also
+/// `contacts.csv` and `contacts.npz`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &str) -> Result<()> {
+    folder.write("summary.json", json.as_bytes())?;
+    folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
+    let arrays = state_arrays(scene, &outcome.state);
+    let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
+    let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
+    let rows = (0..scene.chain().sites())
+        .map(|n| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect());
+    folder.write("final.csv", &csv(&names, rows))?;
+    let energies = outcome.samples.iter().filter_map(|sample| {
+        let energy = sample.energy?;
+        Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).collect())
+    });
+    folder.write("energy.csv", &csv(&["t", "beads", "resonators", "springs", "contacts", "total"], energies))?;
+    let settings = archive_settings(json);
+    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, &settings))?;
+    if let Some(contacts) = &outcome.contacts {
+        folder.write("contacts.csv", &contacts_csv(contacts))?;
+        folder.write("contacts.npz", &contacts_npz(contacts, &settings)?)?;
+    }
+    Ok(())
+}
+
+/// Writes the archive of profiles, a row at a time: long chains have more of them than fit into memory twice.
+fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], settings: &str) -> std::io::Result<()> {
+    let mut archive = NpzWriter::new(file, Some((SETTINGS, settings)))?;
+    archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
+    let rows = profiles.len() as u64;
+    let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];
+    archive.begin("strain", &columns(profiles.first().map(|profile| profile.x.len())))?;
+    profiles.iter().try_for_each(|profile| archive.row(&profile.x))?;
+    let arrays = state_arrays(scene, scene.initial().as_slice());
+    for (i, (name, values)) in arrays.iter().enumerate().filter(|(_, (_, values))| !values.is_empty()) {
+        archive.begin(name, &columns(profiles.first().map(|_| values.len())))?;
+        for profile in profiles {
+            archive.row(&state_array(scene, &profile.state, i).1)?;
+        }
+    }
+    archive.finish()
+}
+
+/// What the archives of a run say of it: all of its JSON that does not come out of it.
+fn archive_settings(json: &str) -> String {
+    let all: Map<String, Value> = serde_json::from_str(json).unwrap_or_default();
+    let of_settings = ["scene", "integrator", "setting", "scene_file", "version"];
+    let kept: Map<String, Value> = all.into_iter().filter(|(name, _)| of_settings.contains(&name.as_str())).collect();
+    to_json(&Value::Object(kept))
+}
+
+/// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and time, the energy error.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+#[cfg(feature = "plot")]
+pub fn run_pictures(
+    scene: &Scene,
+    integrator: &str,
+    setting: &str,
+    outcome: &Trajectory,
+) -> Result<Vec<(&'static str, Vec<u8>)>> {
+    use crate::figures;
+    let how = format!("Integrator {integrator}, {setting}.");
+    let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
+    let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
+    if let Some(last) = outcome.profiles.last() {
+        let (range, clips) = strain_range(outcome);
+        let clipped = if clips { format!("; gaps beyond {range:.3e} have the darkest red") } else { String::new() };
+        let figure = figures::SpaceTime {
+            title: format!("{}: strain over space and time", scene.name()),
+            site_label: "bond n".to_owned(),
+            time_label: "time t".to_owned(),
+            value_label: "strain xₙ".to_owned(),
+            values: outcome.profiles.iter().flat_map(|profile| &profile.x).map(|x| x.clamp(-range, range)).collect(),
+            sites: last.x.len(),
+            first_site: first_bond(scene),
+            times: (0.0, last.t),
+            signed: true,
+            caption: caption(&format!("Negative strain (blue) is contact, positive (red) a gap{clipped}.")),
+        };
+        pictures.push(("spacetime.png", figures::space_time(&figure)?));
+    }
+    let errors = energy_errors(outcome);
+    if !errors.is_empty() {
+        let lines = vec![figures::Line { name: integrator.to_owned(), points: errors }];
+        let labels = ["time t", "|E(t) − E(0)| / |E(0)|"];
+        let panel = figures::Panel::new(figures::Kind::LogTime, labels, lines);
+        let what = "Relative error of the total energy at the sample times; points without error are left out.";
+        let title = format!("{}: relative energy error", scene.name());
+        pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
+    }
+    if let Some(contacts) = &outcome.contacts {
+        pictures.push(("contacts.png", super::contacts::contacts_png(scene, &how, outcome.t, contacts)?));
+    }
+    Ok(pictures)
+}
+
+/// The number of the first strain: bonds count as the sites to their right, and the first of a free chain has no bond.
+#[cfg(feature = "plot")]
+fn first_bond(scene: &Scene) -> f64 {
+    Overlaps::new(scene.chain().clone()).bond(0) as f64
+}
+
+/// The range of colours, and whether it clips: all strains, but gaps only up to three times the largest overlap, so that
+/// contacts stay visible.
+#[cfg(feature = "plot")]
+fn strain_range(outcome: &Trajectory) -> (f64, bool) {
+    let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
+    let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
+    let range = if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) };
+    (range, gap > range)
+}
+
+/// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.
+#[cfg(feature = "plot")]
+fn energy_errors(outcome: &Trajectory) -> Vec<(f64, f64)> {
+    let totals: Vec<(f64, f64)> =
+        outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.total()))).collect();
+    let Some(&(_, initial)) = totals.first().filter(|(_, energy)| *energy != 0.0) else { return Vec::new() };
+    totals.iter().map(|&(t, e)| (t, ((e - initial) / initial).abs())).filter(|(_, error)| *error > 0.0).collect()
+}
+
+#[cfg(feature = "plot")]
+fn profile_figure(scene: &Scene, outcome: &Trajectory, caption: &dyn Fn(&str) -> String) -> crate::figures::Panels {
+    use crate::figures::{Line, Panel, Panels};
+    let layout = scene.chain().layout();
+    let ring = scene.chain().boundary() == Boundary::StrainRing;
+    let first = first_bond(scene);
+    let points =
+        |values: &[f64]| values.iter().enumerate().map(|(n, &value)| (first + n as f64, value)).collect::<Vec<_>>();
+    let line = |name: &str, values: &[f64]| Line { name: name.to_owned(), points: points(values) };
+    let mut panels = vec![("xₙ", "strain xₙ", scene.strains(&outcome.state))];
+    if let (true, Some(y)) = (ring, layout.v(&outcome.state)) {
+        panels.push(("yₙ", "strain yₙ", y.to_vec()));
+    }
+    let panels = panels.into_iter().enumerate().map(|(i, (_, label, values))| {
+        let mut lines = vec![line("numerical", &values)];
+        if let Some(Theory::Wave(wave)) = scene.theory() {
+            let ansatz = |n| {
+                let site = wave.site(n, outcome.t);
+                if i == 0 { site.u } else { site.v }
+            };
+            lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
+        }
+        let x_label = if ring { "site n" } else { "bond n" };
+        Panel { x_label: x_label.to_owned(), y_label: label.to_owned(), lines, ..Default::default() }
+    });
+    let title = format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t);
+    let caption = caption(match scene.theory() {
+        Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
+        _ => "Strains at the end of the run.",
+    });
+    Panels::column(title, panels.collect(), caption)
+}

@@ -1,0 +1,283 @@
+//! Run time per bond and period against the number of sites.
+//!
+//! The wave of the scene `tw-q15`, on a ring as long as is asked for, perturbed so that all contacts begin and end at times of
+//! their own. Contact collocation works bond by bond and costs the same on every ring; a method that takes one step for the whole
+//! chain pays for each event with all of it.
+
+mod report;
+
+use super::{Study, Work, compare::time};
+use crate::{
+    error::{Error, Result},
+    random::uniform,
+    run::method::{Contacts, Method, Setting},
+    scene::{Initial, Scene, SceneFile},
+    sweep::on_one_thread,
+};
+use hertzchain_integrators::Stats;
+use std::time::Instant;
+
+/// The scene whose wave runs on rings of all lengths, and the sites that one wave takes there.
+const SCENE: &str = "tw-q15";
+const WAVE: usize = 10;
+/// Sites of the longest ring.
+const MOST_SITES: usize = 1_000_000;
+/// Length of the runs in periods of the wave.
+const PERIODS: f64 = 3.0;
+/// Size of the perturbation, relative to the largest entry of its kind.
+const PERTURBATION: f64 = 0.1;
+/// Tolerances that every method takes.
+const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
+/// Sites of the run that tells what a first ring longer than that will cost.
+const TRIAL_SITES: usize = 50;
+
+/// The scaling study.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ScalingOptions {
+    /// Numbers of sites, separated by commas.
+    ///
+    /// Multiples of 10, up to 10^6.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "500", "5000", "50000"]
+        )
+    )]
+    pub sites: Vec<usize>,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// The same for every method.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-9"))]
+    pub tol: f64,
+    /// Seed of what is drawn at random.
+    ///
+    /// The perturbation of the wave.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = 1))]
+    pub seed: u64,
+    /// Wall time for all runs, in seconds; what would not fit is left out.
+    ///
+    /// Left out are runs of dop853.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "60"))]
+    pub max_time: f64,
+}
+
+impl Study for ScalingOptions {
+    const FILES: &'static str = "Files: scaling.csv, scaling.json and scaling.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        Ok(Box::new(|_, progress| Ok(Box::new(scaling(self, progress)?))))
+    }
+}
+
+/// One method on one ring.
+#[derive(Clone, Debug)]
+pub struct ScalingRow {
+    /// The method.
+    pub method: Method,
+    /// Number of sites, and of bonds.
+    pub sites: usize,
+    /// Median wall time of several runs, in seconds; `None` if there is none.
+    pub wall: Option<f64>,
+    /// The same per bond and period.
+    pub per_bond_period: Option<f64>,
+    /// Runs behind the median.
+    pub repeats: usize,
+    /// Work of one run. A force evaluation is one of the whole chain: so many by each bond, at most.
+    pub stats: Stats,
+    /// Why there is no time: the run failed, or was left out.
+    pub failure: Option<String>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct ScalingStudy {
+    /// The scene whose wave runs.
+    pub scene: &'static str,
+    /// Tolerance of every method.
+    pub tol: f64,
+    /// Length of the runs in periods of the wave.
+    pub periods: f64,
+    /// Size of the perturbation, relative to the largest entry of its kind.
+    pub perturbation: f64,
+    /// Seed of the perturbation.
+    pub seed: u64,
+    /// Rows, method by method, short to long.
+    pub rows: Vec<ScalingRow>,
+}
+
+impl ScalingStudy {
+    /// The methods of the study: collocation, contact-corrected splitting, whose equal steps are those of the whole chain, and two adaptive ones that step the whole chain.
+    pub fn methods() -> [Method; 4] {
+        [
+            Method::Collocation,
+            Method::CORRECTED,
+            Method::Dop853(Contacts::Crossed),
+            Method::Dop853(Contacts::Regularised),
+        ]
+    }
+
+    /// The rows of one method.
+    pub fn rows_of(&self, method: &Method) -> Vec<&ScalingRow> {
+        self.rows.iter().filter(|row| row.method == *method).collect()
+    }
+}
+
+/// Times every method on every ring, on one thread. `progress` is told the share of the time budget that is used, and what runs.
+///
+/// # Errors
+/// A number of sites, a tolerance or a budget outside its rule.
+pub fn scaling(options: &ScalingOptions, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<ScalingStudy> {
+    let sizes = checked(options)?;
+    // Collocation would otherwise use all cores on long chains, and the others one.
+    let rows = on_one_thread(|| rows(options, &sizes, progress))??;
+    let ScalingOptions { tol, seed, .. } = *options;
+    Ok(ScalingStudy { scene: SCENE, tol, periods: PERIODS, perturbation: PERTURBATION, seed, rows })
+}
+
+/// The numbers of sites in ascending order, if all options keep their rules.
+fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
+    let mut sizes = options.sites.clone();
+    sizes.sort_unstable();
+    sizes.dedup();
+    if sizes.is_empty() {
+        return Err(Error::parameter("sites", "\"\"", "name at least one number of sites"));
+    }
+    let good = |sites: &usize| (WAVE..=MOST_SITES).contains(sites) && sites.is_multiple_of(WAVE);
+    if let Some(&sites) = sizes.iter().find(|sites| !good(sites)) {
+        let rule = "a multiple of 10 from 10 to 10^6, so that whole waves fit the ring";
+        return Err(Error::parameter("sites", sites, rule));
+    }
+    if !TOLERANCES.contains(&options.tol) {
+        return Err(Error::parameter("tol", options.tol, "from 1e-15 to 0.1"));
+    }
+    if !(options.max_time.is_finite() && options.max_time > 0.0) {
+        return Err(Error::parameter("max-time", options.max_time, "a finite number of seconds, above zero"));
+    }
+    Ok(sizes)
+}
+
+/// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the budget.
+fn rows(options: &ScalingOptions, sizes: &[usize], progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<ScalingRow>> {
+    let (clock, budget) = (Instant::now(), options.max_time);
+    let spent = || clock.elapsed().as_secs_f64();
+    let mut studied = ScalingStudy::methods().map(|method| Studied::new(method, options));
+    let (collocation, others) = studied.split_at_mut(1);
+    for &sites in sizes {
+        progress(spent() / budget, &format!("collocation, {sites} sites"));
+        collocation[0].measure(sites, budget - spent())?;
+    }
+    for &sites in sizes {
+        for method in &mut *others {
+            progress(spent() / budget, &format!("{}, {sites} sites", method.method.name()));
+            let left = budget - spent();
+            match method.predicted(sites)? {
+                Some(wall) if wall > left => method.leave_out(sites, wall),
+                _ => method.measure(sites, left)?,
+            }
+        }
+    }
+    Ok(studied.into_iter().flat_map(|method| method.rows).collect())
+}
+
+/// A method on its way through the rings.
+struct Studied<'a> {
+    method: Method,
+    options: &'a ScalingOptions,
+    /// Sites and wall time of the last run.
+    known: Option<(usize, f64)>,
+    rows: Vec<ScalingRow>,
+}
+
+impl<'a> Studied<'a> {
+    fn new(method: Method, options: &'a ScalingOptions) -> Self {
+        Self { method, options, known: None, rows: Vec::new() }
+    }
+
+    /// Median wall time of several runs on a ring, their number, and their work; or why a run failed.
+    fn time(&self, sites: usize, left: f64) -> Result<std::result::Result<(f64, usize, Stats), String>> {
+        let scene = perturbed(sites, self.options.seed)?;
+        match time(&scene, self.method, Setting::Tolerance(self.options.tol), left) {
+            Err(Error::Integration(failure)) => Ok(Err(failure.to_string())),
+            outcome => outcome.map(Ok),
+        }
+    }
+
+    fn measure(&mut self, sites: usize, left: f64) -> Result<()> {
+        let mut row = self.row(sites);
+        match self.time(sites, left)? {
+            Ok((wall, repeats, stats)) => {
+                self.known = Some((sites, wall));
+                (row.wall, row.repeats, row.stats) = (Some(wall), repeats, stats);
+                row.per_bond_period = Some(wall / (sites as f64 * PERIODS));
+            }
+            Err(failure) => row.failure = Some(failure),
+        }
+        self.rows.push(row);
+        Ok(())
+    }
+
+    fn leave_out(&mut self, sites: usize, wall: f64) {
+        let failure = Some(format!("left out: it would take about {wall:.0e} s, more than --max-time leaves"));
+        self.rows.push(ScalingRow { failure, ..self.row(sites) });
+    }
+
+    fn row(&self, sites: usize) -> ScalingRow {
+        let (method, stats) = (self.method, Stats::default());
+        ScalingRow { method, sites, wall: None, per_bond_period: None, repeats: 0, stats, failure: None }
+    }
+
+    /// What one run will take, from the last one; from one on a short ring if the first is long.
+    fn predicted(&mut self, sites: usize) -> Result<Option<f64>> {
+        if self.known.is_none() && sites > TRIAL_SITES {
+            self.known = self.time(TRIAL_SITES, 0.0)?.ok().map(|(wall, ..)| (TRIAL_SITES, wall));
+        }
+        Ok(self.known.map(|(known, wall)| wall * (sites as f64 / known as f64).powf(growth(&self.method))))
+    }
+}
+
+/// The power of the number of sites that a run time grows like, at most: events come in proportion to the sites, and a method that
+/// stops at each pays with the whole chain; any other slows down where its state no longer fits the cache.
+fn growth(method: &Method) -> f64 {
+    match method {
+        Method::Collocation => 1.0,
+        Method::Dop853(Contacts::Landed | Contacts::Regularised) => 2.0,
+        _ => 1.25,
+    }
+}
+
+/// The wave on a ring of so many sites, every entry perturbed; the means stay, so that the ring keeps its energy.
+fn perturbed(sites: usize, seed: u64) -> Result<Scene> {
+    let mut file = SceneFile::parse(&Scene::source(SCENE)?, SCENE)?;
+    file.chain.sites = sites;
+    let wave = Scene::build(file.clone())?;
+    let mut random = uniform(seed);
+    let mut arrays = wave.initial().as_slice().chunks(sites).map(|array| shaken(array, &mut random));
+    let mut next = || arrays.next().unwrap_or_default();
+    file.initial = Initial::State { u: next(), v: next(), u_dot: next(), v_dot: next() };
+    Scene::build(file)?.until(PERIODS * wave.period())
+}
+
+fn shaken(array: &[f64], random: &mut impl FnMut() -> f64) -> Vec<f64> {
+    let size = PERTURBATION * crate::chain::max_norm(array.iter().copied());
+    let shifts: Vec<f64> = array.iter().map(|_| size * random()).collect();
+    let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
+    array.iter().zip(shifts).map(|(value, shift)| value + (shift - mean)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_perturbed_ring_differs_in_every_entry_and_has_an_energy() {
+        let (scene, same, other) = (perturbed(50, 1).unwrap(), perturbed(50, 1).unwrap(), perturbed(50, 2).unwrap());
+        let wave = Scene::load(SCENE).unwrap();
+        let [y, unperturbed] = [&scene, &wave].map(|scene| scene.initial().as_slice());
+        assert!(y.iter().zip(unperturbed).all(|(a, b)| a != b));
+        assert!(scene.chain().has_energy(y));
+        assert_eq!(y, same.initial().as_slice());
+        assert_ne!(y, other.initial().as_slice());
+        assert_eq!(scene.end(), PERIODS * wave.period());
+    }
+}

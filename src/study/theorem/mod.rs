@@ -1,0 +1,460 @@
+//! Theorem 1 (th:dps) as an experiment: does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says?
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `epsilon` | size of the oscillation; `tau = epsilon^{alpha-1} t` is the slow time, `T` the horizon: runs end at `t = T epsilon^{1-alpha}` |
+//! | `A(tau)` | a solution of the DpS equation (eq:DpSlr) at `kappa = 1` |
+//! | `C_i` | size of the departure of the initial state from the ansatz, (condciu) and (condciv) |
+//! | `u, v, v'` | the three errors: `norm(u - 2 epsilon Re A e^{it}) + norm(u' + 2 epsilon Im A e^{it})` (estimu), `norm(v)`, `norm(v')` (estimv) |
+//! | powers | what the theorem bounds their suprema with: `epsilon^alpha, epsilon^alpha, epsilon^{2 alpha-1}` |
+//! | local slope | `d ln sup / d ln epsilon` between neighbouring sizes |
+//!
+//! The suprema over time are those of samples, see [`Sampling`]; the verdict is a rule on the local slopes, see [`Bound`].
+
+mod report;
+
+mod slopes;
+mod start;
+mod suprema;
+
+pub(crate) use report::csv as theorem_csv;
+pub use slopes::{Bound, TheoremSlope};
+pub use suprema::{Errors, Norm, Sampling};
+
+use super::{Study, Work};
+use crate::{
+    error::{Error, Result},
+    interrupt,
+    output::Folder,
+    sweep::{Store, Threads, sweep},
+};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use start::Start;
+use std::time::{Duration, Instant};
+
+/// The store in the folder of results.
+const STORE: &str = "theorem.store";
+/// Seed of what is random, unless one is given.
+const SEED: u64 = 1;
+/// Tolerance of the runs over `epsilon^{alpha-1}`.
+const ACCURACY: f64 = 1e-6;
+
+/// Exponents: the theorem asks for more than one, the averages are tabulated up to ten.
+const ALPHAS: (f64, f64) = (1.0, 10.0);
+/// Longest run, `T epsilon^{1-alpha}`, and longest horizon.
+const LONGEST: f64 = 1e8;
+const MOST_SLOW_TIME: f64 = 1e3;
+
+/// How the mass ratio follows the size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RhoLaw {
+    /// `rho = epsilon^{-2(alpha-1)}`: the least that the theorem allows.
+    Heavy,
+    /// `rho = epsilon^{-(alpha-1)}`: less than it allows.
+    Light,
+    /// The same at all sizes; infinite for Newton's cradle.
+    Value(f64),
+}
+
+impl RhoLaw {
+    /// Names of the two laws.
+    pub const NAMES: [&'static str; 2] = ["eps^-2(alpha-1)", "eps^-(alpha-1)"];
+
+    /// The law of this name, or the value that it is.
+    ///
+    /// # Errors
+    /// Neither.
+    pub fn named(text: &str) -> Result<Self> {
+        let rule = "the laws are eps^-2(alpha-1), eps^-(alpha-1), or a positive number (inf for Newton's cradle)";
+        match text.parse::<f64>() {
+            _ if text == Self::NAMES[0] => Ok(Self::Heavy),
+            _ if text == Self::NAMES[1] => Ok(Self::Light),
+            Ok(value) if value > 0.0 => Ok(Self::Value(value)),
+            _ => Err(Error::parameter("rho-law", text, rule)),
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> String {
+        match self {
+            Self::Heavy => Self::NAMES[0].to_owned(),
+            Self::Light => Self::NAMES[1].to_owned(),
+            Self::Value(rho) => rho.to_string(),
+        }
+    }
+
+    /// `gamma` of `rho = epsilon^{-gamma}`; `None` for a constant.
+    fn exponent(self, alpha: f64) -> Option<f64> {
+        match self {
+            Self::Heavy => Some(2.0 * (alpha - 1.0)),
+            Self::Light => Some(alpha - 1.0),
+            Self::Value(_) => None,
+        }
+    }
+
+    /// `rho` at a size.
+    pub fn rho(self, alpha: f64, epsilon: f64) -> f64 {
+        match self {
+            Self::Value(rho) => rho,
+            law => epsilon.powf(-law.exponent(alpha).unwrap_or(0.0)),
+        }
+    }
+
+    /// Whether `1/rho <= C_r epsilon^{2(alpha-1)}` with one `C_r` for all sizes, as the theorem asks.
+    pub fn allowed(self) -> bool {
+        matches!(self, Self::Heavy | Self::Value(f64::INFINITY))
+    }
+}
+
+/// What `A(0)` is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Initial {
+    /// The breather about a site, `a^1` of (dpsstat): `A(tau) = a e^{i omega_0 tau}`.
+    Site,
+    /// The breather about a bond, `a^2`.
+    Bond,
+    /// `A_n(0) = (xi_n + i eta_n) e^{-n^2/4}`, with `xi_n, eta_n` random in (-1, 1).
+    Generic,
+}
+
+impl Initial {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Site => "site",
+            Self::Bond => "bond",
+            Self::Generic => "generic",
+        }
+    }
+}
+
+/// Theorem 1 as a study.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct TheoremOptions {
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// Above 1 and at most 10 (breathers: from 1.01).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// T: runs end at t = T epsilon^(1-alpha), at most 1e8.
+    ///
+    /// In units of the slow time, up to 1000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1"))]
+    pub horizon: f64,
+    /// Law of the mass ratio, or a number for all epsilon.
+    ///
+    /// eps^-2(alpha-1), the least that the theorem allows; eps^-(alpha-1), which is less; or a number, inf for Newton's
+    /// cradle.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true,
+            value_parser = RhoLaw::named
+        )
+    )]
+    pub rho_law: RhoLaw,
+    /// What A(0) is.
+    ///
+    /// The breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in (-1, 1).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "I", value_enum, default_value_t = Initial::Bond))]
+    pub initial: Initial,
+    /// C_i: departure of the initial state from the ansatz.
+    ///
+    /// In a random direction, on the boundary of the set (condciu), (condciv) in l_1, and so inside it in all norms. 0:
+    /// exactly on the ansatz.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
+    pub c_i: f64,
+    /// Seed of what is drawn at random [default: 1].
+    ///
+    /// A generic A(0) and the departure from the ansatz.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
+    pub seed: Option<u64>,
+    /// Sizes, separated by commas [default: decades from 0.1 to 1e-6].
+    ///
+    /// Between 0 and 1, in any order.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long, value_name = "E,F,..", value_delimiter = ',',
+            default_values = ["0.1", "0.01", "1e-3", "1e-4", "1e-5", "1e-6"], hide_default_value = true
+        )
+    )]
+    pub epsilons: Vec<f64>,
+    /// Number of sites.
+    ///
+    /// Up to 1000 [default: those where A(0) is above 1e-16 of its largest value; generic: 21].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub sites: Option<usize>,
+    /// Where suprema are looked for.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub sampling: Sampling,
+    /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is measured.
+    #[cfg_attr(feature = "cli", arg(skip = ACCURACY))]
+    pub accuracy: f64,
+}
+
+impl Default for TheoremOptions {
+    /// The breather about a bond with `alpha = 3/2`, `T = 1`, decades from 0.1 to 1e-6.
+    fn default() -> Self {
+        Self {
+            alpha: 1.5,
+            horizon: 1.0,
+            rho_law: RhoLaw::Heavy,
+            initial: Initial::Bond,
+            c_i: 0.0,
+            seed: None,
+            epsilons: vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+            sites: None,
+            sampling: Sampling::default(),
+            accuracy: ACCURACY,
+        }
+    }
+}
+
+impl TheoremOptions {
+    /// The seed of a generic `A(0)` and of the departure.
+    fn seed(&self) -> u64 {
+        self.seed.unwrap_or(SEED)
+    }
+
+    /// Whether something is drawn at random.
+    fn random(&self) -> bool {
+        self.initial == Initial::Generic || self.c_i > 0.0
+    }
+}
+
+impl Study for TheoremOptions {
+    const FILES: &'static str = "Files: theorem.json, theorem.txt, theorem.png, theorem.csv (suprema) and slopes.csv, and theorem.store, where every size is kept \
+                                 once it was run: the same study in the same folder goes on where it was.";
+    const STOPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        checked(self)?;
+        Ok(Box::new(|folder, progress| Ok(Box::new(theorem(self, folder, &|share| progress(share, ""))?))))
+    }
+}
+
+/// The run of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TheoremRun {
+    /// Size.
+    pub epsilon: f64,
+    /// Mass ratio.
+    pub rho: f64,
+    /// End time, `T epsilon^{1-alpha}`.
+    pub end: f64,
+    /// Samples.
+    pub samples: usize,
+    /// Windows of the integrator.
+    pub windows: u64,
+    /// Suprema, in the order of [`Norm::ALL`].
+    pub suprema: [Errors; 3],
+    /// The share of each that samples miss: an eighth of the second differences at the largest, see [`Sampling`].
+    pub sampling_errors: [Errors; 3],
+}
+
+impl TheoremRun {
+    /// The largest share of a supremum in this norm that samples miss.
+    pub fn sampling_error(&self, norm: Norm) -> f64 {
+        self.sampling_errors[norm.index()].0.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// A size as a point of the sweep: sizes and mass ratios have their bits, also an infinite one.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Point {
+    epsilon: f64,
+}
+
+/// What is measured at a size.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measured {
+    samples: usize,
+    windows: u64,
+    suprema: [Errors; 3],
+    sampling_errors: [Errors; 3],
+}
+
+/// The outcome.
+#[derive(Clone, Debug)]
+pub struct TheoremStudy {
+    /// What was asked for; sizes from large to small.
+    pub options: TheoremOptions,
+    /// Sites of the chain.
+    pub sites: usize,
+    /// Runs, from large to small sizes.
+    pub runs: Vec<TheoremRun>,
+    /// For each norm and each error.
+    pub slopes: Vec<TheoremSlope>,
+    /// How many of the runs were in the store.
+    pub resumed: usize,
+    /// How many sizes were not run, since the process was asked to end.
+    pub missing: usize,
+    /// Wall time.
+    pub wall: Duration,
+}
+
+impl TheoremStudy {
+    /// The powers of `epsilon` that bound the three errors: `alpha, alpha, 2 alpha - 1`.
+    pub fn powers(&self) -> [f64; 3] {
+        powers(self.options.alpha)
+    }
+
+    /// The suprema of a run over the powers of `epsilon` that bound them.
+    pub fn scaled(&self, run: &TheoremRun, norm: Norm) -> Errors {
+        let (powers, errors) = (self.powers(), run.suprema[norm.index()]);
+        Errors(std::array::from_fn(|k| errors.0[k] / run.epsilon.powf(powers[k])))
+    }
+
+    /// What all norms say of one error (`u, v, v'` are 0, 1, 2).
+    pub fn bound(&self, quantity: usize) -> Bound {
+        Bound::of_all(self.slopes.iter().filter(|slope| slope.quantity == quantity).map(|slope| slope.bound))
+    }
+
+    /// What all norms and errors say: violated if one is, undecided if none is and one is that.
+    pub fn verdict(&self) -> Bound {
+        Bound::of_all(self.slopes.iter().map(|slope| slope.bound))
+    }
+
+    /// Whether it contradicts the theorem: its hypotheses hold, what it says does not.
+    pub fn contradicts(&self) -> bool {
+        self.options.rho_law.allowed() && self.verdict() == Bound::Violated
+    }
+}
+
+fn powers(alpha: f64) -> [f64; 3] {
+    [alpha, alpha, 2.0 * alpha - 1.0]
+}
+
+/// Runs the chain at all sizes, on all cores, and holds it against the DpS equation. With a folder, each size is kept there as soon as it was run, and is not run
+/// again. `progress` is told the share that is done now.
+///
+/// Asked to end, it gives what the sizes say that were run.
+///
+/// # Errors
+/// An option outside its rule, a run that fails; a store of another study, or one that was altered.
+pub fn theorem(
+    options: &TheoremOptions,
+    folder: Option<&Folder>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<TheoremStudy> {
+    let clock = Instant::now();
+    let mut options = checked(options)?;
+    let start = Start::new(&options)?;
+    let end = |epsilon: f64| options.horizon * epsilon.powf(1.0 - options.alpha);
+    let total: f64 = options.epsilons.iter().map(|&epsilon| end(epsilon)).sum();
+    let shares = std::sync::Mutex::new(0.0);
+    let tell = |dt: f64| {
+        if let Ok(mut done) = shares.lock() {
+            *done += dt / total;
+            progress(*done);
+        }
+    };
+    // The longest run first, so that no core waits for it at the end.
+    let ascending: Vec<Point> = options.epsilons.iter().rev().map(|&epsilon| Point { epsilon }).collect();
+    let mut store = folder.map(|folder| Store::open(folder, STORE, "theorem", &settings(&options))).transpose()?;
+    let swept =
+        sweep(&ascending, store.as_mut(), &Threads, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
+    let (resumed, missing) = (swept.resumed, swept.missing);
+    let mut runs = Vec::new();
+    for (&Point { epsilon }, measured) in ascending.iter().zip(swept.rows).rev() {
+        match measured {
+            Ok(Measured { samples, windows, suprema, sampling_errors }) => {
+                let rho = options.rho_law.rho(options.alpha, epsilon);
+                runs.push(TheoremRun { epsilon, rho, end: end(epsilon), samples, windows, suprema, sampling_errors });
+            }
+            // Those that were not begun are missing, not wrong.
+            Err(_) if interrupt::asked() => {}
+            Err(why) => return Err(Error::Point { point: format!("epsilon = {epsilon}"), why }),
+        }
+    }
+    if runs.is_empty() {
+        return Err(Error::Stopped { kept: "no size was run to its end".to_owned() });
+    }
+    options.epsilons = runs.iter().map(|run| run.epsilon).collect();
+    let slopes = slopes::of_all(&options, &runs);
+    Ok(TheoremStudy { sites: start.sites(), runs, slopes, resumed, missing, wall: clock.elapsed(), options })
+}
+
+/// What a run depends on beside its size.
+fn settings(options: &TheoremOptions) -> serde_json::Value {
+    let TheoremOptions { alpha, horizon, rho_law, initial, c_i, sites, sampling, accuracy, .. } = options;
+    json!({
+        "alpha": alpha,
+        "horizon": horizon,
+        "rho_law": rho_law.name(),
+        "initial": initial.name(),
+        "c_i": c_i,
+        "seed": options.seed(),
+        "sites": sites,
+        "sampling": sampling,
+        "accuracy": accuracy,
+    })
+}
+
+/// The options with their sizes in order.
+fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
+    let &TheoremOptions { alpha, horizon, c_i, .. } = options;
+    if !(alpha > ALPHAS.0 && alpha <= ALPHAS.1) {
+        return Err(Error::parameter("alpha", alpha, "Theorem 1 is for alpha above 1; here at most 10"));
+    }
+    if !(horizon > 0.0 && horizon <= MOST_SLOW_TIME) {
+        return Err(Error::parameter("horizon", horizon, "a slow time above 0 and at most 1000"));
+    }
+    if !(c_i.is_finite() && c_i >= 0.0) {
+        return Err(Error::parameter("c-i", c_i, "a finite size, at least zero"));
+    }
+    if let (Some(seed), false) = (options.seed, options.random()) {
+        let rule = "a seed needs something random: --initial generic, or --c-i above 0";
+        return Err(Error::parameter("seed", seed, rule));
+    }
+    if let RhoLaw::Value(rho) = options.rho_law
+        && (rho.is_nan() || rho <= 0.0)
+    {
+        return Err(Error::parameter("rho-law", rho, "a mass ratio is positive, or inf"));
+    }
+    let mut epsilons = options.epsilons.clone();
+    if epsilons.is_empty() {
+        return Err(Error::parameter("epsilons", "none", "at least one size"));
+    }
+    if let Some(wrong) = epsilons.iter().find(|epsilon| !(**epsilon > 0.0 && **epsilon < 1.0)) {
+        return Err(Error::parameter("epsilons", wrong, "sizes between 0 and 1, both excluded"));
+    }
+    epsilons.sort_by(|a, b| b.total_cmp(a));
+    if let Some(twice) = epsilons.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(Error::parameter("epsilons", twice[0], "each size once"));
+    }
+    let longest = epsilons.iter().map(|epsilon| horizon * epsilon.powf(1.0 - alpha)).fold(0.0, f64::max);
+    if longest > LONGEST {
+        let rule = "runs are at most 1e8 long: a larger epsilon, or a shorter horizon";
+        return Err(Error::parameter("T epsilon^(1-alpha)", longest, rule));
+    }
+    options.sampling.checked()?;
+    Ok(TheoremOptions { epsilons, ..options.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_are_read_as_they_are_written() {
+        for (text, law) in [
+            ("eps^-2(alpha-1)", RhoLaw::Heavy),
+            ("eps^-(alpha-1)", RhoLaw::Light),
+            ("1000", RhoLaw::Value(1e3)),
+            ("inf", RhoLaw::Value(f64::INFINITY)),
+        ] {
+            assert_eq!(RhoLaw::named(text).unwrap(), law);
+            assert_eq!(law.name(), text);
+        }
+        for text in ["eps^-3", "0", "-1", "nan", ""] {
+            assert!(RhoLaw::named(text).unwrap_err().to_string().contains("eps^-(alpha-1)"), "{text}");
+        }
+        assert!((RhoLaw::Heavy.rho(1.5, 1e-2) / 100.0 - 1.0).abs() < 1e-14);
+        assert!((RhoLaw::Light.rho(2.0, 1e-2) / 100.0 - 1.0).abs() < 1e-14);
+    }
+}

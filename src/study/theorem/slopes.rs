@@ -1,0 +1,192 @@
+//! Local slopes and what they say.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `s_k` | `ln(E_k / E_{k+1}) / ln(epsilon_k / epsilon_{k+1})`, less the power of the theorem |
+//! | `s` | its limit: a line in `epsilon^{alpha-1}`, the order of what the theorem leaves out, through the `s_k` of the last two decades, at zero |
+//! | `d` | uncertainty of `s`: misfit of the line, or how far the last `s_k` is from `s` if that is more; sampling error; and what the end of the run cuts |
+//! | | off: an error that grows until then has its maxima at phases, so its supremum may be that of a period `2 pi` earlier, a share `2 pi epsilon^{alpha-1}/T` |
+
+use super::{Norm, TheoremOptions, TheoremRun, powers};
+use crate::study::fit_line;
+use std::f64::consts::PI;
+
+/// A scaled supremum may grow like `epsilon^-0.03` and count as bounded.
+const LEAST: f64 = -0.03;
+/// Where the limit is near: at `max(1, T) epsilon^{alpha-1}` below this, since what the theorem leaves out is of the next order in `epsilon^{alpha-1}` and grows
+/// with `T`.
+const NEAR: f64 = 0.02;
+/// What counts as the last sizes: those up to this many times the smallest, but for rounding.
+const DECADES: f64 = 100.0 * (1.0 + 1e-9);
+/// The last slope is no farther from the limit, or the slopes are still on their way.
+const SETTLED: f64 = 0.05;
+
+/// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded if `s - d >= -0.03`, violated if `s + d < -0.03`, undecided
+/// otherwise, and where the sizes given do not tell, see [`RULE`](Bound::RULE).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// It is.
+    Bounded,
+    /// It grows.
+    Violated,
+    /// It cannot be told.
+    Undecided,
+}
+
+impl Bound {
+    /// The rule in words.
+    pub const RULE: &'static str = "Let s be the limit of the local slopes less the power of the theorem: the value at zero of a line in epsilon^(alpha-1) \
+        through those of the last two decades of epsilon; and d its uncertainty: misfit of the line, or the distance of the last slope from s if that is \
+        more, and what sampling and the end of the run, at any phase, make of a slope. Bounded: s - d >= -0.03. Violated: s + d < -0.03. Undecided: \
+        otherwise, or fewer than two slopes there, or max(1, T) epsilon^(alpha-1) > 1/50 at the smallest epsilon, or the last slope more than 0.05 from s.";
+
+    /// In one word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Bounded => "bounded",
+            Self::Violated => "violated",
+            Self::Undecided => "undecided",
+        }
+    }
+
+    /// Violated if one is, else undecided if one is, else bounded.
+    pub(super) fn of_all(all: impl Iterator<Item = Self>) -> Self {
+        all.fold(Self::Bounded, |one, next| match (one, next) {
+            (Self::Violated, _) | (_, Self::Violated) => Self::Violated,
+            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
+            _ => Self::Bounded,
+        })
+    }
+
+    fn from(limit: Option<(f64, f64)>) -> Self {
+        match limit {
+            Some((s, d)) if s - d >= LEAST => Self::Bounded,
+            Some((s, d)) if s + d < LEAST => Self::Violated,
+            _ => Self::Undecided,
+        }
+    }
+}
+
+/// The local slopes of one error in one norm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TheoremSlope {
+    /// Norm.
+    pub norm: Norm,
+    /// 0, 1, 2 for `u, v, v'`.
+    pub quantity: usize,
+    /// The power that the theorem bounds the error with.
+    pub power: f64,
+    /// The power that its proof bounds the error with at this law of `rho`: (estimr1) and (estimrp); `None` if `rho` is constant.
+    pub expected: Option<f64>,
+    /// From large to small sizes; not a number where an error is zero.
+    pub local: Vec<f64>,
+    /// The limit of the slopes, and its uncertainty.
+    pub limit: Option<(f64, f64)>,
+    /// The verdict.
+    pub bound: Bound,
+}
+
+/// The slopes of all errors in all norms.
+pub(super) fn of_all(options: &TheoremOptions, runs: &[TheoremRun]) -> Vec<TheoremSlope> {
+    let expected = options.rho_law.exponent(options.alpha).map(|gamma| {
+        let secular = gamma + 2.0 - options.alpha;
+        [secular, secular, gamma + 1.0]
+    });
+    let of = |norm: Norm, quantity: usize| {
+        let power = powers(options.alpha)[quantity];
+        let points = runs.iter().map(|run| Point {
+            epsilon: run.epsilon,
+            error: run.suprema[norm.index()].0[quantity],
+            missed: run.sampling_errors[norm.index()].0[quantity],
+        });
+        let points: Vec<Point> = points.collect();
+        let limit = limit(options, power, &points);
+        // Resonators that never move are as the theorem says.
+        let still = points.iter().all(|point| point.error == 0.0);
+        TheoremSlope {
+            norm,
+            quantity,
+            power,
+            expected: expected.map(|expected| expected[quantity]),
+            local: points.windows(2).map(slope).collect(),
+            limit: limit.map(|(s, d)| (s + power, d)),
+            bound: if still { Bound::Bounded } else { Bound::from(limit) },
+        }
+    };
+    Norm::ALL.into_iter().flat_map(|norm| (0..3).map(move |quantity| (norm, quantity))).map(|(n, q)| of(n, q)).collect()
+}
+
+/// An error, and the share of it that samples miss.
+struct Point {
+    epsilon: f64,
+    error: f64,
+    missed: f64,
+}
+
+fn slope(pair: &[Point]) -> f64 {
+    (pair[0].error / pair[1].error).ln() / (pair[0].epsilon / pair[1].epsilon).ln()
+}
+
+/// `(s, d)`.
+fn limit(options: &TheoremOptions, power: f64, points: &[Point]) -> Option<(f64, f64)> {
+    let &TheoremOptions { alpha, horizon, .. } = options;
+    let smallest = points.last()?.epsilon;
+    let pairs: Vec<&[Point]> = points.windows(2).filter(|pair| pair[0].epsilon <= DECADES * smallest).collect();
+    if horizon.max(1.0) * smallest.powf(alpha - 1.0) > NEAR * (1.0 + 1e-9) || pairs.len() < 2 {
+        return None;
+    }
+    let middle = |pair: &[Point]| (pair[0].epsilon * pair[1].epsilon).sqrt().powf(alpha - 1.0);
+    let line: Vec<(f64, f64)> = pairs.iter().map(|pair| (middle(pair), slope(pair) - power)).collect();
+    let (rate, misfit) = fit_line(&line)?;
+    let mean = |of: fn(&(f64, f64)) -> f64| line.iter().map(of).sum::<f64>() / line.len() as f64;
+    let s = mean(|point| point.1) - rate * mean(|point| point.0);
+    let off = (s - line.last()?.1).abs();
+    let per_step = |share: f64, pair: &[Point]| share / (pair[0].epsilon / pair[1].epsilon).ln();
+    let noise = pairs.iter().map(|pair| per_step(pair[0].missed.max(pair[1].missed), pair)).fold(0.0, f64::max);
+    let cut = per_step(2.0 * PI * smallest.powf(alpha - 1.0) / horizon, pairs.last()?);
+    (off <= SETTLED).then_some((s, misfit.max(off) + noise + cut))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors `epsilon^power (1 + c epsilon^{1/2})` at half decades from 0.1 on.
+    fn points(power: f64, c: f64, count: i32, missed: f64) -> Vec<Point> {
+        let epsilon = |k: i32| 10f64.powf(-1.0 - 0.5 * f64::from(k));
+        let error = |epsilon: f64| epsilon.powf(power) * (1.0 + c * epsilon.sqrt());
+        (0..count).map(|k| Point { epsilon: epsilon(k), error: error(epsilon(k)), missed }).collect()
+    }
+
+    fn at(points: &[Point]) -> Option<(f64, f64)> {
+        limit(&TheoremOptions::default(), 1.5, points)
+    }
+
+    fn verdict(points: &[Point]) -> Bound {
+        Bound::from(at(points))
+    }
+
+    // Truth: the law that the errors were made with.
+    #[test]
+    fn the_limit_is_that_of_the_law_and_the_verdict_follows_it() {
+        for power in [1.0, 1.4, 1.5, 2.0] {
+            let (s, d) = at(&points(power, 3.0, 11, 1e-3)).unwrap();
+            assert!((s + 1.5 - power).abs() < d && d < 0.015, "{power}: {s} {d}");
+        }
+        assert_eq!(verdict(&points(1.5, 3.0, 11, 1e-3)), Bound::Bounded);
+        assert_eq!(verdict(&points(2.0, 3.0, 11, 1e-3)), Bound::Bounded);
+        assert_eq!(verdict(&points(1.4, 3.0, 11, 1e-3)), Bound::Violated);
+        assert_eq!(verdict(&points(1.0, 3.0, 11, 1e-3)), Bound::Violated);
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_not_told() {
+        // Too few, too large, between the two verdicts, too coarse, still on their way.
+        assert_eq!(verdict(&points(1.5, 3.0, 2, 0.0)), Bound::Undecided);
+        assert_eq!(verdict(&points(1.5, 0.0, 3, 0.0)), Bound::Undecided);
+        assert_eq!(verdict(&points(1.47, 1.0, 11, 1e-3)), Bound::Undecided);
+        assert_eq!(verdict(&points(1.5, 0.0, 11, 0.2)), Bound::Undecided);
+        assert_eq!(verdict(&points(1.5, -3.0, 6, 1e-3)), Bound::Undecided);
+        assert_eq!(verdict(&[]), Bound::Undecided);
+    }
+}

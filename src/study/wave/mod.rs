@@ -1,0 +1,542 @@
+//! Travelling waves on the chain against what the modulation equations say of them (Sec. 4).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E_x, E_y` | relative errors of an ansatz against the chain (eq:relerr_tw) |
+//! | `tilde E_x, tilde E_y` | the same differences between a perturbed wave and the unperturbed one, both run on the chain (eq:relerr_twPtd) |
+//! | growth | largest `tilde E_x` of the last period over that of the first |
+//! | rate | slope of the logarithm of the largest `tilde E_x` of each period against time, over the second half of the run |
+
+mod report;
+
+pub(crate) use report::tables as wave_tables;
+
+use super::{Changes, Study, Work, fit_line};
+use crate::{
+    chain::{Site, max_norm},
+    dps::{Envelope, project},
+    error::{Error, Result},
+    run::method::Method,
+    run::state_at,
+    scene::{Scene, Theory},
+    sweep::Tally,
+    waves::{PerturbedWave, TravellingWave},
+};
+use hertzchain_integrators::{Dop853, Stats, dop853::Options};
+use std::{
+    f64::consts::PI,
+    time::{Duration, Instant},
+};
+
+/// Samples a period.
+const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
+/// Members of an ensemble.
+const SEEDS: std::ops::RangeInclusive<u32> = 1..=10_000;
+/// Most numbers that a run or an ensemble may hold: a gigabyte.
+const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
+/// Largest and smallest tolerance of the modulation equations: below and above, their error is not the one that is seen.
+const FLOW_TOLERANCES: (f64, f64) = (1e-13, 1e-8);
+
+/// A travelling wave, from a scene, perturbed or not.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Wave {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// With an initial state of kind travelling-wave.
+    #[cfg_attr(feature = "cli", arg(required = true))]
+    pub scene: Option<String>,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// Perturb each amplitude by up to this share [default: the scene's].
+    ///
+    /// Real and imaginary part of each, from 0 (none) to below 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "Z"))]
+    pub zeta: Option<f64>,
+    /// Seed of what is drawn at random [default: the scene's, else 1].
+    ///
+    /// The perturbation of the wave.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
+    pub seed: Option<u64>,
+    /// How it is run and looked at.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub options: WaveOptions,
+    /// End time, in units of time [default: the scene's].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
+    pub until: Option<f64>,
+}
+
+/// How a wave is run and looked at.
+///
+/// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at most 0.1 % below those with 400.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct WaveOptions {
+    /// Number of perturbed waves, from that seed on [default: 1].
+    ///
+    /// From 1 to 10^4; they run on all cores and give the spread of their growth.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
+    pub seeds: Option<u32>,
+    /// Integrator; `hertzchain integrators` lists all.
+    ///
+    /// One that takes a tolerance.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long = "integrator", value_parser = Method::named, value_name = "NAME",
+            default_value = "collocation"
+        )
+    )]
+    pub method: Method,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
+    pub tolerance: f64,
+    /// Samples a period, from which largest values are taken.
+    ///
+    /// Of the wave, from 2 to 1000; the end is one of them.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 50))]
+    pub samples_per_period: u32,
+}
+
+impl Wave {
+    /// The scene with all changes.
+    fn scene(&self) -> Result<Scene> {
+        let mut scene = super::scene(self.scene.as_deref().unwrap_or_default(), &self.set)?;
+        if let Some(until) = self.until {
+            scene = scene.until(until)?;
+        }
+        if self.zeta.is_none() && self.seed.is_none() {
+            return Ok(scene);
+        }
+        let (zeta, seed) = match scene.theory() {
+            Some(Theory::PerturbedWave(own)) => (own.zeta(), Some(own.seed())),
+            _ => (0.0, None),
+        };
+        match (self.zeta, self.seed) {
+            (Some(0.0), Some(seed)) => {
+                Err(Error::parameter("seed", seed, "a seed needs a perturbation: give zeta above 0"))
+            }
+            (Some(0.0), None) => scene.perturbed(0.0, None),
+            (zeta_given, seed_given) => scene.perturbed(zeta_given.unwrap_or(zeta), seed_given.or(seed)),
+        }
+    }
+}
+
+impl Study for Wave {
+    const FILES: &'static str = "Files: wave.json, wave.png, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and \
+                                 spread.csv.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let scene = self.scene()?;
+        Ok(Box::new(move |_, progress| {
+            let tell = |done, total| progress(done as f64 / total as f64, "");
+            Ok(Box::new(wave(&scene, &self.options, &tell)?))
+        }))
+    }
+}
+
+/// `E_x` and `E_y`, or `tilde E_x` and `tilde E_y`, at the sample times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Of the beads.
+    pub x: Vec<f64>,
+    /// Of the resonators.
+    pub y: Vec<f64>,
+}
+
+/// Strains at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strains {
+    /// Beads.
+    pub x: Vec<f64>,
+    /// Resonators.
+    pub y: Vec<f64>,
+}
+
+/// A perturbed wave.
+#[derive(Clone, Debug)]
+pub struct PerturbedRun {
+    /// The wave and its draw.
+    pub wave: PerturbedWave,
+    /// At the end, on the chain.
+    pub strains: Strains,
+    /// At the end, by (eq:xy_app).
+    pub ansatz: Strains,
+    /// Chain against ansatz (eq:xy_app).
+    pub errors: Errors,
+    /// Perturbed against unperturbed wave (eq:relerr_twPtd).
+    pub difference: Errors,
+    /// Relative change of the energy of the modulation equations from the start to the end, which they conserve.
+    pub flow_energy_change: f64,
+    /// The envelopes of chain and ansatz a period `2 pi/omega` before the end, if the run has two: the first by [`project`].
+    pub envelopes: Option<Envelopes>,
+}
+
+/// The envelope that a chain has and the one that the modulation equations give.
+#[derive(Clone, Debug)]
+pub struct Envelopes {
+    /// Time.
+    pub t: f64,
+    /// Of the chain.
+    pub chain: Envelope,
+    /// Of the modulation equations.
+    pub flow: Envelope,
+}
+
+/// How the perturbation of one seed grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Member {
+    /// The seed.
+    pub seed: u64,
+    /// Growth of `tilde E_x`; `None` for runs shorter than two periods.
+    pub growth_x: Option<f64>,
+    /// Growth of `tilde E_y`.
+    pub growth_y: Option<f64>,
+    /// Exponential rate of `tilde E_x`, per unit of time; `None` for runs shorter than eight periods.
+    pub rate: Option<f64>,
+    /// Largest distance of the logarithms from the line of that slope: well below the rise along the line where growth is exponential.
+    pub rate_residual: Option<f64>,
+}
+
+/// The spread of a quantity over the ensemble.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Smallest.
+    pub low: f64,
+    /// First quartile.
+    pub lower: f64,
+    /// Median.
+    pub median: f64,
+    /// Third quartile.
+    pub upper: f64,
+    /// Largest.
+    pub high: f64,
+}
+
+/// An ensemble of perturbed waves.
+#[derive(Clone, Debug)]
+pub struct Ensemble {
+    /// Members, in the order of their seeds.
+    pub members: Vec<Member>,
+    /// `tilde E_x` at the sample times.
+    pub difference_x: Vec<Spread>,
+    /// `tilde E_y` at the sample times.
+    pub difference_y: Vec<Spread>,
+}
+
+impl Ensemble {
+    /// The spread of a number that every member has, or `None`.
+    pub fn spread(&self, quantity: impl Fn(&Member) -> Option<f64>) -> Option<Spread> {
+        let values: Option<Vec<f64>> = self.members.iter().map(quantity).collect();
+        values.map(spread)
+    }
+}
+
+/// The outcome.
+#[derive(Clone, Debug)]
+pub struct WaveStudy {
+    /// The scene.
+    pub scene: Scene,
+    /// The wave.
+    pub wave: TravellingWave,
+    /// Method and setting, in words.
+    pub setting: String,
+    /// Sample times: from 0 to the end, equally spaced, both included.
+    pub t: Vec<f64>,
+    /// The unperturbed wave: chain against ansatz (eq:xytw_app).
+    pub errors: Errors,
+    /// The unperturbed wave at the end, on the chain.
+    pub strains: Strains,
+    /// The unperturbed wave at the end, by (eq:xytw_app).
+    pub ansatz: Strains,
+    /// Work of the unperturbed run.
+    pub stats: Stats,
+    /// The perturbed wave of the scene, if it is perturbed.
+    pub perturbed: Option<PerturbedRun>,
+    /// The perturbed waves of all seeds; of one, unless more were asked for.
+    pub ensemble: Option<Ensemble>,
+    /// Wall time of all of it.
+    pub wall: Duration,
+}
+
+/// Runs the wave of a scene, its perturbed one if it has one, and an ensemble of those. `progress` is told how many runs are done of how many.
+///
+/// Members of the ensemble run on all cores; every number is the same for any number of them.
+///
+/// # Errors
+/// A scene that is no travelling wave, a method that takes no tolerance, an option outside its rule, an ensemble without perturbation, a run that fails.
+pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+    let clock = Instant::now();
+    let wave = *scene.wave()?;
+    let times = times(scene, options)?;
+    let seeds = seeds(scene, options, times.len())?;
+    let tally = Tally::new(1 + seeds.len(), progress);
+
+    let quiet = scene.perturbed(0.0, None)?;
+    let unperturbed = track(&quiet, options, &times)?;
+    tally.tick();
+    let errors = errors_of(times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)));
+
+    let mut perturbed = None;
+    let mut ensemble = None;
+    if let Some(Theory::PerturbedWave(first)) = scene.theory() {
+        // All but the wave of the scene leave no more than how they differ.
+        let run = |&seed: &u64| -> Result<(Errors, Option<PerturbedRun>)> {
+            let scene = scene.perturbed(first.zeta(), Some(seed))?;
+            let chain = track(&scene, options, &times)?;
+            let difference = differences(&wave, &chain, &unperturbed);
+            let own = (seed == first.seed()).then(|| perturbed_run(&scene, options, &times, &chain, &difference));
+            Ok((difference, own.transpose()?))
+        };
+        let mut all = Vec::with_capacity(seeds.len());
+        for outcome in tally.map(&seeds, run) {
+            let (difference, own) = outcome?;
+            all.push(difference);
+            perturbed = perturbed.or(own);
+        }
+        ensemble = Some(Ensemble {
+            members: seeds
+                .iter()
+                .zip(&all)
+                .map(|(&seed, errors)| member(seed, &times, scene.period(), errors))
+                .collect(),
+            difference_x: spreads(all.iter().map(|errors| &errors.x[..])),
+            difference_y: spreads(all.iter().map(|errors| &errors.y[..])),
+        });
+    }
+    Ok(WaveStudy {
+        scene: scene.clone(),
+        wave,
+        setting: format!("{}, tol {:e}", options.method.name(), options.tolerance),
+        errors,
+        strains: unperturbed.last(),
+        ansatz: strains_of((0..scene.chain().sites()).map(|n| wave.site(n, scene.end()))),
+        stats: unperturbed.stats,
+        perturbed,
+        ensemble,
+        t: times,
+        wall: clock.elapsed(),
+    })
+}
+
+/// The sample times.
+fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
+    if !options.method.adaptive() {
+        let rule = "waves are run by an adaptive method: collocation or a dop853";
+        return Err(Error::parameter("integrator", options.method.name(), rule));
+    }
+    if !SAMPLES_PER_PERIOD.contains(&options.samples_per_period) {
+        return Err(Error::parameter("samples-per-period", options.samples_per_period, "from 2 to 1000"));
+    }
+    // A whole number of samples that fits but for rounding is taken as it is.
+    let wanted = scene.end() / scene.period() * f64::from(options.samples_per_period);
+    let count = (wanted * (1.0 - 1e-12)).ceil().max(1.0);
+    if (count + 1.0) * 2.0 * scene.chain().sites() as f64 > MOST_NUMBERS {
+        let rule = "at most 2^27 strains are kept: a shorter run, or fewer samples a period";
+        return Err(Error::parameter("samples", count, rule));
+    }
+    Ok((0..=count as u64).map(|k| scene.end() * (k as f64 / count)).collect())
+}
+
+/// The seeds of the ensemble; none for a wave that is not perturbed.
+fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64>> {
+    let count = options.seeds.unwrap_or(1);
+    if !SEEDS.contains(&count) {
+        return Err(Error::parameter("seeds", count, "from 1 to 10^4"));
+    }
+    if f64::from(count) * 2.0 * samples as f64 > MOST_NUMBERS {
+        let rule = "at most 2^27 differences are kept: fewer seeds, a shorter run, or fewer samples a period";
+        return Err(Error::parameter("seeds", count, rule));
+    }
+    match (scene.theory(), options.seeds) {
+        (Some(Theory::PerturbedWave(perturbed)), _) => {
+            let first = perturbed.seed();
+            let Some(last) = first.checked_add(u64::from(count - 1)) else {
+                return Err(Error::parameter("seed", first, "seed + seeds - 1 is below 2^64"));
+            };
+            Ok((first..=last).collect())
+        }
+        (_, Some(count)) => {
+            Err(Error::parameter("seeds", count, "an ensemble needs a perturbation: give zeta above 0"))
+        }
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// A run seen at the sample times.
+struct Track {
+    strains: Vec<Strains>,
+    stats: Stats,
+}
+
+impl Track {
+    fn last(&self) -> Strains {
+        self.strains.last().cloned().unwrap_or(Strains { x: Vec::new(), y: Vec::new() })
+    }
+}
+
+fn track(scene: &Scene, options: &WaveOptions, times: &[f64]) -> Result<Track> {
+    let mut states = scene.run().method(options.method).tolerance(options.tolerance)?.at(times)?;
+    let strains = states.by_ref().map(|state| Ok(strains(state?.as_slice()))).collect::<Result<_>>()?;
+    Ok(Track { strains, stats: states.stats() })
+}
+
+fn strains(y: &[f64]) -> Strains {
+    let sites = y.len() / 4;
+    Strains { x: y[..sites].to_vec(), y: y[sites..2 * sites].to_vec() }
+}
+
+fn strains_of(sites: impl Iterator<Item = Site<f64>>) -> Strains {
+    let (x, y) = sites.map(|site| (site.u, site.v)).unzip();
+    Strains { x, y }
+}
+
+fn errors_of(errors: impl Iterator<Item = (f64, f64)>) -> Errors {
+    let (x, y) = errors.unzip();
+    Errors { x, y }
+}
+
+/// (eq:relerr_tw) between two sets of strains.
+fn distance(wave: &TravellingWave, one: &Strains, other: &Strains) -> (f64, f64) {
+    let largest = |one: &[f64], other: &[f64]| max_norm(one.iter().zip(other).map(|(a, b)| a - b)) / wave.amplitude();
+    (largest(&one.x, &other.x), wave.params().rho * largest(&one.y, &other.y))
+}
+
+fn differences(wave: &TravellingWave, one: &Track, other: &Track) -> Errors {
+    errors_of(one.strains.iter().zip(&other.strains).map(|(one, other)| distance(wave, one, other)))
+}
+
+/// What is said of the wave of the scene beside how it differs: its own ansatz, and the envelopes.
+fn perturbed_run(
+    scene: &Scene,
+    options: &WaveOptions,
+    times: &[f64],
+    chain: &Track,
+    difference: &Errors,
+) -> Result<PerturbedRun> {
+    let Some(Theory::PerturbedWave(perturbed)) = scene.theory() else {
+        return Err(Error::parameter("scene", scene.name(), "a perturbed wave"));
+    };
+    let (wave, constraint) = (perturbed.wave(), perturbed.constraint());
+    let (mut ansatz, params) = (perturbed.ansatz(constraint)?, wave.params());
+    let tolerance = options.tolerance.clamp(FLOW_TOLERANCES.0, FLOW_TOLERANCES.1);
+    let flow_options = Options { atol: tolerance * wave.shape().a, ..Options::new(tolerance) };
+    let flow = || -> Result<_> {
+        let span = (0.0, wave.slow_time(scene.end()));
+        Ok(Dop853::new(perturbed.flow(constraint)?, perturbed.amplitudes(), span, flow_options)?)
+    };
+    let mut run = flow()?;
+    let mut by_ansatz = |t: f64| -> Result<Strains> {
+        let z = state_at(&mut run, wave.slow_time(t))?;
+        Ok(strains_of(ansatz.sites(t, &z).into_iter()))
+    };
+    let all = times.iter().map(|&t| by_ansatz(t)).collect::<Result<Vec<_>>>()?;
+    let errors = errors_of(all.iter().zip(&chain.strains).map(|(ansatz, now)| distance(wave, ansatz, now)));
+
+    let mut dps = perturbed.flow(constraint)?;
+    let last = state_at(&mut run, wave.slow_time(scene.end()))?;
+    let flow_energy_change = dps.energy(&last) / dps.energy(perturbed.amplitudes()) - 1.0;
+
+    let period = 2.0 * PI / params.omega();
+    let t = scene.end() - period;
+    let envelopes = if t < period {
+        None
+    } else {
+        let mut again = scene.run().method(options.method).tolerance(options.tolerance)?.stepper()?;
+        let chain = project(params, wave.epsilon(), t, |t| Ok(state_at(&mut again, t)?))?;
+        let amplitudes = state_at(&mut flow()?, wave.slow_time(t))?;
+        let means = dps.mean_strains(&amplitudes).to_vec();
+        Some(Envelopes { t, chain, flow: Envelope { amplitudes, means } })
+    };
+    Ok(PerturbedRun {
+        wave: perturbed.clone(),
+        strains: chain.last(),
+        ansatz: all.into_iter().next_back().unwrap_or_else(|| chain.last()),
+        errors,
+        difference: difference.clone(),
+        flow_energy_change,
+        envelopes,
+    })
+}
+
+/// How a difference grows, from its largest value in each period.
+fn member(seed: u64, t: &[f64], period: f64, difference: &Errors) -> Member {
+    let end = t[t.len() - 1];
+    let growth = |errors: &[f64]| {
+        let largest = |from: f64, to: f64| {
+            max_norm(t.iter().zip(errors).filter(|(t, _)| (from..=to).contains(*t)).map(|(_, error)| *error))
+        };
+        (end >= 2.0 * period).then(|| largest(end - period, end) / largest(0.0, period))
+    };
+    let line = rate(t, period, &difference.x);
+    Member {
+        seed,
+        growth_x: growth(&difference.x),
+        growth_y: growth(&difference.y),
+        rate: line.map(|line| line.0),
+        rate_residual: line.map(|line| line.1),
+    }
+}
+
+/// Slope of the logarithm of the largest value of each whole period of the second half, and how far the logarithms are from the line.
+fn rate(t: &[f64], period: f64, errors: &[f64]) -> Option<(f64, f64)> {
+    let end = t[t.len() - 1];
+    let count = (0.5 * end / period).floor() as usize;
+    let mut largest = vec![0.0f64; count];
+    for (&t, &error) in t.iter().zip(errors) {
+        let back = ((end - t) / period) as usize;
+        if let Some(largest) = largest.get_mut(back) {
+            *largest = largest.max(error);
+        }
+    }
+    let points: Vec<(f64, f64)> =
+        largest.iter().enumerate().map(|(back, error)| (end - period * (back as f64 + 0.5), error.ln())).collect();
+    fit_line(&points).filter(|_| count >= 4)
+}
+
+/// Order statistics, those between two values by linear interpolation.
+fn spread(mut values: Vec<f64>) -> Spread {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = share * (values.len() - 1) as f64;
+        let (below, above) = (values[place.floor() as usize], values[place.ceil() as usize]);
+        below + (above - below) * place.fract()
+    };
+    Spread { low: at(0.0), lower: at(0.25), median: at(0.5), upper: at(0.75), high: at(1.0) }
+}
+
+/// The spread at each time of rows that have all times.
+fn spreads<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Vec<Spread> {
+    let rows: Vec<&[f64]> = rows.collect();
+    let times = rows.first().map_or(0, |row| row.len());
+    (0..times).map(|k| spread(rows.iter().map(|row| row[k]).collect())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_are_those_of_the_sorted_values() {
+        let all = spread(vec![5.0, 1.0, 2.0, 4.0, 3.0]);
+        assert_eq!(all, Spread { low: 1.0, lower: 2.0, median: 3.0, upper: 4.0, high: 5.0 });
+        let even = spread(vec![4.0, 1.0]);
+        assert_eq!((even.lower, even.median, even.upper), (1.75, 2.5, 3.25));
+    }
+
+    #[test]
+    fn growth_and_rate_are_those_of_an_exponential() {
+        // 20 samples a period of 1, twenty periods, a fast oscillation that growth must not see.
+        let t: Vec<f64> = (0..=400).map(|k| 0.05 * f64::from(k)).collect();
+        let x: Vec<f64> = t.iter().map(|t| (0.1 * t).exp() * (2.0 * PI * t).cos().abs()).collect();
+        let of = member(1, &t, 1.0, &Errors { y: x.iter().map(|x| 3.0 * x).collect(), x });
+        assert!((of.growth_x.unwrap() / 1.9f64.exp() - 1.0).abs() < 1e-12);
+        assert!((of.growth_x.unwrap() / of.growth_y.unwrap() - 1.0).abs() < 1e-14);
+        // Maxima of a period are where its end is.
+        assert!((of.rate.unwrap() - 0.1).abs() < 1e-3 && of.rate_residual.unwrap() < 1e-2);
+        assert!(member(1, &t[..39], 1.0, &Errors { x: vec![1.0; 39], y: vec![1.0; 39] }).growth_x.is_none());
+    }
+}
