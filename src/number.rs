@@ -1,7 +1,6 @@
 //! Numbers in text, read with checks of their range.
 
-/// The double nearest to a decimal. The result is infinite only if the text says `inf`, and zero
-/// only if the text says zero.
+/// The double nearest to a decimal: infinite only for `inf`, and zero only for a decimal of zero.
 ///
 /// # Errors
 /// Text that is not a number, or a number that a double cannot hold.

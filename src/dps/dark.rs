@@ -131,7 +131,7 @@ impl DarkProfile {
         self.params
     }
 
-    /// The symmetry: whether the kink is on a site or on a bond.
+    /// Position of the kink: on a site or on a bond.
     pub fn center(&self) -> Center {
         self.center
     }
@@ -286,7 +286,7 @@ fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// The unknowns of Newton's method on the half chain, and what is fixed.
+/// State of Newton's method on the half chain.
 struct Half<'a> {
     averages: &'a Averages,
     center: Center,
@@ -355,8 +355,7 @@ impl<'a> Half<'a> {
         first.chain(second).fold(0.0, f64::max)
     }
 
-    /// Takes a step of Newton's method; returns the largest change of a `p_n` relative to the
-    /// background.
+    /// Takes a step; returns the largest change of a `p_n` relative to the background.
     fn step(&mut self, bonds: &[Values], defects: &[f64]) -> f64 {
         let last = self.p.len() - 1;
         let w: Vec<f64> = bonds.iter().map(|bond| bond.drh_db / bond.dg_db).collect();

@@ -393,7 +393,6 @@ impl Axes {
     }
 }
 
-/// Draws the marker of a style.
 pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: bool) -> Result<(), Error> {
     mark_of(canvas, style, at, hollow, MARKER)
 }

@@ -161,7 +161,6 @@ impl Canvas {
         Ok(())
     }
 
-    /// Fills a polygon.
     pub(super) fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) -> Result<(), Error> {
         self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
     }
@@ -188,7 +187,6 @@ impl Canvas {
         }
     }
 
-    /// Draws the border of a rectangle.
     pub(super) fn border(&mut self, area: &Rect, colour: Rgb) -> Result<(), Error> {
         let Rect { x0, y0, x1, y1 } = *area;
         let (left, right) = (x0 - 0.5, x1 + 0.5);

@@ -91,12 +91,11 @@ fn orbit_version() -> u64 {
 pub enum Pick {
     /// By number: from 0 on, or from the last one back, -1, if negative.
     Point(i64),
-    /// The orbit whose parameter is nearest to the value, which must be in the range of the branch.
+    /// The orbit with the parameter nearest to this value, within the range of the branch.
     At(f64),
 }
 
-/// Largest residual, relative to the strains, of an orbit in a file; orbits rounded for printing
-/// have less.
+/// Largest residual, relative to the strains, of an orbit in a file; printed digits leave less.
 const ORBIT: f64 = 1e-8;
 
 /// Largest frequency of contacts and resonators in units of that of the orbit.

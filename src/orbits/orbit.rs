@@ -68,10 +68,8 @@ impl Orbit {
         Ok(states)
     }
 
-    /// Centres and amplitudes of the first site.
-    ///
-    /// They are the largest and the smallest of 64 samples a period, each moved to the top of a
-    /// parabola through it and its neighbours.
+    /// Centres and amplitudes of the first site: extremes of 64 samples a period, each refined by a
+    /// parabola.
     ///
     /// # Errors
     /// An integration that fails.

@@ -32,9 +32,9 @@
 //! ```
 //!
 //! A uniform perturbation (`p = 0`) has `lambda = 0` twice. One is a shift of the phase. The other
-//! is a change of the amplitude, which changes `Omega`, so that the phase grows like `tau`, not
-//! exponentially. The change of `Omega` depends on what is given: it has the factor `s` as above
-//! with a given force, and `a h_r / h` in place of `s` with a given mean strain.
+//! changes the amplitude and with it `Omega`, so that the phase grows like `tau`, not
+//! exponentially: by `s` as above for a given force, and by `a h_r / h` in place of `s` for a given
+//! mean strain.
 //!
 //! # Consequences
 //!

@@ -174,7 +174,7 @@ pub struct MassRatioData {
 }
 
 const THIRD: f64 = 1.0 / 3.0;
-/// The two centres in the order of the paper's panels, from the top or from the left.
+/// The two centres in the order of the paper's panels.
 const BOTH: [Center; 2] = [Center::Bond, Center::Site];
 
 fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {

@@ -86,7 +86,6 @@ fn doubling_csv(one: &DoublingData) -> Tables {
     vec![("profile.csv", strains_csv(&one.orbit, &["", "_seed", "_mode"], &all))]
 }
 
-/// A table of the multipliers off the circle at all points of a branch.
 fn off_circle_csv(branch: &Branch) -> Vec<u8> {
     let parameter = branch.continuation.parameter;
     let rows = branch.points.iter().flat_map(|point| {
@@ -140,7 +139,7 @@ fn strongest(spectrum: &Spectrum, wanted: Kind) -> Option<f64> {
     spectrum.multipliers.iter().filter(off).map(|one| one.modulus).reduce(f64::max)
 }
 
-/// The largest moduli of all kinds as text, such as “real 1.08, quartet 1.01”.
+/// The largest moduli of all kinds, such as “real 1.08, quartet 1.01”.
 fn strongest_words(spectrum: &Spectrum) -> String {
     let words = KINDS.iter().filter_map(|(kind, word)| Some(format!("{word} {:.4}", strongest(spectrum, *kind)?)));
     words.collect::<Vec<_>>().join(", ")
@@ -215,7 +214,6 @@ fn profiles_words(all: &[ProfileData]) -> String {
     seed.to_owned() + &all.iter().map(words).collect::<Vec<_>>().join(". ")
 }
 
-/// Kinds and places of the bifurcations of a branch, as text.
 fn bifurcation_words(all: &[Bifurcation]) -> String {
     let word = |kind| match kind {
         BifurcationKind::PeriodDoubling => "through −1",

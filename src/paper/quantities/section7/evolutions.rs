@@ -1,8 +1,7 @@
 //! Evolutions of the breathers at `rho = 1/3` on the chain.
 //!
-//! A run begins with rounding errors, which grow by `|lambda|^m`. After they have grown to the size
-//! of the breather, the details of a run depend on rounding, and only sizes are properties of the
-//! chain.
+//! Rounding errors of a run grow by `|lambda|^m`. Once they have the size of the breather, only
+//! sizes are properties of the chain.
 
 use super::{
     super::{Quantity, Runs},
