@@ -25,7 +25,7 @@ use crate::error::{Error, Result};
 use dashu_float::{FBig, round::mode::HalfEven};
 use serde::{Deserialize, Serialize};
 
-/// Exponents with solutions. Below 1.01 the uniform solution and the width of the middle leave the
+/// Range of exponents. Below 1.01 the uniform solution and the width of the middle leave the
 /// range of doubles; the tables of [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
 /// Bits in Newton's method: those of a double, and those that the tail loses.

@@ -397,7 +397,7 @@ pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: b
     mark_of(canvas, style, at, hollow, MARKER)
 }
 
-/// Draws the marker of a style with another radius.
+/// [`mark`] with another radius.
 pub(super) fn mark_of(
     canvas: &mut Canvas,
     style: &Style,

@@ -19,7 +19,7 @@ use super::palette::Rgb;
 pub(super) const TITLE: f64 = 20.0;
 /// Size of the labels of axes, in pixels per em.
 pub(super) const LABEL: f64 = 17.0;
-/// Size of the numbers at ticks and of the legend, in pixels per em.
+/// Size of ticks' numbers and of legends, in pixels per em.
 pub(super) const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;

@@ -86,7 +86,7 @@ struct Known {
     spectrum: Spectrum,
 }
 
-/// The part of a branch between two of its points, and their chord.
+/// A part of a branch, over the chord of its ends.
 struct Stretch<'a> {
     continuation: &'a Continuation,
     place: Place,

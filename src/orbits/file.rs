@@ -26,7 +26,7 @@ const MOST_BYTES: u64 = 1 << 26;
 /// First bytes of a zip archive that has a member.
 const ZIP: &[u8] = b"PK\x03\x04";
 
-/// The format and version in the settings of a branch.
+/// Format and version of a file.
 #[derive(Deserialize)]
 #[serde(expecting = "the settings of a branch")]
 struct Stamp {
@@ -102,7 +102,7 @@ const ORBIT: f64 = 1e-8;
 const FASTEST: f64 = 1e3;
 
 impl Trail {
-    /// The settings that are written to the file.
+    /// The settings in the file.
     pub(crate) fn settings(&self) -> Result<impl Serialize> {
         let first = self.orbits.first().ok_or_else(|| Error::parameter("orbits", 0, "at least one"))?;
         Ok(Settings {

@@ -10,7 +10,7 @@ use crate::{
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 
-/// Samples a period from which extremes are computed; a multiple of 4.
+/// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.

@@ -32,7 +32,7 @@ const DEFAULT_SEED: u64 = 1;
 const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 
-/// The theory with which a run of a scene can be compared.
+/// A theory to compare a run with.
 #[derive(Clone, Debug)]
 pub enum Theory {
     /// The first-order wave (eq:xytw_app).
@@ -252,7 +252,7 @@ impl Scene {
         &self.file.name
     }
 
-    /// The contents of the scene file, with changed and default values in place.
+    /// The scene file, with changes and defaults in place.
     pub fn file(&self) -> &SceneFile {
         &self.file
     }
@@ -267,7 +267,7 @@ impl Scene {
         &self.initial
     }
 
-    /// The theory with which a run can be compared, if there is one.
+    /// The theory to compare with, if there is one.
     pub fn theory(&self) -> Option<&Theory> {
         self.theory.as_ref()
     }

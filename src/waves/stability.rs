@@ -204,8 +204,8 @@ impl Modulation {
     /// The two eigenvalues at wave number `p`: the growing one first; if none grows, that with the
     /// larger signed frequency first.
     ///
-    /// `lambda(-p) = conj(lambda(p))`, and if `lambda` is an eigenvalue, so is `-conj(lambda)` at
-    /// `-p`. At `p = 0` both are zero.
+    /// `lambda(-p) = conj(lambda(p))`, and if `lambda` is an eigenvalue, so is `-conj(lambda)`. At
+    /// `p = 0` both are zero.
     pub fn eigenvalues(&self, p: f64) -> [Eigenvalue; 2] {
         let (q, root) = (self.shape.q, self.discriminant(p).abs().sqrt());
         let frequency = -self.sigma * (2.0 + self.slope) * q.sin() * p.sin();
