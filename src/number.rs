@@ -1,10 +1,9 @@
-//! Numbers in text, read with checks of their range.
+//! Numbers read from text.
 
-/// The double nearest to a decimal. The result is infinite only if the text says `inf`, and zero
-/// only if the text says zero.
+/// The double nearest to a decimal: infinite only for `inf`, and zero only for a decimal of zero.
 ///
 /// # Errors
-/// Text that is not a number, or a number that a double cannot hold.
+/// No number, or a number that a double cannot hold.
 pub(crate) fn double(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
@@ -20,7 +19,7 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
 /// A whole number, at least zero.
 ///
 /// # Errors
-/// Text that is not such a number, or a number beyond the type.
+/// No such number, or a number beyond the type.
 #[cfg(feature = "cli")]
 pub(crate) fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let not_whole = || "not a whole number, at least zero".to_owned();

@@ -22,8 +22,7 @@ mod tests {
         };
         let (first, second) = (draw(1), draw(2));
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 1e4;
-        // Four standard deviations of the means: the standard deviations are 0.577, 0.298 and 0.333
-        // over 100.
+        // Four standard deviations of the means, which are 0.577, 0.298 and 0.333 over 100.
         assert!(mean(&mut first.iter().copied()).abs() < 0.024);
         assert!((mean(&mut first.iter().map(|x| x * x)) - 1.0 / 3.0).abs() < 0.012);
         assert!(mean(&mut first.iter().zip(&second).map(|(x, y)| x * y)).abs() < 0.014);

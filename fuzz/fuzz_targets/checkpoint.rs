@@ -31,7 +31,6 @@ fn settings(bytes: &[u8]) -> (String, &[u8]) {
     (String::from_utf8_lossy(&bytes[..cut]).into_owned(), bytes[cut..].get(1..).unwrap_or_default())
 }
 
-/// The scene in the settings, if there is one.
 fn scene(json: &Value) -> Option<SceneFile> {
     SceneFile::parse(json.pointer("/scene")?.as_str()?, "fuzz").ok()
 }

@@ -11,8 +11,8 @@
 //! | core | fewest sites, symmetric about the centre, that hold a share of 0.999 of `sum a_n^2` |
 //!
 //! The paper has `kappa = 1`. With time in units of `1/sqrt(kappa)` and displacements in units of
-//! `kappa^{1/(alpha-1)}` a chain with any `kappa > 0` has the form (eq:Hertz); the statements of
-//! the theorem are given in the original units of the chain.
+//! `kappa^{1/(alpha-1)}` every chain has (eq:Hertz); the theorem is stated here in the chain's own
+//! units.
 
 use crate::{
     chain::{Chain, Layout, Params, Resonators, Site},
@@ -80,9 +80,8 @@ impl BrightBreather {
     /// The breather `a^1` (about a site) or `a^2` (about a bond) of size `epsilon` in the middle of
     /// `sites` beads.
     ///
-    /// Site `n = 0` is bead `(sites - 1) / 2`, counted from 0 and rounded down. The state is
-    /// symmetric about the middle of the chain if `sites` is odd (about a site) or even (about a
-    /// bond).
+    /// Site `n = 0` is bead `(sites - 1) / 2`, rounded down. The state is symmetric about the
+    /// middle of the chain for an odd (site) or even (bond) number of sites.
     ///
     /// # Errors
     /// No resonators (`rho = 0` or `kappa = 0`); `epsilon` not finite and positive; `alpha` outside

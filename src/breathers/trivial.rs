@@ -88,10 +88,8 @@ impl TrivialBreather {
         }
     }
 
-    /// The breather that has the given state at time zero; `None` if there is none.
-    ///
-    /// The chain has free ends, the centre of mass of each site is at rest, and the gaps satisfy
-    /// (constraint2).
+    /// The breather that has the given state at time zero, if there is one: with free ends, centres
+    /// of mass at rest, and gaps that satisfy (constraint2).
     pub fn of_state(chain: &Chain<f64>, y: &[f64]) -> Option<Self> {
         let (params, layout) = (chain.params(), chain.layout());
         let (v, v_dot) = (layout.v(y)?, layout.v_dot(y)?);
@@ -110,7 +108,7 @@ impl TrivialBreather {
         Self::with_means(params, amplitudes, phases, means).ok()
     }
 
-    /// A breather with checked amplitudes and phases, and mean positions zero.
+    /// Checks amplitudes and phases; the mean positions are zero.
     fn oscillating(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>) -> Result<Self> {
         params.validate()?;
         if params.resonators() != Resonators::Moving {

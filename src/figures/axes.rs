@@ -393,12 +393,11 @@ impl Axes {
     }
 }
 
-/// Draws the marker of a style.
 pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: bool) -> Result<(), Error> {
     mark_of(canvas, style, at, hollow, MARKER)
 }
 
-/// Draws the marker of a style with another radius.
+/// [`mark`] with another radius.
 pub(super) fn mark_of(
     canvas: &mut Canvas,
     style: &Style,

@@ -19,7 +19,7 @@ use super::palette::Rgb;
 pub(super) const TITLE: f64 = 20.0;
 /// Size of the labels of axes, in pixels per em.
 pub(super) const LABEL: f64 = 17.0;
-/// Size of the numbers at ticks and of the legend, in pixels per em.
+/// Size of ticks' numbers and of legends, in pixels per em.
 pub(super) const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
@@ -161,7 +161,6 @@ impl Canvas {
         Ok(())
     }
 
-    /// Fills a polygon.
     pub(super) fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) -> Result<(), Error> {
         self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
     }
@@ -188,7 +187,6 @@ impl Canvas {
         }
     }
 
-    /// Draws the border of a rectangle.
     pub(super) fn border(&mut self, area: &Rect, colour: Rgb) -> Result<(), Error> {
         let Rect { x0, y0, x1, y1 } = *area;
         let (left, right) = (x0 - 0.5, x1 + 0.5);

@@ -20,7 +20,6 @@ impl ColourBar {
         Self::along(Axis::exact(lo, hi, false), label, height)
     }
 
-    /// A bar along an axis.
     pub(super) fn along(mut axis: Axis, label: &str, height: f64) -> Self {
         axis.tick(height - 80.0, true);
         Self { axis, label: wrap(label, LABEL, height - 120.0) }

@@ -23,7 +23,7 @@ pub struct Growth {
     pub measured: Vec<Line>,
     /// The map, if there is one.
     pub map: Option<GrowthMap>,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 
@@ -34,7 +34,7 @@ pub struct GrowthMap {
     pub labels: [String; 3],
     /// Range of the abscissa; the columns divide it evenly.
     pub x: (f64, f64),
-    /// Range of the ordinate; the rows divide it evenly.
+    /// The same for the ordinate and rows.
     pub y: (f64, f64),
     /// The values row by row, the lowest row first.
     pub values: Vec<f64>,

@@ -9,9 +9,8 @@ type Place = (f64, f64);
 
 /// Draws the line `ordinate ~ abscissa^(-order)` through a point, with its label on the line.
 ///
-/// The label is placed where it is farthest from the places in `avoid`, and its place is added to
-/// them. If the axes cannot show the point, nothing is drawn. The guide is drawn before the curves,
-/// which then cover it.
+/// The label is placed farthest from the places in `avoid`, and its place is added to them. Without
+/// a place on the axes nothing is drawn. Curves drawn later cover the guide.
 pub(super) fn draw(
     canvas: &mut Canvas,
     axes: &Axes,

@@ -12,7 +12,6 @@ const GAP: f64 = 8.0;
 /// Least size of letters in a legend, in pixels per em.
 const SMALLEST: f64 = 9.0;
 
-/// An entry of a legend.
 pub(super) struct Entry {
     pub(super) text: String,
     pub(super) colour: Rgb,

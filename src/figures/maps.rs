@@ -21,12 +21,11 @@ pub struct Maps {
     pub title: String,
     /// The maps, from the left.
     pub maps: Vec<CellMap>,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 
-/// A map with a cell for each pair of parameters; neighbouring cells meet at the geometric mean of
-/// their parameters.
+/// A cell for each pair of parameters; neighbours meet at the geometric mean of their parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellMap {
     /// Labels of abscissa, ordinate and colour bar.
@@ -48,7 +47,7 @@ pub struct CellMap {
 /// # Errors
 ///
 /// No map; a map with another number of values or notes than cells; parameters that are not
-/// positive and increasing; a letter that the font lacks; more text than fits.
+/// positive and increasing; a letter the font lacks; more text than fits.
 pub fn maps(figure: &Maps) -> Result<Vec<u8>, Error> {
     if figure.maps.is_empty() {
         return Err(Error("a figure of maps needs one".into()));

@@ -29,7 +29,7 @@ pub struct Matrix {
     pub values: Vec<f64>,
     /// A note in each cell, in the order of the values.
     pub notes: Vec<String>,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 
@@ -37,7 +37,7 @@ pub struct Matrix {
 ///
 /// # Errors
 ///
-/// No cell, another number of values or notes than cells, a letter that the font lacks, or more
+/// No cell, another number of values or notes than cells, a letter the font lacks, or more
 /// text than fits.
 pub fn matrix(figure: &Matrix) -> Result<Vec<u8>, Error> {
     let Matrix { title, rows, columns, labels: [column_label, value_label], values, notes, caption } = figure;

@@ -91,7 +91,7 @@ fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
     page_of(SIZE, title, caption)
 }
 
-/// An empty figure of the given size with its title and caption, and the space between them.
+/// A [`page`] of another size.
 fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
     let mut canvas = Canvas::new(size);
     let (width, height) = (f64::from(size.0), f64::from(size.1));

@@ -31,7 +31,7 @@ pub struct Panels {
     pub title: String,
     /// The columns, of equal width.
     pub columns: Vec<Column>,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 
@@ -101,11 +101,11 @@ pub enum Kind {
     LogLog,
     /// Values against a parameter, each point with a marker.
     Parameter,
-    /// Values against a parameter on a logarithmic ordinate.
+    /// `Parameter` with a logarithmic ordinate.
     LogParameter,
     /// Points that are not joined, against a parameter.
     Cloud,
-    /// Points that are not joined, against a parameter on a logarithmic abscissa.
+    /// `Cloud` with a logarithmic abscissa.
     LogCloud,
     /// Points of the complex plane, not joined, with the unit circle; the axes have the same scale.
     Plane,
@@ -249,7 +249,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// # Errors
 ///
 /// No column, a column without panels, a panel without a point that its axes can show, an inset of
-/// a line that does not exist or on a logarithmic ordinate, a letter that the font lacks, or more
+/// a line that does not exist or on a logarithmic ordinate, a letter the font lacks, or more
 /// text than fits.
 pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);

@@ -41,7 +41,7 @@ pub struct Raster {
     pub bonds: (f64, f64),
     /// The first and the last time on the axis.
     pub times: (f64, f64),
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 
@@ -62,7 +62,7 @@ impl Raster {
 ///
 /// # Errors
 ///
-/// Bonds, times or a bar that are not finite or decrease, a letter that the font lacks, or more
+/// Bonds, times or a bar that are not finite or decrease, a letter the font lacks, or more
 /// text than fits.
 pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
     let ((first, last), (start, end)) = (figure.bonds, figure.times);

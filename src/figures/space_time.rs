@@ -28,7 +28,7 @@ pub struct SpaceTime {
     /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
     /// colours run from dark to light.
     pub signed: bool,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
 }
 

@@ -50,7 +50,7 @@ pub struct WorkPrecision {
     pub curves: Vec<Curve>,
     /// The error of the reference, drawn as a grey line; smaller errors are not resolved.
     pub floor: Option<f64>,
-    /// The text that a reader needs to make the figure again.
+    /// Caption, enough to make the figure again.
     pub caption: String,
     /// The names of the families, by index.
     pub families: Vec<String>,
@@ -66,7 +66,7 @@ pub struct WorkPrecision {
 ///
 /// # Errors
 ///
-/// No point that can be drawn, a letter that the font lacks, or more text than fits.
+/// No point that can be drawn, a letter the font lacks, or more text than fits.
 pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     let drawable = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.drawable());
     if drawable().next().is_none() {

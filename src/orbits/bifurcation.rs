@@ -61,14 +61,13 @@ const MOST_CUTS: u32 = 5;
 const MOST_TRIALS: u32 = 60;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-10;
-/// A quartet is the same on both sides if the real parts of `tau` differ by at most `NEAR`, and the
-/// imaginary part on the other side is at least `ALIKE` of that on this side.
+/// A quartet is the same on both sides if `Re tau` differs by at most `NEAR` and `Im tau` there is
+/// at least `ALIKE` of that here.
 const NEAR: f64 = 0.05;
 const ALIKE: f64 = 0.3;
 /// The value of `weak` inside a stretch, where bifurcations are separated.
 const WEAK_INSIDE: f64 = 1e-4;
 
-/// A test function.
 #[derive(Clone, Copy, Debug)]
 enum Test {
     /// The `k`-th smallest real `tau`, from `k = 0`, crosses -1.
@@ -87,7 +86,7 @@ struct Known {
     spectrum: Spectrum,
 }
 
-/// The part of a branch between two of its points, and their chord.
+/// A part of a branch, over the chord of its ends.
 struct Stretch<'a> {
     continuation: &'a Continuation,
     place: Place,
@@ -260,8 +259,8 @@ impl Continuation {
     /// The bifurcations between the points of a branch, in the order of the points, with the folds
     /// last.
     ///
-    /// Quartets with a modulus up to `1 + weak` are left out. A stretch with more than one
-    /// bifurcation is halved up to 5 times; bifurcations that are not separated then are left out.
+    /// Quartets with a modulus up to `1 + weak` are left out. A stretch with several bifurcations
+    /// is halved up to 5 times; those that are not separated then are left out.
     pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
         let known: Vec<Known> = orbits
             .iter()

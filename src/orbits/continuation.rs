@@ -63,8 +63,8 @@ pub enum End {
 const LONGEST: f64 = 0.5;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
-/// Largest number of corrector steps. With fewer than `GOOD_CORRECTIONS` of them `ds` grows, up to
-/// `MANY_CORRECTIONS` it stays, and with more it shrinks.
+/// Largest number of corrector steps; `ds` grows below `GOOD_CORRECTIONS` of them, and shrinks
+/// above `MANY_CORRECTIONS`.
 const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
 const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
@@ -207,7 +207,6 @@ impl Trail {
 }
 
 impl Continuation {
-    /// Checks the numbers of the settings.
     pub(super) fn validate(&self, from: f64) -> Result<()> {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));

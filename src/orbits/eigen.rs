@@ -36,10 +36,8 @@ pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
     Some(pairs.collect())
 }
 
-/// Solves `(S - shift) x = (1, .., 1)`, where `S` is upper triangular with blocks of size two on
-/// its diagonal.
-///
-/// A pivot below `least` is replaced by `least`.
+/// Solves `(S - shift) x = (1, .., 1)` with `S` upper triangular up to blocks of two; pivots are at
+/// least `least`.
 fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> DVector<Complex<f64>> {
     let floor = |pivot: Complex<f64>| if pivot.norm() < least { Complex::from(least) } else { pivot };
     let mut x = DVector::from_element(s.nrows(), Complex::from(1.0));

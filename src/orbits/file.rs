@@ -26,7 +26,7 @@ const MOST_BYTES: u64 = 1 << 26;
 /// First bytes of a zip archive that has a member.
 const ZIP: &[u8] = b"PK\x03\x04";
 
-/// The format and version in the settings of a branch.
+/// Format and version of a file.
 #[derive(Deserialize)]
 #[serde(expecting = "the settings of a branch")]
 struct Stamp {
@@ -91,19 +91,18 @@ fn orbit_version() -> u64 {
 pub enum Pick {
     /// By number: from 0 on, or from the last one back, -1, if negative.
     Point(i64),
-    /// The orbit whose parameter is nearest to the value, which must be in the range of the branch.
+    /// The orbit with the parameter nearest to this value, within the range of the branch.
     At(f64),
 }
 
-/// Largest residual, relative to the strains, of an orbit in a file; orbits rounded for printing
-/// have less.
+/// Largest residual, relative to the strains, of an orbit in a file; printed digits leave less.
 const ORBIT: f64 = 1e-8;
 
 /// Largest frequency of contacts and resonators in units of that of the orbit.
 const FASTEST: f64 = 1e3;
 
 impl Trail {
-    /// The settings that are written to the file.
+    /// The settings in the file.
     pub(crate) fn settings(&self) -> Result<impl Serialize> {
         let first = self.orbits.first().ok_or_else(|| Error::parameter("orbits", 0, "at least one"))?;
         Ok(Settings {

@@ -93,7 +93,7 @@ pub struct Spectrum {
     modes: Vec<Vectors>,
 }
 
-/// The eigenvector `z` of a `tau`, `C z`, the kind and the signature.
+/// Eigenvector `z`, `C z`, kind and signature of a `tau`.
 #[derive(Clone, Debug)]
 struct Vectors {
     z: DVector<Complex<f64>>,

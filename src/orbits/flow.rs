@@ -16,9 +16,8 @@ pub(super) struct Moment {
     pub(super) columns: DMatrix<f64>,
 }
 
-/// The state and its derivatives by the first `columns` entries of `start` at the time `t`.
-///
-/// `seen` is called at 0 and at the end of each window of the integration, `t` included.
+/// The state at `t`, and its derivatives by the first `columns` entries of `start`. `seen` is
+/// called at 0 and at the end of each window.
 pub(super) fn flow(
     chain: &Chain<f64>,
     start: &[f64],

@@ -10,7 +10,7 @@ use crate::{
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 
-/// Samples a period from which extremes are computed; a multiple of 4.
+/// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
@@ -68,10 +68,8 @@ impl Orbit {
         Ok(states)
     }
 
-    /// Centres and amplitudes of the first site.
-    ///
-    /// They are the largest and the smallest of 64 samples a period, each moved to the top of a
-    /// parabola through it and its neighbours.
+    /// Centres and amplitudes of the first site: extremes of 64 samples a period, each refined by a
+    /// parabola.
     ///
     /// # Errors
     /// An integration that fails.

@@ -34,7 +34,7 @@ impl Parameter {
         ("c_x", Self::Cx),
     ];
 
-    /// The name of the parameter in files and on the command line.
+    /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, parameter)| *parameter == self).map_or("", |(name, _)| name)
     }
@@ -60,7 +60,7 @@ pub struct Setting {
 const MOST_SITES: usize = 256;
 
 impl Setting {
-    /// The chain of the setting, after all numbers are checked.
+    /// The chain, after all numbers are checked.
     ///
     /// # Errors
     /// The first number that breaks its rule: moving resonators and `alpha > 1`; 3 to 256 sites;

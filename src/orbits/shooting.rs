@@ -72,7 +72,7 @@ pub struct Orbit {
     pub z: Vec<f64>,
     /// `max |F(Z)|` in units of `max |Z|`.
     pub residual: f64,
-    /// Steps of Newton's method on the way to the orbit.
+    /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
 }
 

@@ -79,7 +79,7 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
 /// memory.
 pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
-    /// The bytes of the numbers that are written next.
+    /// Bytes to be written next.
     block: Vec<u8>,
 }
 

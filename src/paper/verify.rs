@@ -88,8 +88,7 @@ impl Verification {
         self.items.iter().filter(|item| !item.as_expected())
     }
 
-    /// Numbers of differing numbers, differing formulas and failing statements. A misprint that
-    /// several claims repeat counts once.
+    /// Number of claims that differ or fail. A misprint that several claims repeat counts once.
     pub fn misprints(&self) -> usize {
         let wrong = |item: &&Item| matches!(item.verdict(), Verdict::Differs | Verdict::Fails);
         let mut first: Vec<&str> = self

@@ -292,8 +292,8 @@ impl SceneFile {
     /// Reads a scene from `text`; messages call it `file`.
     ///
     /// # Errors
-    /// Errors with the line, the key and the rule; for an unknown key, with the nearest known one.
-    /// A number that a double cannot hold is an error.
+    /// The line, the key and the rule, with the nearest known key for an unknown one; a number that
+    /// a double cannot hold.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         Self::parse_with(text, file, &[])
     }
@@ -354,8 +354,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// The changes and the position at which each begins: one byte after the text, or `QUOTES + 1`
-    /// after the end of the change before it.
+    /// The changes, and where each begins in the count of bytes, with room for `QUOTES` more.
     fn starts(&self) -> impl Iterator<Item = (usize, &String)> {
         self.changes.iter().scan(self.text.len() + 1, |next, change| {
             let start = *next;
@@ -493,9 +492,8 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
 
 /// The key of `[initial]` that causes a message.
 ///
-/// The reader reads a table with a `kind` as a whole and does not know where an error in it is.
-/// Here the keys are inserted one after the other; the first key with which the message appears is
-/// the cause.
+/// A table with a `kind` is read as a whole, without the place of an error. Here the keys are
+/// inserted one after the other; the first with which the message appears is the cause.
 fn culprit(message: &str, table: &toml::Spanned<DeTable<'_>>) -> Option<String> {
     let file = Table::deserialize(Deserializer::from(table.clone())).ok()?;
     let initial = file.get("initial")?.as_table()?;

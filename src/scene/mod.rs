@@ -20,7 +20,6 @@ use std::{f64::consts::PI, path::Path};
 const MOST_SITES: usize = 100_000_000;
 /// Longest scene file in bytes; arrays of millions of sites fit.
 const MOST_BYTES: u64 = 1 << 28;
-/// Largest number of samples.
 const MOST_SAMPLES: usize = 1_000_000;
 
 /// Least size of the contact forces of a state. Forces below about 1e-250 count as zero; this is
@@ -29,12 +28,11 @@ const LEAST_FORCE: f64 = 1e-200;
 /// Largest energy of a state; beyond it intermediate results would overflow.
 const MOST_ENERGY: f64 = 1e300;
 
-/// Seed of a perturbation if none is given.
 const DEFAULT_SEED: u64 = 1;
 const NO_WAVE: &str = "a scene whose initial state is of kind travelling-wave";
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 
-/// The theory with which a run of a scene can be compared.
+/// A theory to compare a run with.
 #[derive(Clone, Debug)]
 pub enum Theory {
     /// The first-order wave (eq:xytw_app).
@@ -254,7 +252,7 @@ impl Scene {
         &self.file.name
     }
 
-    /// The contents of the scene file, with changed and default values in place.
+    /// The scene file, with changes and defaults in place.
     pub fn file(&self) -> &SceneFile {
         &self.file
     }
@@ -269,7 +267,7 @@ impl Scene {
         &self.initial
     }
 
-    /// The theory with which a run can be compared, if there is one.
+    /// The theory to compare with, if there is one.
     pub fn theory(&self) -> Option<&Theory> {
         self.theory.as_ref()
     }

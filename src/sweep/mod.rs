@@ -122,11 +122,10 @@ enum Kept<U> {
 /// Computes the points of a grid that are not in the store, keeps each row as soon as it is there,
 /// and returns the rows in the order of the grid.
 ///
-/// A point whose work fails or panics gives a failed row with the reason; the others continue. A
-/// failed row is kept like any other, unless the process was asked to end; if its line is removed
-/// from the store, the point is computed again. Values are converted to JSON and back, with or
-/// without a store, so that resumed and new rows are the same. They must not hold numbers that are
-/// not finite.
+/// A point whose work fails or panics gives a failed row with the reason. A failed row is kept like
+/// any other, unless the process was asked to end; without its line in the store the point is
+/// computed again. Values pass through JSON, with or without a store, so that resumed and new rows
+/// are the same; they hold finite numbers only.
 ///
 /// ```
 /// use hertzchain::sweep::{Threads, sweep};

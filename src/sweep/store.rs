@@ -23,7 +23,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The version of the format.
 const VERSION: u64 = 1;
 /// Time between two syncs to the disk.
 const SYNC: Duration = Duration::from_secs(1);
@@ -160,7 +159,6 @@ impl Store {
         refused(&self.path(), self.at.get(key).map_or(1, |&k| k + 2), format!("no value of this study: {why}"))
     }
 
-    /// Appends the row of a point.
     pub(super) fn append(&mut self, key: &str, row: String) -> Result<()> {
         let line = Line { key: key.to_owned(), row };
         self.write(&self.written(&line))?;

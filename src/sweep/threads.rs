@@ -37,13 +37,13 @@ pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> 
     items.par_iter().map(f).collect()
 }
 
-/// The results of `f` for all items, in the order of the items.
+/// The results of `f`, in the order of the items.
 #[cfg(not(feature = "parallel"))]
 pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
     items.iter().map(f).collect()
 }
 
-/// Runs `work` in a thread pool of one thread, so that parallel parts of it use one thread too.
+/// Runs `work`, with all its parallel parts, on one thread.
 #[cfg(feature = "parallel")]
 pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
     use crate::error::Error;

@@ -52,7 +52,7 @@ pub struct Shape {
 pub enum Size {
     /// The size `epsilon`.
     Epsilon(f64),
-    /// The detuning `omega_tw - omega > 0`, from which `epsilon` follows.
+    /// The detuning `omega_tw - omega > 0`.
     Detuning(f64),
 }
 
@@ -189,8 +189,8 @@ mod tests {
 
     #[test]
     fn the_frequency_scales_as_the_model_does() {
-        // Times scale by s, so kappa scales by s^-2, and lengths by l with l^{alpha-1} = s^-2. The
-        // factor printed in the paper violates this at kappa != 1.
+        // Times by s and lengths by l: kappa by s^-2, l^{alpha-1} = s^-2. The paper's printed
+        // factor fails this at kappa != 1.
         let shape = Shape { q: 0.7, a: 1.0, b: 0.3, phi: 0.0 };
         let at = |kappa: f64, epsilon: f64| {
             // 2 kappa epsilon a and epsilon b are the lengths; keep both proportional.

@@ -32,9 +32,9 @@
 //! ```
 //!
 //! A uniform perturbation (`p = 0`) has `lambda = 0` twice. One is a shift of the phase. The other
-//! is a change of the amplitude, which changes `Omega`, so that the phase grows like `tau`, not
-//! exponentially. The change of `Omega` depends on what is given: it has the factor `s` as above
-//! with a given force, and `a h_r / h` in place of `s` with a given mean strain.
+//! changes the amplitude and with it `Omega`, so that the phase grows like `tau`, not
+//! exponentially: by `s` as above for a given force, and by `a h_r / h` in place of `s` for a given
+//! mean strain.
 //!
 //! # Consequences
 //!
@@ -204,8 +204,8 @@ impl Modulation {
     /// The two eigenvalues at wave number `p`: the growing one first; if none grows, that with the
     /// larger signed frequency first.
     ///
-    /// `lambda(-p) = conj(lambda(p))`, and if `lambda` is an eigenvalue, so is `-conj(lambda)` at
-    /// `-p`. At `p = 0` both are zero.
+    /// `lambda(-p) = conj(lambda(p))`, and if `lambda` is an eigenvalue, so is `-conj(lambda)`. At
+    /// `p = 0` both are zero.
     pub fn eigenvalues(&self, p: f64) -> [Eigenvalue; 2] {
         let (q, root) = (self.shape.q, self.discriminant(p).abs().sqrt());
         let frequency = -self.sigma * (2.0 + self.slope) * q.sin() * p.sin();

@@ -14,7 +14,6 @@ fn named(names: &[&str]) -> Vec<Method> {
     names.iter().map(|name| Method::named(name).unwrap()).collect()
 }
 
-/// Quick charts of the given methods on the built-in problem.
 fn study(charted: &[Chart], methods: Vec<Method>) -> ChartStudy {
     let integrators = methods.iter().map(Method::name).collect();
     let options =
@@ -79,8 +78,8 @@ fn with_rho(rho: &str) -> Problem {
 }
 
 // Measured: edges are off by 2.5e-5 of the width, since growth is followed down to a hundredth, and
-// growth by 5e-11. Closed form for the cradle: the trace is 2 cos(h omega) - (K h/omega) sin(h
-// omega), and so k pi - 2 arctan(K h/(2 omega)) < h omega < k pi.
+// growth by 5e-11. Closed form for the cradle: `trace = 2 cos(h omega) - (K h/omega) sin(h omega)`,
+// hence `k pi - 2 arctan(K h/(2 omega)) < h omega < k pi`.
 #[test]
 fn resonances_of_strang_on_the_cradle_have_the_edges_of_the_closed_form() {
     let (cradle, strang) = (with_rho("inf"), named(&["strang-linear"])[0]);

@@ -210,7 +210,6 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
     }
 }
 
-/// Follows branches of both kinds from one mass ratio to another.
 fn follow_in_mass(omega_b: f64, from: f64, to: f64) {
     for center in [Center::Site, Center::Bond] {
         let start = of_mass(from, center, omega_b).orbit(&Shooting::default()).unwrap();

@@ -31,13 +31,12 @@
 //! Two combinations of `x` and `y` separate `Z` from `M` in the ansatz:
 //! `x - y = epsilon omega^2 (Z e^{i omega t} + c.c.)` and `(x + rho y) / (1 + rho) = epsilon M`.
 //! [`project`] integrates the first against `e^{-i omega t}` and the second against 1 over a
-//! period, and takes the mean of these integrals over all periods that contain the time. In sum
-//! that is a weight with the shape of a triangle over two periods. The transform of the triangle
-//! has a double zero at each harmonic, so slopes of the envelope cause no error. Its curvature
-//! causes an error of `epsilon^{2 (alpha-1)} T^2/12` times `d^2/dtau^2` of `M`, and of
-//! `Z - 3/(4 pi^2) conj(Z) e^{-2 i omega t}`. The projection therefore inverts the ansatz to the
-//! order `epsilon^{2 (alpha-1)}`. The motion of a *chain* agrees with the ansatz to the order
-//! `epsilon^{alpha-1}` only, and its envelope is defined no better than that.
+//! period, and averages over all periods that contain the time: in sum a triangular weight over two
+//! periods. Its transform has a double zero at each harmonic, so slopes of the envelope cause no
+//! error. Curvature causes an error of `epsilon^{2 (alpha-1)} T^2/12` times `d^2/dtau^2` of `M`,
+//! and of `Z - 3/(4 pi^2) conj(Z) e^{-2 i omega t}`. The projection therefore inverts the ansatz to
+//! the order `epsilon^{2 (alpha-1)}`. A *chain* follows the ansatz to the order `epsilon^{alpha-1}`
+//! only, and its envelope is defined no better than that.
 
 use super::{Constraint, Dps, Ends, Form, Layout};
 use crate::{

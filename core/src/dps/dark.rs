@@ -35,7 +35,7 @@ use crate::{
     error::{Error, Result},
 };
 
-/// Exponents with profiles. The size of a profile is a power `1/(alpha-1)`; the tables of
+/// Range of exponents. The size of a profile is a power `1/(alpha-1)`; the tables of
 /// [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
 const MOST_SITES: usize = 100_001;
@@ -128,7 +128,7 @@ impl DarkProfile {
         self.params
     }
 
-    /// The symmetry: whether the kink is on a site or on a bond.
+    /// Position of the kink: on a site or on a bond.
     pub fn center(&self) -> Center {
         self.center
     }
@@ -161,7 +161,7 @@ impl DarkProfile {
     /// `delta^- a_n` at `mu = 1`; periodic in `n`. Odd about a site; `a_{1-n} = a_n` about a bond.
     pub fn a(&self, n: i64) -> f64 {
         let Some((k, image)) = self.place(n) else { return 0.0 };
-        // The sign (-1)^n belongs to the site that the half chain holds, n = k + 1.
+        // The sign (-1)^n of the site n = k + 1 that the half chain holds.
         let a = if k % 2 == 0 { -self.p[k] } else { self.p[k] };
         if image && self.center == Center::Site { -a } else { a }
     }
@@ -267,8 +267,7 @@ fn background(averages: &Averages, c: f64) -> Result<f64> {
     Ok(bisect(least.max(f64::EPSILON * unstrained), |r| averages.h(c, r) > 0.25))
 }
 
-/// The least double above `low` with `beyond`, if `beyond` is false up to some value and true from
-/// there on.
+/// The least double above `low` with `beyond`, which is false up to a value and true above it.
 fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (low, 2.0 * low);
     while !beyond(high) && high.is_finite() {
@@ -283,7 +282,7 @@ fn bisect(low: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// The unknowns of Newton's method on the half chain, and what is fixed.
+/// State of Newton's method on the half chain.
 struct Half<'a> {
     averages: &'a Averages,
     center: Center,
@@ -298,7 +297,7 @@ struct Half<'a> {
 }
 
 impl<'a> Half<'a> {
-    /// The guess (eq:an_ini) with an amplitude, and the `b_n` that satisfy the constraint with it.
+    /// The guess (eq:an_ini) with an amplitude, and its `b_n`.
     fn start(averages: &'a Averages, center: Center, sites: usize, c: f64, size: f64, amplitude: f64) -> Self {
         let (count, n_0) = match center {
             Center::Site => (sites / 2, 0.0),
@@ -352,8 +351,7 @@ impl<'a> Half<'a> {
         first.chain(second).fold(0.0, f64::max)
     }
 
-    /// Takes a step of Newton's method; returns the largest change of a `p_n` relative to the
-    /// background.
+    /// Takes a step; returns the largest change of a `p_n` relative to the background.
     fn step(&mut self, bonds: &[Values], defects: &[f64]) -> f64 {
         let last = self.p.len() - 1;
         let w: Vec<f64> = bonds.iter().map(|bond| bond.drh_db / bond.dg_db).collect();

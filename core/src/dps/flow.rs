@@ -69,7 +69,7 @@ pub enum Form {
 pub enum Ends {
     /// The first and the last site are neighbours.
     Ring,
-    /// Nothing is beyond the ends: the oscillating force there is zero.
+    /// No oscillating force acts on the ends.
     Free,
 }
 
@@ -78,7 +78,7 @@ pub enum Ends {
 pub struct Layout {
     /// Number of sites, `N >= 2`.
     pub sites: usize,
-    /// What is beyond the first and the last site.
+    /// Ring or free ends.
     pub ends: Ends,
     /// The complex numbers of the state.
     pub form: Form,
@@ -92,8 +92,7 @@ impl Layout {
     /// Displacements of all sites with the given strains; their sum is zero.
     pub(super) fn stacked(self, strains: &[f64]) -> Vec<f64> {
         let mut displacements = vec![0.0; self.sites];
-        // The first strain of a ring belongs to the bond that closes it and follows from the
-        // others.
+        // The first strain of a ring follows from the others.
         let skip = strains.len() + 1 - displacements.len();
         for n in 1..displacements.len() {
             displacements[n] = displacements[n - 1] + strains[n - 1 + skip];
@@ -381,8 +380,7 @@ fn difference(z: &[f64], differences: &mut [f64]) {
 fn mean_force(averages: &Averages, radii: &[f64], b: f64) -> f64 {
     let (alpha, count) = (averages.alpha(), radii.len() as f64);
     let swing = 2.0 * averages.kappa() * radii.iter().sum::<f64>() / count;
-    // C^{1/alpha} lies between -b_n - S_n and -b_n + S_n in each bond (S_n = 2 kappa r_n): take the
-    // mean.
+    // C^{1/alpha} lies in [-b_n - S_n, -b_n + S_n] with S_n = 2 kappa r_n; take means over bonds.
     let (mut low, mut high) = ((-b - swing).max(0.0), swing - b);
     if high <= 0.0 {
         return 0.0;

@@ -25,13 +25,12 @@ use crate::error::{Error, Result};
 use dashu_float::{FBig, round::mode::HalfEven};
 use serde::{Deserialize, Serialize};
 
-/// Exponents with solutions. Below 1.01 the uniform solution and the width of the middle leave the
+/// Range of exponents. Below 1.01 the uniform solution and the width of the middle leave the
 /// range of doubles; the tables of [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
 /// Bits in Newton's method: those of a double, and those that the tail loses.
 const PRECISION: usize = 128;
-/// The initial guess of the middle ends where `b_n` is below this share of its height; the exact
-/// solution has fewer sites above it.
+/// Share of its height below which the guess of the middle ends; the exact solution is narrower.
 const MIDDLE: f64 = 1e-30;
 /// Share of the largest `b_n` below which the middle is not accurate enough to be kept.
 const GOOD: f64 = 1e-8;
@@ -132,9 +131,8 @@ impl Homoclinic {
         self.omega_0
     }
 
-    /// The largest `|a_n + delta^+ [|delta^- a_n|^{alpha-1} delta^- a_n]| / |a_n|`.
-    ///
-    /// It is evaluated for the rounded `a_n`, and so it is of the size of the rounding errors.
+    /// The largest `|a_n + delta^+ [|delta^- a_n|^{alpha-1} delta^- a_n]| / |a_n|` of the rounded
+    /// `a_n`; it contains their rounding errors.
     pub fn residual(&self) -> f64 {
         let force = |n: i64| (self.a(n).abs() + self.a(n - 1).abs()).powf(self.alpha);
         let off = |n: i64| (1.0 - (force(n + 1) + force(n)) / self.a(n).abs()).abs();
@@ -221,7 +219,7 @@ fn refined(alpha: f64, center: Center, mut b: Vec<Big>) -> Result<Vec<Big>> {
         for k in (0..n).rev() {
             pivots[k] = big(1.0) - &bonds[k].1 - &bonds[k + 1].1;
             sides[k] = &bonds[k].0 + &bonds[k + 1].0 - &b[k];
-            // Bond 0 adds to the pivot (about a bond) or to the upper entry (about a site).
+            // Bond 0 adds to the pivot or, about a site, to the upper entry.
             let mut upper = -bonds[k + 1].1.clone();
             if k == 0 && center == Center::Bond {
                 pivots[0] -= &bonds[0].1;

@@ -54,7 +54,7 @@ pub struct Averages {
     kappa: f64,
     /// `Gamma(alpha + 1) / (sqrt(pi) Gamma(alpha + 1/2))`, the factor of the derivatives.
     front: f64,
-    /// `epsilon = alpha + 1/2 - m`, with an integer `m`; in `[-3/4, 1/4)`.
+    /// `alpha + 1/2 - m` with the integer `m` for which it is in `[-3/4, 1/4)`.
     epsilon: f64,
     /// Tables for a contact that opens: `n = 0, 1` with `alpha`, and `n = 0, 1, 2` with
     /// `alpha - 1`.
@@ -121,7 +121,7 @@ struct Bond {
     e: f64,
 }
 
-/// The three cases of a contact: it stays open, it opens in each period, or it stays closed.
+/// The contact stays open, opens in each period, or stays closed.
 enum Contact {
     Never,
     Opens { root_w: f64, place: Place },
@@ -236,9 +236,8 @@ impl Averages {
 
     /// The mean strain `b` at which `g_alpha(b, r) = c`, for `c >= 0` and `r >= 0`.
     ///
-    /// It is `-c^{1/alpha}` at `r = 0`. At `c = 0` every `b >= 2 kappa r` is a solution, and the
-    /// least is returned. The result is `NaN` for `c < 0`, for `r < 0`, and for a `2 kappa r` that
-    /// overflows.
+    /// The result is `-c^{1/alpha}` at `r = 0`, and the least solution `2 kappa r` at `c = 0`. It
+    /// is `NaN` for `c < 0`, for `r < 0`, and for a `2 kappa r` that overflows.
     ///
     /// Newton's method for `ln g` as a function of `ln d`, whose slope goes from `alpha + 1/2`
     /// (short contacts) to `alpha`, with bisection where its steps do not halve. Among 1e5 pairs it

@@ -19,7 +19,6 @@ const TOLERANCE: f64 = 1e-12;
 const SAMPLES_PER_PERIOD: u32 = 20;
 /// Tolerance of the runs of a map of lifetimes.
 const LIFETIME_TOLERANCE: f64 = 1e-9;
-/// The two laws of the mass ratio.
 const LAWS: [RhoLaw; 2] = [RhoLaw::Heavy, RhoLaw::Light];
 /// Names of the laws of the mass ratio in legends.
 const HEAVY: &str = "ρ = ε^(−2(α−1))";
@@ -38,7 +37,6 @@ pub(super) fn bounds(cases: &[(f64, &[f64])], progress: &(dyn Fn(f64) + Sync)) -
     cases.iter().enumerate().map(pair).collect()
 }
 
-/// Homoclinic solutions about a site and about a bond.
 pub(super) fn homoclinics(alpha: f64) -> Result<[Homoclinic; 2]> {
     Ok([Homoclinic::new(alpha, Center::Site)?, Homoclinic::new(alpha, Center::Bond)?])
 }

@@ -75,7 +75,6 @@ impl WaveRun {
     }
 }
 
-/// The studies of the runs.
 pub(super) fn studies(
     runs: &'static [WaveRun],
     progress: &(dyn Fn(f64) + Sync),
@@ -266,7 +265,6 @@ mod pictures {
         study.t.iter().zip(values).map(|(&t, e)| (t, 100.0 * e)).collect()
     }
 
-    /// Errors of beads and of resonators.
     fn pair(study: &WaveStudy, label: &str, names: [&str; 2], errors: &Errors) -> Panel {
         let lines = [line(names[0], percents(study, &errors.x)), line(names[1], percents(study, &errors.y))];
         in_time(label, lines.into())

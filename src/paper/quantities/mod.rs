@@ -92,9 +92,8 @@ const SECTIONS: [(u32, &[Group]); 5] =
 
 /// The quantities of a section, or of all sections, in the order of the claims.
 ///
-/// `progress` is called with the number of finished pieces of work and their total number. A run
-/// that several groups use is made once. First the runs and then the groups are computed on all
-/// cores; the results do not depend on the number of cores.
+/// `progress` is called with the finished and the total number of pieces of work. First the runs
+/// and then the groups are computed on all cores; the results do not depend on their number.
 ///
 /// # Errors
 /// A run that fails.

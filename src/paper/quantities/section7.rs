@@ -57,7 +57,6 @@ fn spectrum(rho: f64, center: Center, omega_b: f64) -> Result<Spectrum> {
     orbit(rho, center, omega_b)?.spectrum(&Shooting::default())
 }
 
-/// The spectra at several frequencies.
 fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
     map(omega_b, |&omega_b| spectrum(rho, center, omega_b)).into_iter().collect()
 }
@@ -78,7 +77,7 @@ fn most(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().reduce(|a, b| if a.is_nan() || a >= b { a } else { b }).unwrap_or(f64::NAN)
 }
 
-/// The smallest value; NaN if one of them is NaN, or if there is none.
+/// The smallest value, with the same rules.
 fn least(values: impl IntoIterator<Item = f64>) -> f64 {
     -most(values.into_iter().map(|value| -value))
 }

@@ -18,14 +18,13 @@ use crate::{
 };
 
 const SITES: usize = 41;
-/// Collisions of multipliers that lead to no modulus above one plus this are left out.
+/// Collisions that lead to no modulus above one plus this are left out.
 const WEAK: f64 = 0.01;
 /// Branches in the mass ratio begin where `omega_b / omega` has this value.
 const ABOVE: f64 = 1.004;
 /// Branches in the mass ratio have short steps up to this multiple of the first mass ratio.
 const NEAR: f64 = 5.0;
-/// Size of the push along the mode at -1, in units of the amplitude of the orbit, that gives the
-/// seed of the orbit of doubled period.
+/// Size of the push along the mode at -1, in units of the amplitude, for a seed of doubled period.
 const SEED: f64 = 0.1;
 
 /// Kind and parameters of a figure of Sec. 7.
@@ -127,7 +126,7 @@ pub enum OrbitData {
     MassRatios(Vec<MassRatioData>),
 }
 
-/// An exact profile and what it is compared with.
+/// An exact profile.
 #[derive(Debug)]
 pub struct ProfileData {
     /// Position of the kink.
@@ -145,13 +144,13 @@ pub struct ProfileData {
 pub struct FloquetData {
     /// Position of the kink.
     pub center: Center,
-    /// The orbits of the branch and their multipliers.
+    /// Orbits and their multipliers.
     pub branch: Branch,
     /// The orbit at one frequency.
     pub one: OrbitStudy,
 }
 
-/// A period doubling and the first orbit of doubled period.
+/// A period doubling.
 #[derive(Debug)]
 pub struct DoublingData {
     /// The bifurcation, with its mode.
@@ -169,12 +168,12 @@ pub struct MassRatioData {
     pub center: Center,
     /// Frequency of the branch.
     pub omega_b: f64,
-    /// The orbits of the branch and their multipliers.
+    /// Orbits and their multipliers.
     pub branch: Branch,
 }
 
 const THIRD: f64 = 1.0 / 3.0;
-/// The two centres in the order of the paper's panels, from the top or from the left.
+/// The two centres in the order of the paper's panels.
 const BOTH: [Center; 2] = [Center::Bond, Center::Site];
 
 fn breather(rho: f64, center: Center, omega_b: f64) -> DarkBreather {

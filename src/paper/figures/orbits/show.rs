@@ -60,7 +60,7 @@ fn evolution_tag(center: Center, run: &Evolution) -> String {
     format!("{}-{}{kicked}", center_word(center), run.orbit.setting.omega_b)
 }
 
-/// The numbers `n = -N .. N` of the sites of an orbit.
+/// The sites `n = -N .. N` of an orbit.
 fn sites(orbit: &Orbit) -> impl Iterator<Item = f64> + use<> {
     let half = orbit.setting.sites as f64 / 2.0 - 0.5;
     (0..orbit.setting.sites).map(move |i| i as f64 - half)
@@ -85,7 +85,6 @@ fn doubling_csv(one: &DoublingData) -> Tables {
     vec![("profile.csv", strains_csv(&one.orbit, &["", "_seed", "_mode"], &all))]
 }
 
-/// A table of the multipliers off the circle at all points of a branch.
 fn off_circle_csv(branch: &Branch) -> Vec<u8> {
     let parameter = branch.continuation.parameter;
     let rows = branch.points.iter().flat_map(|point| {
@@ -126,20 +125,19 @@ fn ring(orbit: &Orbit) -> String {
     )
 }
 
-/// A number with two digits as text, as a power of ten where that is short, with a typographic
-/// minus sign.
+/// Two digits, as a power of ten where that is short, with a typographic minus sign.
 fn power(value: f64) -> String {
     let plain = (0.1..1e3).contains(&value.abs());
     (if plain { format!("{value:.1}") } else { format!("{value:.1e}") }).replace('-', "−")
 }
 
-/// The largest modulus above 1 of multipliers of a kind.
+/// The largest modulus of a kind, if above 1.
 fn strongest(spectrum: &Spectrum, wanted: Kind) -> Option<f64> {
     let off = |one: &&Multiplier| one.kind == wanted && one.modulus > 1.0;
     spectrum.multipliers.iter().filter(off).map(|one| one.modulus).reduce(f64::max)
 }
 
-/// The largest moduli of all kinds as text, such as “real 1.08, quartet 1.01”.
+/// The largest moduli, such as “real 1.08, quartet 1.01”.
 fn strongest_words(spectrum: &Spectrum) -> String {
     let words = KINDS.iter().filter_map(|(kind, word)| Some(format!("{word} {:.4}", strongest(spectrum, *kind)?)));
     words.collect::<Vec<_>>().join(", ")
@@ -214,7 +212,6 @@ fn profiles_words(all: &[ProfileData]) -> String {
     seed.to_owned() + &all.iter().map(words).collect::<Vec<_>>().join(". ")
 }
 
-/// Kinds and places of the bifurcations of a branch, as text.
 fn bifurcation_words(all: &[Bifurcation]) -> String {
     let word = |kind| match kind {
         BifurcationKind::PeriodDoubling => "through −1",
@@ -425,7 +422,7 @@ mod pictures {
         ["xₙ", "yₙ"].into_iter().enumerate().map(panel).collect()
     }
 
-    /// Lines of points for the multipliers on the circle, and for each kind off it.
+    /// The multipliers on the circle, then each kind off it.
     fn by_kind(multipliers: impl Fn(&dyn Fn(&Multiplier) -> bool) -> Vec<(f64, f64)>) -> Vec<Line> {
         let off = KINDS.map(|(kind, name)| line(name, multipliers(&|one| one.kind == kind).into_iter()));
         let circle = line("on the circle", multipliers(&|one| one.modulus == 1.0).into_iter());

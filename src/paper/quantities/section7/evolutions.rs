@@ -1,8 +1,7 @@
 //! Evolutions of the breathers at `rho = 1/3` on the chain.
 //!
-//! A run begins with rounding errors, which grow by `|lambda|^m`. After they have grown to the size
-//! of the breather, the details of a run depend on rounding, and only sizes are properties of the
-//! chain.
+//! Rounding errors of a run grow by `|lambda|^m`. Once they have the size of the breather, only
+//! sizes are properties of the chain.
 
 use super::{
     super::{Quantity, Runs},
@@ -37,12 +36,12 @@ fn rate(run: &Evolution) -> f64 {
     (run.e_b[to] / run.e_b[from]).ln() / (to - from) as f64 / per_period
 }
 
-/// Distance of the kink from its first position at the end, in sites.
+/// Displacement of the kink at the end, in sites.
 fn gone(run: &Evolution) -> f64 {
     run.position.last().map_or(f64::NAN, |end| (end - run.position[0]).abs())
 }
 
-/// The time at which the kink is one site from its first position.
+/// Time at which the kink is displaced by a site.
 fn leaves(run: &Evolution) -> f64 {
     let away = |position: &f64| (position - run.position[0]).abs() >= 1.0;
     run.position.iter().position(away).map_or(f64::NAN, |m| run.times[m])

@@ -101,7 +101,7 @@ impl Branch {
         self.0.iter().map(|(_, spectrum)| spectrum)
     }
 
-    /// Largest `lambda - 1` of the real multipliers at each point.
+    /// Largest `lambda - 1` of real multipliers.
     fn growths(&self) -> impl Iterator<Item = f64> {
         self.spectra().map(|spectrum| largest(spectrum, |m| m.kind == Kind::Real) - 1.0)
     }
