@@ -11,7 +11,7 @@
 //! path of the mean of the states before and after: the implicit midpoint rule for the Hamiltonian `int V dt`. It is iterated until it stays.
 
 use super::{
-    Boundary, Chain, ContactLaw, LinearFlow,
+    ContactLaw, LinearFlow,
     gauss::{self, gauss},
 };
 use hertzchain_integrators::{
@@ -44,28 +44,15 @@ impl<R: Real> Bonds<R> {
     }
 }
 
-impl<R: Real> Chain<R> {
-    /// What acts on a site, from what acts in the bonds.
-    fn on_site(&self, site: usize, bond: impl Fn(usize) -> R) -> R {
-        let n = self.sites();
-        match self.boundary() {
-            Boundary::Free | Boundary::Fixed => bond(site) - bond(site + 1),
-            Boundary::Ring => bond(site) - bond((site + 1) % n),
-            Boundary::StrainRing => (bond(site) - bond((site + n - 1) % n)) - (bond((site + 1) % n) - bond(site)),
-        }
-    }
-}
-
 impl<R: Real> LinearFlow<R> {
     /// The path of an overlap from now on, if nothing kicks.
     fn path(&self, bond: usize, phase: (R, R)) -> LinearPath<R> {
         let omega = self.omega.value();
-        let across = |mode: fn((R, R, R, R)) -> R| self.chain.across(bond, |i| mode(self.modes(i, phase)));
-        let p_dot = across(|(_, _, _, p_dot)| p_dot);
+        let [r, r_dot, p, p_dot] = self.chain.topology().across(bond, |i| self.motions(i, phase));
         LinearPath {
-            a: self.chain.precompression() + across(|(r, _, _, _)| r),
-            b: across(|(_, r_dot, _, _)| r_dot),
-            c: across(|(_, _, p, _)| p),
+            a: self.chain.precompression() + r,
+            b: r_dot,
+            c: p,
             d: if omega > R::zero() { p_dot / omega } else { p_dot },
             omega,
         }
@@ -73,7 +60,7 @@ impl<R: Real> LinearFlow<R> {
 
     /// The path half way through a kick.
     fn midway(&self, path: &LinearPath<R>, shift: Moments<R>) -> LinearPath<R> {
-        let (m, mu) = (R::of(0.5) * self.m, R::of(0.5) * self.mu_over_omega);
+        let (m, mu) = (R::of(0.5) * self.m(), R::of(0.5) * self.mu_over_omega);
         LinearPath {
             a: path.a - m * shift[1],
             b: path.b + m * shift[0],
@@ -87,7 +74,7 @@ impl<R: Real> LinearFlow<R> {
     fn solve(&self, bonds: &mut Bonds<R>, window: (R, R)) -> bool {
         let (chain, law, phase) = (&self.chain, self.chain.law(), self.theta.sin_cos());
         let Bonds { paths, moments, shifts, roots } = bonds;
-        let touching = chain.touching();
+        let (topology, touching) = (chain.topology(), chain.touching());
         paths.clear();
         paths.extend(touching.clone().map(|bond| self.path(bond, phase)));
         moments.clear();
@@ -98,8 +85,7 @@ impl<R: Real> LinearFlow<R> {
         for _ in 0..ITERATIONS {
             let mut settled = true;
             for (k, bond) in touching.clone().enumerate() {
-                let shift: Moments<R> =
-                    std::array::from_fn(|c| chain.across(bond, |site| chain.on_site(site, |b| moments[b][c])));
+                let shift = topology.across(bond, |site| topology.push(site, |b| moments[b]));
                 if shift == shifts[k] {
                     continue;
                 }
@@ -119,10 +105,9 @@ impl<R: Real> LinearFlow<R> {
     /// Hands the moments over to the sites.
     fn push(&mut self, moments: &[Moments<R>]) {
         self.count_kick();
-        let ((sin, cos), tau, m, mu) = (self.theta.sin_cos(), self.tau, self.m, self.mu_over_omega);
+        let ((sin, cos), tau, m, mu) = (self.theta.sin_cos(), self.tau, self.m(), self.mu_over_omega);
         for i in 0..self.chain.sites() {
-            let [j, j_t, j_cos, j_sin]: Moments<R> =
-                std::array::from_fn(|c| self.chain.on_site(i, |bond| moments[bond][c]));
+            let [j, j_t, j_cos, j_sin] = self.chain.topology().push(i, |bond| moments[bond]);
             if let [r0, v] = &mut self.centre
                 && !v.is_empty()
             {
@@ -147,11 +132,11 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
     fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
         let phase = self.theta.sin_cos();
         let position = |i| {
-            let (r, _, p, _) = self.modes(i, phase);
+            let [r, _, p, _] = self.motions(i, phase);
             r + p
         };
         let velocity = |i| {
-            let (_, r_dot, _, p_dot) = self.modes(i, phase);
+            let [_, r_dot, _, p_dot] = self.motions(i, phase);
             r_dot + p_dot
         };
         self.chain.across_bonds(self.chain.precompression(), position, overlaps);

@@ -1,6 +1,5 @@
 //! What holds the ends of the chain.
 
-use hertzchain_integrators::Real;
 use serde::{Deserialize, Serialize};
 
 /// The boundary condition.
@@ -18,16 +17,4 @@ pub enum Boundary {
     // Commands that take a boundary take a chain of displacements.
     #[cfg_attr(feature = "cli", value(skip))]
     StrainRing,
-}
-
-impl Boundary {
-    /// The positions beyond the two ends, from those at the ends. An infinite one never touches.
-    #[inline(always)]
-    pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
-        match self {
-            Self::Free => (R::neg_infinity(), R::infinity()),
-            Self::Fixed => (R::zero(), R::zero()),
-            Self::Ring | Self::StrainRing => (last, first),
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! The chain as contact collocation sees it.
 
-use super::{Boundary, Chain, ContactLaw, Resonators};
+use super::{Chain, ContactLaw, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
     collocation::{ContactChain, Pace, Path, Response, monodromy},
@@ -38,7 +38,7 @@ impl ContactChain for Chain<f64> {
     }
 
     fn ring(&self) -> bool {
-        matches!(self.boundary, Boundary::Ring | Boundary::StrainRing)
+        self.topology.ring()
     }
 
     fn law(&self) -> ContactLaw<f64> {
@@ -46,13 +46,8 @@ impl ContactChain for Chain<f64> {
     }
 
     fn response(&self) -> Response {
-        let rho = self.params.rho;
-        let (m, mu) = match self.params.resonators() {
-            Resonators::None => (1.0, 0.0),
-            Resonators::Fixed => (0.0, 1.0),
-            Resonators::Moving => (1.0 / (1.0 + rho), 1.0 / (1.0 + 1.0 / rho)),
-        };
-        Response { m, mu, omega: self.params.omega_twofold() }
+        let Modes { m, mu, omega, .. } = self.modes;
+        Response { m, mu, omega }
     }
 
     fn rest(&self) -> f64 {
@@ -61,65 +56,34 @@ impl ContactChain for Chain<f64> {
 
     #[inline(always)]
     fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path {
-        let n = self.sites();
-        match self.boundary {
-            Boundary::Free => minus(quantity(bond), quantity(bond + 1)),
-            Boundary::Fixed if bond == 0 => minus([0.0; 4], quantity(0)),
-            Boundary::Fixed if bond == n => quantity(n - 1),
-            Boundary::Fixed => minus(quantity(bond - 1), quantity(bond)),
-            Boundary::Ring => minus(quantity(if bond == 0 { n - 1 } else { bond - 1 }), quantity(bond)),
-            Boundary::StrainRing => minus([0.0; 4], quantity(bond)),
-        }
+        self.topology.across(self.topology.first() + bond, quantity)
     }
 
     #[inline(always)]
     fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path {
-        let n = self.sites();
-        let next = if site + 1 == n { 0 } else { site + 1 };
-        match self.boundary {
-            Boundary::Free if n == 1 => [0.0; 4],
-            Boundary::Free if site == 0 => minus([0.0; 4], force(0)),
-            Boundary::Free if site + 1 == n => force(site - 1),
-            Boundary::Free => minus(force(site - 1), force(site)),
-            Boundary::Fixed => minus(force(site), force(site + 1)),
-            Boundary::Ring => minus(force(site), force(next)),
-            Boundary::StrainRing => {
-                let before = if site == 0 { n - 1 } else { site - 1 };
-                minus(minus(force(site), force(next)), minus(force(before), force(site)))
-            }
-        }
+        let first = self.topology.first();
+        self.topology.push(site, |bond| force(bond - first))
     }
 
     fn path(&self, y: &[f64], i: usize) -> Path {
-        let (layout, omega) = (self.layout, self.params.omega());
-        let (u, u_dot) = (layout.u(y)[i], layout.u_dot(y)[i]);
-        match (layout.v(y), layout.v_dot(y), self.params.resonators()) {
-            (Some(v), Some(v_dot), _) => {
-                let Response { m, mu, .. } = self.response();
-                [m * u + mu * v[i], m * u_dot + mu * v_dot[i], mu * (u - v[i]), mu * (u_dot - v_dot[i]) / omega]
-            }
-            (_, _, Resonators::Fixed) => [0.0, 0.0, u, u_dot / omega],
-            _ => [u, u_dot, 0.0, 0.0],
-        }
+        let layout = self.layout;
+        let of = |array: Option<&[f64]>| array.map_or(0.0, |array| array[i]);
+        let [r, r_dot, p, p_dot] =
+            self.modes.split([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))]);
+        let omega = self.modes.omega.value();
+        [r, r_dot, p, if omega > 0.0 { p_dot / omega } else { p_dot }]
     }
 
-    fn place(&self, [r, r_dot, p, p_dot]: [f64; 4], i: usize, y: &mut [f64]) {
-        let (n, half, rho) = (self.sites(), self.layout.dim() / 2, self.params.rho);
-        y[i] = r + p;
-        y[half + i] = r_dot + p_dot;
+    fn place(&self, modes: [f64; 4], i: usize, y: &mut [f64]) {
+        let (n, half) = (self.sites(), self.layout.dim() / 2);
+        let [u, v, u_dot, v_dot] = self.modes.join(modes);
+        (y[i], y[half + i]) = (u, u_dot);
         if self.layout.resonators() {
-            y[n + i] = r - p / rho;
-            y[half + n + i] = r_dot - p_dot / rho;
+            (y[n + i], y[half + n + i]) = (v, v_dot);
         }
     }
 
     fn dead_band(&self, largest: f64) -> f64 {
         Chain::dead_band(self, std::iter::once(largest))
     }
-}
-
-#[inline(always)]
-fn minus(a: Path, b: Path) -> Path {
-    // No closure: it would be a call for each of the four.
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
 }

@@ -1,6 +1,6 @@
 //! The energy, by kind and by site.
 
-use super::{Boundary, Chain, Resonators};
+use super::{Chain, Resonators};
 use hertzchain_integrators::Real;
 
 /// The energy of a state by kind.
@@ -35,7 +35,7 @@ impl<R: Real> Chain<R> {
     /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only where `sum x = sum y` and
     /// the mean strain is at rest (up to round-off).
     pub fn has_energy(&self, y: &[R]) -> bool {
-        if self.boundary != Boundary::StrainRing {
+        if !self.topology.strains() {
             return true;
         }
         let layout = self.layout;
@@ -57,7 +57,7 @@ impl<R: Real> Chain<R> {
     /// On a strain ring the displacements are those with zero mean; see [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
         let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
-        if self.boundary == Boundary::StrainRing {
+        if self.topology.strains() {
             let motion = self.motion(y);
             let sums = [&motion.u_dot, &motion.v_dot, &motion.stretch].map(|slice| squares(slice));
             return self.energy_of(sums, self.potential(motion.overlaps.iter().copied()));
@@ -70,13 +70,8 @@ impl<R: Real> Chain<R> {
             (None, Resonators::Fixed) => squares(u),
             (None, _) => R::zero(),
         };
-        let n = u.len();
-        let (left, right) = self.boundary.ghosts(u[0], u[n - 1]);
-        let last = (self.boundary != Boundary::Ring).then(|| self.precompression + (u[n - 1] - right));
-        let between = u.windows(2).map(|w| self.precompression + (w[0] - w[1]));
-        let overlaps = std::iter::once(self.precompression + (left - u[0])).chain(between).chain(last);
         let v_dot = layout.v_dot(y).unwrap_or_default();
-        self.energy_of([squares(u_dot), squares(v_dot), stretch], self.potential(overlaps))
+        self.energy_of([squares(u_dot), squares(v_dot), stretch], self.potential(self.between(u)))
     }
 
     /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the contacts.
@@ -105,11 +100,9 @@ impl<R: Real> Chain<R> {
         let (kappa, rho) = (R::of(self.params.kappa), R::of(self.params.rho.min(f64::MAX)));
         let at = |slice: &[R], i: usize| slice.get(i).map_or(R::zero(), |&a| a * a);
         let bonds: Vec<R> = motion.overlaps.iter().map(|&g| self.law.potential(g)).collect();
-        let walled = self.boundary == Boundary::Fixed;
         let share = |bond: usize| {
-            let outer = walled && (bond == 0 || bond == n);
             let energy = bonds[bond % bonds.len()];
-            if outer { energy } else { half * energy }
+            if self.topology.at_wall(bond) { energy } else { half * energy }
         };
         (0..n)
             .map(|i| {
@@ -129,8 +122,7 @@ impl<R: Real> Chain<R> {
 
     fn motion(&self, y: &[R]) -> Motion<R> {
         let layout = self.layout;
-        let displacement =
-            |strains: &[R]| if self.boundary == Boundary::StrainRing { unroll(strains) } else { strains.to_vec() };
+        let displacement = |strains: &[R]| if self.topology.strains() { unroll(strains) } else { strains.to_vec() };
         let stretch: Vec<R> = match (layout.v(y), self.params.resonators()) {
             (Some(v), _) => layout.u(y).iter().zip(v).map(|(&u, &v)| u - v).collect(),
             (None, Resonators::Fixed) => layout.u(y).to_vec(),

@@ -2,18 +2,14 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `R = (u + rho v)/(1 + rho)` | centre of mass of a bead and its resonator; moves freely |
-//! | `P = rho (u - v)/(1 + rho)` | oscillates with `omega`; `u = R + P`, `v = R - P/rho` |
+//! | `R, P` | the two motions of a site, and `m, mu` the shares of an impulse that they take, see [`Modes`](super::Modes) |
 //! | `R0, V; C, S` | `R(t) = R0 + V tau`, `P(t) = C cos theta + S sin theta` |
 //! | `theta, tau` | phase `omega t`; time since `R0` was last moved |
-//! | `m, mu` | `1/(1 + rho)`, `rho/(1 + rho)` |
 //!
 //! An impulse `j` on a bead changes `R'` by `m j` and `P'` by `mu j`; so it adds `m j` to `V`, `-m j tau` to `R0`,
 //! `-mu j sin(theta)/omega` to `C` and `mu j cos(theta)/omega` to `S`. Between kicks nothing is computed at all: no
 //! rotation is repeated, so no rounding of one piles up, and where no contact acts the state keeps its bits for ever. The
 //! phase is one number for the whole chain, kept to twice the working precision.
-//!
-//! A plain chain has `R` only, with `m = 1`; the cradle has `P` only, with `mu = 1`.
 
 use super::{
     Chain, Resonators,
@@ -33,9 +29,6 @@ pub struct LinearFlow<R> {
     pub(super) centre: [Aligned<R>; 2],
     /// `[C, S]`, without the plain chain's.
     pub(super) oscillation: [Aligned<R>; 2],
-    /// `m, mu`: the shares of an impulse that go to `R'` and to `P'`.
-    pub(super) m: R,
-    mu: R,
     pub(super) mu_over_omega: R,
     pub(super) omega: Twofold<R>,
     two_pi: Twofold<R>,
@@ -58,20 +51,12 @@ impl<R: Real> LinearFlow<R> {
             let len = if needed { n } else { 0 };
             [Aligned::zeros(len), Aligned::zeros(len)]
         };
-        let params = chain.params();
-        let (one, rho, omega) = (R::one(), R::of(params.rho), params.omega_twofold());
-        let (m, mu) = match params.resonators() {
-            Resonators::None => (one, R::zero()),
-            Resonators::Fixed => (R::zero(), one),
-            Resonators::Moving => (one / (one + rho), one / (one + one / rho)),
-        };
+        let (modes, resonators) = (chain.modes(), chain.params().resonators());
         Self {
-            centre: arrays(params.resonators() != Resonators::Fixed),
-            oscillation: arrays(params.resonators() != Resonators::None),
-            m,
-            mu,
-            mu_over_omega: if params.resonators() == Resonators::None { mu } else { mu / omega.value() },
-            omega,
+            centre: arrays(resonators != Resonators::Fixed),
+            oscillation: arrays(resonators != Resonators::None),
+            mu_over_omega: modes.mu_over_omega(),
+            omega: modes.omega,
             two_pi: Twofold::two_pi(),
             turn: (Twofold::zero(), Twofold::zero()),
             theta: Twofold::zero(),
@@ -94,9 +79,14 @@ impl<R: Real> LinearFlow<R> {
         self.kicks = 0;
     }
 
+    /// `m`.
+    pub(super) fn m(&self) -> R {
+        self.chain.modes().m
+    }
+
     /// `mu`.
     pub(super) fn mu(&self) -> R {
-        self.mu
+        self.chain.modes().mu
     }
 
     /// Moves `R0` along when it is time to.
@@ -107,19 +97,25 @@ impl<R: Real> LinearFlow<R> {
         self.kicks += 1;
     }
 
-    /// `(R, R', P, P')` of site `i`, now.
+    /// `[R, R', P, P']` of site `i`, now.
     #[inline]
-    pub(super) fn modes(&self, i: usize, (sin, cos): (R, R)) -> (R, R, R, R) {
-        let omega = self.omega.value();
-        let (r, v) = match &self.centre {
+    pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
+        let (r, r_dot) = match &self.centre {
             [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
             _ => (R::zero(), R::zero()),
         };
-        match &self.oscillation {
-            [c, s] if !c.is_empty() => (r, v, c[i] * cos + s[i] * sin, omega * (s[i] * cos - c[i] * sin)),
-            _ => (r, v, R::zero(), R::zero()),
-        }
+        let [p, p_dot] = match &self.oscillation {
+            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.omega.value()),
+            _ => [R::zero(); 2],
+        };
+        [r, r_dot, p, p_dot]
     }
+}
+
+/// `P` and `P'` from `C` and `S`.
+#[inline(always)]
+fn turned<R: Real>([c, s]: [R; 2], (sin, cos): (R, R), omega: R) -> [R; 2] {
+    [c * cos + s * sin, omega * (s * cos - c * sin)]
 }
 
 impl<R: Real> SplitFlow<R> for LinearFlow<R> {
@@ -128,57 +124,45 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn load(&mut self, y: &[R]) {
-        let layout = self.chain.layout();
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-        let omega = self.omega.value();
+        let (layout, modes, omega) = (self.chain.layout(), self.chain.modes(), self.omega.value());
         (self.theta, self.tau, self.kicks) = (Twofold::zero(), R::zero(), 0);
         self.phase = (R::zero(), R::one());
-        match (layout.v(y), layout.v_dot(y)) {
-            (Some(v), Some(v_dot)) => {
-                let (m, mu) = (self.m, self.mu);
-                for i in 0..u.len() {
-                    self.centre[0][i] = m * u[i] + mu * v[i];
-                    self.centre[1][i] = m * u_dot[i] + mu * v_dot[i];
-                    self.oscillation[0][i] = mu * (u[i] - v[i]);
-                    self.oscillation[1][i] = mu * (u_dot[i] - v_dot[i]) / omega;
-                }
+        let (u, u_dot, v, v_dot) = (layout.u(y), layout.u_dot(y), layout.v(y), layout.v_dot(y));
+        for i in 0..u.len() {
+            let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
+            let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
+            if let [r0, v] = &mut self.centre
+                && !v.is_empty()
+            {
+                (r0[i], v[i]) = (r, r_dot);
             }
-            _ if self.oscillation[0].is_empty() => {
-                self.centre[0].copy_from_slice(u);
-                self.centre[1].copy_from_slice(u_dot);
-            }
-            _ => {
-                self.oscillation[0].copy_from_slice(u);
-                for (s, &u_dot) in self.oscillation[1].iter_mut().zip(u_dot) {
-                    *s = u_dot / omega;
-                }
+            if let [c, s] = &mut self.oscillation
+                && !s.is_empty()
+            {
+                (c[i], s[i]) = (p, p_dot / omega);
             }
         }
     }
 
     fn store(&self, y: &mut [R]) {
-        let (n, half, rho) = (self.chain.sites(), self.dim() / 2, R::of(self.chain.params().rho));
+        let (n, half, modes) = (self.chain.sites(), self.dim() / 2, self.chain.modes());
         let phase = self.theta.sin_cos();
         let (positions, velocities) = y.split_at_mut(half);
         let (u, v) = positions.split_at_mut(n);
         let (u_dot, v_dot) = velocities.split_at_mut(n);
         if !self.chain.layout().resonators() {
             for i in 0..n {
-                let (r, r_dot, p, p_dot) = self.modes(i, phase);
-                (u[i], u_dot[i]) = (r + p, r_dot + p_dot);
+                [u[i], _, u_dot[i], _] = modes.join(self.motions(i, phase));
             }
             return;
         }
-        // Both motions are there: a loop without branches, with what `modes` says of a site.
+        // Both motions are there: a loop without branches, with what `motions` says of a site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
         let (r0, v0, c, s) = (&r0[..n], &v0[..n], &c[..n], &s[..n]);
-        let (v, v_dot, (sin, cos), (omega, tau)) =
-            (&mut v[..n], &mut v_dot[..n], phase, (self.omega.value(), self.tau));
+        let (v, v_dot, omega, tau) = (&mut v[..n], &mut v_dot[..n], self.omega.value(), self.tau);
         for i in 0..n {
-            let (r, r_dot) = (r0[i] + v0[i] * tau, v0[i]);
-            let (p, p_dot) = (c[i] * cos + s[i] * sin, omega * (s[i] * cos - c[i] * sin));
-            (u[i], u_dot[i]) = (r + p, r_dot + p_dot);
-            (v[i], v_dot[i]) = (r - p / rho, r_dot - p_dot / rho);
+            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
+            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
         }
     }
 
@@ -210,14 +194,14 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
         self.count_kick();
         let ((sin, cos), tau) = (self.theta.sin_cos(), self.tau);
-        let (kick_v, per_omega) = (kick * self.m, kick * self.mu_over_omega);
+        let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
         let centre = Centre { r0, v, tau, kick_r0: -(kick_v * tau), kick_v };
         let oscillation = Oscillation { c, s, cos, sin, kick_c: -(per_omega * sin), kick_s: per_omega * cos };
         match chain.params().resonators() {
-            Resonators::None => sweep(chain, &mut Modes::<R, true, false> { centre, oscillation }),
-            Resonators::Fixed => sweep(chain, &mut Modes::<R, false, true> { centre, oscillation }),
-            Resonators::Moving => sweep(chain, &mut Modes::<R, true, true> { centre, oscillation }),
+            Resonators::None => sweep(chain, &mut Moved::<R, true, false> { centre, oscillation }),
+            Resonators::Fixed => sweep(chain, &mut Moved::<R, false, true> { centre, oscillation }),
+            Resonators::Moving => sweep(chain, &mut Moved::<R, true, true> { centre, oscillation }),
         }
         self.drift(drift);
     }
@@ -241,12 +225,12 @@ struct Oscillation<'a, R> {
 }
 
 /// The sites in the variables of the linear flow, compiled without the parts that a model lacks.
-struct Modes<'a, R, const CENTRE: bool, const OSCILLATION: bool> {
+struct Moved<'a, R, const CENTRE: bool, const OSCILLATION: bool> {
     centre: Centre<'a, R>,
     oscillation: Oscillation<'a, R>,
 }
 
-impl<R: Real, const CENTRE: bool, const OSCILLATION: bool> Sites<R> for Modes<'_, R, CENTRE, OSCILLATION> {
+impl<R: Real, const CENTRE: bool, const OSCILLATION: bool> Sites<R> for Moved<'_, R, CENTRE, OSCILLATION> {
     #[inline(always)]
     fn position(&self, i: usize) -> R {
         self.positions(i, &mut [R::zero()])[0]

@@ -21,9 +21,11 @@ mod kinetic;
 mod law;
 mod linear;
 mod mean_force;
+mod modes;
 mod params;
 mod state;
 mod sweep;
+mod topology;
 
 pub use bonds::{Bonded, SiteFlow};
 pub use boundary::Boundary;
@@ -35,9 +37,11 @@ pub use kinetic::KineticFlow;
 pub use law::ContactLaw;
 pub use linear::LinearFlow;
 pub use mean_force::MeanForces;
+pub use modes::Modes;
 pub use params::{Params, Resonators};
 pub use state::max_norm;
 pub use state::{Layout, Site, State};
+pub use topology::{Pushed, Topology};
 
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
@@ -46,7 +50,8 @@ use hertzchain_integrators::Real;
 #[derive(Clone, Debug)]
 pub struct Chain<R> {
     params: Params,
-    boundary: Boundary,
+    topology: Topology,
+    modes: Modes<R>,
     layout: Layout,
     precompression: R,
     law: ContactLaw<R>,
@@ -63,7 +68,15 @@ impl<R: Real> Chain<R> {
             return Err(Error::parameter("sites", sites, "a chain has at least one bead"));
         }
         let layout = Layout::new(sites, params.resonators() == Resonators::Moving);
-        Ok(Self { params, boundary, layout, precompression: R::zero(), law: ContactLaw::new(params.alpha) })
+        let topology = Topology::new(boundary, sites);
+        Ok(Self {
+            params,
+            topology,
+            modes: Modes::new(params),
+            layout,
+            precompression: R::zero(),
+            law: ContactLaw::new(params.alpha),
+        })
     }
 
     /// The same chain with a static overlap `delta_0` in every bond: `g_n = delta_0 + u_{n-1} - u_n`.
@@ -75,7 +88,7 @@ impl<R: Real> Chain<R> {
         if !(delta_0.is_finite() && delta_0 >= 0.0) {
             return Err(Error::parameter("precompression", delta_0, "a finite overlap, at least zero"));
         }
-        if delta_0 > 0.0 && !matches!(self.boundary, Boundary::Fixed | Boundary::Ring) {
+        if delta_0 > 0.0 && !matches!(self.boundary(), Boundary::Fixed | Boundary::Ring) {
             let rule = "only walls or a ring can hold a precompression; elsewhere it is an initial condition";
             return Err(Error::parameter("precompression", delta_0, rule));
         }
@@ -90,7 +103,12 @@ impl<R: Real> Chain<R> {
 
     /// What holds the ends.
     pub fn boundary(&self) -> Boundary {
-        self.boundary
+        self.topology.boundary()
+    }
+
+    /// Which bond joins which sites.
+    pub fn topology(&self) -> Topology {
+        self.topology
     }
 
     /// Number of beads (bonds, on a strain ring).
@@ -105,10 +123,15 @@ impl<R: Real> Chain<R> {
 
     /// What an entry of a state is: `u of site 3`, counted from 0; strains and their rates on a strain ring.
     pub fn place(&self, entry: usize) -> String {
-        let (n, ring) = (self.sites(), self.boundary == Boundary::StrainRing);
+        let (n, ring) = (self.sites(), self.topology.strains());
         let names = if ring { ["x", "y", "x'", "y'"] } else { ["u", "v", "u'", "v'"] };
         let array = entry / n * if self.layout.resonators() { 1 } else { 2 };
         format!("{} of site {}", names[array.min(3)], entry % n)
+    }
+
+    /// The two motions that a site is made of between contacts.
+    pub fn modes(&self) -> Modes<R> {
+        self.modes
     }
 
     /// The contact law.
@@ -123,23 +146,12 @@ impl<R: Real> Chain<R> {
 
     /// The bonds that can ever touch: the outer ones of a free chain cannot.
     pub fn touching(&self) -> std::ops::Range<usize> {
-        match self.boundary {
-            Boundary::Free => 1..self.sites(),
-            Boundary::Fixed => 0..self.sites() + 1,
-            Boundary::Ring | Boundary::StrainRing => 0..self.sites(),
-        }
+        self.topology.touching()
     }
 
     /// A quantity of the site before a bond less that of the site behind it; walls have none.
     pub fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
-        let n = self.sites();
-        let (before, behind) = match self.boundary() {
-            Boundary::Free | Boundary::Fixed => (bond.checked_sub(1), (bond < n).then_some(bond)),
-            Boundary::Ring => (Some((bond + n - 1) % n), Some(bond)),
-            Boundary::StrainRing => (None, Some(bond)),
-        };
-        let at = |site: Option<usize>| site.map_or(R::zero(), &quantity);
-        at(before) - at(behind)
+        self.topology.across(bond, |i| [quantity(i)])[0]
     }
 
     /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their rates from velocities.
@@ -165,24 +177,24 @@ impl<R: Real> Chain<R> {
     /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies to the right of the
     /// last one. The outer bonds of a free chain have overlap `-inf`.
     pub fn overlaps(&self, q: &[R]) -> Vec<R> {
-        let n = q.len();
-        if self.boundary == Boundary::StrainRing {
-            return q.iter().map(|&x| -x).collect();
-        }
-        let (left, right) = self.boundary.ghosts(q[0], q[n - 1]);
-        let mut g = vec![self.precompression + (left - q[0])];
-        g.extend(q.windows(2).map(|w| self.precompression + (w[0] - w[1])));
-        if self.boundary != Boundary::Ring {
-            g.push(self.precompression + (q[n - 1] - right));
-        }
-        g
+        if self.topology.strains() { q.iter().map(|&x| -x).collect() } else { self.between(q).collect() }
+    }
+
+    /// The overlaps of all bonds from left to right, at these displacements.
+    fn between<'a>(&self, q: &'a [R]) -> impl Iterator<Item = R> + 'a {
+        let (rest, n) = (self.precompression, q.len());
+        let (left, right) = self.topology.ghosts(q[0], q[n - 1]);
+        // On a ring the last bond is the first.
+        let last = (!self.topology.ring()).then(|| rest + (q[n - 1] - right));
+        let inner = q.windows(2).map(move |pair| rest + (pair[0] - pair[1]));
+        std::iter::once(rest + (left - q[0])).chain(inner).chain(last)
     }
 
     /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond that can close, those with
     /// walls included. A single free bead has none: its displacement stands in.
     pub fn strains(&self, y: &[R]) -> Vec<R> {
         let u = self.layout.u(y);
-        let strains: Vec<R> = match self.boundary {
+        let strains: Vec<R> = match self.boundary() {
             Boundary::StrainRing => u.to_vec(),
             _ => self.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| self.precompression - g).collect(),
         };

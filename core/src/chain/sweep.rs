@@ -4,7 +4,7 @@
 //! have no branch; [`Real::run`] compiles them for the vector unit at hand.
 
 use super::{
-    Boundary, Chain,
+    Chain,
     law::{Power, with_power},
 };
 use hertzchain_integrators::{Kernel, Real};
@@ -54,7 +54,7 @@ impl<R: Real, S: Sites<R>> Kernel for Sweep<'_, R, S> {
     #[inline(always)]
     fn run(self) {
         with_power!(self.chain.law, power => {
-            if self.chain.boundary == Boundary::StrainRing {
+            if self.chain.topology.strains() {
                 blocks::<R, S, _, true>(self.chain, power, self.sites);
             } else {
                 blocks::<R, S, _, false>(self.chain, power, self.sites);
@@ -67,7 +67,7 @@ impl<R: Real, S: Sites<R>> Kernel for Sweep<'_, R, S> {
 fn blocks<R: Real, S: Sites<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, sites: &mut S) {
     let n = chain.sites();
     let (mut q, mut f) = ([R::zero(); BLOCK], [R::zero(); BLOCK + 2]);
-    let (mut left, last) = chain.boundary.ghosts(sites.position(0), sites.position(n - 1));
+    let (mut left, last) = chain.topology.ghosts(sites.position(0), sites.position(n - 1));
     for start in (0..n).step_by(BLOCK) {
         let len = BLOCK.min(n - start);
         let right = if start + len < n { sites.position(start + len) } else { last };

@@ -1,0 +1,444 @@
+//! A flow of the chain with the kicks of contact-corrected splitting, for both splits.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | bond `b` | lies to the left of site `b`; all chains have `n + 1` here: the outer two of a free chain never close, on a ring they are the same |
+//! | `f, f'` | contact forces and their derivatives by the overlap |
+//! | `a` | accelerations of sites by the forces of the kick |
+//! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
+
+mod forces;
+mod kinetic;
+mod linear;
+
+use forces::{Forces, Modified, Turned};
+
+use super::{Chain, aligned::Aligned, law::LANES};
+use hertzchain_integrators::{
+    Error, Real, SplitFlow, Stepper, Twofold,
+    collocation::Pace,
+    splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
+};
+
+/// Numbers before the first of an array, so that what lies before it can be loaded too.
+const PAD: usize = LANES;
+/// Bonds in a word of bits.
+const WORD: usize = 64;
+/// Nodes of the window that leads back inside a step, and the tolerance where one window does not do.
+const INSIDE: usize = 12;
+const TOLERANCE: f64 = 1e-13;
+
+/// Sites that the drift of a split moves exactly, one by one.
+pub trait SiteFlow: SplitFlow<f64> {
+    /// The chain.
+    fn chain(&self) -> &Chain<f64>;
+    /// Writes positions, and computes forces from them.
+    fn survey(&mut self, forces: Forces<'_>);
+    /// Position and velocity of a bead.
+    fn bead(&self, site: usize) -> (f64, f64);
+    /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of that.
+    fn motion(&self, site: usize) -> [f64; 3];
+    /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and `omega`.
+    fn response(&self) -> (f64, f64, f64);
+    /// The force of the spring on a bead, where it is part of the kick, and its rate.
+    fn spring(&self, site: usize) -> (f64, f64);
+    /// How far a correction moves a bead, now.
+    fn shift(&self, correction: &Correction) -> f64;
+    /// Gives beads a correction, each so many times as it says.
+    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction);
+    /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an impulse over the mass, and a displacement.
+    fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
+    /// Kicks beads by `kick` times modified forces, and by springs where these kick: `-kappa (d + c d'')`, with the accelerations `a` of beads.
+    fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
+}
+
+/// A split of the chain with the kicks of contact-corrected splitting.
+///
+/// Arrays are longer than the chain, so that loops over whole registers need no remainder; what is in the rest is not looked at.
+pub struct Bonded<F> {
+    flow: F,
+    sites: usize,
+    /// Positions, from `PAD` on, with one of a neighbour on either side.
+    q: Aligned<f64>,
+    overlap: Aligned<f64>,
+    /// Overlaps at the last two surveys before, latest first.
+    overlaps_before: [Aligned<f64>; 2],
+    /// Forces and derivatives, from `PAD` on, with those of neighbours on either side.
+    force: Aligned<f64>,
+    slope: Aligned<f64>,
+    /// Forces at the survey before.
+    force_before: Aligned<f64>,
+    /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
+    closed: Vec<u64>,
+    told: Vec<u64>,
+    /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
+    spring: Aligned<f64>,
+    spring_before: Aligned<f64>,
+    /// Modified forces, from `PAD` on.
+    modified: Aligned<f64>,
+    /// Accelerations of sites, for springs that kick.
+    a: Aligned<f64>,
+    push: Aligned<f64>,
+    /// A step, and [`swung`] of it.
+    swung: (f64, f64),
+}
+
+impl<F: SiteFlow> Bonded<F> {
+    /// Of a flow that holds a state.
+    pub fn new(flow: F) -> Self {
+        let sites = flow.chain().sites();
+        let (_, _, omega) = flow.response();
+        let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
+        let padded = || Aligned::zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
+        Self {
+            flow,
+            sites,
+            q: padded(),
+            overlap: Aligned::zeros(sites + 1),
+            overlaps_before: [Aligned::zeros(sites + 1), Aligned::zeros(sites + 1)],
+            force: padded(),
+            slope: padded(),
+            force_before: padded(),
+            closed: vec![0; (sites + 1).div_ceil(WORD)],
+            told: vec![0; (sites + 1).div_ceil(WORD)],
+            spring: if springs { padded() } else { Aligned::zeros(0) },
+            spring_before: if springs { padded() } else { Aligned::zeros(0) },
+            modified: padded(),
+            a: Aligned::zeros(sites),
+            push: Aligned::zeros(sites),
+            swung: (0.0, 1.0),
+        }
+    }
+
+    #[inline]
+    fn chain(&self) -> &Chain<f64> {
+        self.flow.chain()
+    }
+
+    #[inline]
+    fn strain(&self) -> bool {
+        self.chain().topology().strains()
+    }
+
+    #[inline]
+    fn ring(&self) -> bool {
+        self.chain().topology().ring()
+    }
+
+    /// The bond that number `index` among those that can touch is.
+    #[inline]
+    fn bond(&self, index: usize) -> usize {
+        self.chain().touching().start + index
+    }
+
+    /// What stands for forces beyond the ends, so that the accelerations of sites there are those of neighbours, or none.
+    fn close(&mut self) {
+        let (n, ring) = (self.sites, self.ring());
+        let f = &mut self.force[PAD - 1..];
+        (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
+    }
+
+    /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    fn refresh(&mut self, b: usize) {
+        let n = self.sites;
+        if b <= 3 || b + 3 >= n {
+            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
+            // A ring's first bond is its last.
+            for b in [0, 1, n - 1, n] {
+                self.refresh_bond(b);
+            }
+        }
+        for b in b.saturating_sub(1)..(b + 2).min(n + 1) {
+            self.refresh_bond(b);
+        }
+        if b <= 3 || b + 3 >= n {
+            self.close();
+        }
+    }
+
+    #[inline]
+    fn refresh_bond(&mut self, b: usize) {
+        let (law, q) = (self.chain().law(), &self.q[PAD - 1..]);
+        let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
+        self.overlap[b] = g;
+        (self.force[PAD + b], self.slope[PAD + b]) = law.force_with_slope(g);
+    }
+
+    /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
+    #[inline]
+    fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
+        let [left, right] = self.chain().topology().beside(b);
+        let contacts = left.map_or(0.0, |b| force[PAD + b]) + right.map_or(0.0, |b| force[PAD + b]);
+        if spring.is_empty() { contacts } else { contacts + self.chain().across(b, |i| spring[PAD + i]) }
+    }
+
+    /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its places at both ends of the step, and moved by processing.
+    ///
+    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
+    #[inline]
+    fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
+        let (m, mu, omega) = self.flow.response();
+        let [rate, p, p_dot] = self.chain().topology().across(b, |i| self.flow.motion(i));
+        let change = if h > 0.0 { (now - before) / h } else { 0.0 };
+        let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
+        // Of the chord's rate the bends add s h/2 + s' h^2/12, and processing s' h^2/12.
+        let (overlap, bend) = (self.overlap[b] + share * now, 2.0 * share * change);
+        if omega == 0.0 {
+            return BondPath {
+                overlap,
+                rate: rate + (half + bend),
+                acceleration: [now, 0.0],
+                jerk: [change, 0.0],
+                omega,
+            };
+        }
+        let swung = mu * (if h == self.swung.0 { self.swung.1 } else { swung(omega, h) } * half + bend);
+        let stiffness = omega * omega;
+        BondPath {
+            overlap,
+            rate: rate + (m * (half + bend) + swung),
+            acceleration: [m * now, mu * now - stiffness * p],
+            jerk: [m * change, mu * change - stiffness * (p_dot + swung)],
+            omega,
+        }
+    }
+
+    /// Accelerations of beads by the kick and their rates, and the same of resonators; bonds that are near an event without rates.
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+        let n = self.sites;
+        self.survey();
+        let first = self.chain().touching().start;
+        let mut rates = vec![0.0; n + 1];
+        for (index, side) in sides.iter().enumerate() {
+            if *side != Side::Near {
+                let b = first + index;
+                rates[b] = self.slope[PAD + b] * self.chain().across(b, |i| self.flow.bead(i).1);
+            }
+        }
+        if self.ring() {
+            rates[n] = rates[0];
+        }
+        let params = self.chain().params();
+        let topology = self.chain().topology();
+        let of = |bonds: &[f64], i: usize| topology.push(i, |b| [bonds[b]])[0];
+        (0..n)
+            .map(|i| {
+                let (spring, spring_rate) = self.flow.spring(i);
+                let resonator =
+                    |force: f64| if params.rho.is_finite() && force != 0.0 { -force / params.rho } else { 0.0 };
+                let (a, da) = (of(&self.force[PAD..], i) + spring, of(&rates, i) + spring_rate);
+                [a, da, resonator(spring), resonator(spring_rate)]
+            })
+            .collect()
+    }
+
+    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
+        for (i, &[a, da, b, db]) in jet.iter().enumerate() {
+            let (impulse, displacement) = (-share * da, share * a);
+            let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
+            self.flow.give(&[(i, 1.0)], &now);
+            if b != 0.0 || db != 0.0 {
+                self.flow.give_resonator(i, -share * db, share * b);
+            }
+        }
+    }
+}
+
+/// `tan(omega h/2)/(omega h/2)`: the rate at the end of a step of the forced oscillation that is zero at both its ends, in units of that without
+/// springs. 1 where steps are too long for that.
+fn swung(omega: f64, h: f64) -> f64 {
+    let turn = 0.5 * omega * h;
+    if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
+}
+
+impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
+    fn dim(&self) -> usize {
+        self.flow.dim()
+    }
+
+    fn load(&mut self, y: &[f64]) {
+        self.flow.load(y);
+    }
+
+    fn store(&self, y: &mut [f64]) {
+        self.flow.store(y);
+    }
+
+    fn duplicate(&self) -> Self {
+        let mut copy = Self::new(self.flow.duplicate());
+        copy.copy_from(self);
+        copy
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.flow.copy_from(&other.flow);
+        self.swung = other.swung;
+        for (to, from) in [
+            (&mut self.q, &other.q),
+            (&mut self.overlap, &other.overlap),
+            (&mut self.force, &other.force),
+            (&mut self.slope, &other.slope),
+            (&mut self.force_before, &other.force_before),
+            (&mut self.spring, &other.spring),
+            (&mut self.spring_before, &other.spring_before),
+        ] {
+            to.copy_from_slice(from);
+        }
+        self.closed.copy_from_slice(&other.closed);
+        self.told.copy_from_slice(&other.told);
+    }
+
+    fn drift(&mut self, dt: Twofold<f64>) {
+        self.flow.drift(dt);
+    }
+
+    fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+        self.survey();
+        self.kick(kick, 0.0);
+        self.flow.drift(drift);
+    }
+}
+
+impl<F: SiteFlow> BondFlow for Bonded<F> {
+    fn prepare(&mut self, h: f64) {
+        self.swung = (h, swung(self.flow.response().2, h));
+    }
+
+    fn exponent(&self) -> f64 {
+        self.chain().law().alpha()
+    }
+
+    fn bonds(&self) -> usize {
+        self.chain().touching().len()
+    }
+
+    fn survey(&mut self) {
+        self.overlaps_before.swap(0, 1);
+        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
+        std::mem::swap(&mut self.force, &mut self.force_before);
+        std::mem::swap(&mut self.spring, &mut self.spring_before);
+        let n = self.sites;
+        if !self.spring.is_empty() {
+            for i in 0..n {
+                self.spring[PAD + i] = self.flow.spring(i).0;
+            }
+            if self.ring() {
+                (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
+            }
+        }
+        let (rest, law) = (self.chain().precompression(), self.chain().law());
+        let (topology, end) = (self.chain().topology(), self.chain().touching().end);
+        let Self { flow, q, overlap, force, slope, closed, .. } = self;
+        let overlap = overlap.blocks_mut();
+        let bonds = PAD..PAD + overlap.len() * LANES;
+        let (force, slope) = (force[bonds.clone()].as_chunks_mut().0, slope[bonds].as_chunks_mut().0);
+        flow.survey(Forces { rest, law: &law, topology, q, overlap, force, slope, closed });
+        // What lies behind the last bond; on a ring that is the first once more.
+        if let Some(word) = closed.get_mut(end / WORD) {
+            *word &= (1 << (end % WORD)) - 1;
+        }
+        self.close();
+    }
+
+    #[inline]
+    fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
+        let first = self.chain().touching().start;
+        for (word, (&now, before)) in self.closed.iter().zip(&mut self.told).enumerate() {
+            let mut changes = now ^ *before;
+            while changes != 0 {
+                let k = changes.trailing_zeros() as usize;
+                changes &= changes - 1;
+                out.push((word * WORD + k - first, now >> k & 1 == 1));
+            }
+            *before = now;
+        }
+    }
+
+    #[inline]
+    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>) {
+        let touching = self.chain().touching();
+        let [middle, first] = &self.overlaps_before;
+        let g = [first, middle, &self.overlap].map(|g| &g[..touching.end]);
+        f64::run(Turned { g, first: touching.start, reach, out });
+    }
+
+    fn force(&self, bond: usize) -> (f64, f64) {
+        let b = self.bond(bond);
+        let (recoil, force) = (self.chain().topology().recoil(b), self.force[PAD + b]);
+        (force, self.pull(b, &self.force, &self.spring) - recoil * force)
+    }
+
+    fn path(&self, bond: usize) -> BondPath {
+        let b = self.bond(bond);
+        let pull = self.pull(b, &self.force, &self.spring);
+        self.along(b, [pull; 2], 0.0)
+    }
+
+    #[inline]
+    fn view(&self, bond: usize, h: f64) -> BondView {
+        let b = self.bond(bond);
+        let now = self.pull(b, &self.force, &self.spring);
+        let before = self.pull(b, &self.force_before, &self.spring_before);
+        let (path, mobility) = (self.along(b, [before, now], h), self.chain().topology().recoil(b));
+        BondView { path, mobility, pull: [before, now] }
+    }
+
+    #[inline]
+    fn correct(&mut self, bond: usize, correction: &Correction) {
+        let b = self.bond(bond);
+        let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
+        self.flow.give(&beads, correction);
+        for &(site, weight) in beads.iter() {
+            self.q[PAD + site] += weight * shift;
+        }
+        self.refresh(b);
+    }
+
+    fn kick(&mut self, kick: f64, c: f64) {
+        let (topology, sites) = (self.chain().topology(), self.sites);
+        let Self { flow, force, slope, spring, modified, a, push, .. } = self;
+        if !spring.is_empty() {
+            // Springs that kick want the accelerations of what they hold.
+            let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
+            for i in 0..sites {
+                a[i] = if topology.strains() { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
+            }
+        }
+        flow.push(kick, Modified { c, topology, force, slope, spring, modified, push }, a);
+    }
+
+    fn process(&mut self, share: f64, sides: &[Side]) {
+        let start = self.jet(sides);
+        self.shift(0.5 * share, &start);
+        let middle = self.jet(sides);
+        self.shift(share, &middle);
+        self.shift(-0.5 * share, &start);
+    }
+
+    /// By contact collocation: the equations are the same backwards, with velocities reversed.
+    fn back(&self, y: &mut [f64], by: f64) {
+        let half = y.len() / 2;
+        let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
+        turn(y);
+        let window = Pace::Windows { windows: 1, nodes: INSIDE, neighbours: true };
+        // A window too long for the stiffness of its contacts does not settle; the tolerance makes it shorter.
+        let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, Pace::Tolerance(TOLERANCE)));
+        if settled.is_err() {
+            // No state is better than a wrong one.
+            y.fill(f64::NAN);
+        }
+        turn(y);
+    }
+}
+
+impl<F: SiteFlow> Bonded<F> {
+    /// Moves a state on by contact collocation.
+    fn run_on(&self, y: &mut [f64], by: f64, pace: Pace) -> Result<(), Error> {
+        let mut run = self.chain().collocation(y, (0.0, by), pace)?;
+        while !run.done() {
+            run.step()?;
+        }
+        run.sample(by, y);
+        Ok(())
+    }
+}

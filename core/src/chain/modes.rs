@@ -1,0 +1,87 @@
+//! The change of variables `(u, v) <-> (R, P)` that parts a site into two independent motions between contacts.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `R = (u + rho v)/(1 + rho)` | centre of mass of a bead and its resonator; moves freely |
+//! | `P = rho (u - v)/(1 + rho)` | oscillates with `omega`; `u = R + P`, `v = R - P/rho` |
+//! | `m, mu` | `1/(1 + rho)`, `rho/(1 + rho)`: the shares of an impulse on a bead that `R'` and `P'` take |
+//!
+//! A plain chain has `R` only, with `m = 1`; the cradle has `P` only, with `mu = 1`.
+
+use super::{Params, Resonators};
+use hertzchain_integrators::{Real, Twofold};
+
+/// The two motions of a site.
+#[derive(Clone, Copy, Debug)]
+pub struct Modes<R> {
+    resonators: Resonators,
+    rho: R,
+    /// Share of an impulse that moves freely.
+    pub m: R,
+    /// Share of an impulse that oscillates; `m + mu = 1`.
+    pub mu: R,
+    /// Frequency; zero for a plain chain.
+    pub omega: Twofold<R>,
+}
+
+impl<R: Real> Modes<R> {
+    /// The modes of a site of a chain with such parameters.
+    pub fn new(params: Params) -> Self {
+        let (one, rho, resonators) = (R::one(), R::of(params.rho), params.resonators());
+        let (m, mu) = match resonators {
+            Resonators::None => (one, R::zero()),
+            Resonators::Fixed => (R::zero(), one),
+            Resonators::Moving => (one / (one + rho), one / (one + one / rho)),
+        };
+        Self { resonators, rho, m, mu, omega: params.omega_twofold() }
+    }
+
+    /// `mu/omega`: the amplitude of the oscillation that a unit impulse starts.
+    pub fn mu_over_omega(&self) -> R {
+        if self.resonators == Resonators::None { self.mu } else { self.mu / self.omega.value() }
+    }
+
+    /// `[R, R', P, P']` from `[u, v, u', v']`; `v` and `v'` count only where resonators move.
+    #[inline(always)]
+    pub fn split(&self, [u, v, u_dot, v_dot]: [R; 4]) -> [R; 4] {
+        let (zero, m, mu) = (R::zero(), self.m, self.mu);
+        match self.resonators {
+            Resonators::None => [u, u_dot, zero, zero],
+            Resonators::Fixed => [zero, zero, u, u_dot],
+            Resonators::Moving => [m * u + mu * v, m * u_dot + mu * v_dot, mu * (u - v), mu * (u_dot - v_dot)],
+        }
+    }
+
+    /// `[u, v, u', v']` from `[R, R', P, P']`; without branches, so that `v` and `v'` mean nothing unless resonators move.
+    #[inline(always)]
+    pub fn join(&self, [r, r_dot, p, p_dot]: [R; 4]) -> [R; 4] {
+        [r + p, r - p / self.rho, r_dot + p_dot, r_dot - p_dot / self.rho]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parted_and_joined_it_is_the_same_site() {
+        for (kappa, rho) in [(1.0, 1.0 / 3.0), (2.0, 10.0), (1.0, 0.0), (0.0, 2.0), (3.0, f64::INFINITY)] {
+            let params = Params::new(1.5, kappa, rho).unwrap();
+            let modes: Modes<f64> = Modes::new(params);
+            let moving = params.resonators() == Resonators::Moving;
+            let site = [0.3, 0.7, -0.2, 0.5];
+            let back = modes.join(modes.split(site));
+            for (k, (a, b)) in site.into_iter().zip(back).enumerate() {
+                assert!((a - b).abs() < 1e-15 || k % 2 == 1 && !moving, "{rho} {k}");
+            }
+            assert!((modes.m + modes.mu - 1.0).abs() < 1e-15);
+            if moving {
+                // Truth: the definitions.
+                let [r, _, p, p_dot] = modes.split(site);
+                assert!((r - (0.3 + rho * 0.7) / (1.0 + rho)).abs() < 1e-15);
+                assert!((p - rho * (0.3 - 0.7) / (1.0 + rho)).abs() < 1e-15);
+                assert!((p_dot - rho * (-0.2 - 0.5) / (1.0 + rho)).abs() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Which bond joins which sites.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | bond `n` | lies to the left of site `n`: `g_n = delta_0 + q_{n-1} - q_n`, and `f_n` pushes site `n` forward |
+//! | *across* | difference `q_{n-1} - q_n` over a bond, the part of its overlap that moves |
+//! | *push* | `f_n - f_{n+1}`, what the forces in bonds do to a site |
+//!
+//! Sites count from 0. A chain with ends has `n + 1` bonds, of which the outer two join a site to a wall or to nothing;
+//! on a ring bond `n` is bond 0. On a strain ring the unknowns are `x_n = u_n - u_{n-1}`, one a bond: the difference over
+//! bond `n` is `-x_n`, and the push on `x_n` is that on site `n` less that on site `n - 1`.
+
+use super::Boundary;
+use hertzchain_integrators::Real;
+use std::ops::Range;
+
+/// Sites in a row, and what holds the ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Topology {
+    boundary: Boundary,
+    sites: usize,
+}
+
+impl Topology {
+    /// So many sites between such ends; at least one.
+    pub fn new(boundary: Boundary, sites: usize) -> Self {
+        Self { boundary, sites }
+    }
+
+    /// What holds the ends.
+    pub fn boundary(self) -> Boundary {
+        self.boundary
+    }
+
+    /// Number of sites.
+    pub fn sites(self) -> usize {
+        self.sites
+    }
+
+    /// Whether the last bond and the first share a site.
+    pub fn ring(self) -> bool {
+        matches!(self.boundary, Boundary::Ring | Boundary::StrainRing)
+    }
+
+    /// Whether the unknowns are strains.
+    pub fn strains(self) -> bool {
+        self.boundary == Boundary::StrainRing
+    }
+
+    /// The bonds that can ever touch: the outer ones of a free chain cannot.
+    pub fn touching(self) -> Range<usize> {
+        match self.boundary {
+            Boundary::Free => 1..self.sites,
+            Boundary::Fixed => 0..self.sites + 1,
+            Boundary::Ring | Boundary::StrainRing => 0..self.sites,
+        }
+    }
+
+    /// The first bond that can touch.
+    #[inline(always)]
+    pub fn first(self) -> usize {
+        self.touching().start
+    }
+
+    #[inline(always)]
+    fn previous(self, n: usize) -> usize {
+        if n == 0 { self.sites - 1 } else { n - 1 }
+    }
+
+    #[inline(always)]
+    fn next(self, n: usize) -> usize {
+        if n + 1 == self.sites { 0 } else { n + 1 }
+    }
+
+    /// The unknowns on the two sides of a bond: its overlap is that of the first less that of the second. Walls have none, and a bond of
+    /// a strain ring has its own strain as the second.
+    #[inline(always)]
+    pub fn ends(self, bond: usize) -> [Option<usize>; 2] {
+        match self.boundary {
+            Boundary::Free | Boundary::Fixed => {
+                [if bond == 0 { None } else { Some(bond - 1) }, if bond < self.sites { Some(bond) } else { None }]
+            }
+            Boundary::Ring => [Some(self.previous(bond)), Some(bond)],
+            Boundary::StrainRing => [None, Some(bond)],
+        }
+    }
+
+    /// The bonds on the two sides of a site that can touch.
+    #[inline(always)]
+    pub fn bonds(self, site: usize) -> [Option<usize>; 2] {
+        match self.boundary {
+            Boundary::Free => {
+                [if site == 0 { None } else { Some(site) }, if site + 1 < self.sites { Some(site + 1) } else { None }]
+            }
+            Boundary::Fixed => [Some(site), Some(site + 1)],
+            Boundary::Ring | Boundary::StrainRing => [Some(site), Some(self.next(site))],
+        }
+    }
+
+    /// The bonds that can touch and share a site with a bond.
+    #[inline(always)]
+    pub fn beside(self, bond: usize) -> [Option<usize>; 2] {
+        if self.ring() {
+            return [Some(self.previous(bond)), Some(self.next(bond))];
+        }
+        let Range { start, end } = self.touching();
+        [if bond > start { Some(bond - 1) } else { None }, if bond + 1 < end { Some(bond + 1) } else { None }]
+    }
+
+    /// Whether a bond joins a site to a wall.
+    #[inline(always)]
+    pub fn at_wall(self, bond: usize) -> bool {
+        self.boundary == Boundary::Fixed && (bond == 0 || bond == self.sites)
+    }
+
+    /// By how much a unit force in a bond reduces the second derivative of its own overlap: 2 between two sites, 1 at a wall.
+    #[inline(always)]
+    pub fn recoil(self, bond: usize) -> f64 {
+        if self.at_wall(bond) { 1.0 } else { 2.0 }
+    }
+
+    /// The differences of quantities over a bond.
+    #[inline(always)]
+    pub fn across<R: Real, const K: usize>(self, bond: usize, quantity: impl Fn(usize) -> [R; K]) -> [R; K] {
+        match self.ends(bond) {
+            [Some(before), Some(behind)] => minus(quantity(before), quantity(behind)),
+            [Some(before), None] => quantity(before),
+            [None, Some(behind)] => minus([R::zero(); K], quantity(behind)),
+            [None, None] => [R::zero(); K],
+        }
+    }
+
+    /// What forces in bonds do to a site (to a strain, on a strain ring): [`across`](Self::across) transposed, with the other sign.
+    #[inline(always)]
+    pub fn push<R: Real, const K: usize>(self, site: usize, force: impl Fn(usize) -> [R; K]) -> [R; K] {
+        let on = |site: usize| match self.bonds(site) {
+            [Some(before), Some(behind)] => minus(force(before), force(behind)),
+            [Some(before), None] => force(before),
+            [None, Some(behind)] => minus([R::zero(); K], force(behind)),
+            [None, None] => [R::zero(); K],
+        };
+        if self.strains() { minus(on(site), on(self.previous(site))) } else { on(site) }
+    }
+
+    /// The unknowns that a unit force in a bond pushes, and by how much.
+    #[inline(always)]
+    pub fn pushed(self, bond: usize) -> Pushed {
+        let (none, n) = ((0, 0.0), bond);
+        if self.strains() {
+            return Pushed { list: [(n, 2.0), (self.next(n), -1.0), (self.previous(n), -1.0)], len: 3 };
+        }
+        match self.ends(bond) {
+            [Some(before), Some(behind)] => Pushed { list: [(before, -1.0), (behind, 1.0), none], len: 2 },
+            [Some(before), None] => Pushed { list: [(before, -1.0), none, none], len: 1 },
+            [None, Some(behind)] => Pushed { list: [(behind, 1.0), none, none], len: 1 },
+            [None, None] => Pushed { list: [none; 3], len: 0 },
+        }
+    }
+
+    /// The positions beyond the two ends, from those at the ends, for loops over arrays: with them every overlap is a difference of
+    /// neighbours. An infinite one never touches.
+    #[inline(always)]
+    pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
+        match self.boundary {
+            Boundary::Free => (R::neg_infinity(), R::infinity()),
+            Boundary::Fixed => (R::zero(), R::zero()),
+            Boundary::Ring | Boundary::StrainRing => (last, first),
+        }
+    }
+}
+
+/// The unknowns that a force in a bond pushes, each with its weight.
+#[derive(Clone, Copy, Debug)]
+pub struct Pushed {
+    list: [(usize, f64); 3],
+    len: usize,
+}
+
+impl std::ops::Deref for Pushed {
+    type Target = [(usize, f64)];
+
+    #[inline(always)]
+    fn deref(&self) -> &[(usize, f64)] {
+        &self.list[..self.len]
+    }
+}
+
+#[inline(always)]
+fn minus<R: Real, const K: usize>(a: [R; K], b: [R; K]) -> [R; K] {
+    // No closure: the instruction set of a kernel would not reach into it.
+    let mut out = a;
+    for k in 0..K {
+        out[k] = a[k] - b[k];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+
+    fn chains() -> impl Iterator<Item = Topology> {
+        BOUNDARIES.into_iter().flat_map(|boundary| (1..6).map(move |sites| Topology::new(boundary, sites)))
+    }
+
+    fn number(n: usize) -> f64 {
+        (1.0 + n as f64).sin()
+    }
+
+    #[test]
+    fn what_a_force_pushes_is_what_pushes_sites() {
+        // Truth: one is a column of a matrix, the other its rows. On rings of one or two a site may be pushed twice.
+        for topology in chains() {
+            for bond in topology.touching() {
+                let mut pushed = vec![0.0; topology.sites()];
+                topology.pushed(bond).iter().for_each(|&(site, weight)| pushed[site] += weight);
+                for (site, pushed) in pushed.into_iter().enumerate() {
+                    let [push] = topology.push(site, |b| [f64::from(u8::from(b == bond))]);
+                    assert_eq!(push, pushed, "{topology:?} {bond} {site}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_push_is_a_difference_transposed() {
+        // Truth: the work of forces at sites is minus that in bonds, sum q_i push_i = -sum f_b across_b; on a strain ring a force in a bond
+        // does `recoil` to its own strain.
+        for topology in chains() {
+            let across = |b| topology.across(b, |i| [number(i)])[0];
+            let force = |b: usize| number(b + 7);
+            let at_sites: f64 = (0..topology.sites()).map(|i| number(i) * topology.push(i, |b| [force(b)])[0]).sum();
+            let in_bonds: f64 = topology.touching().map(|b| force(b) * across(b)).sum();
+            if !topology.strains() {
+                assert!((at_sites + in_bonds).abs() < 1e-14, "{topology:?}");
+            }
+            for bond in topology.touching().filter(|_| topology.sites() > 2) {
+                let push = |i| topology.push(i, |b| [f64::from(u8::from(b == bond))]);
+                assert_eq!(topology.across(bond, push), [-topology.recoil(bond)], "{topology:?} {bond}");
+                // Bonds beside are those that the force acts on, but itself.
+                let moved = |b: &usize| *b != bond && topology.across(*b, push) != [0.0];
+                let mut beside: Vec<usize> = topology.beside(bond).into_iter().flatten().collect();
+                beside.sort_unstable();
+                assert_eq!(topology.touching().filter(moved).collect::<Vec<_>>(), beside, "{topology:?} {bond}");
+            }
+        }
+    }
+
+    #[test]
+    fn positions_beyond_the_ends_say_the_same() {
+        for topology in chains().filter(|topology| !topology.strains()) {
+            let n = topology.sites();
+            let q: Vec<f64> = (0..n).map(number).collect();
+            let (left, right) = topology.ghosts(q[0], q[n - 1]);
+            let padded: Vec<f64> = [left].into_iter().chain(q.iter().copied()).chain([right]).collect();
+            for bond in topology.touching() {
+                assert_eq!(topology.across(bond, |i| [q[i]]), [padded[bond] - padded[bond + 1]], "{topology:?} {bond}");
+            }
+        }
+    }
+}
