@@ -131,7 +131,7 @@ fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
     contacts
 }
 
-/// A part whose overlap at an end is below this share of its largest one ends with an event.
+/// A part whose overlap at an end is below this share of its largest one ends with an event. Chosen, not measured.
 const SINGULAR: f64 = 1e-6;
 
 /// The listener that turns events into contacts.

@@ -19,7 +19,7 @@ use super::{
 };
 use hertzchain_integrators::{Real, SplitFlow, Twofold};
 
-/// Kicks after which `R0` is moved along, so that `V tau` stays of the size of `R0`.
+/// Kicks after which `R0` is moved along, so that `V tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
 /// A chain split into its exact linear flow and its contacts.

@@ -6,33 +6,29 @@
 //! moves in what it takes along.
 
 use super::{
-    bond::{BOND, Beside, Bond, Contact, LAYOUT},
-    layout::Cuts,
+    bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
+    goal::Goal,
     panel::{Frame, sin_cos},
     panels::Panels,
     sites::Bonds,
-    system::{Links, Path},
+    system::{Links, Path, beside},
 };
-use crate::{
-    law::ContactLaw,
-    real::{Kernel, Real},
-};
+use crate::real::{Kernel, Real};
 use std::ops::{Range, RangeInclusive};
 
-/// Bonds of a block, and those of its neighbours on either side that it takes along.
+/// Bonds of a block, and those of its neighbours on either side that it takes along. 256 is chosen; 12 is held by
+/// `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum that blocks lose to each other.
 pub(crate) const OWN: usize = 256;
 const ALONG: usize = 12;
 /// A chain up to this is one block.
 const WHOLE: usize = OWN;
-/// Sweeps after which a window is given up.
+/// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
-/// Sweeps of the first pass.
+/// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more, see `GOOD_SWEEPS`.
 const LEVELS: usize = 5;
-/// Times that a window may turn out to be other than it was taken for.
+/// Times that contacts may be found anew, or panels halved, before a window is given up. Chosen, not measured.
 const MOST_ROUNDS: u32 = 10;
-/// Last terms of a force that is resolved at all, as a share of its largest value: measured, with `omega` from 0.01 to 10^4 times the frequency of contacts.
-const RESOLVED: f64 = 0.3;
-/// Times that panels may be halved.
+/// Times that panels may be halved. Chosen, not measured.
 const MOST_HALVINGS: u32 = 4;
 
 /// What a window starts from.
@@ -40,32 +36,6 @@ pub(crate) struct Start<'a> {
     pub(crate) links: &'a Links,
     pub(crate) bonds: &'a dyn Bonds,
     pub(crate) ongoing: &'a [Option<Contact>],
-}
-
-/// When a window counts as solved.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Goal {
-    /// Change of an impulse that another sweep may make.
-    pub(crate) change: f64,
-    /// A change of an impulse that is nothing but rounding.
-    pub(crate) rounded: f64,
-    /// Last terms of the series of an impulse; infinite if panels are not to be halved.
-    pub(crate) tail: f64,
-    /// How many times those of a force that nearly goes out count.
-    pub(crate) slow: f64,
-    /// An impulse that counts; what is smaller need not be resolved.
-    pub(crate) felt: f64,
-    pub(crate) cuts: Cuts,
-}
-
-impl Goal {
-    /// How many times larger the last terms of an impulse are than allowed, from them and its largest value. Small beside the velocities is not enough: where
-    /// resonators are much faster than contacts, the force moves little in any one of many windows, and would be wrong in all of them.
-    #[inline(always)]
-    fn excess(&self, [last, largest]: [f64; 2]) -> f64 {
-        let [total, own] = [last / self.tail, last / (RESOLVED * largest)];
-        if largest > self.felt && own > total { own } else { total }
-    }
 }
 
 /// What a window leaves behind in a bond.
@@ -173,55 +143,62 @@ impl<const M: usize> Workspace<M> {
         while self.bonds.len() < len {
             self.bonds.push(Bond::new());
         }
-        let law = &links.law;
         let bonds = &mut self.bonds[..len];
         let mut b = first;
         for bond in bonds.iter_mut() {
-            (bond.ongoing, bond.recoil) = (start.ongoing[b], links.recoil[b]);
-            bond.begin(frame, law, start.bonds.free(b, frame.h));
+            bond.begin(frame, start.bonds.free(b, frame.h), start.ongoing[b], links.recoil[b]);
             b = if b + 1 == all { 0 } else { b + 1 };
         }
         let ring = whole && links.ring && all > 1;
-        let mut verdict = Work { bonds: &mut *bonds, old: &mut self.old, frame, law, goal, ring }.run();
+        let mut verdict = Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frame, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
-        verdict.touching = bonds[mine.clone()].iter().filter(|bond| !bond.contacts.is_empty()).count();
-        verdict.stiffness = bonds[mine.clone()].iter().fold(0.0, |stiffness, bond| bond.stiffness.max(stiffness));
-        verdict.halved = bonds[mine.clone()].iter().filter(|bond| bond.halvings > 0).count();
+        for bond in &bonds[mine.clone()] {
+            verdict.touching += usize::from(!bond.contacts.found.is_empty());
+            verdict.halved += usize::from(bond.resolution.halvings > 0);
+            verdict.stiffness = bond.sweeps.stiffness.max(verdict.stiffness);
+        }
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frame.h) };
         }
         if log && verdict.failure.is_none() {
             for (b, i) in own.zip(mine) {
-                let left = if i > 0 { Some(i - 1) } else { ring.then(|| len - 1) };
-                let right = if i + 1 < len { Some(i + 1) } else { ring.then_some(0) };
-                let beside = [left, right].map(|i| i.map(|i| &bonds[i]));
+                let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
                 let piece = |contact: &Contact| bonds[i].piece_of(frame, contact, beside, b);
-                self.pieces.extend(bonds[i].contacts.iter().map(piece));
+                self.pieces.extend(bonds[i].contacts.found.iter().map(piece));
             }
         }
         verdict
     }
 }
 
-/// The bonds of a block over a window.
-struct Work<'a, const M: usize> {
+/// Neighbouring bonds; on a whole ring the first and the last are neighbours too.
+struct Stretch<'a, const M: usize> {
     bonds: &'a mut [Bond<M>],
-    old: &'a mut Panels<M>,
-    frame: &'a Frame<'a, M>,
-    law: &'a ContactLaw<f64>,
-    goal: &'a Goal,
     ring: bool,
+}
+
+impl<const M: usize> Stretch<'_, M> {
+    fn again(&mut self) -> Stretch<'_, M> {
+        Stretch { bonds: &mut *self.bonds, ring: self.ring }
+    }
+
+    /// A bond and its neighbours.
+    #[inline(always)]
+    fn at(&mut self, b: usize) -> (&mut Bond<M>, [Beside<'_, M>; 2]) {
+        let (head, rest) = self.bonds.split_at_mut(b);
+        let (me, tail) = rest.split_first_mut().expect("a bond of the block");
+        let left = head.last().or(if self.ring { tail.last() } else { None });
+        let right = tail.first().or(if self.ring { head.first() } else { None });
+        (me, [left, right])
+    }
 }
 
 /// Finds the contacts of all bonds from the forces at the start of the window; `false` where there are too many to be sure.
 struct Predict<'a, const M: usize> {
-    bonds: &'a mut [Bond<M>],
+    stretch: Stretch<'a, M>,
     frame: &'a Frame<'a, M>,
-    law: &'a ContactLaw<f64>,
-    cuts: Cuts,
-    ring: bool,
 }
 
 impl<const M: usize> Kernel for Predict<'_, M> {
@@ -229,12 +206,12 @@ impl<const M: usize> Kernel for Predict<'_, M> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let Self { bonds, frame, law, cuts, ring } = self;
+        let Self { mut stretch, frame } = self;
         let end = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * frame.h) };
         let mut sure = true;
-        for b in 0..bonds.len() {
-            let (me, left, right) = beside(bonds, b, ring);
-            sure &= me.predict(frame, law, left, right, end, cuts);
+        for b in 0..stretch.bonds.len() {
+            let (me, beside) = stretch.at(b);
+            sure &= me.predict(frame, beside, end);
         }
         sure
     }
@@ -260,70 +237,92 @@ impl<const M: usize> Kernel for Judge<'_, M> {
                 let excess = goal.excess(panel.tail(frame, goal.slow));
                 tail = if excess > tail { excess } else { tail };
             }
-            bond.tail = tail;
+            bond.resolution.tail = tail;
         }
     }
 }
 
+/// The bonds of a block over a window, from the prediction to a verdict.
+struct Work<'a, const M: usize> {
+    stretch: Stretch<'a, M>,
+    old: &'a mut Panels<M>,
+    frame: &'a Frame<'a, M>,
+    goal: &'a Goal,
+}
+
 impl<const M: usize> Work<'_, M> {
     fn run(self) -> Verdict {
-        let Self { bonds, old, frame, law, goal, ring } = self;
-        let n = bonds.len();
+        let Self { mut stretch, old, frame, goal } = self;
         let mut verdict = Verdict::default();
-        if !f64::run(Predict { bonds: &mut *bonds, frame, law, cuts: goal.cuts, ring }) {
+        if !f64::run(Predict { stretch: stretch.again(), frame }) {
             verdict.failure = Some((0, f64::INFINITY));
             return verdict;
         }
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let (bonds, old) = (&mut *bonds, &mut *old);
-            let busy = f64::run(Pass { bonds, old, frame, law, goal, ring, levels, verdict: &mut verdict });
+            let done = f64::run(Pass { stretch: stretch.again(), old: &mut *old, frame, goal, levels });
             levels = 1..=1;
+            verdict.sweeps += done.deepest as u64;
+            verdict.work += done.work;
+            verdict.failure = done.failure;
             if verdict.failure.is_some() {
                 return verdict;
             }
-            if !busy {
-                let Some(b) = unsettled(bonds, frame, goal, ring, &mut verdict) else { return verdict };
+            if done.deepest == 0 {
+                let Some(b) = unsettled(&mut stretch, frame, goal, &mut verdict) else { return verdict };
                 rounds += 1;
                 if rounds > MOST_ROUNDS {
                     verdict.failure = Some((b, f64::INFINITY));
                     return verdict;
                 }
             } else if verdict.sweeps >= MOST_SWEEPS {
-                let change = |b: &usize| if bonds[*b].dirty || bonds[*b].stale { bonds[*b].change } else { 0.0 };
-                let worst = (0..n).max_by(|a, b| change(a).total_cmp(&change(b)));
-                verdict.failure = worst.map(|b| (b, bonds[b].change));
+                verdict.failure = busiest(stretch.bonds);
                 return verdict;
             }
         }
     }
 }
 
+/// The bond of which most is still to change, and by how much its impulse changed last.
+fn busiest<const M: usize>(bonds: &[Bond<M>]) -> Option<(usize, f64)> {
+    let change = |bond: &Bond<M>| if bond.pending.sweep || bond.pending.layout { bond.sweeps.change } else { 0.0 };
+    let worst = (0..bonds.len()).max_by(|&a, &b| change(&bonds[a]).total_cmp(&change(&bonds[b])));
+    worst.map(|b| (b, bonds[b].sweeps.change))
+}
+
 /// Takes the bonds through some levels: level 0 lays panels out and starts from the prediction, every other is one sweep over those that have
-/// something to do. Returns whether any had.
+/// something to do.
 ///
-/// A level follows a bond behind the one before it, so that a bond is swept again and again while it and its neighbours are in the cache. It starts a bond
+/// A level follows a bond after the one before it, so that a bond is swept again and again while it and its neighbours are in the cache. It starts a bond
 /// further on too: on a ring the first bond then comes after its neighbour at the end, and what a sweep sees is the same as if it went over all bonds alone.
 struct Pass<'a, const M: usize> {
-    bonds: &'a mut [Bond<M>],
+    stretch: Stretch<'a, M>,
+    /// Room for panels that are replaced.
     old: &'a mut Panels<M>,
     frame: &'a Frame<'a, M>,
-    law: &'a ContactLaw<f64>,
     goal: &'a Goal,
-    ring: bool,
     levels: RangeInclusive<usize>,
-    verdict: &'a mut Verdict,
+}
+
+/// What a pass did.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passed {
+    /// The last level on which a bond had something to do; zero if none had.
+    deepest: usize,
+    /// What it cost, see [`BOND`].
+    work: u64,
+    /// A bond whose impulse is no number, and that.
+    failure: Option<(usize, f64)>,
 }
 
 impl<const M: usize> Kernel for Pass<'_, M> {
-    type Output = bool;
+    type Output = Passed;
 
     #[inline(always)]
-    fn run(self) -> bool {
-        let Self { bonds, old, frame, law, goal, ring, levels, verdict } = self;
-        let n = bonds.len();
-        let mut deepest = 0;
+    fn run(mut self) -> Passed {
+        let (n, levels) = (self.stretch.bonds.len(), self.levels.clone());
+        let mut passed = Passed::default();
         for place in 0..n + 2 * levels.end() {
             for level in levels.clone() {
                 if place < 2 * level || place >= n + 2 * level {
@@ -333,100 +332,99 @@ impl<const M: usize> Kernel for Pass<'_, M> {
                 while b >= n {
                     b -= n;
                 }
-                let (me, left, right) = beside(bonds, b, ring);
-                let anew = level == 0 || me.stale;
-                if anew {
-                    me.lay_out(frame, [left, right], goal.cuts, old);
-                }
-                if level == 0 {
-                    me.start(frame, law, left, right);
-                    me.dirty = true;
-                    verdict.work += LAYOUT * me.panels.len as u64;
-                    continue;
-                }
-                // A contact that turned out to be none is swept once more, to be forgotten.
-                if !(anew || me.dirty && !me.contacts.is_empty()) {
-                    me.dirty = false;
-                    continue;
-                }
-                deepest = deepest.max(level);
-                let change = me.sweep(frame, law, [left, right], goal.cuts, anew.then_some(&*old));
-                let age = me.age;
-                verdict.work += change.work;
-                let unsettled = change.impulse > goal.rounded;
-                me.dirty = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
-                me.change = change.impulse;
-                if !change.impulse.is_finite() {
-                    verdict.failure = Some((b, change.impulse));
-                }
-                let far = change.moved > goal.cuts.frozen_beside;
-                for beside in [
-                    if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) },
-                    if b + 1 < n { Some(b + 1) } else { ring.then_some(0) },
-                ]
-                .into_iter()
-                .flatten()
-                {
-                    let other = &mut bonds[beside];
-                    other.age = other.age.min(age);
-                    if !other.contacts.is_empty()
-                        && (far || unsettled && change.impulse * other.answer(age) > goal.change)
-                    {
-                        other.dirty = true;
-                        other.stale |= far;
-                    }
-                }
+                if level == 0 { self.start(b, &mut passed) } else { self.sweep(b, level, &mut passed) }
             }
         }
-        verdict.sweeps += deepest as u64;
-        deepest > 0
+        passed
+    }
+}
+
+impl<const M: usize> Pass<'_, M> {
+    /// Lays out the panels of a bond and takes forces from the prediction.
+    #[inline(always)]
+    fn start(&mut self, b: usize, passed: &mut Passed) {
+        let (me, beside) = self.stretch.at(b);
+        me.lay_out(self.frame, beside, self.old);
+        me.start(self.frame, beside);
+        me.pending.sweep = true;
+        passed.work += LAYOUT * me.panels.len as u64;
+    }
+
+    /// Sweeps a bond if it has something to do, and tells its neighbours what changed.
+    #[inline(always)]
+    fn sweep(&mut self, b: usize, level: usize, passed: &mut Passed) {
+        let Self { frame, goal, .. } = *self;
+        let (me, beside) = self.stretch.at(b);
+        let anew = me.pending.layout;
+        if anew {
+            me.lay_out(frame, beside, self.old);
+        }
+        // A contact that turned out to be none is swept once more, to be forgotten.
+        if !(anew || me.pending.sweep && !me.contacts.found.is_empty()) {
+            me.pending.sweep = false;
+            return;
+        }
+        passed.deepest = passed.deepest.max(level);
+        let change = me.sweep(frame, beside, anew.then_some(&*self.old));
+        let age = me.sweeps.age;
+        passed.work += change.work;
+        let unsettled = change.impulse > goal.rounded;
+        me.pending.sweep = unsettled && change.impulse * me.answer(age) > goal.change || change.moved > 0.0;
+        if !change.impulse.is_finite() {
+            passed.failure = Some((b, change.impulse));
+        }
+        self.tell(b, &change, (age, unsettled));
+    }
+
+    /// What a change of one bond leaves to be done for its neighbours.
+    #[inline(always)]
+    fn tell(&mut self, b: usize, change: &Change, (age, unsettled): (u32, bool)) {
+        let far = change.moved > self.frame.cuts.least_move_beside;
+        let Stretch { bonds, ring } = &mut self.stretch;
+        for beside in beside(b, bonds.len(), *ring).into_iter().flatten() {
+            let other = &mut bonds[beside];
+            other.sweeps.age = other.sweeps.age.min(age);
+            let acts = far || unsettled && change.impulse * other.answer(age) > self.goal.change;
+            if acts && !other.contacts.found.is_empty() {
+                other.pending.sweep = true;
+                other.pending.layout |= far;
+            }
+        }
     }
 }
 
 /// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. The last bond
 /// of which something must be done anew, if there is one.
 fn unsettled<const M: usize>(
-    bonds: &mut [Bond<M>],
+    stretch: &mut Stretch<'_, M>,
     frame: &Frame<'_, M>,
     goal: &Goal,
-    ring: bool,
     verdict: &mut Verdict,
 ) -> Option<usize> {
-    let n = bonds.len();
     let mut anew = None;
     verdict.tail = 0.0;
-    f64::run(Judge { bonds: &mut *bonds, frame, goal });
+    f64::run(Judge { bonds: &mut *stretch.bonds, frame, goal });
     let per = 0.5 * frame.h * frame.h;
-    for b in 0..n {
-        let (me, left, right) = beside(bonds, b, ring);
-        let of = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.surprise);
-        let off = per * (of(left) + of(right) + me.recoil * me.surprise);
-        if off > me.slack || me.suspicious {
-            match me.verify(frame, left, right, goal.cuts) {
+    for b in 0..stretch.bonds.len() {
+        let (me, beside) = stretch.at(b);
+        let of = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.forecast.surprise);
+        let off = per * (of(beside[0]) + of(beside[1]) + me.initial.recoil * me.forecast.surprise);
+        if off > me.forecast.slack || me.pending.search {
+            match me.verify(frame, beside) {
                 None => verdict.failure = Some((b, f64::INFINITY)),
-                Some(true) => (me.stale, anew) = (true, Some(b)),
+                Some(true) => (me.pending.layout, anew) = (true, Some(b)),
                 Some(false) => {}
             }
         }
-        let tail = me.tail;
+        let tail = me.resolution.tail;
         verdict.tail = if tail > verdict.tail { tail } else { verdict.tail };
         if tail > 1.0 {
-            me.halvings += 1;
-            (me.stale, anew) = (true, Some(b));
-            if me.halvings > MOST_HALVINGS {
+            me.resolution.halvings += 1;
+            (me.pending.layout, anew) = (true, Some(b));
+            if me.resolution.halvings > MOST_HALVINGS {
                 verdict.failure = Some((b, f64::INFINITY));
             }
         }
     }
     anew.filter(|_| verdict.failure.is_none())
-}
-
-/// A bond and its neighbours.
-#[inline(always)]
-fn beside<const M: usize>(bonds: &mut [Bond<M>], b: usize, ring: bool) -> (&mut Bond<M>, Beside<'_, M>, Beside<'_, M>) {
-    let (head, rest) = bonds.split_at_mut(b);
-    let (me, tail) = rest.split_first_mut().expect("a bond of the block");
-    let left = head.last().or(if ring { tail.last() } else { None });
-    let right = tail.first().or(if ring { head.first() } else { None });
-    (me, left, right)
 }

@@ -2,13 +2,11 @@
 
 use super::{
     detect::Crossing,
-    layout::Cuts,
     panel::{Frame, along, dot},
     panels::Panels,
     sites::Free,
     system::Path,
 };
-use crate::law::ContactLaw;
 
 /// A stretch of time in which the bond is closed. It may have begun before the window and may end after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,46 +37,96 @@ impl Contact {
     }
 }
 
+/// A bond in a window, from the linear path that it enters with to the panels that it is solved on.
 #[derive(Clone, Debug)]
 pub(crate) struct Bond<const M: usize> {
-    /// How strongly its own force opens it: 2 between two sites, 1 at a wall.
+    pub(crate) initial: Initial,
+    pub(crate) forecast: Forecast,
+    pub(crate) contacts: Contacts,
+    pub(crate) panels: Panels<M>,
+    pub(crate) sweeps: Sweeps,
+    pub(crate) resolution: Resolution,
+    pub(crate) pending: Pending,
+}
+
+/// What is known of a bond when a window begins.
+///
+/// The overlap goes on along `path` but for forces. The bond's own force `f` changes the second derivative of its overlap by `-recoil f`, those of its
+/// neighbours by `f`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Initial {
+    /// 2 between two sites, 1 at a wall.
     pub(crate) recoil: f64,
     /// The overlap along the linear path.
     pub(crate) path: Path,
-    /// Overlap and its rate, force and its rate at the start of the window.
-    pub(crate) overlap: [f64; 2],
-    pub(crate) force: [f64; 2],
-    /// What the second power of time must add for the force predicted at the end of the window.
-    pub(crate) bend: f64,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
-    pub(crate) contacts: Vec<Contact>,
-    /// The contacts that a search replaced.
-    pub(super) assumed: Vec<Contact>,
-    pub(crate) panels: Panels<M>,
-    /// The contact that it is in when the window begins.
+    /// Overlap and its rate.
+    pub(crate) overlap: [f64; 2],
+    /// Force and its rate.
+    pub(crate) force: [f64; 2],
+    /// The contact that the bond is in.
     pub(crate) ongoing: Option<Contact>,
-    /// The largest `f'(g) h^2`, and the largest overlap at a node.
-    pub(crate) stiffness: f64,
+}
+
+/// What the forces at the start of a window, extrapolated linearly in time, make of the overlap.
+///
+/// Contacts are first found in this prediction. They stand as long as the overlap is off by less than `slack`; how far it may be off follows from the
+/// `surprise` of the bond and its neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Forecast {
+    /// Coefficient `b` of the predicted force `f_0 + f_0' t + b t^2`, which meets the force of the predicted overlap at the end of the window.
+    pub(crate) bend: f64,
+    /// Overlap at the end of the window, as last used to look ahead.
+    pub(super) at_end: f64,
+    /// How far the overlap may be off without a change of its contacts, see [`Search::run`](super::detect::Search::run).
+    pub(crate) slack: f64,
+    /// The largest difference of the force that was found from `f_0 + f_0' t`.
+    pub(crate) surprise: f64,
+}
+
+/// The contacts of a bond in a window, in order of time, and room to search for them.
+#[derive(Clone, Debug)]
+pub(crate) struct Contacts {
+    pub(crate) found: Vec<Contact>,
+    /// Those that the last search replaced.
+    pub(super) assumed: Vec<Contact>,
+    pub(super) crossings: Vec<Crossing>,
+}
+
+/// How the sweeps over a bond converge.
+///
+/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2` and the number of sweeps bound, see [`Bond::answer`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sweeps {
+    /// The largest overlap at a node.
     largest: f64,
+    /// The largest `f'(g) h^2`.
+    pub(crate) stiffness: f64,
     /// What the last sweep changed of an impulse.
     pub(crate) change: f64,
     /// Sweeps since panels were laid out, here or where the change came from.
     pub(crate) age: u32,
-    /// Overlap at the end of the window, as last used to look ahead.
-    pub(super) at_end: f64,
-    /// See [`Search::slack`].
-    pub(crate) slack: f64,
-    /// How far the force is from the prediction.
-    pub(crate) surprise: f64,
-    /// Last terms of its series, in units of those allowed.
+}
+
+/// Whether the nodes resolve the force.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Resolution {
+    /// Last terms of the force's series, in units of those allowed.
     pub(crate) tail: f64,
-    pub(crate) stale: bool,
-    pub(crate) dirty: bool,
-    pub(crate) suspicious: bool,
     /// Every panel is halved so many times in its variable.
     pub(crate) halvings: u32,
-    pub(super) crossings: Vec<Crossing>,
+}
+
+/// What has still to be done for a bond.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pending {
+    /// An event has moved: panels must be laid out anew.
+    pub(crate) layout: bool,
+    /// Forces have changed, here or beside: the bond must be swept again.
+    pub(crate) sweep: bool,
+    /// Newton's method found events that contradict the contacts: these must be searched for again.
+    pub(crate) search: bool,
 }
 
 /// A neighbour that may not be there.
@@ -95,8 +143,9 @@ pub(crate) struct Change {
     pub(crate) work: u64,
 }
 
-/// What a window costs, measured, in units of about 10 ns: for each bond, each panel laid out, each panel swept, and each panel of a
-/// neighbour that acts on it.
+/// What a window costs, in units of about 10 ns: for each bond, each panel laid out, each panel swept, and each panel of a
+/// neighbour that acts on it. From timings of such parts on one machine, which no bench repeats one by one; they decide how long windows are,
+/// whose cost `benches/collocation.rs` times.
 pub(crate) const BOND: u64 = 12;
 pub(crate) const LAYOUT: u64 = 11;
 const SWEEP: u64 = 8;
@@ -125,83 +174,75 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
     frame.m * free + frame.mu * square * (t * t - 2.0 * square * (1.0 - cos))
 }
 
-/// Contacts of a bond in one window that are foreseen; more cost an allocation.
+/// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not measured.
 const CONTACTS: usize = 4;
 
 impl<const M: usize> Bond<M> {
     pub(crate) fn new() -> Self {
-        Self {
-            recoil: 0.0,
-            path: [0.0; 4],
-            overlap: [0.0; 2],
-            force: [0.0; 2],
-            bend: 0.0,
-            band: 0.0,
-            contacts: Vec::with_capacity(CONTACTS),
+        let contacts = Contacts {
+            found: Vec::with_capacity(CONTACTS),
             assumed: Vec::with_capacity(CONTACTS),
-            panels: Panels::new(),
-            ongoing: None,
-            at_end: 0.0,
-            stiffness: 0.0,
-            largest: 0.0,
-            change: 0.0,
-            age: 0,
-            slack: 0.0,
-            surprise: 0.0,
-            tail: 0.0,
-            stale: false,
-            dirty: false,
-            suspicious: false,
-            halvings: 0,
             crossings: Vec::with_capacity(2 * CONTACTS),
+        };
+        Self {
+            initial: Initial::default(),
+            forecast: Forecast::default(),
+            contacts,
+            panels: Panels::new(),
+            sweeps: Sweeps::default(),
+            resolution: Resolution::default(),
+            pending: Pending::default(),
         }
     }
 
-    /// Takes the linear path of a new window.
-    pub(crate) fn begin(&mut self, frame: &Frame<'_, M>, law: &ContactLaw<f64>, free: Free) {
-        let Free { path, band } = free;
-        (self.path, self.band) = (path, band);
-        self.overlap = [path[0] + path[2], path[1] + frame.omega * path[3]];
-        self.force = [0.0; 2];
-        if self.overlap[0] > 0.0 {
-            let rate = law.stiffness(self.overlap[0]) * self.overlap[1];
-            // Right after an onset under alpha < 1 the force has no rate to speak of.
-            self.force = [law.force(self.overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
+    /// Takes the linear path of a new window, and the contact that goes on into it.
+    pub(crate) fn begin(&mut self, frame: &Frame<'_, M>, free: Free, ongoing: Option<Contact>, recoil: f64) {
+        let (Free { path, band }, law) = (free, frame.law);
+        let overlap = [path[0] + path[2], path[1] + frame.omega * path[3]];
+        let mut force = [0.0; 2];
+        if overlap[0] > 0.0 {
+            let rate = law.stiffness(overlap[0]) * overlap[1];
+            // Right after an onset under alpha < 1 the rate has no bound, and says nothing of the forces that follow.
+            force = [law.force(overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.contacts.clear();
+        self.initial = Initial { recoil, path, band, overlap, force, ongoing };
+        self.contacts.found.clear();
         self.panels.clear();
-        (self.surprise, self.suspicious, self.stale, self.dirty, self.halvings) = (0.0, false, false, false, 0);
-        (self.stiffness, self.largest) = (0.0, 0.0);
+        self.forecast.surprise = 0.0;
+        (self.sweeps.stiffness, self.sweeps.largest, self.resolution.halvings) = (0.0, 0.0, 0);
+        self.pending = Pending::default();
     }
 
     /// The contact that outlasts the window, in the time of the next one.
     pub(crate) fn outlasting(&self, h: f64) -> Option<Contact> {
-        let contact = self.contacts.last().filter(|contact| contact.release > h)?;
+        let contact = self.contacts.found.last().filter(|contact| contact.release > h)?;
         Some(Contact { onset: contact.onset - h, release: f64::INFINITY, ..*contact })
     }
 
     /// The first forces, from the overlaps that the forces at the start of the window predict.
     #[inline(always)]
-    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, law: &ContactLaw<f64>, left: Beside<M>, right: Beside<M>) {
-        let drive = self.drive(left, right);
-        let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.bend);
-        let bend = bend(left) + bend(right) - self.recoil * self.bend;
+    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, [left, right]: [Beside<M>; 2]) {
+        let drive = self.drive([left, right]);
+        let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.forecast.bend);
+        let bend = bend(left) + bend(right) - self.initial.recoil * self.forecast.bend;
         let (mut before, mut largest) = ([0.0; 4], 0.0);
         for panel in &mut self.panels.list[..self.panels.len] {
             let mut g = [0.0; M];
             for j in 0..M {
                 let (t, cos, sin) = (panel.tau[j], panel.cos[j], panel.sin[j]);
                 let (k2, k3) = ramps(frame, t, cos, sin);
-                g[j] = along(&self.path, t, cos, sin) + (drive[0] * k2 + drive[1] * k3) + bend * ramp2(frame, t, cos);
+                g[j] = along(&self.initial.path, t, cos, sin)
+                    + (drive[0] * k2 + drive[1] * k3)
+                    + bend * ramp2(frame, t, cos);
             }
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
-            panel.force = law.forces(&g);
+            panel.force = frame.law.forces(&g);
             panel.before = before;
             before = panel.integrate(frame);
         }
-        (self.panels.total, self.largest) = (before, largest);
+        (self.panels.total, self.sweeps.largest) = (before, largest);
     }
 
     /// The share of a change of an impulse, here or beside and of that age, that the next sweep may change in this bond's own.
@@ -210,46 +251,40 @@ impl<const M: usize> Bond<M> {
     /// times over and grows like `t^{2n}`, so that the next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
     #[inline(always)]
     pub(crate) fn answer(&self, age: u32) -> f64 {
-        let age = f64::from(age.min(self.age));
-        let answer = 4.0 * self.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
+        let age = f64::from(age.min(self.sweeps.age));
+        let answer = 4.0 * self.sweeps.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
         if answer < 1.0 { answer } else { 1.0 }
     }
 
     /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and end. If panels have been laid out since the
     /// last one, those before them are `old`.
     #[inline(always)]
-    pub(crate) fn sweep(
-        &mut self,
-        frame: &Frame<'_, M>,
-        law: &ContactLaw<f64>,
-        beside: [Beside<M>; 2],
-        cuts: Cuts,
-        old: Option<&Panels<M>>,
-    ) -> Change {
+    pub(crate) fn sweep(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: Option<&Panels<M>>) -> Change {
+        let Initial { path: linear, recoil, .. } = self.initial;
         let anew = old.is_some();
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = old.map_or(self.panels.total, |old| old.total);
         let mut before = [0.0; 4];
         let mut largest = 0.0;
-        for c in 0..self.contacts.len() {
-            let (first, last) = self.contacts[c].panels;
+        for c in 0..self.contacts.found.len() {
+            let (first, last) = self.contacts.found[c].panels;
             for k in first..last {
                 let panel = &self.panels.list[k];
                 let at = (&panel.tau, &panel.cos, &panel.sin);
                 let mut g = [0.0; M];
                 if let Some(old) = old {
                     for j in 0..M {
-                        g[j] = along(&self.path, panel.tau[j], panel.cos[j], panel.sin[j]);
+                        g[j] = along(&linear, panel.tau[j], panel.cos[j], panel.sin[j]);
                     }
-                    old.influence(at, -self.recoil, &mut g);
+                    old.influence(at, -recoil, &mut g);
                 } else {
-                    let mut path = self.path;
+                    let mut path = linear;
                     for i in 0..4 {
-                        path[i] -= self.recoil * before[i];
+                        path[i] -= recoil * before[i];
                     }
                     for j in 0..M {
-                        g[j] = along(&path, panel.tau[j], panel.cos[j], panel.sin[j]) - self.recoil * panel.local[j];
+                        g[j] = along(&path, panel.tau[j], panel.cos[j], panel.sin[j]) - recoil * panel.local[j];
                     }
                 }
                 let panel = &mut self.panels.list[k];
@@ -259,7 +294,7 @@ impl<const M: usize> Bond<M> {
                 if let Some(bond) = beside[1] {
                     change.work += VIEW * bond.panels.act(panel, 1, &mut g);
                 }
-                let force = law.forces(&g);
+                let force = frame.law.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {
                     by[j] = (force[j] - panel.force[j]).abs();
@@ -277,13 +312,13 @@ impl<const M: usize> Bond<M> {
                 if k == first {
                     let at_start = dot(&frame.rule.ends[0], &g);
                     let slope = panel.chord(&g, 0, 1..M);
-                    change.moved = change.moved.max(self.shift_onset(c, (at_start, slope), law, cuts));
+                    change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
                 if k + 1 == last {
                     let panel = &self.panels.list[k];
                     let at_end = dot(&frame.rule.ends[1], &g);
                     let slope = panel.chord(&g, M - 1, (0..M - 1).rev());
-                    change.moved = change.moved.max(self.shift_release(c, (at_end, slope), frame.h, law, cuts));
+                    change.moved = change.moved.max(self.shift_release(frame, c, (at_end, slope)));
                 }
             }
         }
@@ -292,20 +327,22 @@ impl<const M: usize> Bond<M> {
             change.impulse = (before[1] - total[1]).abs()
                 + frame.omega * ((before[2] - total[2]).abs() + (before[3] - total[3]).abs());
         }
+        let sweeps = &mut self.sweeps;
         // A sweep may open all nodes: what it found before counts too.
-        let was = std::mem::replace(&mut self.largest, largest);
-        self.stiffness = law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
+        let was = std::mem::replace(&mut sweeps.largest, largest);
+        sweeps.stiffness = frame.law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
         // Where the stiffness has no bound its largest overlap tells little.
-        self.age = if law.alpha() < 1.0 { 1 } else { self.age + 1 };
+        sweeps.age = if frame.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
+        sweeps.change = change.impulse;
         self.panels.total = before;
-        self.stale |= change.moved > 0.0;
+        self.pending.layout |= change.moved > 0.0;
         change
     }
 
     /// Moves an onset by Newton's method; returns by how much, zero if that is too little to matter.
     #[inline(always)]
-    fn shift_onset(&mut self, c: usize, (overlap, slope): (f64, f64), law: &ContactLaw<f64>, cuts: Cuts) -> f64 {
-        let contact = &mut self.contacts[c];
+    fn shift_onset(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
+        let contact = &mut self.contacts.found[c];
         if contact.onset < 0.0 {
             return 0.0;
         }
@@ -313,27 +350,21 @@ impl<const M: usize> Bond<M> {
             contact.slopes[0] = slope;
         }
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
-        if cuts.negligible(law, overlap, by) {
+        if frame.cuts.negligible(frame.law, overlap, by) {
             return 0.0;
         }
         contact.onset += by;
-        self.suspicious |= contact.onset > contact.release;
+        self.pending.search |= contact.onset > contact.release;
         by.abs()
     }
 
     /// The same for a release, in the window or ahead of it.
     #[inline(always)]
-    fn shift_release(
-        &mut self,
-        c: usize,
-        (overlap, slope): (f64, f64),
-        h: f64,
-        law: &ContactLaw<f64>,
-        cuts: Cuts,
-    ) -> f64 {
-        let contact = &mut self.contacts[c];
+    fn shift_release(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
+        let h = frame.h;
+        let contact = &mut self.contacts.found[c];
         if contact.release == f64::INFINITY {
-            self.suspicious |= overlap < -self.band;
+            self.pending.search |= overlap < -self.initial.band;
             return 0.0;
         }
         let (inside, ahead) = (contact.release <= h, contact.release - h);
@@ -345,15 +376,15 @@ impl<const M: usize> Bond<M> {
         } else if ahead < 0.1 * h {
             -overlap / contact.slopes[1] - ahead
         } else {
-            (self.at_end - overlap) / contact.slopes[1]
+            (self.forecast.at_end - overlap) / contact.slopes[1]
         };
         // The nearer a release, the better it must be known.
-        if by.abs() <= 0.01 * ahead || cuts.negligible(law, contact.slopes[1] * by, by) {
+        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.law, contact.slopes[1] * by, by) {
             return 0.0;
         }
-        self.at_end = overlap;
+        self.forecast.at_end = overlap;
         contact.release += by;
-        self.suspicious |= contact.onset > contact.release || inside != (contact.release <= h);
+        self.pending.search |= contact.onset > contact.release || inside != (contact.release <= h);
         by.abs()
     }
 }

@@ -34,9 +34,9 @@ pub(crate) struct Search<'a, G, K> {
     left: u32,
 }
 
-/// Halvings of a window, at most.
+/// Halvings of a window, at most: a time is then known to a rounding of the window. Chosen.
 const DEPTH: u32 = 40;
-/// Parts that are looked at, at most.
+/// Parts that are looked at, at most. Chosen, not measured.
 const PARTS: u32 = 1000;
 
 impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {

@@ -2,20 +2,18 @@
 
 use super::{
     block::Piece,
-    bond::{Beside, Bond, Contact, ramps},
+    bond::{Beside, Bond, Contact, Contacts, Initial, ramps},
     detect::{Search, Start},
-    layout::Cuts,
     panel::{Frame, along, sin_cos},
     panels::Panels,
     system::Path,
 };
-use crate::law::ContactLaw;
 
-/// A release up to this many windows beyond the end is looked for.
+/// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a release is too far to be felt.
 const AHEAD: f64 = 1.5;
-/// Share of a window over which speeds are differences.
+/// Share of a window over which speeds are differences. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
 const SPEED_STEP: f64 = 1e-4;
-/// What forces move over a window is rounded by less than this share.
+/// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64 terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The overlap that the forces at the start of the window predict.
 #[inline(always)]
@@ -52,54 +50,45 @@ fn driven_at<const M: usize>(path: &Path, frame: &Frame<'_, M>, beside: [Beside<
 impl<const M: usize> Bond<M> {
     /// What the forces at the start of the window, kept up to first order, do to this bond's overlap: its second and third rate.
     #[inline(always)]
-    pub(super) fn drive(&self, left: Beside<M>, right: Beside<M>) -> [f64; 2] {
-        let of = |bond: Beside<M>, k: usize| bond.map_or(0.0, |bond| bond.force[k]);
-        let drive = |k: usize| of(left, k) + of(right, k) - self.recoil * self.force[k];
+    pub(super) fn drive(&self, [left, right]: [Beside<M>; 2]) -> [f64; 2] {
+        let of = |bond: Beside<M>, k: usize| bond.map_or(0.0, |bond| bond.initial.force[k]);
+        let drive = |k: usize| of(left, k) + of(right, k) - self.initial.recoil * self.initial.force[k];
         [drive(0), drive(1)]
     }
 
     /// Finds the contacts of the window from the forces at its start; `false` if there are too many to be sure.
     #[inline(always)]
-    pub(crate) fn predict(
-        &mut self,
-        frame: &Frame<'_, M>,
-        law: &ContactLaw<f64>,
-        left: Beside<M>,
-        right: Beside<M>,
-        (sin, cos): (f64, f64),
-        cuts: Cuts,
-    ) -> bool {
-        let h = frame.h;
-        let drive = self.drive(left, right);
-        let linear = frame.omega * frame.omega * (self.path[2].abs() + self.path[3].abs());
+    pub(crate) fn predict(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], (sin, cos): (f64, f64)) -> bool {
+        let (h, law) = (frame.h, frame.law);
+        let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
+        let drive = self.drive(beside);
+        let linear = frame.omega * frame.omega * (path[2].abs() + path[3].abs());
         let (k2, k3) = ramps(frame, h, cos, sin);
-        let end = along(&self.path, h, cos, sin) + drive[0] * k2 + drive[1] * k3;
-        let start = self.overlap[0];
+        let end = along(&path, h, cos, sin) + drive[0] * k2 + drive[1] * k3;
         let rate = self.predicted_rate(frame, drive, sin, cos, k2);
-        self.at_end = end;
+        self.forecast.at_end = end;
         let last = if end > 0.0 { law.force(end) } else { 0.0 };
-        self.bend = (last - (self.force[0] + self.force[1] * h)) / (h * h);
+        self.forecast.bend = (last - (force[0] + force[1] * h)) / (h * h);
         // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in Bernstein's basis of degree 4.
         let square = frame.omega * frame.omega;
         let fourth = square * (linear + drive[0].abs() + drive[1].abs() * h);
         let error = fourth * (h * h) * (h * h) * (1.0 / 144.0);
-        let (b1, b2) = (start + h * self.overlap[1] * (1.0 / 3.0), end - h * rate * (1.0 / 3.0));
-        let sign = if self.ongoing.is_some() { 1.0 } else { -1.0 };
+        let (b1, b2) = (start + h * start_rate * (1.0 / 3.0), end - h * rate * (1.0 / 3.0));
+        let sign = if ongoing.is_some() { 1.0 } else { -1.0 };
         let (c1, c2) = (sign * (0.25 * (start + 3.0 * b1)), sign * (0.5 * (b1 + b2)));
         let (c3, c4) = (sign * (0.25 * (3.0 * b2 + end)), sign * end);
-        let band = self.band;
         let still = |c: f64| c.abs() <= band;
         if still(start) && still(b1) && still(b2) && still(end) && error <= band {
             // Rounding only: it stays on its side.
-            self.slack = 0.0;
-            self.contacts.extend(self.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact }));
+            self.forecast.slack = 0.0;
+            self.contacts.found.extend(ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact }));
             return true;
         }
         let least = |a: f64, b: f64| if a < b { a } else { b };
         if c1 > band && c2 > error + band && c3 > band && c4 > band && sign * start > -band {
-            self.slack = least(least(c1, c2 - error), least(c3, c4));
-            let Some(contact) = self.ongoing else { return true };
-            self.contacts.push(Contact { release: f64::INFINITY, ..contact });
+            self.forecast.slack = least(least(c1, c2 - error), least(c3, c4));
+            let Some(contact) = ongoing else { return true };
+            self.contacts.found.push(Contact { release: f64::INFINITY, ..contact });
             self.look_ahead(frame, drive, (end, rate));
             return true;
         }
@@ -108,13 +97,13 @@ impl<const M: usize> Bond<M> {
         let slack = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
         let once = sign * start > band && slack > band;
         if !once {
-            return self.look(frame, drive, linear, cuts, (end, rate));
+            return self.look(frame, drive, linear, (end, rate));
         }
         // A few steps of the Illinois method are better than the prediction deserves.
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
         for _ in 0..4 {
             let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
-            let g = predicted(frame, &self.path, drive, t);
+            let g = predicted(frame, &path, drive, t);
             if g == 0.0 || t <= 0.0 || t >= h {
                 break;
             }
@@ -125,16 +114,16 @@ impl<const M: usize> Bond<M> {
         let t = b.0 - b.1 / slope;
         // Within what is unsure about the overlap, its rate must not turn.
         let unsure = slope * slope / (linear + drive[0].abs() + drive[1].abs() * h) - error;
-        self.slack = least(slack, unsure);
+        self.forecast.slack = least(slack, unsure);
         if !(sign * slope < 0.0 && t > 0.0 && t < h && unsure > 0.0) {
-            return self.look(frame, drive, linear, cuts, (end, rate));
+            return self.look(frame, drive, linear, (end, rate));
         }
-        match self.ongoing {
+        match ongoing {
             Some(contact) => {
-                self.contacts.push(Contact { release: t, slopes: [contact.slopes[0], slope], ..contact });
+                self.contacts.found.push(Contact { release: t, slopes: [contact.slopes[0], slope], ..contact });
             }
             None => {
-                self.contacts.push(Contact::new(t, f64::INFINITY, [slope, 0.0]));
+                self.contacts.found.push(Contact::new(t, f64::INFINITY, [slope, 0.0]));
                 self.look_ahead(frame, drive, (end, rate));
             }
         }
@@ -144,20 +133,20 @@ impl<const M: usize> Bond<M> {
     /// The rate of the predicted overlap at the end of the window.
     #[inline(always)]
     fn predicted_rate(&self, frame: &Frame<'_, M>, drive: [f64; 2], sin: f64, cos: f64, k2: f64) -> f64 {
-        let h = frame.h;
+        let (h, path) = (frame.h, &self.initial.path);
         let k1 = if frame.omega == 0.0 { h } else { frame.m * h + frame.mu * sin / frame.omega };
-        self.path[1] + frame.omega * (self.path[3] * cos - self.path[2] * sin) + drive[0] * k1 + drive[1] * k2
+        path[1] + frame.omega * (path[3] * cos - path[2] * sin) + drive[0] * k1 + drive[1] * k2
     }
 
     /// Searches the prediction.
     #[inline(never)]
-    fn look(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], linear: f64, cuts: Cuts, end: (f64, f64)) -> bool {
-        let path = self.path;
+    fn look(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], linear: f64, end: (f64, f64)) -> bool {
+        let path = self.initial.path;
         let driven = |t: f64| drive[0].abs() + drive[1].abs() * t;
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let g = |t| predicted(frame, &path, drive, t);
-        let found = self.search(frame.h, cuts.unfelt.max(rounding), |t| linear + driven(t), g);
-        if self.contacts.last().is_some_and(|contact| contact.release > frame.h) {
+        let found = self.search(frame.h, frame.cuts.least_overlap.max(rounding), |t| linear + driven(t), g);
+        if self.contacts.found.last().is_some_and(|contact| contact.release > frame.h) {
             self.look_ahead(frame, drive, end);
         }
         found
@@ -166,7 +155,7 @@ impl<const M: usize> Bond<M> {
     /// Estimates when a contact that outlasts the window will end.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], (end, rate): (f64, f64)) {
-        let h = frame.h;
+        let (h, path) = (frame.h, self.initial.path);
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
         }
@@ -176,14 +165,14 @@ impl<const M: usize> Bond<M> {
             if !(t > h && t < (1.0 + AHEAD) * h) {
                 return;
             }
-            let c = (t, predicted(frame, &self.path, drive, t));
+            let c = (t, predicted(frame, &path, drive, t));
             slope = (c.1 - b.1) / (c.0 - b.0);
             b = c;
             if slope >= 0.0 {
                 return;
             }
         }
-        if let Some(contact) = self.contacts.last_mut() {
+        if let Some(contact) = self.contacts.found.last_mut() {
             let t = b.0 - b.1 / slope;
             if t > h {
                 (contact.release, contact.slopes[1]) = (t, slope);
@@ -193,28 +182,22 @@ impl<const M: usize> Bond<M> {
 
     /// Finds the contacts of the window from what is known of all forces. Returns whether they differ from those
     /// assumed; `None` if there are too many to be sure.
-    pub(crate) fn verify(
-        &mut self,
-        frame: &Frame<'_, M>,
-        left: Beside<M>,
-        right: Beside<M>,
-        cuts: Cuts,
-    ) -> Option<bool> {
-        let linear = frame.omega * frame.omega * (self.path[2].abs() + self.path[3].abs());
-        std::mem::swap(&mut self.contacts, &mut self.assumed);
+    pub(crate) fn verify(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2]) -> Option<bool> {
+        let Initial { path, recoil, .. } = self.initial;
+        let linear = frame.omega * frame.omega * (path[2].abs() + path[3].abs());
+        std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let (path, recoil) = (self.path, self.recoil);
-        let g = |t: f64| overlap_at(&path, (&panels, recoil), frame, [left, right], t);
+        let g = |t: f64| overlap_at(&path, (&panels, recoil), frame, beside, t);
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M>, t: f64| 1.2 * panels.largest_force(t);
-        let beside = |bond: Beside<M>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
-        let driven = |t: f64| (beside(left, t) + beside(right, t)).max(recoil * largest(&panels, t));
+        let of = |bond: Beside<M>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
+        let driven = |t: f64| (of(beside[0], t) + of(beside[1], t)).max(recoil * largest(&panels, t));
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
-        let band = cuts.unfelt.max(rounding).max(self.band);
+        let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
         let on_surface = g(frame.h).abs() <= band;
         let sure = self.search(frame.h, band, |t| linear + driven(t), g);
         self.panels = panels;
-        self.suspicious = false;
+        self.pending.search = false;
         // On the surface at the end of the window it may be said to have left or not.
         let alike = |(a, b): (&Contact, &Contact)| {
             let ([begins, ends], [begun, ended]) = (a.events(frame.h), b.events(frame.h));
@@ -222,10 +205,10 @@ impl<const M: usize> Bond<M> {
             let sound = a.release > a.onset.max(0.0) && a.onset <= frame.h;
             sound && begins == begun && (ends == ended || on_surface)
         };
-        let (assumed, found) = (&self.assumed, &mut self.contacts);
-        let same = assumed.len() == found.len() && assumed.iter().zip(&*found).all(alike);
+        let Contacts { assumed, found, .. } = &mut self.contacts;
+        let same = assumed.len() == found.len() && assumed.iter().zip(found.iter()).all(alike);
         if same {
-            std::mem::swap(&mut self.contacts, &mut self.assumed);
+            std::mem::swap(found, assumed);
         } else if let (Some(old), Some(new)) = (assumed.last(), found.last_mut())
             && new.release > frame.h
             && old.release < f64::INFINITY
@@ -239,9 +222,10 @@ impl<const M: usize> Bond<M> {
     /// How far the force is from that predicted.
     #[inline(always)]
     pub(crate) fn surprised(&mut self, h: f64) {
-        let predicted = |t: f64| self.force[0] + self.force[1] * t;
+        let force = self.initial.force;
+        let predicted = |t: f64| force[0] + force[1] * t;
         // The prediction goes on after a release, when there is no force.
-        let mut surprise = match self.contacts.last() {
+        let mut surprise = match self.contacts.found.last() {
             Some(contact) if contact.release > h => 0.0,
             Some(_) => predicted(h).abs(),
             None => predicted(0.0).abs().max(predicted(h).abs()),
@@ -252,30 +236,27 @@ impl<const M: usize> Bond<M> {
                 surprise = if off > surprise { off } else { surprise };
             }
         }
-        self.surprise = surprise;
+        self.forecast.surprise = surprise;
     }
 
     /// Finds contacts; `false` if there are too many to be sure.
     fn search(&mut self, h: f64, band: f64, curvature: impl Fn(f64) -> f64, g: impl FnMut(f64) -> f64) -> bool {
-        let start = Start {
-            value: self.overlap[0],
-            slope: self.overlap[1],
-            rounding: self.band,
-            positive: self.ongoing.is_some(),
-        };
-        let slack = Search::new(g, curvature, band.max(self.band), &mut self.crossings).run(start, h);
-        self.slack = slack.unwrap_or(0.0);
-        self.contacts.clear();
-        let mut open = self.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
-        for crossing in &self.crossings {
+        let Initial { band: rounding, overlap: [value, slope], ongoing, .. } = self.initial;
+        let start = Start { value, slope, rounding, positive: ongoing.is_some() };
+        let Contacts { found, crossings, .. } = &mut self.contacts;
+        let slack = Search::new(g, curvature, band.max(rounding), crossings).run(start, h);
+        self.forecast.slack = slack.unwrap_or(0.0);
+        found.clear();
+        let mut open = ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
+        for crossing in crossings.iter() {
             if crossing.rising {
                 open = Some(Contact::new(crossing.t, f64::INFINITY, [crossing.slope, 0.0]));
             } else if let Some(contact) = open.take() {
                 let slopes = [contact.slopes[0], crossing.slope];
-                self.contacts.push(Contact { release: crossing.t, slopes, ..contact });
+                found.push(Contact { release: crossing.t, slopes, ..contact });
             }
         }
-        self.contacts.extend(open);
+        found.extend(open);
         slack.is_some()
     }
 
@@ -294,7 +275,8 @@ impl<const M: usize> Bond<M> {
         // overlap goes on along the path on which the panels before it leave the bond, whose values do not hang on any series.
         let event = |mut t: f64, before: usize| {
             let own = self.panels.before(before);
-            let path = std::array::from_fn(|i| self.path[i] - self.recoil * own[i]);
+            let Initial { path, recoil, .. } = self.initial;
+            let path = std::array::from_fn(|i| path[i] - recoil * own[i]);
             let g = |t: f64| driven_at(&path, frame, beside, t);
             // dg/dt of the parabola through three points nearby.
             let speed = |t: f64| {

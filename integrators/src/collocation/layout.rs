@@ -7,46 +7,46 @@ use super::{
 };
 use crate::law::ContactLaw;
 
-/// How contacts are cut into panels.
+/// How contacts are cut into panels, and what is too small for that.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cuts {
-    /// Also where a contact of a neighbour begins or ends.
+    /// Whether panels are also cut where a contact of a neighbour begins or ends.
     pub(crate) neighbours: bool,
-    /// Cuts nearer to an end than this are left out.
+    /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left out.
     pub(crate) merge: f64,
-    /// A panel feels an event up to this many of its lengths away.
+    /// A panel has its variable's origin at an event that is at most so many lengths of the panel away.
     pub(crate) near: f64,
-    /// An event is where it is if what it misses of the impulse is less.
-    pub(crate) missed: f64,
-    /// Overlaps up to this make no force that counts.
-    pub(crate) unfelt: f64,
-    /// An event of a neighbour is where it is if it is that near.
-    pub(crate) frozen_beside: f64,
+    /// An event stays where it is if moving it changes the impulse of its contact by less than this.
+    pub(crate) event_impulse: f64,
+    /// Overlaps up to this count as none.
+    pub(crate) least_overlap: f64,
+    /// Panels of a neighbour are laid out anew if an event moves by more than this time.
+    pub(crate) least_move_beside: f64,
 }
 
 impl Cuts {
     /// Whether an event may be off by a time and an overlap.
     #[inline(always)]
     pub(super) fn negligible(&self, law: &ContactLaw<f64>, overlap: f64, by: f64) -> bool {
-        law.force(overlap.abs()) * by.abs() <= self.missed
+        law.force(overlap.abs()) * by.abs() <= self.event_impulse
     }
 }
 
 impl<const M: usize> Bond<M> {
     /// Cuts the contacts into panels.
     #[inline(always)]
-    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], cuts: Cuts, old: &mut Panels<M>) {
+    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: &mut Panels<M>) {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;
-        (self.stale, self.age) = (false, 0);
-        for i in 0..self.contacts.len() {
-            let contact = self.contacts[i];
+        (self.pending.layout, self.sweeps.age) = (false, 0);
+        for i in 0..self.contacts.found.len() {
+            let contact = self.contacts.found[i];
             let first = self.panels.len;
             if contact.release > contact.onset {
-                self.cut(frame, contact, beside, cuts);
+                self.cut(frame, contact, beside);
             }
-            self.contacts[i].panels = (first, self.panels.len);
+            self.contacts.found[i].panels = (first, self.panels.len);
         }
         for panel in &mut self.panels.list[..self.panels.len] {
             panel.place(frame);
@@ -54,7 +54,8 @@ impl<const M: usize> Bond<M> {
     }
 
     #[inline(always)]
-    fn cut(&mut self, frame: &Frame<'_, M>, contact: Contact, beside: [Beside<M>; 2], cuts: Cuts) {
+    fn cut(&mut self, frame: &Frame<'_, M>, contact: Contact, beside: [Beside<M>; 2]) {
+        let cuts = &frame.cuts;
         let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
         // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
         let (mut behind, mut ahead) = (contact.onset, contact.release);
@@ -62,7 +63,7 @@ impl<const M: usize> Bond<M> {
         let mut count = 0;
         if cuts.neighbours {
             for bond in beside.into_iter().flatten() {
-                for c in &bond.contacts {
+                for c in &bond.contacts.found {
                     if c.onset <= start + cuts.merge {
                         behind = behind.max(c.onset.min(start));
                     } else if c.onset < end - cuts.merge && count < points.len() {
@@ -87,7 +88,7 @@ impl<const M: usize> Bond<M> {
             let (to, onset) = if i < count { points[i] } else { (end, false) };
             if to > from + cuts.merge || i == count {
                 let next = points[i..].iter().find(|p| !p.1).map_or(ahead, |p| p.0);
-                self.piece(frame, (from, to), (behind, next), cuts);
+                self.piece(frame, (from, to), (behind, next));
                 from = to;
             }
             if onset {
@@ -96,8 +97,8 @@ impl<const M: usize> Bond<M> {
         }
     }
 
-    fn piece(&mut self, frame: &Frame<'_, M>, (from, to): (f64, f64), (onset, release): (f64, f64), cuts: Cuts) {
-        let reach = cuts.near * (to - from);
+    fn piece(&mut self, frame: &Frame<'_, M>, (from, to): (f64, f64), (onset, release): (f64, f64)) {
+        let reach = frame.cuts.near * (to - from);
         let (early, late) = (frame.q > 1 && from - onset < reach, frame.q > 1 && release - to < reach);
         match (early, late) {
             (true, true) => {
@@ -113,7 +114,7 @@ impl<const M: usize> Bond<M> {
 
     /// Lays out one stretch, in equal parts of its variable where one panel is not enough.
     fn halve(&mut self, frame: &Frame<'_, M>, from: f64, to: f64, origin: Origin) {
-        let parts = 1 << self.halvings;
+        let parts = 1 << self.resolution.halvings;
         let mut start = from;
         for i in 1..=parts {
             let end = if i == parts { to } else { origin.between(frame.q, from, to, f64::from(i) / f64::from(parts)) };

@@ -84,6 +84,7 @@ mod bond;
 mod control;
 mod detect;
 mod foresee;
+mod goal;
 mod layout;
 mod panel;
 mod panels;
@@ -113,7 +114,7 @@ use sites::{Phase, Site, Sites};
 use solver::Solver;
 use system::Links;
 
-/// Parts that a window is cut into at most, to show the state inside it.
+/// Parts that a window is cut into at most, to show the state inside it. Chosen, not measured.
 const MOST_PARTS: u32 = 1 << 10;
 
 /// A stepper that logs what contacts do.

@@ -7,12 +7,15 @@
 //! | `x` | `sigma` scaled to `[-1, 1]`, ascending in time |
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
-use super::{rule::Rule, system::Path};
+use super::{layout::Cuts, rule::Rule, system::Path};
+use crate::law::ContactLaw;
 
 /// What all bonds share in a window.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<'a, const M: usize> {
     pub(crate) rule: &'a Rule<M>,
+    pub(crate) law: &'a ContactLaw<f64>,
+    pub(crate) cuts: Cuts,
     /// Length of the window.
     pub(crate) h: f64,
     pub(crate) m: f64,
@@ -339,11 +342,14 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
     out
 }
 
-/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope, a longer one its bend.
+/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope, a longer one its bend. Chosen;
+/// `methods short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
 const CHORD: f64 = 1e-3;
-/// An overlap that falls to this share of itself within a panel, with no event near.
+/// An overlap that falls to this share of itself within a panel, with no event near. Chosen; held by
+/// `methods contacts_that_nearly_open_keep_the_tolerance`.
 const FADING: f64 = 0.15;
-/// Up to this many terms a series is one of powers, beyond of Chebyshev polynomials.
+/// Up to this many terms a series is one of powers, which is faster, beyond of Chebyshev polynomials, which loses no digits. Held by
+/// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 pub(crate) const MONOMIAL: usize = 8;
 
 /// A sum in four parts, the same on every machine.

@@ -1,7 +1,8 @@
 //! All blocks of a chain over one window, with the number of nodes behind it.
 
 use super::{
-    block::{Goal, Left, Piece, Start, Verdict, Workspace, blocks, own},
+    block::{Left, Piece, Start, Verdict, Workspace, blocks, own},
+    goal::Goal,
     layout::Cuts,
     panel::Frame,
     rule::Rule,
@@ -10,7 +11,7 @@ use super::{
 };
 use crate::{real::Real, regularised::power};
 
-/// Order that the variable near an event is chosen for.
+/// Order that the variable near an event is chosen for. Chosen; `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
 const ORDER: u32 = 8;
 
 /// What solves windows.
@@ -35,7 +36,7 @@ pub(crate) trait Solver: Send {
 }
 
 /// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve nothing that shorter windows do not
-/// resolve at less cost.
+/// resolve at less cost; `run --windows-per-period N --nodes M` shows both sides.
 pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
 pub(crate) const MOST_NODES: usize = 12;
 
@@ -67,17 +68,28 @@ impl<const M: usize> Nodes<M> {
     }
 }
 
-fn frame<'a, const M: usize>(rule: &'a Rule<M>, links: &Links, h: f64) -> Frame<'a, M> {
+fn frame<'a, const M: usize>(rule: &'a Rule<M>, links: &'a Links, cuts: Cuts, h: f64) -> Frame<'a, M> {
     let response = links.response;
     let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
     let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
-    let q = power(links.law.alpha(), ORDER);
-    Frame { rule, h, m: response.m, mu: response.mu, omega, per_omega, mu_per_omega: response.mu * per_omega, q }
+    let (law, q) = (&links.law, power(links.law.alpha(), ORDER));
+    Frame {
+        rule,
+        law,
+        cuts,
+        h,
+        m: response.m,
+        mu: response.mu,
+        omega,
+        per_omega,
+        mu_per_omega: response.mu * per_omega,
+        q,
+    }
 }
 
 impl<const M: usize> Solver for Nodes<M> {
     fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
-        let (frame, bonds) = (frame(self.rule, start.links, h), start.links.bonds);
+        let (frame, bonds) = (frame(self.rule, start.links, goal.cuts, h), start.links.bonds);
         if bonds == 0 {
             return Verdict::default();
         }
@@ -131,7 +143,7 @@ impl<const M: usize> Solver for Nodes<M> {
         columns: &mut [tangent::Block],
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
-        let frame = &frame(self.rule, links, h);
-        f64::run(tangent::Window { links, frame, bonds, cuts, columns })
+        let frame = &frame(self.rule, links, cuts, h);
+        f64::run(tangent::Window { links, frame, bonds, columns })
     }
 }

@@ -44,6 +44,13 @@ impl Links {
     }
 }
 
+/// The neighbours of bond `b` among `n` bonds in a row, whose ends are neighbours of each other on a ring.
+#[inline(always)]
+pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
+    let (first, last) = if ring { (Some(0), Some(n - 1)) } else { (None, None) };
+    [if b > 0 { Some(b - 1) } else { last }, if b + 1 < n { Some(b + 1) } else { first }]
+}
+
 /// A chain of sites that move along exact linear paths and push each other in bonds between neighbours.
 ///
 /// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a site with `b - 1` and `b + 1` only,

@@ -15,15 +15,14 @@ use super::{
     Collocation,
     block::blocks,
     bond::Bond,
-    layout::Cuts,
     panel::{Frame, Panel, along, dot},
     panels::Panels,
     sites::Phase,
-    system::{ContactChain, Links, Path},
+    system::{ContactChain, Links, Path, beside},
 };
-use crate::{drive::Stepper, error::Error, law::ContactLaw, real::Kernel};
+use crate::{drive::Stepper, error::Error, real::Kernel};
 
-/// Columns that are worked on together.
+/// Columns that are worked on together: a register of the widest vector unit. Timed by `benches/collocation.rs`, `monodromy`.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// `[R0, V, C, S]` of every site or bond, for some columns.
@@ -215,7 +214,6 @@ pub(crate) struct Window<'a, const M: usize> {
     pub(crate) links: &'a Links,
     pub(crate) frame: &'a Frame<'a, M>,
     pub(crate) bonds: &'a [Bond<M>],
-    pub(crate) cuts: Cuts,
     pub(crate) columns: &'a mut [Block],
 }
 
@@ -225,10 +223,10 @@ impl<const M: usize> Kernel for Window<'_, M> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Self { links, frame, bonds, cuts, columns } = self;
+        let Self { links, frame, bonds, columns } = self;
         let ring = links.ring && bonds.len() > 1;
-        let panels = laid_out(frame, bonds, ring, cuts);
-        let rows = rows(frame, &links.law, bonds, &panels, ring);
+        let panels = laid_out(frame, bonds, ring);
+        let rows = rows(frame, bonds, &panels, ring);
         let mut force = vec![[[0.0; LANES]; M]; rows.len()];
         for bond in columns {
             settle(&rows, bond, &mut force)?;
@@ -262,21 +260,13 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     }
 }
 
-/// The two neighbours of bond `b` among `n`.
-#[inline(always)]
-fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
-    let left = if b > 0 { Some(b - 1) } else { ring.then(|| n - 1) };
-    let right = if b + 1 < n { Some(b + 1) } else { ring.then_some(0) };
-    [left, right]
-}
-
 /// The panels of a solved window, with their ends where the contacts of its solution begin and end, and the overlaps at their nodes.
 #[inline(always)]
-fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool, cuts: Cuts) -> Vec<Panels<M>> {
+fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool) -> Vec<Panels<M>> {
     let n = bonds.len();
     let mut anew = bonds.to_vec();
     for bond in &mut anew {
-        for contact in &mut bond.contacts {
+        for contact in &mut bond.contacts.found {
             let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
             let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
             // By Newton's method once more; not far, for a contact that grazes has no slope.
@@ -299,14 +289,14 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool,
     for b in 0..n {
         let beside = beside(b, n, ring);
         let mut me = anew[b].clone();
-        me.lay_out(frame, beside.map(|b| b.map(|b| &anew[b])), cuts, &mut old);
+        me.lay_out(frame, beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = (&panel.tau, &panel.cos, &panel.sin);
             let mut g = [0.0; M];
             for (j, g) in g.iter_mut().enumerate() {
-                *g = along(&me.path, panel.tau[j], panel.cos[j], panel.sin[j]);
+                *g = along(&me.initial.path, panel.tau[j], panel.cos[j], panel.sin[j]);
             }
-            bonds[b].panels.influence(at, -me.recoil, &mut g);
+            bonds[b].panels.influence(at, -me.initial.recoil, &mut g);
             for b in beside.into_iter().flatten() {
                 bonds[b].panels.influence(at, 1.0, &mut g);
             }
@@ -321,7 +311,6 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool,
 #[inline(always)]
 fn rows<'a, const M: usize>(
     frame: &Frame<'_, M>,
-    law: &ContactLaw<f64>,
     bonds: &[Bond<M>],
     panels: &'a [Panels<M>],
     ring: bool,
@@ -330,7 +319,7 @@ fn rows<'a, const M: usize>(
     let (mut rows, mut first) = (Vec::new(), vec![0]);
     for (b, panels) in panels.iter().enumerate() {
         for panel in panels.as_slice() {
-            let stiffness = panel.overlap.map(|g| if g > 0.0 { law.stiffness(g) } else { 0.0 });
+            let stiffness = panel.overlap.map(|g| if g > 0.0 { frame.law.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
             let path = [stiffness, scaled(&panel.tau), scaled(&panel.cos), scaled(&panel.sin)];
             rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), left: [[0.0; 4]; M] });
@@ -344,7 +333,7 @@ fn rows<'a, const M: usize>(
         source.list[0].before = [0.0; 4];
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring).map(|b| b.map(|b| (b, 1.0)));
-        let targets: Vec<(usize, f64)> = [Some((b, -bonds[b].recoil)), left, right]
+        let targets: Vec<(usize, f64)> = [Some((b, -bonds[b].initial.recoil)), left, right]
             .into_iter()
             .flatten()
             .flat_map(|(b, weight)| (first[b]..first[b + 1]).map(move |p| (p, weight)))

@@ -1,0 +1,97 @@
+//! What a window is held to.
+
+use super::{
+    super::{goal::Goal, layout::Cuts, sites::Site, system::ContactChain},
+    Pace,
+    nodes::analytic,
+};
+
+/// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to
+/// runs of waves, impacts and random chains; `methods the_error_is_what_was_asked_for_over_six_decades` and
+/// `random_chains_agree_with_the_regularised_run` measure what it gives.
+const TAIL: f64 = 4e3;
+const POWER: f64 = 0.8;
+/// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`. Held by `methods contacts_that_nearly_open_keep_the_tolerance`.
+const SLOW_TAIL: f64 = 2e2;
+/// How near an event must be for a panel to have its origin there, in lengths of the panel: without control of the error, and with it, where halvings make good
+/// for events farther away. Chosen; the first is
+/// held by `methods every_exponent_and_mass_ratio_is_resolved_in_equal_windows`.
+const NEAR: [f64; 2] = [0.75, 0.5];
+/// Share of the tolerance of a window that sweeps may leave undone. Chosen, not measured.
+const UNDONE: f64 = 1e-2;
+/// The same at least: what sweeps leave undone and what events are off by comes from one side and adds up over windows, unlike roundings. Held by
+/// `methods a_thousand_periods_keep_the_energy_to_rounding`.
+const BIAS: f64 = 1e-18;
+/// A change that is rounding, in units of velocities, and last terms that are. Chosen; held by
+/// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
+const ROUNDING: f64 = 1e-15;
+const ROUNDED_TAIL: f64 = 1e-14;
+/// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not measured.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// From the tolerance for a run, the goal for a window.
+///
+/// The tolerance is for the sum over the run, relative to the size of velocities; a window gets the share that its length is of the span. Without a
+/// tolerance a window is solved as well as sweeps can, on one panel for each smooth part of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Accuracy {
+    pace: Pace,
+    span: f64,
+    /// Size of velocities: the largest at the start, or that to which the largest contact force would drive a bead.
+    size: f64,
+    alpha: f64,
+}
+
+impl Accuracy {
+    pub(super) fn new<C: ContactChain>(chain: &C, sites: &[Site], pace: Pace, span: f64) -> Self {
+        let (law, omega) = (chain.law(), chain.response().omega.value());
+        let mut size = 0.0f64;
+        for site in sites {
+            size = size.max(site.hi[1].abs() + omega * site.hi[2].hypot(site.hi[3]));
+        }
+        for b in 0..chain.bonds() {
+            let [r, _, c, _] = chain.across(b, |i| sites[i].hi);
+            let now = chain.rest() + r + c;
+            if now > 0.0 {
+                size = size.max((2.0 * law.force(now) * now).sqrt());
+            }
+        }
+        Self { pace, span, size: if size > 0.0 { size } else { 1.0 }, alpha: law.alpha() }
+    }
+
+    pub(super) fn span(&self) -> f64 {
+        self.span
+    }
+
+    pub(super) fn goal(&self, h: f64) -> Goal {
+        let (share, change, tail, slow) = match self.pace {
+            // All that sweeps can do.
+            Pace::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
+            Pace::Tolerance(tol) => {
+                let share = tol * (h / self.span).max(LEAST_SHARE);
+                let tail = (TAIL * share).powf(POWER).max(ROUNDED_TAIL);
+                (share, UNDONE * share, tail, (tail / (SLOW_TAIL * share)).max(1.0))
+            }
+        };
+        let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
+        let lost = |power: f64| h * least.powf(1.0 / power);
+        Goal {
+            change: change.max(BIAS) * self.size,
+            rounded: 0.1 * ROUNDING * self.size,
+            tail: tail * self.size,
+            slow,
+            least_impulse: share * self.size,
+            cuts: Cuts {
+                neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
+                merge: lost(self.alpha + 3.0),
+                near: match self.pace {
+                    Pace::Tolerance(_) if analytic(self.alpha) => NEAR[1],
+                    _ => NEAR[0],
+                },
+                event_impulse: 0.1 * least * self.size,
+                least_overlap: (0.1 * least * self.size / h).powf(1.0 / self.alpha),
+                least_move_beside: lost(self.alpha + 3.0),
+            },
+        }
+    }
+}

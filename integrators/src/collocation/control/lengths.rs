@@ -1,0 +1,114 @@
+//! The length of the next window.
+
+use super::super::{block::Verdict, sites::Site, system::ContactChain};
+use super::nodes::MOST_HALVED;
+
+/// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones have fewer panels. Chosen; runs move it by
+/// what their windows cost, and `benches/collocation.rs` times such runs.
+const STIFFNESS: f64 = 0.04;
+const STIFFNESSES: [f64; 2] = [0.02, 0.25];
+/// A trial of longer or shorter windows changes `f'(g) h^2` by this factor. Chosen, not measured.
+const TRIAL: f64 = 1.25;
+/// Windows between two trials. Chosen, not measured.
+const PATIENCE: u32 = 16;
+/// Sweeps that a good window takes. Chosen, not measured.
+const GOOD_SWEEPS: u64 = 5;
+/// The first window, as a share of the shortest time scale. Chosen, not measured.
+const FIRST: f64 = 0.3;
+/// Oscillations faster than this do not shorten the first window. Chosen, not measured.
+const FASTEST: f64 = 1e3;
+
+/// The length of the next window.
+///
+/// It grows while windows settle in few sweeps and without halved panels, and shrinks while they do not. `f'(g) h^2` is held at the value that
+/// was cheapest so far, so that sweeps contract.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lengths {
+    /// The length to try next.
+    h: f64,
+    /// The longest window given up since the last good one; zero if none.
+    given_up: f64,
+    stiffness: Stiffness,
+}
+
+/// A search for the `f'(g) h^2` at which a unit of time costs least: it goes on up or down as long as the cost falls, and turns when it rises.
+#[derive(Clone, Copy, Debug)]
+struct Stiffness {
+    /// The largest `f'(g) h^2` allowed.
+    value: f64,
+    /// The factor of the last trial.
+    trial: f64,
+    /// Windows since that trial, their length and their work.
+    windows: u32,
+    time: f64,
+    work: f64,
+    /// Work for a unit of time before that trial.
+    cost: f64,
+}
+
+impl Lengths {
+    pub(super) fn new<C: ContactChain>(chain: &C, sites: &[Site], span: f64) -> Self {
+        let reach = sites.iter().fold(0.0f64, |far, site| far.max(site.hi[0].abs() + site.hi[2].hypot(site.hi[3])));
+        let stiffness = chain.law().stiffness(chain.rest() + 2.0 * reach);
+        let omega = chain.response().omega.value();
+        let rate = stiffness.sqrt().max(omega.min(FASTEST)).max(1.0 / span);
+        Self { h: (FIRST / rate).min(span), given_up: 0.0, stiffness: Stiffness::new() }
+    }
+
+    pub(super) fn propose(&self, left: f64) -> f64 {
+        // The last windows share what is left.
+        if left <= self.h { left } else { self.h.min(0.5 * left) }
+    }
+
+    /// A window was given up; returns the length to try instead.
+    pub(super) fn reject(&mut self, h: f64) -> f64 {
+        self.given_up = self.given_up.max(h);
+        self.h = 0.5 * h;
+        self.h
+    }
+
+    /// Counts the work of a window that is done.
+    pub(super) fn count(&mut self, verdict: &Verdict, h: f64) {
+        // One bond in trouble for a moment says little about the windows after it.
+        self.h = self.h.max(0.9 * self.given_up);
+        self.given_up = 0.0;
+        self.stiffness.count(verdict, h);
+    }
+
+    /// Chooses the next length after a window of length `h`, with the mean share of contacts whose panels were halved.
+    pub(super) fn adapt(&mut self, verdict: &Verdict, h: f64, halved: f64) {
+        self.h *= if verdict.touching == 0 {
+            2.0
+        } else if verdict.sweeps > GOOD_SWEEPS || halved > MOST_HALVED {
+            0.9
+        } else if halved < 0.5 * MOST_HALVED {
+            1.06
+        } else {
+            1.0
+        };
+        // Sweeps are to contract.
+        if verdict.stiffness > 0.0 {
+            self.h = self.h.min(h * (self.stiffness.value / verdict.stiffness).sqrt());
+        }
+    }
+}
+
+impl Stiffness {
+    fn new() -> Self {
+        Self { value: STIFFNESS, trial: TRIAL, windows: 0, time: 0.0, work: 0.0, cost: f64::INFINITY }
+    }
+
+    fn count(&mut self, verdict: &Verdict, h: f64) {
+        self.windows += 1;
+        self.time += h;
+        self.work += verdict.work as f64;
+        if self.windows == PATIENCE {
+            let cost = self.work / self.time;
+            if cost > self.cost {
+                self.trial = self.trial.recip();
+            }
+            self.value = (self.value * self.trial).clamp(STIFFNESSES[0], STIFFNESSES[1]);
+            (self.windows, self.time, self.work, self.cost) = (0, 0.0, 0.0, cost);
+        }
+    }
+}

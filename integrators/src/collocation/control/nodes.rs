@@ -1,0 +1,65 @@
+//! The number of nodes a panel.
+
+use super::super::solver::MOST_NODES;
+
+/// Share of contacts whose panels may be halved before panels have more nodes, or windows become shorter. Chosen, not measured.
+pub(super) const MOST_HALVED: f64 = 0.3;
+/// Windows between two changes of the number of nodes. Chosen, not measured.
+const PATIENCE: u32 = 16;
+/// Two nodes less cost the last terms about this factor. Chosen, not measured; too small a value shows as windows given up in
+/// `methods hardly_a_window_is_given_up`.
+const TWO_NODES: f64 = 60.0;
+
+/// Whether a force of this exponent is analytic in the square root of time from an event.
+pub(super) fn analytic(alpha: f64) -> bool {
+    (2.0 * alpha).fract() == 0.0
+}
+
+/// The number of nodes a panel: more where panels are often halved, fewer where the last terms are far below what is allowed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeChoice {
+    count: usize,
+    /// Fewer were too few.
+    least: usize,
+    /// Windows since the number was changed or last thought over, and the largest last terms in them in units of those allowed.
+    since: u32,
+    tail: f64,
+}
+
+impl NodeChoice {
+    /// For a tolerance; so many as most runs come to. Chosen, not measured.
+    pub(super) fn new(tol: f64, alpha: f64) -> Self {
+        let count = match tol {
+            1e-3.. => 4,
+            1e-5.. => 6,
+            1e-6.. => 8,
+            1e-8.. => 10,
+            _ => 12,
+        };
+        // Where no variable makes the force analytic, its last terms tell less.
+        Self { count, least: if analytic(alpha) { 4 } else { count }, since: 0, tail: 0.0 }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Takes the last terms of a window and the mean share of contacts whose panels were halved; returns whether the number changed.
+    pub(super) fn choose(&mut self, tail: f64, halved: f64) -> bool {
+        self.since += 1;
+        self.tail = self.tail.max(tail);
+        let count = if self.since < PATIENCE {
+            return false;
+        } else if halved > MOST_HALVED && self.count < MOST_NODES {
+            self.least = self.count + 2;
+            self.least
+        } else if self.tail * TWO_NODES < 1.0 && self.count > self.least {
+            self.count - 2
+        } else {
+            self.count
+        };
+        let changed = count != self.count;
+        (self.count, self.since, self.tail) = (count, 0, 0.0);
+        changed
+    }
+}
