@@ -122,24 +122,14 @@ impl Topology {
     /// The differences of quantities over a bond.
     #[inline(always)]
     pub fn across<R: Real, const K: usize>(self, bond: usize, quantity: impl Fn(usize) -> [R; K]) -> [R; K] {
-        match self.ends(bond) {
-            [Some(before), Some(behind)] => minus(quantity(before), quantity(behind)),
-            [Some(before), None] => quantity(before),
-            [None, Some(behind)] => minus([R::zero(); K], quantity(behind)),
-            [None, None] => [R::zero(); K],
-        }
+        difference(self.ends(bond), quantity)
     }
 
     /// What forces in bonds do to a site (to a strain, on a strain ring): [`across`](Self::across) transposed, with the other sign.
     #[inline(always)]
     pub fn push<R: Real, const K: usize>(self, site: usize, force: impl Fn(usize) -> [R; K]) -> [R; K] {
-        let on = |site: usize| match self.bonds(site) {
-            [Some(before), Some(behind)] => minus(force(before), force(behind)),
-            [Some(before), None] => force(before),
-            [None, Some(behind)] => minus([R::zero(); K], force(behind)),
-            [None, None] => [R::zero(); K],
-        };
-        if self.strains() { minus(on(site), on(self.previous(site))) } else { on(site) }
+        let push = difference(self.bonds(site), &force);
+        if self.strains() { minus(push, difference(self.bonds(self.previous(site)), &force)) } else { push }
     }
 
     /// The unknowns that a unit force in a bond pushes, and by how much.
@@ -185,9 +175,20 @@ impl std::ops::Deref for Pushed {
     }
 }
 
+/// The quantity on one side less that on the other; where there is nothing it is zero.
+// A function, as a closure would not be compiled into the instruction set of the kernel that it is in.
+#[inline(always)]
+fn difference<R: Real, const K: usize>(sides: [Option<usize>; 2], quantity: impl Fn(usize) -> [R; K]) -> [R; K] {
+    match sides {
+        [Some(before), Some(behind)] => minus(quantity(before), quantity(behind)),
+        [Some(before), None] => quantity(before),
+        [None, Some(behind)] => minus([R::zero(); K], quantity(behind)),
+        [None, None] => [R::zero(); K],
+    }
+}
+
 #[inline(always)]
 fn minus<R: Real, const K: usize>(a: [R; K], b: [R; K]) -> [R; K] {
-    // No closure: the instruction set of a kernel would not reach into it.
     let mut out = a;
     for k in 0..K {
         out[k] = a[k] - b[k];
