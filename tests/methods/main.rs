@@ -4,6 +4,7 @@
 mod common;
 
 mod collocation;
+mod collocation_at_rest;
 mod collocation_cases;
 mod contacts;
 mod corrected;

@@ -149,6 +149,14 @@ impl<const M: usize> Workspace<M> {
             bond.begin(frame, start.bonds.free(b, frame.h), start.ongoing[b], links.recoil[b]);
             b = if b + 1 == all { 0 } else { b + 1 };
         }
+        // Contacts that begin in a window far too long for them are seen before anything is solved.
+        if let Some((b, stiffness)) = too_stiff(bonds.iter().map(|bond| bond.approach(frame, goal.stiffest)), goal) {
+            return Verdict {
+                failure: Some(((first + b) % all, stiffness)),
+                work: BOND * len as u64,
+                ..Verdict::default()
+            };
+        }
         let ring = whole && links.ring && all > 1;
         let mut verdict = Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frame, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
@@ -161,6 +169,10 @@ impl<const M: usize> Workspace<M> {
         }
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frame.h) };
+        }
+        if verdict.failure.is_none() {
+            let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
+            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
         }
         if log && verdict.failure.is_none() {
             for (b, i) in own.zip(mine) {
@@ -240,6 +252,11 @@ impl<const M: usize> Kernel for Judge<'_, M> {
             bond.resolution.tail = tail;
         }
     }
+}
+
+/// The first bond whose stiffness is beyond what a window may have, and that.
+fn too_stiff(stiffness: impl Iterator<Item = f64>, goal: &Goal) -> Option<(usize, f64)> {
+    stiffness.enumerate().find(|(_, stiffness)| *stiffness > goal.stiffest)
 }
 
 /// The bonds of a block over a window, from the prediction to a verdict.

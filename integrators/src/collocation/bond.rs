@@ -213,6 +213,29 @@ impl<const M: usize> Bond<M> {
         self.pending = Pending::default();
     }
 
+    /// An estimate of `f'(g) t^2` for a contact that the bond is in, or comes into along its free path: `t` is how long it may last in the window, `g` the
+    /// largest overlap that the bond may reach by itself.
+    ///
+    /// The overlap stays below what the free path reaches; and below where the own force has taken up the speed of approach, `w^2/2 = recoil
+    /// (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What neighbours add is of the size of their own overlaps, which count for themselves.
+    pub(crate) fn approach(&self, frame: &Frame<'_, M>, most: f64) -> f64 {
+        let Initial { recoil, path: [r, v, c, s], overlap: [now, rate], .. } = self.initial;
+        let (h, power) = (frame.h, frame.law.alpha() + 1.0);
+        let swing = if frame.omega == 0.0 { 0.0 } else { c.hypot(s) };
+        let speed = rate.abs().max(v.abs() + frame.omega * swing);
+        let reached = (r + v.max(0.0) * h + swing).min(now + speed * h);
+        if reached <= 0.0 {
+            return 0.0;
+        }
+        let lasts = if now < 0.0 { h + now / speed } else { h };
+        let stiffness = frame.law.stiffness(reached) * lasts * lasts;
+        if stiffness <= most && power >= 2.0 {
+            return stiffness;
+        }
+        let stopped = (speed * speed * power / (2.0 * recoil) + now.max(0.0).powf(power)).powf(1.0 / power);
+        frame.law.stiffness(reached.min(stopped)) * lasts * lasts
+    }
+
     /// The contact that outlasts the window, in the time of the next one.
     pub(crate) fn outlasting(&self, h: f64) -> Option<Contact> {
         let contact = self.contacts.found.last().filter(|contact| contact.release > h)?;
@@ -372,7 +395,8 @@ impl<const M: usize> Bond<M> {
             contact.slopes[1] = slope;
         }
         let by = if inside {
-            -overlap / contact.slopes[1]
+            // Not before the window: there the overlap is what it was.
+            (-overlap / contact.slopes[1]).max(-contact.release)
         } else if ahead < 0.1 * h {
             -overlap / contact.slopes[1] - ahead
         } else {

@@ -202,7 +202,7 @@ impl<const M: usize> Bond<M> {
         let alike = |(a, b): (&Contact, &Contact)| {
             let ([begins, ends], [begun, ended]) = (a.events(frame.h), b.events(frame.h));
             // Newton's method may have led astray.
-            let sound = a.release > a.onset.max(0.0) && a.onset <= frame.h;
+            let sound = a.release >= a.onset.max(0.0) && a.onset <= frame.h;
             sound && begins == begun && (ends == ended || on_surface)
         };
         let Contacts { assumed, found, .. } = &mut self.contacts;

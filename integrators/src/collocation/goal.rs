@@ -19,6 +19,8 @@ pub(crate) struct Goal {
     pub(crate) slow: f64,
     /// Impulses up to this are within the tolerance: their force need not be resolved.
     pub(crate) least_impulse: f64,
+    /// Largest `f'(g) h^2` of a window that may be solved; infinite if lengths are given.
+    pub(crate) stiffest: f64,
     pub(crate) cuts: Cuts,
 }
 

@@ -43,7 +43,8 @@ impl<const M: usize> Bond<M> {
         for i in 0..self.contacts.found.len() {
             let contact = self.contacts.found[i];
             let first = self.panels.len;
-            if contact.release > contact.onset {
+            // One that is over when the window begins has no panels: there is nothing to solve, and nothing to move its end by.
+            if contact.release > contact.onset.max(0.0) {
                 self.cut(frame, contact, beside);
             }
             self.contacts.found[i].panels = (first, self.panels.len);

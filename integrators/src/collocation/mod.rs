@@ -51,7 +51,10 @@
 //! # The error
 //!
 //! The last terms of the Chebyshev series of each impulse tell whether the nodes resolve the force. Panels that do not are halved in their
-//! variable, that bond's only; a window that does not settle is halved for all. Where panels are halved often they get two nodes more, where
+//! variable, that bond's only; a window that does not settle is halved for all. So is one that is too long for its contacts, also for those to come: before
+//! anything is solved, each bond bounds the overlap that it may reach, by its free path and by where its own force has taken up the speed of approach, and
+//! `f'(g) h^2` for the time that is then left must be below a limit. Few nodes may take a whole contact for something else with no sign of it in their last
+//! terms. Where panels are halved often they get two nodes more, where
 //! the last terms are far below what is asked two less. Windows are as long as they are cheapest: `f'(g) h^2` is moved up and down, whichever
 //! way the work for a unit of time falls, and work is counted, not timed, so that a run has the same bits every time. Local errors go
 //! with a power 5/4 of the last terms, which was measured. An overlap that falls to almost nothing without an event makes a force whose terms
@@ -73,7 +76,7 @@
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor, windows short, and tangent maps do not exist.
 //! - Resonators so light that they turn many times in a window are resolved where contacts excite them: the cost then grows with `omega`.
 //! - Overlaps whose force over a window would change no digit that the tolerance asks for count as none, also for the log of contacts.
-//! - It is no symplectic method: it is one that makes no error to speak of.
+//! - It is no symplectic method: its energy error is the sum of its local errors, down to a random walk of roundings.
 //!
 //! Source: this software. For Gauss collocation: Hairer, Lubich & Wanner 2006, *Geometric Numerical Integration*, Sec. II.1.
 

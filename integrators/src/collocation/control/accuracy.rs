@@ -26,6 +26,11 @@ const BIAS: f64 = 1e-18;
 /// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
+/// The largest `f'(g) h^2` of a window under a tolerance from `LOOSE` on, and under a finer one. A longer window may hold whole contacts, which few nodes
+/// take for something else with no sign of it in their last terms; the looser the tolerance, the less these say. Windows that are chosen for their cost
+/// stay below a quarter. Chosen; held by `methods chains_at_rest_keep_loose_tolerances`.
+const STIFFEST: [f64; 2] = [0.5, 1.5];
+const LOOSE: f64 = 1e-4;
 /// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not measured.
 const LEAST_SHARE: f64 = 1e-6;
 
@@ -81,6 +86,10 @@ impl Accuracy {
             tail: tail * self.size,
             slow,
             least_impulse: share * self.size,
+            stiffest: match self.pace {
+                Pace::Windows { .. } => f64::INFINITY,
+                Pace::Tolerance(tol) => STIFFEST[usize::from(tol < LOOSE)],
+            },
             cuts: Cuts {
                 neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
                 merge: lost(self.alpha + 3.0),

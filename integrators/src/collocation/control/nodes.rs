@@ -10,6 +10,10 @@ const PATIENCE: u32 = 16;
 /// `methods hardly_a_window_is_given_up`.
 const TWO_NODES: f64 = 60.0;
 
+/// The fewest nodes for a force that is analytic in no variable: with fewer the power of the variable alone, 5 for `alpha = 1.2`, makes panels be halved and
+/// windows shrink. Chosen; `methods chains_at_rest_keep_loose_tolerances` holds the cost.
+const LEAST: usize = 8;
+
 /// Whether a force of this exponent is analytic in the square root of time from an event.
 pub(super) fn analytic(alpha: f64) -> bool {
     (2.0 * alpha).fract() == 0.0
@@ -29,7 +33,7 @@ pub(super) struct NodeChoice {
 impl NodeChoice {
     /// For a tolerance; so many as most runs come to. Chosen, not measured.
     pub(super) fn new(tol: f64, alpha: f64) -> Self {
-        let count = match tol {
+        let count: usize = match tol {
             1e-3.. => 4,
             1e-5.. => 6,
             1e-6.. => 8,
@@ -37,7 +41,8 @@ impl NodeChoice {
             _ => 12,
         };
         // Where no variable makes the force analytic, its last terms tell less.
-        Self { count, least: if analytic(alpha) { 4 } else { count }, since: 0, tail: 0.0 }
+        let (count, least) = if analytic(alpha) { (count, 4) } else { (count.max(LEAST), count.max(LEAST)) };
+        Self { count, least, since: 0, tail: 0.0 }
     }
 
     pub(super) fn count(&self) -> usize {
