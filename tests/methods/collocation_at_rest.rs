@@ -115,7 +115,8 @@ fn struck() -> impl Strategy<Value = Struck> {
 #[test]
 fn chains_at_rest_keep_loose_tolerances() {
     // No run may fail; errors are at most three times the tolerance, times what the dynamics makes of an error; a looser tolerance costs no more, but for a
-    // fifth; no window is longer than the contacts at its ends allow. Truth: collocation at 1e-12, itself held against the regularised run below.
+    // fifth; no window is longer than the contacts at its ends allow. Truth: collocation at 1e-12, itself held against the regularised run below. Measured: 0.26 of the
+    // tolerance, 1.02 of the cost, f'(g) h^2 = 1.33.
     let worst = RefCell::new([0.0_f64; 3]);
     let config = Config {
         cases: 24,
@@ -161,7 +162,7 @@ fn impact(sites: usize, end: f64) -> Scene {
 #[test]
 fn an_impact_on_a_thousand_beads_keeps_its_energy() {
     // Before anything touches nothing is known but the span: a first window of 0.3 of it held the whole impact, and made an energy of 10^6.
-    // Measured: 4.5e-4, 4.5e-4, 4e-4, 4.4e-7.
+    // Measured: 2.8e-4, 2.9e-4, 2.4e-4, 3.1e-7.
     let scene = impact(1000, 1000.0);
     let (chain, y0) = (scene.chain(), scene.initial().as_slice());
     for (tol, bound) in [(1e-1, 1e-3), (1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 1e-6)] {

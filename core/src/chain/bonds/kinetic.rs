@@ -96,6 +96,7 @@ impl Kernel for Kicks<'_> {
 
 impl KineticFlow<f64> {
     /// The stretch of a spring, and its rate; zero without resonators.
+    #[inline(always)]
     fn stretch(&self, site: usize) -> (f64, f64) {
         let (n, half) = (self.chain.sites(), self.y.len() / 2);
         if self.chain.layout().resonators() {

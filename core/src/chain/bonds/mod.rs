@@ -396,13 +396,13 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        let (topology, sites) = (self.chain().topology(), self.sites);
+        let (topology, strain, sites) = (self.chain().topology(), self.strain(), self.sites);
         let Self { flow, force, slope, spring, modified, a, push, .. } = self;
         if !spring.is_empty() {
             // Springs that kick want the accelerations of what they hold.
             let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
             for i in 0..sites {
-                a[i] = if topology.strains() { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
+                a[i] = if strain { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
             }
         }
         flow.push(kick, Modified { c, topology, force, slope, spring, modified, push }, a);
