@@ -1,4 +1,5 @@
-//! Contact collocation on long chains at rest that are struck: nothing but contacts that are yet to come limits its windows.
+//! Contact collocation on long chains at rest that are struck: nothing but contacts that are yet to
+//! come limits its windows.
 
 use crate::common::{collocated, distance, largest, truth};
 use hertzchain::{
@@ -56,14 +57,16 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
     Some(Outcome { y, evaluations: run.stats().force_evaluations, stiffness })
 }
 
-/// How far a state is from a reference: relative to the largest position, or to the largest velocity.
+/// How far a state is from a reference: relative to the largest position, or to the largest
+/// velocity.
 fn off(y: &[f64], reference: &[f64]) -> f64 {
     let half = y.len() / 2;
     let part = |a: &[f64], b: &[f64]| distance(a, b) / largest(b.iter().copied());
     part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
 }
 
-/// The state with a perturbation of the velocities that are not small, each to a side that its number decides.
+/// The state with a perturbation of the velocities that are not small, each to a side that its
+/// number decides.
 fn perturbed(y: &[f64]) -> Vec<f64> {
     let mut out = y.to_vec();
     let velocities = &mut out[y.len() / 2..];
@@ -74,7 +77,8 @@ fn perturbed(y: &[f64]) -> Vec<f64> {
     out
 }
 
-/// How many times larger errors of velocities are at the end: those made at the start or half way, at least 1.
+/// How many times larger errors of velocities are at the end: those made at the start or half way,
+/// at least 1.
 fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
     let run = |y: &[f64], end: f64| run(chain, y, end, FINE).expect("a fine run ends").y;
     let grown = |y: &[f64], end: f64| off(&run(&perturbed(y), end), &run(y, end)) / PERTURBATION;
@@ -105,7 +109,8 @@ fn struck() -> impl Strategy<Value = Struck> {
                     u_dot[bead + 1] -= v;
                 }
             }
-            // A plain chain has no time of its own, so that nothing but the span gives the first window a length.
+            // A plain chain has no time of its own, so that nothing but the span gives the first
+            // window a length.
             let end = if rho == 0.0 { span } else { span.min(150.0) };
             Struck { y0: state.as_slice().to_vec(), chain, end }
         },
@@ -114,9 +119,10 @@ fn struck() -> impl Strategy<Value = Struck> {
 
 #[test]
 fn chains_at_rest_keep_loose_tolerances() {
-    // No run may fail; errors are at most three times the tolerance, times what the dynamics makes of an error; a looser tolerance costs no more, but for a
-    // fifth; no window is longer than the contacts at its ends allow. Truth: collocation at 1e-12, itself held against the regularised run below. Measured: 0.26 of the
-    // tolerance, 1.02 of the cost, f'(g) h^2 = 1.33.
+    // No run may fail; errors are at most three times the tolerance, times what the dynamics makes
+    // of an error; a looser tolerance costs no more, but for a fifth; no window is longer than the
+    // contacts at its ends allow. Truth: collocation at 1e-12, itself held against the regularised
+    // run below. Measured: 0.26 of the tolerance, 1.02 of the cost, f'(g) h^2 = 1.33.
     let worst = RefCell::new([0.0_f64; 3]);
     let config = Config {
         cases: 24,
@@ -161,8 +167,8 @@ fn impact(sites: usize, end: f64) -> Scene {
 
 #[test]
 fn an_impact_on_a_thousand_beads_keeps_its_energy() {
-    // Before anything touches nothing is known but the span: a first window of 0.3 of it held the whole impact, and made an energy of 10^6.
-    // Measured: 2.8e-4, 2.9e-4, 2.4e-4, 3.1e-7.
+    // Before anything touches nothing is known but the span: a first window of 0.3 of it held the
+    // whole impact, and made an energy of 10^6. Measured: 2.8e-4, 2.9e-4, 2.4e-4, 3.1e-7.
     let scene = impact(1000, 1000.0);
     let (chain, y0) = (scene.chain(), scene.initial().as_slice());
     for (tol, bound) in [(1e-1, 1e-3), (1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 1e-6)] {
@@ -175,8 +181,9 @@ fn an_impact_on_a_thousand_beads_keeps_its_energy() {
 
 #[test]
 fn a_contact_that_fades_ends() {
-    // Beads part so slowly that the overlap is within what a loose tolerance counts as none, and is far below zero when it no longer is: the contact is then over
-    // before the window begins. Its end was moved back and forth for ever. Truth: the run at 1e-12.
+    // Beads part so slowly that the overlap is within what a loose tolerance counts as none, and is
+    // far below zero when it no longer is: the contact is then over before the window begins. Its
+    // end was moved back and forth for ever. Truth: the run at 1e-12.
     let chain = Chain::<f64>::new(Params::new(2.5, 1.0, 0.0).unwrap(), Boundary::StrainRing, 250).unwrap();
     let mut state = State::rest(&chain);
     for (bead, v) in [
@@ -201,7 +208,8 @@ fn a_contact_that_fades_ends() {
 
 #[test]
 fn fine_runs_of_chains_at_rest_agree_with_the_regularised_run() {
-    // Truth: the regularised run. The reference of the tests above. Measured: 4.3e-12, 1.1e-12, 1.2e-11.
+    // Truth: the regularised run. The reference of the tests above. Measured: 4.3e-12, 1.1e-12,
+    // 1.2e-11.
     for (alpha, rho, boundary) in
         [(1.5, 0.0, Boundary::Free), (2.5, 1.0, Boundary::Ring), (1.2, f64::INFINITY, Boundary::Fixed)]
     {

@@ -7,7 +7,8 @@ use std::ops::{Deref, DerefMut};
 /// Bytes in a line of the cache, and in the widest register.
 const LINE: usize = 64;
 
-/// Numbers that begin at a line of the cache, so that no load of a whole register from a multiple of its length crosses two lines.
+/// Numbers that begin at a line of the cache, so that no load of a whole register from a multiple
+/// of its length crosses two lines.
 ///
 /// It has the length it was made with, and is filled up to a whole number of registers.
 #[derive(Debug)]

@@ -6,9 +6,11 @@
 //! | `J_i` | moments of the force on bead `i`: `M_i - M_{i+1}` (on a strain, the difference of two such) |
 //! | `D_b` | `J_{b-1} - J_b`: what the kick does to the path of an overlap, but for the masses |
 //!
-//! In the variables that the linear flow leaves alone a force at the time `t` adds `m f` to `V`, `-m f t` to `R0`,
-//! `-mu f sin(omega t)/omega` to `C` and `mu f cos(omega t)/omega` to `S`. The kick adds all of the window at once, with `f` along the
-//! path of the mean of the states before and after: the implicit midpoint rule for the Hamiltonian `int V dt`. It is iterated until it stays.
+//! In the variables that the linear flow leaves alone a force at the time `t` adds `m f` to `V`,
+//! `-m f t` to `R0`, `-mu f sin(omega t)/omega` to `C` and `mu f cos(omega t)/omega` to `S`. The
+//! kick adds all of the window at once, with `f` along the path of the mean of the states before
+//! and after: the implicit midpoint rule for the Hamiltonian `int V dt`. It is iterated until it
+//! stays.
 
 use super::{
     ContactLaw, LinearFlow,
@@ -197,7 +199,8 @@ fn part<R: Real>(
 
 /// The integrand over a part, as a function of `s` in `[0, 1]` with `t = start + length s^q`.
 ///
-/// If `g` is zero at the start, `f` goes like `s^(q alpha)`, which is smooth if `q alpha` is an integer.
+/// If `g` is zero at the start, `f` goes like `s^(q alpha)`, which is smooth if `q alpha` is an
+/// integer.
 struct Part<'a, R> {
     law: &'a ContactLaw<R>,
     path: &'a LinearPath<R>,
@@ -244,7 +247,8 @@ impl<'a, R: Real> Part<'a, R> {
         self.halved((zero, one), whole, tolerance, &mut left)
     }
 
-    /// The integral over an interval of `s` on which one rule gives `whole`: halved until the rule agrees with its halves.
+    /// The integral over an interval of `s` on which one rule gives `whole`: halved until the rule
+    /// agrees with its halves.
     fn halved(&self, (a, b): (R, R), whole: Moments<R>, tolerance: R, left: &mut u32) -> Moments<R> {
         let middle = R::of(0.5) * (a + b);
         let (lower, upper) = (gauss(|s| self.at(s), a, middle), gauss(|s| self.at(s), middle, b));
@@ -257,8 +261,9 @@ impl<'a, R: Real> Part<'a, R> {
     }
 }
 
-/// Halvings of a part, the end near a zero first: 24 lead so near to one just outside that the force on what is left is
-/// below rounding (`curved_contacts_are_integrated_to_rounding`). Not a depth: where rounding alone keeps halves from agreeing, each would be halved again.
+/// Halvings of a part, the end near a zero first: 24 lead so near to one just outside that the
+/// force on what is left is below rounding (`curved_contacts_are_integrated_to_rounding`). Not a
+/// depth: where rounding alone keeps halves from agreeing, each would be halved again.
 const HALVINGS: u32 = 32;
 
 fn add<R: Real>(x: Moments<R>, y: Moments<R>) -> Moments<R> {
@@ -280,7 +285,8 @@ mod tests {
 
     #[test]
     fn a_straight_contact_has_the_moments_of_a_power() {
-        // Truth: closed forms, for contacts that begin in the window, end in it, or began just before it.
+        // Truth: closed forms, for contacts that begin in the window, end in it, or began just
+        // before it.
         let (w, h) = (1.3, 1e-2);
         for (alpha, bound) in [(1.5, 2e-14), (2.5, 2e-14), (1.0, 2e-14), (1.2, 2e-14), (1.45, 1e-12), (0.7, 1e-12)] {
             for onset in [-1e-3, -1e-7, -1e-12, 0.0, 1e-3, 5e-3, 9.9e-3] {
@@ -311,7 +317,8 @@ mod tests {
 
     #[test]
     fn curved_contacts_are_integrated_to_rounding() {
-        // Truth: another rule between the zeros. Short contacts, long ones, two in a window, and ones that nearly open.
+        // Truth: another rule between the zeros. Short contacts, long ones, two in a window, and
+        // ones that nearly open.
         let (start, end, omega) = (-0.4, 0.6, 2.0);
         for alpha in [1.5, 1.2, 1.45, 2.5] {
             let law = ContactLaw::new(alpha);

@@ -13,7 +13,8 @@ pub enum Boundary {
     Fixed,
     /// The last bead touches the first: `u_{n+N} = u_n`.
     Ring,
-    /// Strains as unknowns, `x_{n+N} = x_n` (eq:HertzS). Their mean is free, so this is *not* a displacement chain on a ring.
+    /// Strains as unknowns, `x_{n+N} = x_n` (eq:HertzS). Their mean is free, so this is *not* a
+    /// displacement chain on a ring.
     // Commands that take a boundary take a chain of displacements.
     #[cfg_attr(feature = "cli", value(skip))]
     StrainRing,

@@ -15,7 +15,8 @@ impl Chain<f64> {
         Collocation::new(self.clone(), y0, span, pace)
     }
 
-    /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see [`monodromy`].
+    /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see
+    /// [`monodromy`].
     ///
     /// # Errors
     /// As [`collocation`](Self::collocation); also a chain of more than 256 bonds.

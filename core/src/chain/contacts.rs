@@ -30,7 +30,8 @@ impl<R: Real> Overlaps<R> {
         Self { chain }
     }
 
-    /// The bond that function `index` stands for: the outer bonds of a free chain never close and have none.
+    /// The bond that function `index` stands for: the outer bonds of a free chain never close and
+    /// have none.
     pub fn bond(&self, index: usize) -> usize {
         self.chain.touching().start + index
     }
@@ -63,8 +64,8 @@ pub struct Contact {
     pub bond: usize,
     /// When it began; `None` if it was there at the start.
     pub onset: Option<f64>,
-    /// When it ended; `None` if it lasted to the end. A contact whose overlap fades into the dead band and stays there ended
-    /// when it came there, with no speed of separation.
+    /// When it ended; `None` if it lasted to the end. A contact whose overlap fades into the dead
+    /// band and stays there ended when it came there, with no speed of separation.
     pub release: Option<f64>,
     /// `dg/dt` at the onset.
     pub approach: Option<f64>,
@@ -80,7 +81,8 @@ impl Contact {
     /// How many numbers say all of it.
     pub const NUMBERS: usize = 7;
 
-    /// Bond, onset, release, approach, separation, largest overlap and impulse; NaN for what there is not.
+    /// Bond, onset, release, approach, separation, largest overlap and impulse; NaN for what there
+    /// is not.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { bond, onset, release, approach, separation, largest_overlap, impulse } = *self;
         let [onset, release, approach, separation] =
@@ -99,8 +101,9 @@ impl Contact {
     }
 }
 
-/// The contacts of two runs, of which the second goes on at time `t` where the first ended: those that go on are joined. One that only the first has at `t`,
-/// or only the second, is on the surface there but for rounding, and ends or begins at `t` with no speed.
+/// The contacts of two runs, of which the second goes on at time `t` where the first ended: those
+/// that go on are joined. One that only the first has at `t`, or only the second, is on the surface
+/// there but for rounding, and ends or begins at `t` with no speed.
 pub fn join(before: Vec<Contact>, after: Vec<Contact>, t: f64) -> Vec<Contact> {
     let (mut contacts, open): (Vec<_>, Vec<_>) = before.into_iter().partition(|contact| contact.release.is_some());
     // A bond is in one contact at a time.
@@ -131,7 +134,8 @@ fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
     contacts
 }
 
-/// A part whose overlap at an end is below this share of its largest one ends with an event. Chosen, not measured.
+/// A part whose overlap at an end is below this share of its largest one ends with an event.
+/// Chosen, not measured.
 const SINGULAR: f64 = 1e-6;
 
 /// The listener that turns events into contacts.
@@ -177,7 +181,8 @@ impl ContactLog {
         }
     }
 
-    /// Takes what contact collocation says of a contact in a window that began at `start`: it needs no search.
+    /// Takes what contact collocation says of a contact in a window that began at `start`: it needs
+    /// no search.
     pub fn take(&mut self, piece: &Piece, start: f64) {
         let mut contact = self.open[piece.bond].take().unwrap_or_else(|| self.begin(piece.bond));
         contact.largest_overlap = contact.largest_overlap.max(piece.largest);
@@ -193,7 +198,8 @@ impl ContactLog {
         }
     }
 
-    /// All contacts in the order of their onsets; those that were there at the start come first, by bond.
+    /// All contacts in the order of their onsets; those that were there at the start come first, by
+    /// bond.
     pub fn contacts(self) -> Vec<Contact> {
         let mut contacts = self.ended;
         let open = self.open.into_iter().zip(self.faded);
@@ -201,7 +207,8 @@ impl ContactLog {
         in_order(contacts)
     }
 
-    /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g` vanishes.
+    /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g`
+    /// vanishes.
     fn impulse(&self, part: &Part<f64>, largest: f64) -> f64 {
         let (polynomial, small) = (&part.polynomial, SINGULAR * largest);
         let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };

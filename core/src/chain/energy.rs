@@ -32,8 +32,8 @@ struct Motion<R> {
 }
 
 impl<R: Real> Chain<R> {
-    /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only where `sum x = sum y` and
-    /// the mean strain is at rest (up to round-off).
+    /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only
+    /// where `sum x = sum y` and the mean strain is at rest (up to round-off).
     pub fn has_energy(&self, y: &[R]) -> bool {
         if !self.topology.strains() {
             return true;
@@ -54,7 +54,8 @@ impl<R: Real> Chain<R> {
 
     /// The energy of a state by kind.
     ///
-    /// On a strain ring the displacements are those with zero mean; see [`has_energy`](Self::has_energy).
+    /// On a strain ring the displacements are those with zero mean; see
+    /// [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
         let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
         if self.topology.strains() {
@@ -74,7 +75,8 @@ impl<R: Real> Chain<R> {
         self.energy_of([squares(u_dot), squares(v_dot), stretch], self.potential(self.between(u)))
     }
 
-    /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the contacts.
+    /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the
+    /// contacts.
     fn energy_of(&self, [beads, resonators, springs]: [R; 3], contacts: R) -> Energy<R> {
         let half = R::of(0.5);
         Energy {
@@ -91,7 +93,8 @@ impl<R: Real> Chain<R> {
         overlaps.fold(R::zero(), |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
     }
 
-    /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond with a wall).
+    /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond
+    /// with a wall).
     ///
     /// Sums to [`energy`](Self::energy).
     pub fn site_energies(&self, y: &[R]) -> Vec<R> {
@@ -112,8 +115,8 @@ impl<R: Real> Chain<R> {
             .collect()
     }
 
-    /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: how many sites share the energy. 1 if one has all of it,
-    /// the number of sites if all have the same.
+    /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: how many
+    /// sites share the energy. 1 if one has all of it, the number of sites if all have the same.
     pub fn participation(&self, y: &[R]) -> R {
         let energies = self.site_energies(y);
         let (sum, squares) = energies.iter().fold((R::zero(), R::zero()), |(a, b), &e| (a + e, b + e * e));

@@ -5,7 +5,8 @@
 //! | `Fbar_n` | mean force of bond `n`, to the left of site `n`: `1/T int_0^T (g_n)_+^alpha dt` |
 //! | `p_n` | momentum of a site with its resonator, `u_n' + rho v_n'` |
 //!
-//! `p_n(T) - p_n(0) = T (Fbar_n - Fbar_{n+1})`, and so `Fbar_n` does not depend on `n` where the motion has the period `T`; a localised one has zero.
+//! `p_n(T) - p_n(0) = T (Fbar_n - Fbar_{n+1})`, and so `Fbar_n` does not depend on `n` where the
+//! motion has the period `T`; a localised one has zero.
 
 use super::Chain;
 use crate::error::Result;
@@ -40,7 +41,8 @@ impl MeanForces {
 }
 
 impl Chain<f64> {
-    /// `Fbar_n` of the motion from the state `y` over a time `period` (Theorem nobreath): impulses of contacts as collocation resolves them, over the time.
+    /// `Fbar_n` of the motion from the state `y` over a time `period` (Theorem nobreath): impulses
+    /// of contacts as collocation resolves them, over the time.
     ///
     /// ```
     /// use hertzchain_core::{chain::{Boundary, Chain, Params, State}, integrators::collocation::Pace};

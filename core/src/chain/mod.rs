@@ -79,11 +79,12 @@ impl<R: Real> Chain<R> {
         })
     }
 
-    /// The same chain with a static overlap `delta_0` in every bond: `g_n = delta_0 + u_{n-1} - u_n`.
+    /// The same chain with a static overlap `delta_0` in every bond: `g_n = delta_0 + u_{n-1} -
+    /// u_n`.
     ///
     /// # Errors
-    /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is an initial
-    /// condition there) or on a strain ring (whose mean strain is an initial condition).
+    /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is
+    /// an initial condition there) or on a strain ring (whose mean strain is an initial condition).
     pub fn precompressed(mut self, delta_0: f64) -> Result<Self> {
         if !(delta_0.is_finite() && delta_0 >= 0.0) {
             return Err(Error::parameter("precompression", delta_0, "a finite overlap, at least zero"));
@@ -121,7 +122,8 @@ impl<R: Real> Chain<R> {
         self.layout
     }
 
-    /// What an entry of a state is: `u of site 3`, counted from 0; strains and their rates on a strain ring.
+    /// What an entry of a state is: `u of site 3`, counted from 0; strains and their rates on a
+    /// strain ring.
     pub fn place(&self, entry: usize) -> String {
         let (n, ring) = (self.sites(), self.topology.strains());
         let names = if ring { ["x", "y", "x'", "y'"] } else { ["u", "v", "u'", "v'"] };
@@ -154,7 +156,8 @@ impl<R: Real> Chain<R> {
         self.topology.across(bond, |i| [quantity(i)])[0]
     }
 
-    /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their rates from velocities.
+    /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their
+    /// rates from velocities.
     #[inline]
     pub fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
         for (across, bond) in across.iter_mut().zip(self.touching()) {
@@ -164,9 +167,9 @@ impl<R: Real> Chain<R> {
 
     /// Overlaps up to this are rounding of such positions: 64 roundings of the largest.
     ///
-    /// They are no contact and no gap to the search for events; the force, which is there all the same, is then at most
-    /// `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as large as `u`. The tail of a breather, whose
-    /// overlaps go down to 1e-300, has no events in it.
+    /// They are no contact and no gap to the search for events; the force, which is there all the
+    /// same, is then at most `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as
+    /// large as `u`. The tail of a breather, whose overlaps go down to 1e-300, has no events in it.
     pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
         let largest = max_norm(positions.map(|u| u.f64())).max(self.precompression.f64());
         R::of(64.0 * f64::EPSILON * largest)
@@ -174,8 +177,8 @@ impl<R: Real> Chain<R> {
 
     /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).
     ///
-    /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies to the right of the
-    /// last one. The outer bonds of a free chain have overlap `-inf`.
+    /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies
+    /// to the right of the last one. The outer bonds of a free chain have overlap `-inf`.
     pub fn overlaps(&self, q: &[R]) -> Vec<R> {
         if self.topology.strains() { q.iter().map(|&x| -x).collect() } else { self.between(q).collect() }
     }
@@ -190,8 +193,9 @@ impl<R: Real> Chain<R> {
         std::iter::once(rest + (left - q[0])).chain(inner).chain(last)
     }
 
-    /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond that can close, those with
-    /// walls included. A single free bead has none: its displacement stands in.
+    /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond
+    /// that can close, those with walls included. A single free bead has none: its displacement
+    /// stands in.
     pub fn strains(&self, y: &[R]) -> Vec<R> {
         let u = self.layout.u(y);
         let strains: Vec<R> = match self.boundary() {
@@ -201,8 +205,8 @@ impl<R: Real> Chain<R> {
         if strains.is_empty() { u.to_vec() } else { strains }
     }
 
-    /// Total momentum `sum u' + rho v'` of a state (eq:Hertz); conserved on a free chain and on a ring, unless the
-    /// resonators are fixed.
+    /// Total momentum `sum u' + rho v'` of a state (eq:Hertz); conserved on a free chain and on a
+    /// ring, unless the resonators are fixed.
     pub fn momentum(&self, y: &[R]) -> R {
         let layout = self.layout;
         let sum = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b);

@@ -1,4 +1,5 @@
-//! The change of variables `(u, v) <-> (R, P)` that parts a site into two independent motions between contacts.
+//! The change of variables `(u, v) <-> (R, P)` that parts a site into two independent motions
+//! between contacts.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -52,7 +53,8 @@ impl<R: Real> Modes<R> {
         }
     }
 
-    /// `[u, v, u', v']` from `[R, R', P, P']`; without branches, so that `v` and `v'` mean nothing unless resonators move.
+    /// `[u, v, u', v']` from `[R, R', P, P']`; without branches, so that `v` and `v'` mean nothing
+    /// unless resonators move.
     #[inline(always)]
     pub fn join(&self, [r, r_dot, p, p_dot]: [R; 4]) -> [R; 4] {
         [r + p, r - p / self.rho, r_dot + p_dot, r_dot - p_dot / self.rho]

@@ -46,8 +46,8 @@ impl Params {
         Ok(params)
     }
 
-    /// Checks the rules: `alpha` finite and positive, `kappa` finite and not negative, `rho` in `[0, inf]`, and
-    /// not so small that `omega` overflows.
+    /// Checks the rules: `alpha` finite and positive, `kappa` finite and not negative, `rho` in
+    /// `[0, inf]`, and not so small that `omega` overflows.
     ///
     /// # Errors
     /// The first value outside its rule.

@@ -1,7 +1,7 @@
 //! One pass over the chain: positions, contact forces, update, a block of sites at a time.
 //!
-//! A block stays in the first-level cache, so that a sweep reads and writes each array once. Inner loops
-//! have no branch; [`Real::run`] compiles them for the vector unit at hand.
+//! A block stays in the first-level cache, so that a sweep reads and writes each array once. Inner
+//! loops have no branch; [`Real::run`] compiles them for the vector unit at hand.
 
 use super::{
     Chain,
@@ -9,14 +9,16 @@ use super::{
 };
 use hertzchain_integrators::{Kernel, Real};
 
-/// Sites in a block: it stays in the first-level cache, and its buffers cost little to clear on a short chain. Timed by `benches/kernels.rs`.
+/// Sites in a block: it stays in the first-level cache, and its buffers cost little to clear on a
+/// short chain. Timed by `benches/kernels.rs`.
 const BLOCK: usize = 128;
 
 /// What a sweep visits: something that has positions and takes forces.
 pub(crate) trait Sites<R> {
     /// The position of site `i`.
     fn position(&self, i: usize) -> R;
-    /// The positions of the sites from `start` on, as many as `scratch` holds; written there unless they are at hand.
+    /// The positions of the sites from `start` on, as many as `scratch` holds; written there unless
+    /// they are at hand.
     fn positions<'a>(&'a self, start: usize, scratch: &'a mut [R]) -> &'a [R];
     /// Hands over the contact force on each of `len` sites from `start` on, and may then move them.
     fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R);

@@ -6,9 +6,10 @@
 //! | *across* | difference `q_{n-1} - q_n` over a bond, the part of its overlap that moves |
 //! | *push* | `f_n - f_{n+1}`, what the forces in bonds do to a site |
 //!
-//! Sites count from 0. A chain with ends has `n + 1` bonds, of which the outer two join a site to a wall or to nothing;
-//! on a ring bond `n` is bond 0. On a strain ring the unknowns are `x_n = u_n - u_{n-1}`, one a bond: the difference over
-//! bond `n` is `-x_n`, and the push on `x_n` is that on site `n` less that on site `n - 1`.
+//! Sites count from 0. A chain with ends has `n + 1` bonds, of which the outer two join a site to a
+//! wall or to nothing; on a ring bond `n` is bond 0. On a strain ring the unknowns are `x_n = u_n -
+//! u_{n-1}`, one a bond: the difference over bond `n` is `-x_n`, and the push on `x_n` is that on
+//! site `n` less that on site `n - 1`.
 
 use super::Boundary;
 use hertzchain_integrators::Real;
@@ -72,8 +73,8 @@ impl Topology {
         if n + 1 == self.sites { 0 } else { n + 1 }
     }
 
-    /// The unknowns on the two sides of a bond: its overlap is that of the first less that of the second. Walls have none, and a bond of
-    /// a strain ring has its own strain as the second.
+    /// The unknowns on the two sides of a bond: its overlap is that of the first less that of the
+    /// second. Walls have none, and a bond of a strain ring has its own strain as the second.
     #[inline(always)]
     pub fn ends(self, bond: usize) -> [Option<usize>; 2] {
         match self.boundary {
@@ -113,7 +114,8 @@ impl Topology {
         self.boundary == Boundary::Fixed && (bond == 0 || bond == self.sites)
     }
 
-    /// By how much a unit force in a bond reduces the second derivative of its own overlap: 2 between two sites, 1 at a wall.
+    /// By how much a unit force in a bond reduces the second derivative of its own overlap: 2
+    /// between two sites, 1 at a wall.
     #[inline(always)]
     pub fn recoil(self, bond: usize) -> f64 {
         if self.at_wall(bond) { 1.0 } else { 2.0 }
@@ -125,7 +127,8 @@ impl Topology {
         difference(self.ends(bond), quantity)
     }
 
-    /// What forces in bonds do to a site (to a strain, on a strain ring): [`across`](Self::across) transposed, with the other sign.
+    /// What forces in bonds do to a site (to a strain, on a strain ring): [`across`](Self::across)
+    /// transposed, with the other sign.
     #[inline(always)]
     pub fn push<R: Real, const K: usize>(self, site: usize, force: impl Fn(usize) -> [R; K]) -> [R; K] {
         let push = difference(self.bonds(site), &force);
@@ -147,8 +150,8 @@ impl Topology {
         }
     }
 
-    /// The positions beyond the two ends, from those at the ends, for loops over arrays: with them every overlap is a difference of
-    /// neighbours. An infinite one never touches.
+    /// The positions beyond the two ends, from those at the ends, for loops over arrays: with them
+    /// every overlap is a difference of neighbours. An infinite one never touches.
     #[inline(always)]
     pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
         match self.boundary {
@@ -176,7 +179,8 @@ impl std::ops::Deref for Pushed {
 }
 
 /// The quantity on one side less that on the other; where there is nothing it is zero.
-// A function, as a closure would not be compiled into the instruction set of the kernel that it is in.
+// A function, as a closure would not be compiled into the instruction set of the kernel that it is
+// in.
 #[inline(always)]
 fn difference<R: Real, const K: usize>(sides: [Option<usize>; 2], quantity: impl Fn(usize) -> [R; K]) -> [R; K] {
     match sides {
@@ -212,7 +216,8 @@ mod tests {
 
     #[test]
     fn what_a_force_pushes_is_what_pushes_sites() {
-        // Truth: one is a column of a matrix, the other its rows. On rings of one or two a site may be pushed twice.
+        // Truth: one is a column of a matrix, the other its rows. On rings of one or two a site may
+        // be pushed twice.
         for topology in chains() {
             for bond in topology.touching() {
                 let mut pushed = vec![0.0; topology.sites()];
@@ -227,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_push_is_a_difference_transposed() {
-        // Truth: the work of forces at sites is minus that in bonds, sum q_i push_i = -sum f_b across_b; on a strain ring a force in a bond
-        // does `recoil` to its own strain.
+        // Truth: the work of forces at sites is minus that in bonds, sum q_i push_i = -sum f_b
+        // across_b; on a strain ring a force in a bond does `recoil` to its own strain.
         for topology in chains() {
             let across = |b| topology.across(b, |i| [number(i)])[0];
             let force = |b: usize| number(b + 7);

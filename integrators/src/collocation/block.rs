@@ -1,9 +1,10 @@
 //! A stretch of neighbouring bonds, solved over one window by one thread.
 //!
-//! A long chain is cut into blocks, so that memory is needed for one a thread only. A block takes some bonds of its neighbours along and solves for them too, without
-//! handing on what it finds: forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
-//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of threads. A block at rest sleeps until something
-//! moves in what it takes along.
+//! A long chain is cut into blocks, so that memory is needed for one a thread only. A block takes
+//! some bonds of its neighbours along and solves for them too, without handing on what it finds:
+//! forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
+//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of
+//! threads. A block at rest sleeps until something moves in what it takes along.
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
@@ -16,17 +17,20 @@ use super::{
 use crate::real::{Kernel, Real};
 use std::ops::{Range, RangeInclusive};
 
-/// Bonds of a block, and those of its neighbours on either side that it takes along. 256 is chosen; 12 is held by
-/// `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum that blocks lose to each other.
+/// Bonds of a block, and those of its neighbours on either side that it takes along. 256 is chosen;
+/// 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum
+/// that blocks lose to each other.
 pub(crate) const OWN: usize = 256;
 const ALONG: usize = 12;
 /// A chain up to this is one block.
 const WHOLE: usize = OWN;
 /// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
-/// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more, see `GOOD_SWEEPS`.
+/// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more,
+/// see `GOOD_SWEEPS`.
 const LEVELS: usize = 5;
-/// Times that contacts may be found anew, or panels halved, before a window is given up. Chosen, not measured.
+/// Times that contacts may be found anew, or panels halved, before a window is given up. Chosen,
+/// not measured.
 const MOST_ROUNDS: u32 = 10;
 /// Times that panels may be halved. Chosen, not measured.
 const MOST_HALVINGS: u32 = 4;
@@ -207,7 +211,8 @@ impl<const M: usize> Stretch<'_, M> {
     }
 }
 
-/// Finds the contacts of all bonds from the forces at the start of the window; `false` where there are too many to be sure.
+/// Finds the contacts of all bonds from the forces at the start of the window; `false` where there
+/// are too many to be sure.
 struct Predict<'a, const M: usize> {
     stretch: Stretch<'a, M>,
     frame: &'a Frame<'a, M>,
@@ -308,11 +313,13 @@ fn busiest<const M: usize>(bonds: &[Bond<M>]) -> Option<(usize, f64)> {
     worst.map(|b| (b, bonds[b].sweeps.change))
 }
 
-/// Takes the bonds through some levels: level 0 lays panels out and starts from the prediction, every other is one sweep over those that have
-/// something to do.
+/// Takes the bonds through some levels: level 0 lays panels out and starts from the prediction,
+/// every other is one sweep over those that have something to do.
 ///
-/// A level follows a bond after the one before it, so that a bond is swept again and again while it and its neighbours are in the cache. It starts a bond
-/// further on too: on a ring the first bond then comes after its neighbour at the end, and what a sweep sees is the same as if it went over all bonds alone.
+/// A level follows a bond after the one before it, so that a bond is swept again and again while it
+/// and its neighbours are in the cache. It starts a bond further on too: on a ring the first bond
+/// then comes after its neighbour at the end, and what a sweep sees is the same as if it went over
+/// all bonds alone.
 struct Pass<'a, const M: usize> {
     stretch: Stretch<'a, M>,
     /// Room for panels that are replaced.
@@ -410,8 +417,8 @@ impl<const M: usize> Pass<'_, M> {
     }
 }
 
-/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that the nodes do not resolve. The last bond
-/// of which something must be done anew, if there is one.
+/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that
+/// the nodes do not resolve. The last bond of which something must be done anew, if there is one.
 fn unsettled<const M: usize>(
     stretch: &mut Stretch<'_, M>,
     frame: &Frame<'_, M>,

@@ -8,7 +8,8 @@ use super::{
     system::Path,
 };
 
-/// A stretch of time in which the bond is closed. It may have begun before the window and may end after it.
+/// A stretch of time in which the bond is closed. It may have begun before the window and may end
+/// after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
     /// Onset, in the time of the window; minus infinity if it was there when the run began.
@@ -51,8 +52,8 @@ pub(crate) struct Bond<const M: usize> {
 
 /// What is known of a bond when a window begins.
 ///
-/// The overlap goes on along `path` but for forces. The bond's own force `f` changes the second derivative of its overlap by `-recoil f`, those of its
-/// neighbours by `f`.
+/// The overlap goes on along `path` but for forces. The bond's own force `f` changes the second
+/// derivative of its overlap by `-recoil f`, those of its neighbours by `f`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Initial {
     /// 2 between two sites, 1 at a wall.
@@ -71,15 +72,17 @@ pub(crate) struct Initial {
 
 /// What the forces at the start of a window, extrapolated linearly in time, make of the overlap.
 ///
-/// Contacts are first found in this prediction. They stand as long as the overlap is off by less than `slack`; how far it may be off follows from the
-/// `surprise` of the bond and its neighbours.
+/// Contacts are first found in this prediction. They stand as long as the overlap is off by less
+/// than `slack`; how far it may be off follows from the `surprise` of the bond and its neighbours.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Forecast {
-    /// Coefficient `b` of the predicted force `f_0 + f_0' t + b t^2`, which meets the force of the predicted overlap at the end of the window.
+    /// Coefficient `b` of the predicted force `f_0 + f_0' t + b t^2`, which meets the force of the
+    /// predicted overlap at the end of the window.
     pub(crate) bend: f64,
     /// Overlap at the end of the window, as last used to look ahead.
     pub(super) at_end: f64,
-    /// How far the overlap may be off without a change of its contacts, see [`Search::run`](super::detect::Search::run).
+    /// How far the overlap may be off without a change of its contacts, see
+    /// [`Search::run`](super::detect::Search::run).
     pub(crate) slack: f64,
     /// The largest difference of the force that was found from `f_0 + f_0' t`.
     pub(crate) surprise: f64,
@@ -96,7 +99,8 @@ pub(crate) struct Contacts {
 
 /// How the sweeps over a bond converge.
 ///
-/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2` and the number of sweeps bound, see [`Bond::answer`].
+/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2` and the number of sweeps
+/// bound, see [`Bond::answer`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sweeps {
     /// The largest overlap at a node.
@@ -143,9 +147,10 @@ pub(crate) struct Change {
     pub(crate) work: u64,
 }
 
-/// What a window costs, in units of about 10 ns: for each bond, each panel laid out, each panel swept, and each panel of a
-/// neighbour that acts on it. From timings of such parts on one machine, which no bench repeats one by one; they decide how long windows are,
-/// whose cost `benches/collocation.rs` times.
+/// What a window costs, in units of about 10 ns: for each bond, each panel laid out, each panel
+/// swept, and each panel of a neighbour that acts on it. From timings of such parts on one machine,
+/// which no bench repeats one by one; they decide how long windows are, whose cost
+/// `benches/collocation.rs` times.
 pub(crate) const BOND: u64 = 12;
 pub(crate) const LAYOUT: u64 = 11;
 const SWEEP: u64 = 8;
@@ -174,7 +179,8 @@ fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
     frame.m * free + frame.mu * square * (t * t - 2.0 * square * (1.0 - cos))
 }
 
-/// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not measured.
+/// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not
+/// measured.
 const CONTACTS: usize = 4;
 
 impl<const M: usize> Bond<M> {
@@ -202,7 +208,8 @@ impl<const M: usize> Bond<M> {
         let mut force = [0.0; 2];
         if overlap[0] > 0.0 {
             let rate = law.stiffness(overlap[0]) * overlap[1];
-            // Right after an onset under alpha < 1 the rate has no bound, and says nothing of the forces that follow.
+            // Right after an onset under alpha < 1 the rate has no bound, and says nothing of the
+            // forces that follow.
             force = [law.force(overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
         }
         self.initial = Initial { recoil, path, band, overlap, force, ongoing };
@@ -213,11 +220,13 @@ impl<const M: usize> Bond<M> {
         self.pending = Pending::default();
     }
 
-    /// An estimate of `f'(g) t^2` for a contact that the bond is in, or comes into along its free path: `t` is how long it may last in the window, `g` the
-    /// largest overlap that the bond may reach by itself.
+    /// An estimate of `f'(g) t^2` for a contact that the bond is in, or comes into along its free
+    /// path: `t` is how long it may last in the window, `g` the largest overlap that the bond may
+    /// reach by itself.
     ///
-    /// The overlap stays below what the free path reaches; and below where the own force has taken up the speed of approach, `w^2/2 = recoil
-    /// (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What neighbours add is of the size of their own overlaps, which count for themselves.
+    /// The overlap stays below what the free path reaches; and below where the own force has taken
+    /// up the speed of approach, `w^2/2 = recoil (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What
+    /// neighbours add is of the size of their own overlaps, which count for themselves.
     pub(crate) fn approach(&self, frame: &Frame<'_, M>, most: f64) -> f64 {
         let Initial { recoil, path: [r, v, c, s], overlap: [now, rate], .. } = self.initial;
         let (h, power) = (frame.h, frame.law.alpha() + 1.0);
@@ -268,10 +277,12 @@ impl<const M: usize> Bond<M> {
         (self.panels.total, self.sweeps.largest) = (before, largest);
     }
 
-    /// The share of a change of an impulse, here or beside and of that age, that the next sweep may change in this bond's own.
+    /// The share of a change of an impulse, here or beside and of that age, that the next sweep may
+    /// change in this bond's own.
     ///
-    /// Three forces of stiffness `f'` answer a change, four times in all, through `K(t) <= t`. A change of age `n` is an integral taken `2 n`
-    /// times over and grows like `t^{2n}`, so that the next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
+    /// Three forces of stiffness `f'` answer a change, four times in all, through `K(t) <= t`. A
+    /// change of age `n` is an integral taken `2 n` times over and grows like `t^{2n}`, so that the
+    /// next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
     #[inline(always)]
     pub(crate) fn answer(&self, age: u32) -> f64 {
         let age = f64::from(age.min(self.sweeps.age));
@@ -279,8 +290,8 @@ impl<const M: usize> Bond<M> {
         if answer < 1.0 { answer } else { 1.0 }
     }
 
-    /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and end. If panels have been laid out since the
-    /// last one, those before them are `old`.
+    /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and
+    /// end. If panels have been laid out since the last one, those before them are `old`.
     #[inline(always)]
     pub(crate) fn sweep(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: Option<&Panels<M>>) -> Change {
         let Initial { path: linear, recoil, .. } = self.initial;
@@ -362,7 +373,8 @@ impl<const M: usize> Bond<M> {
         change
     }
 
-    /// Moves an onset by Newton's method; returns by how much, zero if that is too little to matter.
+    /// Moves an onset by Newton's method; returns by how much, zero if that is too little to
+    /// matter.
     #[inline(always)]
     fn shift_onset(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let contact = &mut self.contacts.found[c];

@@ -45,8 +45,8 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
         Self { g, curvature, band, crossings, slack: f64::INFINITY, side: false, left: PARTS }
     }
 
-    /// Finds all crossings up to `h`. Returns how far the overlap may be off without a change of what is found; `None` if there is
-    /// more to look at than anybody could.
+    /// Finds all crossings up to `h`. Returns how far the overlap may be off without a change of
+    /// what is found; `None` if there is more to look at than anybody could.
     pub(crate) fn run(mut self, start: Start, h: f64) -> Option<f64> {
         self.side = start.positive;
         let mut value = start.value;

@@ -1,4 +1,5 @@
-//! What contacts a bond has in a window: foreseen from the forces at its start, and looked for again in what the sweeps found.
+//! What contacts a bond has in a window: foreseen from the forces at its start, and looked for
+//! again in what the sweeps found.
 
 use super::{
     block::Piece,
@@ -9,11 +10,14 @@ use super::{
     system::Path,
 };
 
-/// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a release is too far to be felt.
+/// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
+/// release is too far to be felt.
 const AHEAD: f64 = 1.5;
-/// Share of a window over which speeds are differences. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
+/// Share of a window over which speeds are differences. Chosen; `methods
+/// contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
 const SPEED_STEP: f64 = 1e-4;
-/// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64 terms.
+/// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
+/// terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The overlap that the forces at the start of the window predict.
 #[inline(always)]
@@ -48,7 +52,8 @@ fn driven_at<const M: usize>(path: &Path, frame: &Frame<'_, M>, beside: [Beside<
 }
 
 impl<const M: usize> Bond<M> {
-    /// What the forces at the start of the window, kept up to first order, do to this bond's overlap: its second and third rate.
+    /// What the forces at the start of the window, kept up to first order, do to this bond's
+    /// overlap: its second and third rate.
     #[inline(always)]
     pub(super) fn drive(&self, [left, right]: [Beside<M>; 2]) -> [f64; 2] {
         let of = |bond: Beside<M>, k: usize| bond.map_or(0.0, |bond| bond.initial.force[k]);
@@ -56,7 +61,8 @@ impl<const M: usize> Bond<M> {
         [drive(0), drive(1)]
     }
 
-    /// Finds the contacts of the window from the forces at its start; `false` if there are too many to be sure.
+    /// Finds the contacts of the window from the forces at its start; `false` if there are too many
+    /// to be sure.
     #[inline(always)]
     pub(crate) fn predict(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], (sin, cos): (f64, f64)) -> bool {
         let (h, law) = (frame.h, frame.law);
@@ -69,7 +75,8 @@ impl<const M: usize> Bond<M> {
         self.forecast.at_end = end;
         let last = if end > 0.0 { law.force(end) } else { 0.0 };
         self.forecast.bend = (last - (force[0] + force[1] * h)) / (h * h);
-        // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in Bernstein's basis of degree 4.
+        // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in
+        // Bernstein's basis of degree 4.
         let square = frame.omega * frame.omega;
         let fourth = square * (linear + drive[0].abs() + drive[1].abs() * h);
         let error = fourth * (h * h) * (h * h) * (1.0 / 144.0);
@@ -180,8 +187,8 @@ impl<const M: usize> Bond<M> {
         }
     }
 
-    /// Finds the contacts of the window from what is known of all forces. Returns whether they differ from those
-    /// assumed; `None` if there are too many to be sure.
+    /// Finds the contacts of the window from what is known of all forces. Returns whether they
+    /// differ from those assumed; `None` if there are too many to be sure.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
         let linear = frame.omega * frame.omega * (path[2].abs() + path[3].abs());
@@ -271,8 +278,9 @@ impl<const M: usize> Bond<M> {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
-        // An event is known to the force that counts; for the record it is found to the last digit. There is no force at it, so that the
-        // overlap goes on along the path on which the panels before it leave the bond, whose values do not hang on any series.
+        // An event is known to the force that counts; for the record it is found to the last digit.
+        // There is no force at it, so that the overlap goes on along the path on which the panels
+        // before it leave the bond, whose values do not hang on any series.
         let event = |mut t: f64, before: usize| {
             let own = self.panels.before(before);
             let Initial { path, recoil, .. } = self.initial;

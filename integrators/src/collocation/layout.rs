@@ -12,11 +12,14 @@ use crate::law::ContactLaw;
 pub(crate) struct Cuts {
     /// Whether panels are also cut where a contact of a neighbour begins or ends.
     pub(crate) neighbours: bool,
-    /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left out.
+    /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left
+    /// out.
     pub(crate) merge: f64,
-    /// A panel has its variable's origin at an event that is at most so many lengths of the panel away.
+    /// A panel has its variable's origin at an event that is at most so many lengths of the panel
+    /// away.
     pub(crate) near: f64,
-    /// An event stays where it is if moving it changes the impulse of its contact by less than this.
+    /// An event stays where it is if moving it changes the impulse of its contact by less than
+    /// this.
     pub(crate) event_impulse: f64,
     /// Overlaps up to this count as none.
     pub(crate) least_overlap: f64,
@@ -43,7 +46,8 @@ impl<const M: usize> Bond<M> {
         for i in 0..self.contacts.found.len() {
             let contact = self.contacts.found[i];
             let first = self.panels.len;
-            // One that is over when the window begins has no panels: there is nothing to solve, and nothing to move its end by.
+            // One that is over when the window begins has no panels: there is nothing to solve, and
+            // nothing to move its end by.
             if contact.release > contact.onset.max(0.0) {
                 self.cut(frame, contact, beside);
             }

@@ -1,4 +1,5 @@
-//! Contact collocation: every contact resolved where it happens, at full order, at a cost that grows with the chain only linearly.
+//! Contact collocation: every contact resolved where it happens, at full order, at a cost that
+//! grows with the chain only linearly.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -11,74 +12,98 @@
 //!
 //! # The equations
 //!
-//! Between contacts every site moves along an exact linear path `r + v t + c cos(omega t) + s sin(omega t)`. An impulse adds another
-//! such path, `K`. So the chain is a closed set of scalar Volterra equations for the overlaps,
+//! Between contacts every site moves along an exact linear path `r + v t + c cos(omega t) + s
+//! sin(omega t)`. An impulse adds another such path, `K`. So the chain is a closed set of scalar
+//! Volterra equations for the overlaps,
 //!
 //! ```text
 //! g_n(t) = g_n^lin(t) + int_0^t K(t - s) [ f_{n-1}(s) - 2 f_n(s) + f_{n+1}(s) ] ds
 //! ```
 //!
-//! (with 1 for the 2 at a wall). Nothing in it asks for a common mesh: each bond may have its own panels, placed where its own contacts
-//! begin and end. A method that stops the whole chain at every event does work of order `N^2` a period; this one of order `N`.
+//! (with 1 for the 2 at a wall). Nothing in it asks for a common mesh: each bond may have its own
+//! panels, placed where its own contacts begin and end. A method that stops the whole chain at
+//! every event does work of order `N^2` a period; this one of order `N`.
 //!
 //! # The panels
 //!
-//! Where a contact begins or ends, `f` goes like the power `alpha` of the distance in time. In `sigma = |t - t_o|^{1/q}`, with the event
-//! `t_o` as origin, it is analytic if `q alpha` is an integer (`q` = 2 for spheres, 1 for integers: then there is nothing to map), else
-//! smooth to order `q (alpha + 1) >= 8`. A panel spans equal steps of `sigma`, `M` Gauss nodes in it. The origin may lie before the window (an
-//! onset, remembered) or beyond it (a release, looked for up to one and a half windows ahead): a singularity that is near is as bad as one that is there.
+//! Where a contact begins or ends, `f` goes like the power `alpha` of the distance in time. In
+//! `sigma = |t - t_o|^{1/q}`, with the event `t_o` as origin, it is analytic if `q alpha` is an
+//! integer (`q` = 2 for spheres, 1 for integers: then there is nothing to map), else smooth to
+//! order `q (alpha + 1) >= 8`. A panel spans equal steps of `sigma`, `M` Gauss nodes in it. The
+//! origin may lie before the window (an onset, remembered) or beyond it (a release, looked for up
+//! to one and a half windows ahead): a singularity that is near is as bad as one that is there.
 //!
-//! A contact of a neighbour that begins at `t'` gives `g_n` a term `(t - t')^{alpha + 2}` from then on, one that ends has it until then. So panels
-//! are cut there as well, with the same kind of variable on the singular side; where both ends are singular the panel is cut once more
-//! in the middle. Without these cuts the order is about `alpha + 3`; with them it is that of Gauss quadrature, and doubling the nodes squares the
-//! error. Cutting in ever smaller parts towards `t'` instead reaches the same with three times the panels.
+//! A contact of a neighbour that begins at `t'` gives `g_n` a term `(t - t')^{alpha + 2}` from then
+//! on, one that ends has it until then. So panels are cut there as well, with the same kind of
+//! variable on the singular side; where both ends are singular the panel is cut once more in the
+//! middle. Without these cuts the order is about `alpha + 3`; with them it is that of Gauss
+//! quadrature, and doubling the nodes squares the error. Cutting in ever smaller parts towards `t'`
+//! instead reaches the same with three times the panels.
 //!
 //! # The sweep
 //!
-//! `K(t - s)` is separable in `1, t, cos(omega t), sin(omega t)`. From `f` at the nodes one fixed matrix (antiderivatives of the Lagrange
-//! polynomials) gives `int f`, `int s f`, `int f cos`, `int f sin` up to every node, and these what the force has moved so far. That
-//! becomes one short series in `x`, which is all that neighbours need; after a panel its force has left a path `A + B t + C cos + D sin` behind.
-//! Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts by Newton's method on the interpolant of `g_n`, and again, in the order of the
-//! bonds (Gauss and Seidel), until no impulse changes. The slope for Newton's method is that between the two nodes nearest to the event: the one
-//! that the search for contacts knows belongs to a chord that may span half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first forces come
-//! from overlaps under forces `f_0 + f_0' t + b t^2` with the `b` that meets the force predicted at the window's end. A bond is swept
-//! again only if its own force or one beside it has changed; one that stays open is not swept at all.
+//! `K(t - s)` is separable in `1, t, cos(omega t), sin(omega t)`. From `f` at the nodes one fixed
+//! matrix (antiderivatives of the Lagrange polynomials) gives `int f`, `int s f`, `int f cos`, `int
+//! f sin` up to every node, and these what the force has moved so far. That becomes one short
+//! series in `x`, which is all that neighbours need; after a panel its force has left a path `A + B
+//! t + C cos + D sin` behind. Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts by
+//! Newton's method on the interpolant of `g_n`, and again, in the order of the bonds (Gauss and
+//! Seidel), until no impulse changes. The slope for Newton's method is that between the two nodes
+//! nearest to the event: the one that the search for contacts knows belongs to a chord that may
+//! span half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first
+//! forces come from overlaps under forces `f_0 + f_0' t + b t^2` with the `b` that meets the force
+//! predicted at the window's end. A bond is swept again only if its own force or one beside it has
+//! changed; one that stays open is not swept at all.
 //!
-//! What contacts there are is first told from the prediction, a cubic plus a bounded remainder, by the signs of its coefficients
-//! in Bernstein's basis; where these do not decide, by subdivision under a bound for `g''`. When the sweeps are done, every bond whose overlap moved
-//! by more than its certificate allows is searched anew with the forces found.
+//! What contacts there are is first told from the prediction, a cubic plus a bounded remainder, by
+//! the signs of its coefficients in Bernstein's basis; where these do not decide, by subdivision
+//! under a bound for `g''`. When the sweeps are done, every bond whose overlap moved by more than
+//! its certificate allows is searched anew with the forces found.
 //!
 //! # The error
 //!
-//! The last terms of the Chebyshev series of each impulse tell whether the nodes resolve the force. Panels that do not are halved in their
-//! variable, that bond's only; a window that does not settle is halved for all. So is one that is too long for its contacts, also for those to come: before
-//! anything is solved, each bond bounds the overlap that it may reach, by its free path and by where its own force has taken up the speed of approach, and
-//! `f'(g) h^2` for the time that is then left must be below a limit. Few nodes may take a whole contact for something else with no sign of it in their last
-//! terms. Where panels are halved often they get two nodes more, where
-//! the last terms are far below what is asked two less. Windows are as long as they are cheapest: `f'(g) h^2` is moved up and down, whichever
-//! way the work for a unit of time falls, and work is counted, not timed, so that a run has the same bits every time. Local errors go
-//! with a power 5/4 of the last terms, which was measured. An overlap that falls to almost nothing without an event makes a force whose terms
-//! fall slowly at last; there the error is taken to be proportional to them. Last terms above 0.3 of the largest value resolve nothing, however small they are beside
-//! the velocities: where resonators are much faster than contacts, each of thousands of windows moves little, and would be wrong by most of it to the same side. A tolerance is
-//! for the sum over the run, relative to the size of the state. What the dynamics makes of local errors is not in it.
+//! The last terms of the Chebyshev series of each impulse tell whether the nodes resolve the force.
+//! Panels that do not are halved in their variable, that bond's only; a window that does not settle
+//! is halved for all. So is one that is too long for its contacts, also for those to come: before
+//! anything is solved, each bond bounds the overlap that it may reach, by its free path and by
+//! where its own force has taken up the speed of approach, and `f'(g) h^2` for the time that is
+//! then left must be below a limit. Few nodes may take a whole contact for something else with no
+//! sign of it in their last terms. Where panels are halved often they get two nodes more, where the
+//! last terms are far below what is asked two less. Windows are as long as they are cheapest:
+//! `f'(g) h^2` is moved up and down, whichever way the work for a unit of time falls, and work is
+//! counted, not timed, so that a run has the same bits every time. Local errors go with a power 5/4
+//! of the last terms, which was measured. An overlap that falls to almost nothing without an event
+//! makes a force whose terms fall slowly at last; there the error is taken to be proportional to
+//! them. Last terms above 0.3 of the largest value resolve nothing, however small they are beside
+//! the velocities: where resonators are much faster than contacts, each of thousands of windows
+//! moves little, and would be wrong by most of it to the same side. A tolerance is for the sum over
+//! the run, relative to the size of the state. What the dynamics makes of local errors is not in
+//! it.
 //!
-//! A sweep is the last when what the next would change is less than a hundredth of that. An error that grows like `t^{2n}`, as it does
-//! after `n` sweeps, shrinks by `4 f' h^2/((2n+1)(2n+2))` in the next.
+//! A sweep is the last when what the next would change is less than a hundredth of that. An error
+//! that grows like `t^{2n}`, as it does after `n` sweeps, shrinks by `4 f' h^2/((2n+1)(2n+2))` in
+//! the next.
 //!
 //! # Sums
 //!
-//! Sites keep `[R0, V, C, S]`, which only impulses change, in a phase `omega t` that is one number in two parts. Each sum keeps its rounding
-//! error; sweeps and the search for events go on until what they leave is below the roundings, for it has a sign and adds up. The energy error is then
+//! Sites keep `[R0, V, C, S]`, which only impulses change, in a phase `omega t` that is one number
+//! in two parts. Each sum keeps its rounding error; sweeps and the search for events go on until
+//! what they leave is below the roundings, for it has a sign and adds up. The energy error is then
 //! a random walk of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
 //! # Limits
 //!
-//! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor, windows short, and tangent maps do not exist.
-//! - Resonators so light that they turn many times in a window are resolved where contacts excite them: the cost then grows with `omega`.
-//! - Overlaps whose force over a window would change no digit that the tolerance asks for count as none, also for the log of contacts.
-//! - It is no symplectic method: its energy error is the sum of its local errors, down to a random walk of roundings.
+//! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,
+//!   windows short, and tangent maps do not exist.
+//! - Resonators so light that they turn many times in a window are resolved where contacts excite
+//!   them: the cost then grows with `omega`.
+//! - Overlaps whose force over a window would change no digit that the tolerance asks for count as
+//!   none, also for the log of contacts.
+//! - It is no symplectic method: its energy error is the sum of its local errors, down to a random
+//!   walk of roundings.
 //!
-//! Source: this software. For Gauss collocation: Hairer, Lubich & Wanner 2006, *Geometric Numerical Integration*, Sec. II.1.
+//! Source: this software. For Gauss collocation: Hairer, Lubich & Wanner 2006, *Geometric Numerical
+//! Integration*, Sec. II.1.
 
 #![allow(clippy::needless_range_loop, reason = "loops over nodes read like the formulas, and vectorise")]
 
@@ -307,7 +332,8 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
         }
     }
 
-    /// The state inside the last window is that of a window that ends there: as accurate as at its end.
+    /// The state inside the last window is that of a window that ends there: as accurate as at its
+    /// end.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let time = self.time();
         let inside = self.inside.get_or_insert_with(|| Inside {

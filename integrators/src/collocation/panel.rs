@@ -78,7 +78,8 @@ pub(crate) struct Panel<const M: usize> {
     pub(crate) overlap: [f64; M],
     /// Force at the nodes.
     pub(crate) force: [f64; M],
-    /// What the force of this panel has moved, at its own nodes: `int K(t - s) f(s) ds` from its start.
+    /// What the force of this panel has moved, at its own nodes: `int K(t - s) f(s) ds` from its
+    /// start.
     pub(crate) local: [f64; M],
     /// The same as a Chebyshev series in `x`.
     pub(crate) series: [f64; M],
@@ -90,7 +91,8 @@ pub(crate) struct Panel<const M: usize> {
 
 /// A neighbour as seen from the nodes of a panel: what does not change from sweep to sweep.
 ///
-/// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next `2 k + 1`, one before all -1.
+/// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next
+/// `2 k + 1`, one before all -1.
 #[derive(Clone, Debug)]
 pub(crate) struct View<const M: usize> {
     /// Of the neighbour's panels.
@@ -162,7 +164,8 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// Makes this the panel over `[start, end]`, of a variable with this origin and power; its nodes are yet to be placed.
+    /// Makes this the panel over `[start, end]`, of a variable with this origin and power; its
+    /// nodes are yet to be placed.
     pub(crate) fn span(&mut self, start: f64, end: f64, origin: Origin, q: u32) {
         (self.start, self.end) = (start, end);
         (self.origin, self.sign, self.q) = match origin {
@@ -208,7 +211,8 @@ impl<const M: usize> Panel<M> {
         self.weigh(frame);
     }
 
-    /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times the weights of the integrals over `s`.
+    /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
+    /// the weights of the integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M>) {
         let Self { tau, cos, sin, rate, reaction, left, .. } = self;
@@ -231,8 +235,8 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// The slope of a chord from a node to the nearest of others that is far enough from it. Values at nodes are exact where few of them resolve little
-    /// in between.
+    /// The slope of a chord from a node to the nearest of others that is far enough from it. Values
+    /// at nodes are exact where few of them resolve little in between.
     #[inline(always)]
     pub(crate) fn chord(&self, values: &[f64; M], node: usize, mut others: impl Iterator<Item = usize>) -> f64 {
         let least = CHORD * (self.end - self.start);
@@ -271,7 +275,8 @@ impl<const M: usize> Panel<M> {
         dot(&rule.weights, &times(&self.force, &self.rate))
     }
 
-    /// The largest overlap: of its interpolant, by golden sections about the largest of some values.
+    /// The largest overlap: of its interpolant, by golden sections about the largest of some
+    /// values.
     pub(crate) fn largest(&self, rule: &Rule<M>) -> f64 {
         let series = product(&rule.series, &self.overlap);
         let at = |x: f64| {
@@ -290,9 +295,10 @@ impl<const M: usize> Panel<M> {
         at(point(best)).max(at(0.5 * (a + b)))
     }
 
-    /// The last terms of the series of the impulses that the free part and the oscillating part take: how well the nodes resolve
-    /// the force, and the oscillation. They count `slow` times for a force that nearly goes out without an event, or does and comes back: its
-    /// terms fall slowly at last. And the largest value at a node.
+    /// The last terms of the series of the impulses that the free part and the oscillating part
+    /// take: how well the nodes resolve the force, and the oscillation. They count `slow` times for
+    /// a force that nearly goes out without an event, or does and comes back: its terms fall slowly
+    /// at last. And the largest value at a node.
     #[inline(always)]
     pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
@@ -316,8 +322,8 @@ impl<const M: usize> Panel<M> {
         [if self.q < frame.q && least < FADING * most { slow * tail } else { tail }, largest]
     }
 
-    /// From the force at the nodes, what it moves: [`local`](Self::local), [`series`](Self::series), and the path that is left
-    /// behind at the end.
+    /// From the force at the nodes, what it moves: [`local`](Self::local),
+    /// [`series`](Self::series), and the path that is left behind at the end.
     #[inline(always)]
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
         self.local = product(&self.reaction, &self.force);
@@ -342,14 +348,16 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
     out
 }
 
-/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope, a longer one its bend. Chosen;
-/// `methods short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
+/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope,
+/// a longer one its bend. Chosen; `methods short_contacts_are_found_in_few_sweeps` counts the
+/// sweeps that it takes.
 const CHORD: f64 = 1e-3;
-/// An overlap that falls to this share of itself within a panel, with no event near. Chosen; held by
-/// `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// An overlap that falls to this share of itself within a panel, with no event near. Chosen; held
+/// by `methods contacts_that_nearly_open_keep_the_tolerance`.
 const FADING: f64 = 0.15;
-/// Up to this many terms a series is one of powers, which is faster, beyond of Chebyshev polynomials, which loses no digits. Held by
-/// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
+/// Up to this many terms a series is one of powers, which is faster, beyond of Chebyshev
+/// polynomials, which loses no digits. Held by `methods
+/// ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 pub(crate) const MONOMIAL: usize = 8;
 
 /// A sum in four parts, the same on every machine.
@@ -413,7 +421,8 @@ fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64;
     out
 }
 
-/// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last place for `|x| < 10^6`.
+/// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last
+/// place for `|x| < 10^6`.
 ///
 /// Reduction by three parts of pi/2 (Cody and Waite), then Taylor polynomials on `[-pi/4, pi/4]`.
 #[inline(always)]

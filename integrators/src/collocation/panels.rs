@@ -74,7 +74,8 @@ impl<const M: usize> Panels<M> {
         }
     }
 
-    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many pieces.
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many
+    /// pieces.
     #[inline(always)]
     pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
         let Panel { tau, cos, sin, views, .. } = panel;

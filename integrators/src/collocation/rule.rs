@@ -1,9 +1,11 @@
-//! The fixed numbers of a panel: Gauss nodes, weights, and the matrices that integrate and interpolate between them.
+//! The fixed numbers of a panel: Gauss nodes, weights, and the matrices that integrate and
+//! interpolate between them.
 
 use super::{panel::MONOMIAL, solver::MOST_NODES};
 use std::{any::Any, sync::OnceLock};
 
-/// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of the nodes.
+/// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of
+/// the nodes.
 ///
 /// Matrices are kept by columns, so that a product runs over nodes in vector registers.
 #[derive(Clone, Debug)]

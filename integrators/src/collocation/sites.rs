@@ -4,8 +4,8 @@ use super::system::{ContactChain, Path};
 use crate::clock::Twofold;
 use std::cell::Cell;
 
-/// `[R0, V, C, S]` of a site as unevaluated sums: `q(t) = R0 + V t + C cos theta + S sin theta`, `theta = omega t` since the
-/// start of the run, `t` since the start of the window.
+/// `[R0, V, C, S]` of a site as unevaluated sums: `q(t) = R0 + V t + C cos theta + S sin theta`,
+/// `theta = omega t` since the start of the run, `t` since the start of the window.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Site {
     pub(crate) hi: Path,
@@ -29,7 +29,8 @@ impl Site {
         self.hi == [0.0; 4] && self.lo == [0.0; 4]
     }
 
-    /// Moves freely for `h`, with the impulses `path` (in the phase `(sin, cos)`) of a window of that length.
+    /// Moves freely for `h`, with the impulses `path` (in the phase `(sin, cos)`) of a window of
+    /// that length.
     #[inline(always)]
     pub(crate) fn advance(&mut self, path: &Path, h: f64, (sin, cos): (f64, f64)) {
         let by = [path[0], path[1], path[2] * cos - path[3] * sin, path[2] * sin + path[3] * cos];
@@ -51,7 +52,8 @@ impl Site {
     }
 }
 
-/// The path of an overlap over a window of length `h`, and how far its sites are from the origin in it.
+/// The path of an overlap over a window of length `h`, and how far its sites are from the origin in
+/// it.
 #[inline(always)]
 pub(crate) fn overlap<C: ContactChain>(
     chain: &C,

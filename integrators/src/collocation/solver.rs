@@ -11,7 +11,8 @@ use super::{
 };
 use crate::{real::Real, regularised::power};
 
-/// Order that the variable near an event is chosen for. Chosen; `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
+/// Order that the variable near an event is chosen for. Chosen; `methods
+/// panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
 const ORDER: u32 = 8;
 
 /// What solves windows.
@@ -24,8 +25,9 @@ pub(crate) trait Solver: Send {
     fn another(&self, bonds: usize) -> Box<dyn Solver>;
     /// What contacts did in the last window that was logged.
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
-    /// What changes of the linear paths of bonds leave behind in them, over the last window that was solved: of length `h`, of a chain of one
-    /// block. Or bond and residual where that did not settle.
+    /// What changes of the linear paths of bonds leave behind in them, over the last window that
+    /// was solved: of length `h`, of a chain of one block. Or bond and residual where that did not
+    /// settle.
     fn differentiate(
         &self,
         links: &Links,
@@ -35,8 +37,9 @@ pub(crate) trait Solver: Send {
     ) -> Result<(), (usize, f64)>;
 }
 
-/// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve nothing that shorter windows do not
-/// resolve at less cost; `run --windows-per-period N --nodes M` shows both sides.
+/// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve
+/// nothing that shorter windows do not resolve at less cost; `run --windows-per-period N --nodes M`
+/// shows both sides.
 pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
 pub(crate) const MOST_NODES: usize = 12;
 

@@ -1,9 +1,10 @@
-//! What contact collocation may ask of a problem: exact linear paths, and a contact law on a nearest-neighbour chain.
+//! What contact collocation may ask of a problem: exact linear paths, and a contact law on a
+//! nearest-neighbour chain.
 
 use crate::{clock::Twofold, law::ContactLaw};
 
-/// How a site answers an impulse `j`: `q'` jumps by `j`, of which the share `m` moves on freely and the share `mu` oscillates,
-/// so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
+/// How a site answers an impulse `j`: `q'` jumps by `j`, of which the share `m` moves on freely and
+/// the share `mu` oscillates, so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// Share of the free part.
@@ -44,17 +45,19 @@ impl Links {
     }
 }
 
-/// The neighbours of bond `b` among `n` bonds in a row, whose ends are neighbours of each other on a ring.
+/// The neighbours of bond `b` among `n` bonds in a row, whose ends are neighbours of each other on
+/// a ring.
 #[inline(always)]
 pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
     let (first, last) = if ring { (Some(0), Some(n - 1)) } else { (None, None) };
     [if b > 0 { Some(b - 1) } else { last }, if b + 1 < n { Some(b + 1) } else { first }]
 }
 
-/// A chain of sites that move along exact linear paths and push each other in bonds between neighbours.
+/// A chain of sites that move along exact linear paths and push each other in bonds between
+/// neighbours.
 ///
-/// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a site with `b - 1` and `b + 1` only,
-/// the last with the first on a ring.
+/// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a
+/// site with `b - 1` and `b + 1` only, the last with the first on a ring.
 pub trait ContactChain: Send + Sync {
     /// Number of components of the state as others see it.
     fn dim(&self) -> usize;
@@ -72,11 +75,13 @@ pub trait ContactChain: Send + Sync {
     fn rest(&self) -> f64;
     /// The part of the overlap of a bond that a quantity of its sites makes: `q_{n-1} - q_n`.
     fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path;
-    /// What forces in bonds do to a site, the transpose of [`across`](Self::across) but for its sign: `f_n - f_{n+1}`.
+    /// What forces in bonds do to a site, the transpose of [`across`](Self::across) but for its
+    /// sign: `f_n - f_{n+1}`.
     fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path;
     /// The path of a site at `t = 0`, from a state.
     fn path(&self, y: &[f64], site: usize) -> Path;
-    /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its position and their rates.
+    /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its
+    /// position and their rates.
     fn place(&self, parts: [f64; 4], site: usize, y: &mut [f64]);
     /// Overlaps up to this are rounding of positions up to `largest`.
     fn dead_band(&self, largest: f64) -> f64;

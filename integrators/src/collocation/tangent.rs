@@ -7,9 +7,10 @@
 //! | `T` | influences: the overlaps at the nodes that forces at the nodes make, `int K(t - s) f(s) ds` |
 //! | `dg_lin` | change of the overlaps along the linear paths |
 //!
-//! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`. Ends of contacts move too, but the force is zero there: to
-//! first order nothing is felt of that. What is felt is an end that is not where the contact begins or ends: a gap of `t` costs
-//! the force `t^{alpha+1}`, its derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
+//! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`. Ends of contacts move too,
+//! but the force is zero there: to first order nothing is felt of that. What is felt is an end that
+//! is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
+//! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
 
 use super::{
     Collocation,
@@ -22,20 +23,23 @@ use super::{
 };
 use crate::{drive::Stepper, error::Error, real::Kernel};
 
-/// Columns that are worked on together: a register of the widest vector unit. Timed by `benches/collocation.rs`, `monodromy`.
+/// Columns that are worked on together: a register of the widest vector unit. Timed by
+/// `benches/collocation.rs`, `monodromy`.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// `[R0, V, C, S]` of every site or bond, for some columns.
 pub(crate) type Block = Vec<[Lanes; 4]>;
 
-/// Sweeps after which a window is given up; each takes a digit at least where the window itself was solved.
+/// Sweeps after which a window is given up; each takes a digit at least where the window itself was
+/// solved.
 const MOST_SWEEPS: u32 = 100;
 
 fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
     Error::Argument { name, value: value as f64, rule }
 }
 
-/// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along the trajectory of the run.
+/// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along
+/// the trajectory of the run.
 ///
 /// ```text
 /// let mut tangent = Tangent::identity(&run)?;
@@ -46,8 +50,9 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 /// let monodromy = tangent.matrix(&run)?;
 /// ```
 ///
-/// Nothing is differenced: what the nodes of a window resolve is exact to rounding. Forces are smoother than their derivative, so
-/// columns need finer windows than the state does. Under [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
+/// Nothing is differenced: what the nodes of a window resolve is exact to rounding. Forces are
+/// smoother than their derivative, so columns need finer windows than the state does. Under
+/// [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
 #[derive(Clone, Debug)]
 pub struct Tangent {
     blocks: Vec<Block>,
@@ -73,7 +78,8 @@ impl Tangent {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
+    /// bonds.
     pub fn new<C: ContactChain>(run: &Collocation<C>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.chain, run.dim());
         if blocks(chain.bonds()) != 1 {
@@ -102,8 +108,8 @@ impl Tangent {
     /// Moves the columns over the window that the run has just done.
     ///
     /// # Errors
-    /// Not the window after the last one that was followed; or sweeps that do not settle (windows far too long), after which the
-    /// columns are of no use.
+    /// Not the window after the last one that was followed; or sweeps that do not settle (windows
+    /// far too long), after which the columns are of no use.
     pub fn follow<C: ContactChain>(&mut self, run: &Collocation<C>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
@@ -128,7 +134,8 @@ impl Tangent {
         Ok(())
     }
 
-    /// The columns, one after the other and each like a state, where the last window that was followed ends.
+    /// The columns, one after the other and each like a state, where the last window that was
+    /// followed ends.
     ///
     /// # Errors
     /// A run of another chain.
@@ -159,7 +166,8 @@ impl Tangent {
     }
 }
 
-/// `d y(t_1)/d y(t_0)` along the trajectory from `y0` over `span = (t_0, t_1)`: column by column, `dim^2` entries.
+/// `d y(t_1)/d y(t_0)` along the trajectory from `y0` over `span = (t_0, t_1)`: column by column,
+/// `dim^2` entries.
 ///
 /// # Errors
 /// As those of [`Collocation::new`], its steps, and [`Tangent`].
@@ -209,7 +217,8 @@ struct Row<'a, const M: usize> {
     left: [Path; M],
 }
 
-/// A solved window, and changes of the linear paths of its bonds, which become what they leave behind.
+/// A solved window, and changes of the linear paths of its bonds, which become what they leave
+/// behind.
 pub(crate) struct Window<'a, const M: usize> {
     pub(crate) links: &'a Links,
     pub(crate) frame: &'a Frame<'a, M>,
@@ -260,7 +269,8 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     }
 }
 
-/// The panels of a solved window, with their ends where the contacts of its solution begin and end, and the overlaps at their nodes.
+/// The panels of a solved window, with their ends where the contacts of its solution begin and end,
+/// and the overlaps at their nodes.
 #[inline(always)]
 fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool) -> Vec<Panels<M>> {
     let n = bonds.len();

@@ -1,4 +1,5 @@
-//! Beads on straight paths between kicks of contacts and springs, as contact-corrected splitting moves them.
+//! Beads on straight paths between kicks of contacts and springs, as contact-corrected splitting
+//! moves them.
 
 use super::{
     super::{Chain, KineticFlow},

@@ -24,8 +24,8 @@ use hertzchain_integrators::{
 const PAD: usize = LANES;
 /// Bonds in a word of bits.
 const WORD: usize = 64;
-/// Nodes of the window that leads back inside a step, and the tolerance where one window does not do. Chosen: both are far below
-/// the error of a step.
+/// Nodes of the window that leads back inside a step, and the tolerance where one window does not
+/// do. Chosen: both are far below the error of a step.
 const INSIDE: usize = 12;
 const TOLERANCE: f64 = 1e-13;
 
@@ -37,9 +37,11 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn survey(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
-    /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of that.
+    /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of
+    /// that.
     fn motion(&self, site: usize) -> [f64; 3];
-    /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and `omega`.
+    /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and
+    /// `omega`.
     fn response(&self) -> (f64, f64, f64);
     /// The force of the spring on a bead, where it is part of the kick, and its rate.
     fn spring(&self, site: usize) -> (f64, f64);
@@ -47,15 +49,18 @@ pub trait SiteFlow: SplitFlow<f64> {
     fn shift(&self, correction: &Correction) -> f64;
     /// Gives beads a correction, each so many times as it says.
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction);
-    /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an impulse over the mass, and a displacement.
+    /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an
+    /// impulse over the mass, and a displacement.
     fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
-    /// Kicks beads by `kick` times modified forces, and by springs where these kick: `-kappa (d + c d'')`, with the accelerations `a` of beads.
+    /// Kicks beads by `kick` times modified forces, and by springs where these kick: `-kappa (d + c
+    /// d'')`, with the accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
 ///
-/// Arrays are longer than the chain, so that loops over whole registers need no remainder; what is in the rest is not looked at.
+/// Arrays are longer than the chain, so that loops over whole registers need no remainder; what is
+/// in the rest is not looked at.
 pub struct Bonded<F> {
     flow: F,
     sites: usize,
@@ -132,7 +137,8 @@ impl<F: SiteFlow> Bonded<F> {
         self.chain().touching().start + index
     }
 
-    /// What stands for forces beyond the ends, so that the accelerations of sites there are those of neighbours, or none.
+    /// What stands for forces beyond the ends, so that the accelerations of sites there are those
+    /// of neighbours, or none.
     fn close(&mut self) {
         let (n, ring) = (self.sites, self.ring());
         let f = &mut self.force[PAD - 1..];
@@ -173,9 +179,11 @@ impl<F: SiteFlow> Bonded<F> {
         if spring.is_empty() { contacts } else { contacts + self.chain().across(b, |i| spring[PAD + i]) }
     }
 
-    /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its places at both ends of the step, and moved by processing.
+    /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its
+    /// places at both ends of the step, and moved by processing.
     ///
-    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
+    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s'
+    /// t (t + h)(t + h/2)/6`.
     #[inline]
     fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
@@ -204,7 +212,8 @@ impl<F: SiteFlow> Bonded<F> {
         }
     }
 
-    /// Accelerations of beads by the kick and their rates, and the same of resonators; bonds that are near an event without rates.
+    /// Accelerations of beads by the kick and their rates, and the same of resonators; bonds that
+    /// are near an event without rates.
     fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
         let n = self.sites;
         self.survey();
@@ -245,8 +254,8 @@ impl<F: SiteFlow> Bonded<F> {
     }
 }
 
-/// `tan(omega h/2)/(omega h/2)`: the rate at the end of a step of the forced oscillation that is zero at both its ends, in units of that without
-/// springs. 1 where steps are too long for that.
+/// `tan(omega h/2)/(omega h/2)`: the rate at the end of a step of the forced oscillation that is
+/// zero at both its ends, in units of that without springs. 1 where steps are too long for that.
 fn swung(omega: f64, h: f64) -> f64 {
     let turn = 0.5 * omega * h;
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
@@ -422,7 +431,8 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
         turn(y);
         let window = Pace::Windows { windows: 1, nodes: INSIDE, neighbours: true };
-        // A window too long for the stiffness of its contacts does not settle; the tolerance makes it shorter.
+        // A window too long for the stiffness of its contacts does not settle; the tolerance makes
+        // it shorter.
         let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, Pace::Tolerance(TOLERANCE)));
         if settled.is_err() {
             // No state is better than a wrong one.

@@ -6,43 +6,51 @@ use super::{
     nodes::analytic,
 };
 
-/// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to
-/// runs of waves, impacts and random chains; `methods the_error_is_what_was_asked_for_over_six_decades` and
+/// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: local errors
+/// go with the power `1/POWER` of the last terms. Fitted to runs of waves, impacts and random
+/// chains; `methods the_error_is_what_was_asked_for_over_six_decades` and
 /// `random_chains_agree_with_the_regularised_run` measure what it gives.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
-/// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`. Held by `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`. Held by
+/// `methods contacts_that_nearly_open_keep_the_tolerance`.
 const SLOW_TAIL: f64 = 2e2;
-/// How near an event must be for a panel to have its origin there, in lengths of the panel: without control of the error, and with it, where halvings make good
-/// for events farther away. Chosen; the first is
-/// held by `methods every_exponent_and_mass_ratio_is_resolved_in_equal_windows`.
+/// How near an event must be for a panel to have its origin there, in lengths of the panel: without
+/// control of the error, and with it, where halvings make good for events farther away. Chosen; the
+/// first is held by `methods every_exponent_and_mass_ratio_is_resolved_in_equal_windows`.
 const NEAR: [f64; 2] = [0.75, 0.5];
 /// Share of the tolerance of a window that sweeps may leave undone. Chosen, not measured.
 const UNDONE: f64 = 1e-2;
-/// The same at least: what sweeps leave undone and what events are off by comes from one side and adds up over windows, unlike roundings. Held by
-/// `methods a_thousand_periods_keep_the_energy_to_rounding`.
+/// The same at least: what sweeps leave undone and what events are off by comes from one side and
+/// adds up over windows, unlike roundings. Held by `methods
+/// a_thousand_periods_keep_the_energy_to_rounding`.
 const BIAS: f64 = 1e-18;
 /// A change that is rounding, in units of velocities, and last terms that are. Chosen; held by
 /// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
-/// The largest `f'(g) h^2` of a window under a tolerance from `LOOSE` on, and under a finer one. A longer window may hold whole contacts, which few nodes
-/// take for something else with no sign of it in their last terms; the looser the tolerance, the less these say. Windows that are chosen for their cost
-/// stay below a quarter. Chosen; held by `methods chains_at_rest_keep_loose_tolerances`.
+/// The largest `f'(g) h^2` of a window under a tolerance from `LOOSE` on, and under a finer one. A
+/// longer window may hold whole contacts, which few nodes take for something else with no sign of
+/// it in their last terms; the looser the tolerance, the less these say. Windows that are chosen
+/// for their cost stay below a quarter. Chosen; held by `methods
+/// chains_at_rest_keep_loose_tolerances`.
 const STIFFEST: [f64; 2] = [0.5, 1.5];
 const LOOSE: f64 = 1e-4;
-/// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not measured.
+/// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not
+/// measured.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// From the tolerance for a run, the goal for a window.
 ///
-/// The tolerance is for the sum over the run, relative to the size of velocities; a window gets the share that its length is of the span. Without a
-/// tolerance a window is solved as well as sweeps can, on one panel for each smooth part of a contact.
+/// The tolerance is for the sum over the run, relative to the size of velocities; a window gets the
+/// share that its length is of the span. Without a tolerance a window is solved as well as sweeps
+/// can, on one panel for each smooth part of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accuracy {
     pace: Pace,
     span: f64,
-    /// Size of velocities: the largest at the start, or that to which the largest contact force would drive a bead.
+    /// Size of velocities: the largest at the start, or that to which the largest contact force
+    /// would drive a bead.
     size: f64,
     alpha: f64,
 }

@@ -3,8 +3,9 @@
 use super::super::{block::Verdict, sites::Site, system::ContactChain};
 use super::nodes::MOST_HALVED;
 
-/// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones have fewer panels. Chosen; runs move it by
-/// what their windows cost, and `benches/collocation.rs` times such runs.
+/// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones
+/// have fewer panels. Chosen; runs move it by what their windows cost, and `benches/collocation.rs`
+/// times such runs.
 const STIFFNESS: f64 = 0.04;
 const STIFFNESSES: [f64; 2] = [0.02, 0.25];
 /// A trial of longer or shorter windows changes `f'(g) h^2` by this factor. Chosen, not measured.
@@ -20,8 +21,8 @@ const FASTEST: f64 = 1e3;
 
 /// The length of the next window.
 ///
-/// It grows while windows settle in few sweeps and without halved panels, and shrinks while they do not. `f'(g) h^2` is held at the value that
-/// was cheapest so far, so that sweeps contract.
+/// It grows while windows settle in few sweeps and without halved panels, and shrinks while they do
+/// not. `f'(g) h^2` is held at the value that was cheapest so far, so that sweeps contract.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lengths {
     /// The length to try next.
@@ -31,7 +32,8 @@ pub(super) struct Lengths {
     stiffness: Stiffness,
 }
 
-/// A search for the `f'(g) h^2` at which a unit of time costs least: it goes on up or down as long as the cost falls, and turns when it rises.
+/// A search for the `f'(g) h^2` at which a unit of time costs least: it goes on up or down as long
+/// as the cost falls, and turns when it rises.
 #[derive(Clone, Copy, Debug)]
 struct Stiffness {
     /// The largest `f'(g) h^2` allowed.
@@ -75,7 +77,8 @@ impl Lengths {
         self.stiffness.count(verdict, h);
     }
 
-    /// Chooses the next length after a window of length `h`, with the mean share of contacts whose panels were halved.
+    /// Chooses the next length after a window of length `h`, with the mean share of contacts whose
+    /// panels were halved.
     pub(super) fn adapt(&mut self, verdict: &Verdict, h: f64, halved: f64) {
         self.h *= if verdict.touching == 0 {
             2.0

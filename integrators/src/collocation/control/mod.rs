@@ -1,4 +1,5 @@
-//! The control of windows: what each is held to, how long the next one is, and how many nodes its panels have.
+//! The control of windows: what each is held to, how long the next one is, and how many nodes its
+//! panels have.
 //!
 //! | part | what it decides |
 //! |---|---|
@@ -25,7 +26,8 @@ pub enum Pace {
         windows: u64,
         /// Nodes a panel: 4, 6, 8, 10 or 12.
         nodes: usize,
-        /// Whether panels are cut where a contact of a neighbour begins or ends as well: that gives the order its full height.
+        /// Whether panels are cut where a contact of a neighbour begins or ends as well: that gives
+        /// the order its full height.
         neighbours: bool,
     },
     /// The error at the end, relative to the size of the state, that local errors may add up to.

@@ -2,16 +2,18 @@
 
 use super::super::solver::MOST_NODES;
 
-/// Share of contacts whose panels may be halved before panels have more nodes, or windows become shorter. Chosen, not measured.
+/// Share of contacts whose panels may be halved before panels have more nodes, or windows become
+/// shorter. Chosen, not measured.
 pub(super) const MOST_HALVED: f64 = 0.3;
 /// Windows between two changes of the number of nodes. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// Two nodes less cost the last terms about this factor. Chosen, not measured; too small a value shows as windows given up in
-/// `methods hardly_a_window_is_given_up`.
+/// Two nodes less cost the last terms about this factor. Chosen, not measured; too small a value
+/// shows as windows given up in `methods hardly_a_window_is_given_up`.
 const TWO_NODES: f64 = 60.0;
 
-/// The fewest nodes for a force that is analytic in no variable: with fewer the power of the variable alone, 5 for `alpha = 1.2`, makes panels be halved and
-/// windows shrink. Chosen; `methods chains_at_rest_keep_loose_tolerances` holds the cost.
+/// The fewest nodes for a force that is analytic in no variable: with fewer the power of the
+/// variable alone, 5 for `alpha = 1.2`, makes panels be halved and windows shrink. Chosen; `methods
+/// chains_at_rest_keep_loose_tolerances` holds the cost.
 const LEAST: usize = 8;
 
 /// Whether a force of this exponent is analytic in the square root of time from an event.
@@ -19,13 +21,15 @@ pub(super) fn analytic(alpha: f64) -> bool {
     (2.0 * alpha).fract() == 0.0
 }
 
-/// The number of nodes a panel: more where panels are often halved, fewer where the last terms are far below what is allowed.
+/// The number of nodes a panel: more where panels are often halved, fewer where the last terms are
+/// far below what is allowed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodeChoice {
     count: usize,
     /// Fewer were too few.
     least: usize,
-    /// Windows since the number was changed or last thought over, and the largest last terms in them in units of those allowed.
+    /// Windows since the number was changed or last thought over, and the largest last terms in
+    /// them in units of those allowed.
     since: u32,
     tail: f64,
 }
@@ -49,7 +53,8 @@ impl NodeChoice {
         self.count
     }
 
-    /// Takes the last terms of a window and the mean share of contacts whose panels were halved; returns whether the number changed.
+    /// Takes the last terms of a window and the mean share of contacts whose panels were halved;
+    /// returns whether the number changed.
     pub(super) fn choose(&mut self, tail: f64, halved: f64) -> bool {
         self.since += 1;
         self.tail = self.tail.max(tail);
