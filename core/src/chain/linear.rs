@@ -6,8 +6,8 @@
 //! | `R0, V; C, S` | `R(t) = R0 + V tau`, `P(t) = C cos theta + S sin theta` |
 //! | `theta, tau` | phase `omega t`; time since `R0` was last moved |
 //!
-//! An impulse `j` on a bead changes `R'` by `m j` and `P'` by `mu j`; so it adds `m j` to `V`, `-m
-//! j tau` to `R0`, `-mu j sin(theta)/omega` to `C` and `mu j cos(theta)/omega` to `S`. Between
+//! An impulse `j` on a bead changes `R'` by `m j` and `P'` by `mu j`; so it adds `m j` to `V`,
+//! `-m j tau` to `R0`, `-mu j sin(theta)/omega` to `C` and `mu j cos(theta)/omega` to `S`. Between
 //! kicks nothing is computed at all: no rotation is repeated, so no rounding of one piles up, and
 //! where no contact acts the state keeps its bits for ever. The phase is one number for the whole
 //! chain, kept to twice the working precision.

@@ -79,8 +79,8 @@ impl<R: Real> Chain<R> {
         })
     }
 
-    /// The same chain with a static overlap `delta_0` in every bond: `g_n = delta_0 + u_{n-1} -
-    /// u_n`.
+    /// The same chain with a static overlap `delta_0` in every bond:
+    /// `g_n = delta_0 + u_{n-1} - u_n`.
     ///
     /// # Errors
     /// `delta_0` negative or not finite; or not zero on a free chain (which would fly apart: it is

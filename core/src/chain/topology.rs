@@ -7,9 +7,9 @@
 //! | *push* | `f_n - f_{n+1}`, what the forces in bonds do to a site |
 //!
 //! Sites count from 0. A chain with ends has `n + 1` bonds, of which the outer two join a site to a
-//! wall or to nothing; on a ring bond `n` is bond 0. On a strain ring the unknowns are `x_n = u_n -
-//! u_{n-1}`, one a bond: the difference over bond `n` is `-x_n`, and the push on `x_n` is that on
-//! site `n` less that on site `n - 1`.
+//! wall or to nothing; on a ring bond `n` is bond 0. On a strain ring the unknowns are
+//! `x_n = u_n - u_{n-1}`, one a bond: the difference over bond `n` is `-x_n`, and the push on `x_n`
+//! is that on site `n` less that on site `n - 1`.
 
 use super::Boundary;
 use hertzchain_integrators::Real;

@@ -13,8 +13,8 @@ use super::{
 /// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
 /// release is too far to be felt.
 const AHEAD: f64 = 1.5;
-/// Share of a window over which speeds are differences. Chosen; `methods
-/// contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
+/// Share of a window over which speeds are differences. Chosen;
+/// `methods contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
 const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
 /// terms.

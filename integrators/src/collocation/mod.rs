@@ -12,9 +12,9 @@
 //!
 //! # The equations
 //!
-//! Between contacts every site moves along an exact linear path `r + v t + c cos(omega t) + s
-//! sin(omega t)`. An impulse adds another such path, `K`. So the chain is a closed set of scalar
-//! Volterra equations for the overlaps,
+//! Between contacts every site moves along an exact linear path
+//! `r + v t + c cos(omega t) + s sin(omega t)`. An impulse adds another such path, `K`. So the
+//! chain is a closed set of scalar Volterra equations for the overlaps,
 //!
 //! ```text
 //! g_n(t) = g_n^lin(t) + int_0^t K(t - s) [ f_{n-1}(s) - 2 f_n(s) + f_{n+1}(s) ] ds
@@ -43,11 +43,11 @@
 //! # The sweep
 //!
 //! `K(t - s)` is separable in `1, t, cos(omega t), sin(omega t)`. From `f` at the nodes one fixed
-//! matrix (antiderivatives of the Lagrange polynomials) gives `int f`, `int s f`, `int f cos`, `int
-//! f sin` up to every node, and these what the force has moved so far. That becomes one short
-//! series in `x`, which is all that neighbours need; after a panel its force has left a path `A + B
-//! t + C cos + D sin` behind. Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts by
-//! Newton's method on the interpolant of `g_n`, and again, in the order of the bonds (Gauss and
+//! matrix (antiderivatives of the Lagrange polynomials) gives `int f`, `int s f`, `int f cos`,
+//! `int f sin` up to every node, and these what the force has moved so far. That becomes one short
+//! series in `x`, which is all that neighbours need; after a panel its force has left a path
+//! `A + B t + C cos + D sin` behind. Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts
+//! by Newton's method on the interpolant of `g_n`, and again, in the order of the bonds (Gauss and
 //! Seidel), until no impulse changes. The slope for Newton's method is that between the two nodes
 //! nearest to the event: the one that the search for contacts knows belongs to a chord that may
 //! span half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{real::Real, regularised::power};
 
-/// Order that the variable near an event is chosen for. Chosen; `methods
-/// panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
+/// Order that the variable near an event is chosen for. Chosen;
+/// `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
 const ORDER: u32 = 8;
 
 /// What solves windows.

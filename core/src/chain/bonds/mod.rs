@@ -52,8 +52,8 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an
     /// impulse over the mass, and a displacement.
     fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
-    /// Kicks beads by `kick` times modified forces, and by springs where these kick: `-kappa (d + c
-    /// d'')`, with the accelerations `a` of beads.
+    /// Kicks beads by `kick` times modified forces, and by springs where these kick:
+    /// `-kappa (d + c d'')`, with the accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
 }
 
@@ -182,8 +182,8 @@ impl<F: SiteFlow> Bonded<F> {
     /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its
     /// places at both ends of the step, and moved by processing.
     ///
-    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is `s t (t + h)/2 + s'
-    /// t (t + h)(t + h/2)/6`.
+    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is
+    /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline]
     fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();

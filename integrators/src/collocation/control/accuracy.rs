@@ -22,8 +22,8 @@ const NEAR: [f64; 2] = [0.75, 0.5];
 /// Share of the tolerance of a window that sweeps may leave undone. Chosen, not measured.
 const UNDONE: f64 = 1e-2;
 /// The same at least: what sweeps leave undone and what events are off by comes from one side and
-/// adds up over windows, unlike roundings. Held by `methods
-/// a_thousand_periods_keep_the_energy_to_rounding`.
+/// adds up over windows, unlike roundings. Held by
+/// `methods a_thousand_periods_keep_the_energy_to_rounding`.
 const BIAS: f64 = 1e-18;
 /// A change that is rounding, in units of velocities, and last terms that are. Chosen; held by
 /// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
@@ -32,8 +32,8 @@ const ROUNDED_TAIL: f64 = 1e-14;
 /// The largest `f'(g) h^2` of a window under a tolerance from `LOOSE` on, and under a finer one. A
 /// longer window may hold whole contacts, which few nodes take for something else with no sign of
 /// it in their last terms; the looser the tolerance, the less these say. Windows that are chosen
-/// for their cost stay below a quarter. Chosen; held by `methods
-/// chains_at_rest_keep_loose_tolerances`.
+/// for their cost stay below a quarter. Chosen; held by
+/// `methods chains_at_rest_keep_loose_tolerances`.
 const STIFFEST: [f64; 2] = [0.5, 1.5];
 const LOOSE: f64 = 1e-4;
 /// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not

@@ -12,8 +12,8 @@ const PATIENCE: u32 = 16;
 const TWO_NODES: f64 = 60.0;
 
 /// The fewest nodes for a force that is analytic in no variable: with fewer the power of the
-/// variable alone, 5 for `alpha = 1.2`, makes panels be halved and windows shrink. Chosen; `methods
-/// chains_at_rest_keep_loose_tolerances` holds the cost.
+/// variable alone, 5 for `alpha = 1.2`, makes panels be halved and windows shrink. Chosen;
+/// `methods chains_at_rest_keep_loose_tolerances` holds the cost.
 const LEAST: usize = 8;
 
 /// Whether a force of this exponent is analytic in the square root of time from an event.
