@@ -178,7 +178,15 @@ impl Store {
             return Ok(());
         }
         let text = order.iter().fold(self.head(), |text, &k| text + &self.written(&self.lines[k]));
-        self.folder.write(&self.name, text.as_bytes()).map(|_| ())
+        self.folder.write(&self.name, text.as_bytes())?;
+        // What is appended later belongs into the new file, after its lines.
+        self.file = OpenOptions::new().read(true).append(true).open(self.path()).map_err(|source| self.fail(source))?;
+        drop(self.file.try_lock());
+        self.length = text.len() as u64;
+        let mut lines: Vec<Option<Line>> = self.lines.drain(..).map(Some).collect();
+        self.lines.extend(order.iter().filter_map(|&k| lines[k].take()));
+        self.at = self.lines.iter().enumerate().map(|(k, line)| (line.key.clone(), k)).collect();
+        Ok(())
     }
 
     fn head(&self) -> String {

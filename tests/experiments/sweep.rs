@@ -180,6 +180,20 @@ fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_an
 }
 
 #[test]
+fn a_second_sweep_with_the_same_store_goes_into_the_same_file() {
+    // The first sweep is computed backwards, so that the file is written anew at its end.
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path()).unwrap();
+    for points in [3, 6] {
+        sweep(&grid(points), Some(&mut store), &Backwards(ALL), &|_, _| (), root).unwrap();
+    }
+    drop(store);
+    let whole = tempfile::tempdir().unwrap();
+    stored(whole.path(), &grid(6), &Threads).unwrap();
+    assert_eq!(bytes(folder.path()), bytes(whole.path()));
+}
+
+#[test]
 fn stores_of_others_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("roots.store");
