@@ -100,8 +100,8 @@ fn corrected_steps_allocate_nothing() {
 
 #[test]
 fn windows_of_collocation_allocate_nothing() {
-    // Truth: a count of all calls of the allocator. Each of 50 bonds has lists of contacts and crossings, which grow when first used; nearly
-    // all have by 150 periods.
+    // Truth: a count of all calls of the allocator. Each of 50 bonds has lists of contacts and
+    // crossings, which grow when first used; nearly all have by 150 periods.
     let scene = Scene::load("tw-q15").unwrap();
     let (y0, period) = (scene.initial().as_slice(), scene.period());
     let equal = Pace::Windows { windows: 12_000, nodes: 10, neighbours: true };

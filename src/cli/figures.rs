@@ -38,7 +38,8 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
     Ok(FIGURES.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
 }
 
-/// Computes a figure and writes its tables and its picture: its caption, and the names of the files.
+/// Computes a figure and writes its tables and its picture: its caption, and the names of the
+/// files.
 fn files(figure: &Figure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
     let data = figure.data(tell)?;
     let files = figure.tables(&data);

@@ -1,5 +1,5 @@
-//! The command line: commands with their examples in `args`; flags of studies are their options; one way to run them in
-//! `runner`.
+//! The command line: commands with their examples in `args`; flags of studies are their options;
+//! one way to run them in `runner`.
 
 mod args;
 mod figures;
@@ -108,8 +108,8 @@ fn moved(error: &clap::Error) -> Option<String> {
     Some(format!("`hertzchain {above}{name}` is now `hertzchain {now}`"))
 }
 
-/// The command with every flag that takes a number taking negative ones, and refusing in words what is none or what a
-/// double cannot hold.
+/// The command with every flag that takes a number taking negative ones, and refusing in words what
+/// is none or what a double cannot hold.
 fn numbers_checked(command: clap::Command) -> clap::Command {
     let double = ValueParser::from(value_parser!(f64)).type_id();
     let size = ValueParser::from(value_parser!(usize)).type_id();

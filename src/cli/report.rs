@@ -74,7 +74,8 @@ const PARTS: &[Part] = &[
 
 /// A comparison goes on for about so many seconds.
 const SHORT: f64 = 45.0;
-/// The longest chain, the longest run in contact periods, and the most work of a run in the charts of stability.
+/// The longest chain, the longest run in contact periods, and the most work of a run in the charts
+/// of stability.
 const SITES: usize = 1000;
 const PERIODS: f64 = 1000.0;
 const WORK: f64 = 1e6;

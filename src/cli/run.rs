@@ -113,14 +113,16 @@ fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
 
 /// How a scene runs.
 enum How {
-    /// By an integrator, with the setting in words, and why it is this one where nobody asked for it.
+    /// By an integrator, with the setting in words, and why it is this one where nobody asked for
+    /// it.
     Integrated(Method, Setting, String, Option<String>),
     /// By its exact solution.
     ClosedForm(TrivialBreather),
 }
 
 impl How {
-    /// An integrator where one is named or a flag asks for its accuracy; else the exact solution, if one is known, else what the regime asks for.
+    /// An integrator where one is named or a flag asks for its accuracy; else the exact solution,
+    /// if one is known, else what the regime asks for.
     fn new(args: &RunArgs, scene: &Scene) -> Result<Self> {
         // A tolerance asks for the method that keeps it best.
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();

@@ -1,4 +1,5 @@
-//! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit code.
+//! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
+//! code.
 
 use super::{Exit, print, progress_bar, signals};
 use crate::{

@@ -1,4 +1,5 @@
-//! SIGINT and SIGTERM: the first asks the command to end and keep what it has, the second ends it at once.
+//! SIGINT and SIGTERM: the first asks the command to end and keep what it has, the second ends it
+//! at once.
 
 use crate::{error::Error, error::Result, interrupt};
 use signal_hook::{
@@ -13,7 +14,8 @@ use std::sync::{
 /// The last signal that was caught; 0 for none.
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// From here on signals ask. Only for commands that look whether they are asked: all others end at once, as they do without it.
+/// From here on signals ask. Only for commands that look whether they are asked: all others end at
+/// once, as they do without it.
 pub(super) fn ask() -> Result<()> {
     let asked = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
@@ -28,7 +30,8 @@ pub(super) fn ask() -> Result<()> {
     Ok(())
 }
 
-/// The exit code of a command that was asked to end: 128 and the number of the signal, as shells have it.
+/// The exit code of a command that was asked to end: 128 and the number of the signal, as shells
+/// have it.
 pub(super) fn exit_code() -> Option<u8> {
     match CAUGHT.load(Ordering::Relaxed) {
         0 => None,

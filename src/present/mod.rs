@@ -1,4 +1,5 @@
-//! Numbers and words as text: tables, rows, the page of a report, and the machine they were made on. Knows no physics.
+//! Numbers and words as text: tables, rows, the page of a report, and the machine they were made
+//! on. Knows no physics.
 
 mod machine;
 #[cfg(feature = "cli")]

@@ -1,4 +1,5 @@
-//! One self-contained HTML page of everything: tables and pictures inside, nothing fetched from elsewhere.
+//! One self-contained HTML page of everything: tables and pictures inside, nothing fetched from
+//! elsewhere.
 
 use super::{machine, machine_json};
 use crate::output::to_json;
@@ -110,7 +111,8 @@ impl Page {
         page.into_string()
     }
 
-    /// What was made, as JSON: `sections: [{name, title, shows, pictures, wall_s, failures}]`, `machine`, `version`.
+    /// What was made, as JSON: `sections: [{name, title, shows, pictures, wall_s, failures}]`,
+    /// `machine`, `version`.
     pub fn json(&self) -> String {
         let section = |one: &Section| {
             json!({

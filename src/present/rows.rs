@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-/// Rows as CSV: `names` are the keys of the rows and the first line. Every number reads back exactly; no cell holds a comma.
+/// Rows as CSV: `names` are the keys of the rows and the first line. Every number reads back
+/// exactly; no cell holds a comma.
 ///
 /// `missing` is what stands for a null under a key.
 pub(crate) fn rows_csv(names: &str, rows: &[Value], missing: fn(&str) -> &'static str) -> Vec<u8> {

@@ -1,6 +1,7 @@
 //! Tables in plain text.
 
-/// Columns aligned to the left for words and to the right for what looks like a number; two spaces between.
+/// Columns aligned to the left for words and to the right for what looks like a number; two spaces
+/// between.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());

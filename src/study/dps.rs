@@ -1,4 +1,5 @@
-//! The modulation equations: averages of the contact force, homoclinic solutions, standing waves with a kink.
+//! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
+//! with a kink.
 
 use super::{File, Report, Study, Work, named};
 use crate::{

@@ -1,7 +1,9 @@
-//! Studies: each is told once, in its folder, with its options, its work, its rows and its pictures.
+//! Studies: each is told once, in its folder, with its options, its work, its rows and its
+//! pictures.
 //!
-//! A [`Study`] is its options: the command line reads them, a program fills them in. What comes of it is a [`Report`],
-//! which says what is printed and which files are written. The command line runs all of them in one way.
+//! A [`Study`] is its options: the command line reads them, a program fills them in. What comes of
+//! it is a [`Report`], which says what is printed and which files are written. The command line
+//! runs all of them in one way.
 
 mod breather;
 mod charts;
@@ -63,7 +65,8 @@ pub type File = (String, Vec<u8>);
 /// Told of the share that is done, and of what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
-/// What is left of a study once its options were checked: given the folder for its results, if there is one.
+/// What is left of a study once its options were checked: given the folder for its results, if
+/// there is one.
 pub type Work<'a> = Box<dyn FnOnce(Option<&Folder>, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
 
 /// A study by its options.
@@ -142,13 +145,14 @@ fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>
 pub struct Changes {
     /// Change a key of the scene, as in chain.rho=3; may be repeated.
     ///
-    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of them), VALUE is TOML; a name
-    /// needs no quotation marks, as in chain.boundary=ring.
+    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of
+    /// them), VALUE is TOML; a name needs no quotation marks, as in chain.boundary=ring.
     #[cfg_attr(feature = "cli", arg(long = "set", value_name = "KEY=VALUE"))]
     pub set: Vec<String>,
 }
 
-/// All of a scene as it runs, with the seed of what it draws, as JSON; an infinite mass ratio, which JSON has no number for, as `"inf"`.
+/// All of a scene as it runs, with the seed of what it draws, as JSON; an infinite mass ratio,
+/// which JSON has no number for, as `"inf"`.
 pub fn scene_json(scene: &Scene) -> Value {
     let mut value = json!(scene.file());
     if scene.chain().params().rho.is_infinite() {
@@ -173,7 +177,8 @@ fn provenance(scene: &Scene, how: &str) -> String {
     )
 }
 
-/// The families of some methods, each once, and the index of that of each method: colours and headings of a legend.
+/// The families of some methods, each once, and the index of that of each method: colours and
+/// headings of a legend.
 #[cfg(feature = "plot")]
 fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     let mut names: Vec<String> = Vec::new();

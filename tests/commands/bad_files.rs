@@ -1,6 +1,8 @@
-//! Files that are not what they should be, and numbers that are none: always an error with the file, the key and the rule; never a panic, a hang or a demand for memory.
+//! Files that are not what they should be, and numbers that are none: always an error with the
+//! file, the key and the rule; never a panic, a hang or a demand for memory.
 //!
-//! Branch files, stores and unfinished runs have tests of their own kind beside what they keep. The fuzz targets in `fuzz/` try what nobody thought of.
+//! Branch files, stores and unfinished runs have tests of their own kind beside what they keep. The
+//! fuzz targets in `fuzz/` try what nobody thought of.
 
 use hertzchain::{
     breathers::DarkBreather,
@@ -19,7 +21,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Reading integrates nothing: a case takes well below a millisecond. A hang takes longer than this, whatever else the machine does.
+/// Reading integrates nothing: a case takes well below a millisecond. A hang takes longer than
+/// this, whatever else the machine does.
 const AT_ONCE: Duration = Duration::from_secs(5);
 
 fn at_once<T>(what: &str, work: impl FnOnce() -> T) -> T {
@@ -29,7 +32,8 @@ fn at_once<T>(what: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The scene in a text, as `Scene::load` reads it, or the message. Profiles of bright breathers are not solved for: that takes a twentieth of a second each.
+/// The scene in a text, as `Scene::load` reads it, or the message. Profiles of bright breathers are
+/// not solved for: that takes a twentieth of a second each.
 fn read(text: &str) -> Result<Option<Scene>, String> {
     let bright = |file: &SceneFile| matches!(file.initial, Initial::BrightBreather { .. });
     let scene = SceneFile::parse(text, "x.toml")
@@ -411,7 +415,8 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
                 for value in values {
                     let text = refusal(&[*command, &[*flag, *value]].concat());
                     let name = flag.trim_start_matches('-');
-                    // In messages of the library a flag is a key, of many values one is named, and a branch begins at an omega_b.
+                    // In messages of the library a flag is a key, of many values one is named, and
+                    // a branch begins at an omega_b.
                     let names = [
                         name,
                         &name.replace('-', "_"),

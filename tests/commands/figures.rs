@@ -211,7 +211,8 @@ fn the_legend_of_many_curves_stands_apart_from_the_axes() {
     let (pixels, _) = decode(&work_precision(&figure).unwrap());
     let row = |y: usize| &pixels[y * SIZE.0 as usize..(y + 1) * SIZE.0 as usize];
     let blank: Vec<bool> = (0..SIZE.0 as usize).map(|x| (60..680).all(|y| row(y)[x] == [255; 3])).collect();
-    // From the right: a margin, the legend, at least eight blank columns, then the frame of the axes.
+    // From the right: a margin, the legend, at least eight blank columns, then the frame of the
+    // axes.
     let legend_end = (0..blank.len()).rev().find(|&x| !blank[x]).unwrap();
     let gap = (8..legend_end).rev().find(|&x| blank[x - 8..x].iter().all(|&b| b)).unwrap();
     assert!(legend_end < blank.len() - 5 && legend_end - gap > 150);
@@ -315,7 +316,8 @@ fn a_guide_runs_through_the_middle_at_its_slope() {
         .filter(|&(x, y)| before[y][x] != after[y][x])
         .collect();
     assert!(changed.len() > 100);
-    // Both axes have as many decades: an order of 1 is a diagonal. Its label, far from the curves, is in the middle.
+    // Both axes have as many decades: an order of 1 is a diagonal. Its label, far from the curves,
+    // is in the middle.
     for part in [0.2..0.3, 0.7..0.8] {
         let there: Vec<_> = changed.iter().filter(|(x, _)| part.contains(&(*x as f64 / wide))).collect();
         assert!(!there.is_empty());
@@ -353,7 +355,8 @@ fn chart(values: Vec<f64>) -> GrowthMap {
     }
 }
 
-/// Whether a pixel of a colour lies within so many pixels of a place, in shares of the width and, upwards, the height.
+/// Whether a pixel of a colour lies within so many pixels of a place, in shares of the width and,
+/// upwards, the height.
 fn has(picture: &[Vec<[u8; 3]>], (x, y): (f64, f64), near: usize, colour: impl Fn(&[u8; 3]) -> bool) -> bool {
     let (x, y) = ((x * picture[0].len() as f64) as usize, ((1.0 - y) * picture.len() as f64) as usize);
     let rows = &picture[y.saturating_sub(near)..(y + near).min(picture.len())];
@@ -543,7 +546,8 @@ fn logarithmic_panels_place_points_by_their_logarithms() {
         ..Panel::default()
     };
     let draw = |panel: Panel| panels(&Panels::column("Suprema", vec![panel], CAPTION));
-    // Axes end at the next 1, 2 or 5: 0.5e-4 to 2 and 0.5e-2 to 2e4, on which these lie in the middle.
+    // Axes end at the next 1, 2 or 5: 0.5e-4 to 2 and 0.5e-2 to 2e4, on which these lie in the
+    // middle.
     let picture = inside(&draw(panel(&[(1e-4, 1e-2), (1e-2, 10.0), (1.0, 1e4)])).unwrap());
     let from = |x: f64, low: f64, high: f64| (x / low).log10() / (high / low).log10();
     assert!(has(&picture, (from(1e-2, 0.5e-4, 2.0), from(10.0, 0.5e-2, 2e4)), 5, blue));

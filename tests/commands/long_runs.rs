@@ -1,4 +1,5 @@
-//! Long runs: legs and checkpoints, the same bits after an interruption, real kills, signals, disks that are full, and what stops a run.
+//! Long runs: legs and checkpoints, the same bits after an interruption, real kills, signals, disks
+//! that are full, and what stops a run.
 
 use hertzchain::{
     Error,
@@ -59,7 +60,8 @@ fn a_run_that_is_interrupted_has_the_bits_of_one_that_is_not() {
     }
 }
 
-/// Truth: the same run in one leg. Contacts at the front of the wave, whose overlaps are roundings of the others, count as none.
+/// Truth: the same run in one leg. Contacts at the front of the wave, whose overlaps are roundings
+/// of the others, count as none.
 #[test]
 fn contacts_are_joined_over_legs() {
     let scene = cradle();
@@ -221,7 +223,8 @@ mod processes {
         Command::new(PROGRAM).args(args).output().unwrap()
     }
 
-    /// The files of a folder, but for how long things took. Checkpoints are compared by what comes of them.
+    /// The files of a folder, but for how long things took. Checkpoints are compared by what comes
+    /// of them.
     fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
         let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -252,7 +255,8 @@ mod processes {
         }
     }
 
-    /// A command with a folder that takes `--out`; how to go on, and whether there is something to go on from.
+    /// A command with a folder that takes `--out`; how to go on, and whether there is something to
+    /// go on from.
     struct Study<'a> {
         args: &'a [&'a str],
         resume: Option<(&'a [&'a str], &'a str)>,
@@ -487,7 +491,8 @@ mod processes {
         assert!(matches!(code, Some(130 | 0)), "{code:?}");
     }
 
-    /// Lets files grow to this many blocks and no further: writing fails in the middle, as on a full disk.
+    /// Lets files grow to this many blocks and no further: writing fails in the middle, as on a
+    /// full disk.
     fn limited(blocks: u32, args: &[&str]) -> Output {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         Command::new("sh").args(["-c", &script, PROGRAM]).args(args).output().unwrap()
@@ -574,7 +579,8 @@ mod processes {
     const SCENE: &str = "name = \"guards\"\n[chain]\nsites = 5\nalpha = 1.5\nkappa = 1.0\nrho = 1.0\nboundary = \"fixed\"\n\
         [initial]\nkind = \"single-bead\"\nsite = 2\ndisplacement = 1.0\n[span]\nuntil = 10.0\n[record]\nsamples = 10\n";
 
-    /// Runs that scene with another displacement: exit code, what it said, and the lines of energy.csv.
+    /// Runs that scene with another displacement: exit code, what it said, and the lines of
+    /// energy.csv.
     fn guarded(displacement: &str, how: &[&str]) -> (Option<i32>, String, Option<usize>) {
         let folder = tempfile::tempdir().unwrap();
         let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));

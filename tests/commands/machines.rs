@@ -1,10 +1,12 @@
-//! What another machine changes: vector instructions nothing, the system's `sin`, `cos` and `powf` the last bits.
+//! What another machine changes: vector instructions nothing, the system's `sin`, `cos` and `powf`
+//! the last bits.
 
 use hertzchain::run::method::Method;
 use hertzchain_integrators::Instructions;
 use std::{fs, path::Path, process::Command};
 
-/// Makes the system's library take its code for processors without fused multiplication; systems without GNU's library ignore it.
+/// Makes the system's library take its code for processors without fused multiplication; systems
+/// without GNU's library ignore it.
 const NARROW_LIBRARY: (&str, &str) =
     ("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable");
 
@@ -47,7 +49,8 @@ fn every_set_of_instructions_has_the_same_bits_and_another_library_changes_the_l
             if alpha == 1.7 {
                 let (here, there) = (numbers(&ends[0]), numbers(&end(&path, method, &[], Some(NARROW_LIBRARY))));
                 let difference = here.iter().zip(&there).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
-                // Beads are at 0.2 at most. Measured: 6e-17 with fixed steps, 1.4e-15 with adaptive ones, which hang on the last bit.
+                // Beads are at 0.2 at most. Measured: 6e-17 with fixed steps, 1.4e-15 with adaptive
+                // ones, which hang on the last bit.
                 let bound = if method.adaptive() { 3e-15 } else { 1.5e-16 };
                 assert!(difference < bound, "{}: {difference:e}", method.name());
             }

@@ -1,4 +1,5 @@
-//! The command line, its files and its figures. One binary for all of them: what is generic is compiled once.
+//! The command line, its files and its figures. One binary for all of them: what is generic is
+//! compiled once.
 
 mod bad_files;
 mod cli;

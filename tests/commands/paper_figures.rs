@@ -1,4 +1,5 @@
-//! `hertzchain paper figures`: every file is there, the numbers are those of `wave`, and one failure does not cost the others.
+//! `hertzchain paper figures`: every file is there, the numbers are those of `wave`, and one
+//! failure does not cost the others.
 #![cfg(feature = "cli")]
 
 use hertzchain::{
@@ -33,7 +34,8 @@ fn rows(csv: &str) -> Vec<Vec<f64>> {
     csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
 
-/// With what says where a picture comes from; without pictures if there is nothing to draw them with.
+/// With what says where a picture comes from; without pictures if there is nothing to draw them
+/// with.
 fn expected(names: &[&str]) -> BTreeSet<String> {
     let origins = names.iter().filter_map(|name| Some(format!("{}.json", name.strip_suffix(".png")?)));
     let drawn = names.iter().filter(|name| cfg!(feature = "plot") || !name.ends_with(".png"));
@@ -197,7 +199,8 @@ fn reference(center: &str) -> Vec<(i64, f64)> {
     mine.map(|cells| (cells[2].parse().unwrap(), cells[3].parse().unwrap())).collect()
 }
 
-// Truth: the numbers that Sec. 5 quotes, the homoclinic from shooting with 1000 digits; norms as two methods agree on them in tests/experiments/breathers.rs.
+// Truth: the numbers that Sec. 5 quotes, the homoclinic from shooting with 1000 digits; norms as
+// two methods agree on them in tests/experiments/breathers.rs.
 #[test]
 fn the_long_lived_breather_has_the_numbers_of_the_paper() {
     let (folder, captions) = drawn("long-lived-breather");
@@ -226,7 +229,8 @@ fn the_long_lived_breather_has_the_numbers_of_the_paper() {
     }
 }
 
-// Truth: shooting with 1000 digits; ln b_{n+1} / ln b_n -> alpha. Measured: 6.7e-16 from ln alpha at the end.
+// Truth: shooting with 1000 digits; ln b_{n+1} / ln b_n -> alpha. Measured: 6.7e-16 from ln alpha
+// at the end.
 #[test]
 fn homoclinics_fall_doubly_exponentially() {
     let (folder, captions) = drawn("homoclinics");
@@ -251,8 +255,9 @@ fn homoclinics_fall_doubly_exponentially() {
     }
 }
 
-// Truth: the powers of Theorem 1, alpha, alpha, 2 alpha - 1, in all norms; less by alpha - 1 with light resonators. Measured over the last decade: at most
-// 0.016 off at alpha = 3/2, 0.0014 at alpha = 2.
+// Truth: the powers of Theorem 1, alpha, alpha, 2 alpha - 1, in all norms; less by alpha - 1 with
+// light resonators. Measured over the last decade: at most 0.016 off at alpha = 3/2, 0.0014 at
+// alpha = 2.
 #[test]
 fn suprema_have_the_slopes_of_the_theorem() {
     let (folder, _) = drawn("theorem-bounds");
@@ -277,9 +282,10 @@ fn suprema_have_the_slopes_of_the_theorem() {
     assert_eq!(files(folder.path()), expected(&names.iter().map(String::as_str).collect::<Vec<_>>()));
 }
 
-// Truth: the symmetry about the bond, and the long-lived breather of the command `breather bright`, whose v at the end is no more than half a period of drift from the
-// mean: v' is at most epsilon^2 E_v', that is 1.3e-5. At first the swing is that of the ansatz, 2 epsilon a^2.
-// Measured: 2.4 % off in the first period, at the outer sites.
+// Truth: the symmetry about the bond, and the long-lived breather of the command `breather bright`,
+// whose v at the end is no more than half a period of drift from the mean: v' is at most epsilon^2
+// E_v', that is 1.3e-5. At first the swing is that of the ansatz, 2 epsilon a^2. Measured: 2.4 %
+// off in the first period, at the outer sites.
 #[test]
 fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
     let (folder, _) = drawn("bright-breather-spacetime");
@@ -303,11 +309,13 @@ fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
     let apart = |n: usize| (v[254][n + 1] - end[n].as_f64().unwrap()).abs();
     let worst = (0..40).map(apart).fold(0.0, f64::max);
     println!("{worst:e}");
-    // Half a period, and the 0.2 periods that are left after the last: at most 5.5e-5. Measured: 5.1e-6.
+    // Half a period, and the 0.2 periods that are left after the last: at most 5.5e-5. Measured:
+    // 5.1e-6.
     assert!(worst < 1e-5, "{worst:e}");
 }
 
-// Truth: the command `study lifetimes` at one point; for the breather of the paper also `breather bright`, on 40 sites, that takes a tenth of what the core had at first.
+// Truth: the command `study lifetimes` at one point; for the breather of the paper also `breather
+// bright`, on 40 sites, that takes a tenth of what the core had at first.
 #[test]
 fn the_map_of_lifetimes_is_that_of_lifetimes() {
     let (folder, captions) = drawn("lifetime-map");
@@ -432,7 +440,8 @@ fn figures_of_orbits_have_the_numbers_of_their_commands() {
     assert_eq!(last.setting.omega_b, 2.086);
     let run = evolve(last, 100.0, None, &shooting, &|_, _| {}).unwrap();
     assert_eq!(errors.last(), run.e_b.last());
-    // The largest strain of the background in every period is K_x, but for the time between samples.
+    // The largest strain of the background in every period is K_x, but for the time between
+    // samples.
     let sites = last.setting.sites;
     let k_x = branch.points.last().unwrap().extent.k_x;
     assert_eq!(run.swing.x.len(), sites * (run.times.len() - 1));
@@ -461,7 +470,8 @@ fn figures_of_orbits_have_the_numbers_of_their_commands() {
     }
 }
 
-// Truth: what the paper says of Fig. r3evol, and the symmetry of the mode about the bond between n = 0 and 1.
+// Truth: what the paper says of Fig. r3evol, and the symmetry of the mode about the bond between
+// n = 0 and 1.
 #[test]
 fn figures_of_sec_7_show_what_their_captions_say() {
     let (folder, captions) = drawn("period-doubling-mode,rho3-evolution");
@@ -478,7 +488,8 @@ fn figures_of_sec_7_show_what_their_captions_say() {
         let last = errors.last().unwrap();
         let told = format!("E_b({:.0}) = {:.1e}", last[0], last[1]).replace('-', "\u{2212}").replace("e0", "");
         assert!(captions[1].contains(&told), "{told}: {}", captions[1]);
-        // The paper has the site-centred one at t = 1500 and the other on its way. Measured: 1.5e-11, and 2.
+        // The paper has the site-centred one at t = 1500 and the other on its way. Measured:
+        // 1.5e-11, and 2.
         assert!(if returns { last[1] < 3e-11 } else { last[1] > 1.0 }, "{center}: {last:?}");
         let (_, swing) = read(folder.path(), &format!("rho3-evolution-{center}-1.2547-x.csv"));
         assert_eq!((swing.len(), swing[0].len()), (errors.len() - 1, 42));

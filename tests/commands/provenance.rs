@@ -1,4 +1,5 @@
-//! Every folder of results says what made them: program and version, scene or parameters, integrator and settings, seed.
+//! Every folder of results says what made them: program and version, scene or parameters,
+//! integrator and settings, seed.
 
 use hertzchain::output::Archive;
 use serde_json::Value;

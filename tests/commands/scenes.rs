@@ -1,4 +1,5 @@
-//! Scenes as people write them: the template, what may be left out, and keys changed on the command line.
+//! Scenes as people write them: the template, what may be left out, and keys changed on the command
+//! line.
 #![cfg(feature = "cli")]
 
 use hertzchain::scene::{Initial, Record, Scene, SceneFile};
@@ -26,7 +27,8 @@ fn refusal(args: &[&str]) -> String {
     text
 }
 
-/// The keys that a table of a scene may have, as the reader names them to somebody who writes another.
+/// The keys that a table of a scene may have, as the reader names them to somebody who writes
+/// another.
 fn keys(text: &str) -> Vec<String> {
     let error = SceneFile::parse(text, "keys").unwrap_err().to_string();
     let known = error.split("expected one of ").nth(1).or(error.split("expected ").nth(1));
@@ -127,7 +129,8 @@ fn name_springs_masses_and_samples_may_be_left_out() {
         let text = BARE.replace("alpha = 1.5\n", &format!("alpha = 1.5\n{chain}")).replace("until = 10.0\n", span);
         Scene::parse(&text, "a.toml").unwrap().samples()
     };
-    // A period by the frequency of the resonators, or one that is said: 16 a period, from 400 to 10^4.
+    // A period by the frequency of the resonators, or one that is said: 16 a period, from 400 to
+    // 10^4.
     assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 100\n"), 1600);
     assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 3\n"), 400);
     assert_eq!(samples("kappa = 1.0\nrho = 1.0\n", "periods = 1e6\n"), Record::MOST_SAMPLES);

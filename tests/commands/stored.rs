@@ -1,7 +1,9 @@
-//! What `--json` prints, key by key and number by number, against a stored set (`tests/reference/json`).
+//! What `--json` prints, key by key and number by number, against a stored set
+//! (`tests/reference/json`).
 //!
-//! The set guards against changes of the house: whoever changes a number or a key on purpose makes it again with
-//! `HERTZCHAIN_STORE=1 cargo test --release --test commands stored` and says why in the commit. Keys may be added.
+//! The set guards against changes of the house: whoever changes a number or a key on purpose makes
+//! it again with `HERTZCHAIN_STORE=1 cargo test --release --test commands stored` and says why in
+//! the commit. Keys may be added.
 #![cfg(feature = "cli")]
 
 use serde_json::Value;
@@ -32,8 +34,8 @@ const SET: [(&str, &str); 22] = [
     ("verify-3", "paper verify --section 3"),
     ("verify-6", "paper verify --section 6"),
 ];
-/// Two numbers are equal when they differ by less than this share of the larger: the libraries of two systems round sines
-/// and powers differently, and solvers carry that along.
+/// Two numbers are equal when they differ by less than this share of the larger: the libraries of
+/// two systems round sines and powers differently, and solvers carry that along.
 const SAME: f64 = 1e-6;
 /// Numbers below this are rounding (residuals, errors at the floor), and only their size is.
 const ROUNDING: f64 = 1e-9;

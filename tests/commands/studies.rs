@@ -1,4 +1,5 @@
-//! Studies as people and machines use them: `study scaling`, `study drift`, breathers and their branches.
+//! Studies as people and machines use them: `study scaling`, `study drift`, breathers and their
+//! branches.
 #![cfg(feature = "cli")]
 
 use serde_json::Value;
@@ -39,7 +40,8 @@ fn row<'a>(study: &'a Value, integrator: &str, sites: u64) -> &'a Value {
     rows.find(|row| row["integrator"] == integrator && row["sites"] == sites).unwrap()
 }
 
-// Measured: collocation 820, 1150, 1530 for 10, 50, 500 sites; dop853-regularised 5259 and 19383 for 10 and 50.
+// Measured: collocation 820, 1150, 1530 for 10, 50, 500 sites; dop853-regularised 5259 and 19383
+// for 10 and 50.
 #[test]
 fn scaling_json_keeps_its_contract_and_collocation_works_no_more_a_bond_on_a_longer_ring() {
     let study = json(&["study", "scaling", "--sites", "500,10,50", "--seed", "7", "--max-time", "1", "--json"]);
@@ -104,7 +106,8 @@ fn drift_json_keeps_its_contract() {
             row["slope"].is_f64() && row["wall"].is_f64() && row["setting"].is_string() && row["failure"].is_null()
         );
     }
-    // The tolerance of the first is 1e-13; 64 kicks a period of the others see contacts that last a tenth of it.
+    // The tolerance of the first is 1e-13; 64 kicks a period of the others see contacts that last a
+    // tenth of it.
     let last = |row: &Value| numbers(&row["energy_error"])[39];
     assert!(last(&rows[0]) < 1e-12, "{:e}", last(&rows[0]));
     assert!(rows[1..].iter().all(|row| (1e-6..0.1).contains(&last(row))));
@@ -140,7 +143,8 @@ fn drift_writes_table_csv_json_and_png() {
     assert_eq!(png.is_ok_and(|png| png.starts_with(b"\x89PNG")), cfg!(feature = "plot"));
 }
 
-// Between walls and pressed by 10, the contacts swing at about 4; 64 steps of a "period" of 100 are unstable.
+// Between walls and pressed by 10, the contacts swing at about 4; 64 steps of a "period" of 100 are
+// unstable.
 #[test]
 fn a_method_that_fails_keeps_what_it_had() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Contact-corrected splitting: order four through contacts, against quadruple precision and collocation.
+//! Contact-corrected splitting: order four through contacts, against quadruple precision and
+//! collocation.
 
 use hertzchain::{
     chain::{Bonded, Boundary, Chain, Contact, KineticFlow, LinearFlow, Params, Site, SiteFlow, State},
@@ -83,7 +84,8 @@ fn slope(errors: &[(u64, f64)]) -> f64 {
     (first / last).ln() / (m as f64 / n as f64).ln()
 }
 
-/// The end of the order study's chain of six beads in double-double, checked against Taylor series in 45 digits.
+/// The end of the order study's chain of six beads in double-double, checked against Taylor series
+/// in 45 digits.
 fn stored(alpha: f64) -> Vec<f64> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/chain-6-alpha-{alpha}.json"));
     let value: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
@@ -97,7 +99,8 @@ fn six(alpha: f64) -> (Chain<f64>, Vec<f64>) {
     (chain, y)
 }
 
-/// Errors at steps that share no factor, each the root mean square of five: where events fall in a step is chance.
+/// Errors at steps that share no factor, each the root mean square of five: where events fall in a
+/// step is chance.
 fn ladder(run: impl Fn(u64) -> f64, steps: &[u64]) -> Vec<(u64, f64)> {
     let at = |n: u64| {
         let shares = [1.0, 1.021, 1.043, 1.064, 1.087].map(|share| (n as f64 * share).round() as u64);
@@ -108,7 +111,8 @@ fn ladder(run: impl Fn(u64) -> f64, steps: &[u64]) -> Vec<(u64, f64)> {
 
 #[test]
 fn order_four_through_contacts_for_every_exponent_and_both_splits() {
-    // Truth: double-double for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From 1e-4 or so down to 1e-12.
+    // Truth: double-double for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From 1e-4 or so
+    // down to 1e-12.
     for alpha in [1.1, 1.2, 1.5, 2.0, 2.5, 3.0] {
         let (chain, y) = six(alpha);
         let truth = if alpha >= 1.5 { stored(alpha) } else { by_collocation(&chain, &y, 12.0, 1e-14) };
@@ -137,7 +141,8 @@ fn either_part_alone_meets_the_wall_of_contacts_or_keeps_order_two() {
 
 #[test]
 fn the_travelling_wave_has_the_errors_that_were_asked_for() {
-    // Truth: collocation at 1e-14, which quadruple precision bears out to 1e-13. Bounds: those of the issue, twice a prototype's.
+    // Truth: collocation at 1e-14, which quadruple precision bears out to 1e-13. Bounds: those of
+    // the issue, twice a prototype's.
     let scene = Scene::load("tw-q15").unwrap();
     let amplitude = scene.amplitude().unwrap();
     let (chain, y, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
@@ -164,7 +169,8 @@ fn beads_that_touch_at_rest_keep_the_order() {
     }
 }
 
-/// A chain of some boundary, model, exponent, spring constant and mass ratio, with a state that opens and closes contacts.
+/// A chain of some boundary, model, exponent, spring constant and mass ratio, with a state that
+/// opens and closes contacts.
 fn random_chain(seed: u64) -> (Chain<f64>, Vec<f64>, String) {
     let mut next = random(seed);
     let mut share = move || 0.5 * (next() + 1.0);
@@ -188,8 +194,9 @@ fn random_chain(seed: u64) -> (Chain<f64>, Vec<f64>, String) {
 
 #[test]
 fn random_chains_keep_the_order() {
-    // Truth: collocation at 1e-13. Steps from a fortieth of the fastest period on: there the order has set in, and halving the step divides the error by
-    // sixteen but for chance. The last of three errors against the first: 256 if there were none.
+    // Truth: collocation at 1e-13. Steps from a fortieth of the fastest period on: there the order
+    // has set in, and halving the step divides the error by sixteen but for chance. The last of
+    // three errors against the first: 256 if there were none.
     let mut worst: f64 = f64::INFINITY;
     for seed in 0..60 {
         let (chain, y, what) = random_chain(seed);
@@ -211,7 +218,8 @@ fn random_chains_keep_the_order() {
 
 #[test]
 fn states_near_events_and_between_kicks_are_as_good_as_others() {
-    // Three beads, one onset at t_e in bond 1; ends at x steps from it, and starts there. Truth: collocation.
+    // Three beads, one onset at t_e in bond 1; ends at x steps from it, and starts there. Truth:
+    // collocation.
     for alpha in [1.1, 1.5, 2.0] {
         let chain = Chain::new(Params::new(alpha, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 3).unwrap();
         let site = |i: usize| {
@@ -383,8 +391,9 @@ fn what_the_method_does_not_serve_is_refused() {
 }
 #[test]
 fn no_run_of_a_family_that_passes_through_grazing_contacts_stands_out() {
-    // Runs on a line of initial states: some touch for less than a step, others have an event next to a kick. Truth: collocation at 1e-13. Without what turning
-    // points are given, and with kicks worth their modified force next to events, the largest error is 74 and 8 times the median.
+    // Runs on a line of initial states: some touch for less than a step, others have an event next
+    // to a kick. Truth: collocation at 1e-13. Without what turning points are given, and with kicks
+    // worth their modified force next to events, the largest error is 74 and 8 times the median.
     for seed in [1, 4] {
         let mut next = random(seed);
         let sites: Vec<[f64; 4]> = (0..5).map(|_| [next(), next(), next(), next()]).collect();

@@ -16,7 +16,8 @@ pub(crate) struct BreatherArgs {
 pub(crate) enum BreatherAction {
     /// The long-lived bright breather on the chain, against its ansatz.
     ///
-    /// The breather of the DpS equation put on the chain: how far the chain gets from it, and what becomes of it.
+    /// The breather of the DpS equation put on the chain: how far the chain gets from it, and what
+    /// becomes of it.
     #[command(after_long_help = "\
 Example:
   hertzchain breather bright --center bond --epsilon 0.01 --rho 1000")]

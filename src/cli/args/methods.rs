@@ -19,17 +19,18 @@ pub(crate) struct RunArgs {
     pub(crate) set: Changes,
     /// Integrator; `hertzchain integrators` lists all.
     ///
-    /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without any of these: the method
-    /// that the scene names; else the exact solution, where one is known; else what the regime asks for, which is
-    /// collocation, or strang-linear where omega is above 10^4 times the frequency of contacts. Which one, and why, is said
-    /// on stderr.
+    /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without
+    /// any of these: the method that the scene names; else the exact solution, where one is known;
+    /// else what the regime asks for, which is collocation, or strang-linear where omega is above
+    /// 10^4 times the frequency of contacts. Which one, and why, is said on stderr.
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// For collocation: of the whole run, relative to the size of the state. For corrected and corrected-kinetic: of the
-    /// state at the end, from 1e-13; steps come from runs over the whole span. For dop853: of a step, relative, and
-    /// absolute in units of the largest entry of the initial state [default: 1e-10].
+    /// For collocation: of the whole run, relative to the size of the state. For corrected and
+    /// corrected-kinetic: of the state at the end, from 1e-13; steps come from runs over the whole
+    /// span. For dop853: of a step, relative, and absolute in units of the largest entry of the
+    /// initial state [default: 1e-10].
     #[arg(long, value_name = "T")]
     pub(crate) tol: Option<f64>,
     /// Steps a period of the scene, for splitting schemes [default: 512].
@@ -58,8 +59,8 @@ pub(crate) struct RunArgs {
     pub(crate) samples: Option<usize>,
     /// Log every contact.
     ///
-    /// Onset, release, speeds, largest overlap and impulse; totals in the summary, and with --out contacts.csv,
-    /// contacts.npz and contacts.png.
+    /// Onset, release, speeds, largest overlap and impulse; totals in the summary, and with --out
+    /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
     /// Say what this scene needs and what is left out, and stop.
@@ -72,13 +73,14 @@ pub(crate) struct RunArgs {
     pub(crate) out: Option<PathBuf>,
     /// Run in legs of this length and keep each in checkpoint.npz.
     ///
-    /// In units of time; the file is in the folder of --out. A run that was stopped goes on by --resume and ends with the
-    /// same bits. Every leg starts the method anew.
+    /// In units of time; the file is in the folder of --out. A run that was stopped goes on by
+    /// --resume and ends with the same bits. Every leg starts the method anew.
     #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.
     ///
-    /// A file checkpoint.npz; the results are written beside it. A scene or an integrator given with it must be its own.
+    /// A file checkpoint.npz; the results are written beside it. A scene or an integrator given
+    /// with it must be its own.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["checkpoint", "steps_per_period", "step", "tol", "windows_per_period", "nodes", "until", "samples", "set", "out", "plan"])]
     pub(crate) resume: Option<PathBuf>,
     /// Print JSON instead of text.

@@ -1,7 +1,8 @@
 //! Commands, and the flags of those that are no studies.
 //!
-//! The first paragraph of a comment is what `-h` prints, the whole is what `--help` prints. A flag that several commands
-//! have is said in the same words by each; what differs between commands stands in the second paragraph.
+//! The first paragraph of a comment is what `-h` prints, the whole is what `--help` prints. A flag
+//! that several commands have is said in the same words by each; what differs between commands
+//! stands in the second paragraph.
 
 mod breathers;
 mod methods;
@@ -26,9 +27,10 @@ const COLUMNS: usize = 79;
 
 /// Nonlinear waves in locally resonant Hertzian chains.
 ///
-/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, measures which integrator buys which error
-/// for which run time, and computes the waves and breathers of the paper. All quantities are dimensionless, in the units
-/// of the paper: bead mass 1, contact constant 1.
+/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, measures which
+/// integrator buys which error for which run time, and computes the waves and breathers of the
+/// paper. All quantities are dimensionless, in the units of the paper: bead mass 1, contact
+/// constant 1.
 #[derive(Parser)]
 #[command(
     version,
@@ -69,14 +71,15 @@ fn instructions(text: &str) -> Result<Instructions, String> {
 pub(super) enum Command {
     /// Run one scene with one integrator.
     ///
-    /// Prints time, energy and work at the end of the run; with --out it also writes the state, energies and strains at the
-    /// sample times, and pictures.
+    /// Prints time, energy and work at the end of the run; with --out it also writes the state,
+    /// energies and strains at the sample times, and pictures.
     #[command(after_long_help = RUN_EXAMPLES)]
     Run(RunArgs),
     /// Compare integrators on a scene: error against run time.
     ///
-    /// Every integrator runs with finer and finer steps until the time is used up. Errors are those of the strains at the
-    /// end, against a reference by two methods. The table ends with the fastest run at each error.
+    /// Every integrator runs with finer and finer steps until the time is used up. Errors are those
+    /// of the strains at the end, against a reference by two methods. The table ends with the
+    /// fastest run at each error.
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(Told<Compare>),
     /// List the built-in scenes, show one as TOML, or print a template.
@@ -93,8 +96,8 @@ Examples:
     Study(StudyArgs),
     /// Run a travelling wave against its ansatz; modulations of a wave.
     ///
-    /// Runs a travelling wave on the chain and holds it against its first-order ansatz; perturbs it and sees whether it is
-    /// stable. `wave modulation` gives the growth of its modulations.
+    /// Runs a travelling wave on the chain and holds it against its first-order ansatz; perturbs it
+    /// and sees whether it is stable. `wave modulation` gives the growth of its modulations.
     #[command(after_long_help = WAVE_EXAMPLES)]
     Wave(WaveArgs),
     /// Breathers: bright, trivial and dark, and branches of dark ones.

@@ -21,15 +21,16 @@ Examples:
     Figures(FiguresArgs),
     /// Hold every number in the text of the paper against ours.
     ///
-    /// For every number in Sec. 3 to 7: what the paper says, what we get, the verdict, and why if they differ. Exit code 0:
-    /// every verdict is the one that is known, also where the paper is known to differ, and our numbers there are what
-    /// they were. Exit code 1: one is not, or a run failed.
+    /// For every number in Sec. 3 to 7: what the paper says, what we get, the verdict, and why if
+    /// they differ. Exit code 0: every verdict is the one that is known, also where the paper is
+    /// known to differ, and our numbers there are what they were. Exit code 1: one is not, or a run
+    /// failed.
     #[command(after_long_help = "Example:\n  hertzchain paper verify --section 3 --out out/verify")]
     Verify(VerifyArgs),
     /// Run everything in its short form and write one HTML page.
     ///
-    /// The page stands alone: tables, pictures, captions, the machine and the version. Files are what this command is for:
-    /// without --out they go to out/report.
+    /// The page stands alone: tables, pictures, captions, the machine and the version. Files are
+    /// what this command is for: without --out they go to out/report.
     #[command(after_long_help = "\
 Examples:
   hertzchain paper report --out out/report

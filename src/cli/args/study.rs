@@ -16,8 +16,9 @@ pub(crate) struct StudyArgs {
 pub(crate) enum StudyAction {
     /// Measure the order of every method through contacts.
     ///
-    /// Methods that cross contacts, land on them, correct for them, and that are regularised: errors of the state and of its
-    /// derivative by the initial state, and their slopes beside theory.
+    /// Methods that cross contacts, land on them, correct for them, and that are regularised:
+    /// errors of the state and of its derivative by the initial state, and their slopes beside
+    /// theory.
     #[command(after_long_help = "Example:\n  hertzchain study order --alpha 2 --out out/order")]
     Order(Told<OrderOptions>),
     /// Measure run time per bond and period against the number of sites.
@@ -28,10 +29,10 @@ pub(crate) enum StudyAction {
     Drift(Told<Drift>),
     /// Chart the stability of the integrators over extreme chains.
     ///
-    /// Over light resonators and resonances, contact stiffness, exponent, length and run length. Every point is a method on
-    /// a variant of the chain: stable, drifting or lost, its energy error, the largest step that keeps it below 1e-3 and
-    /// 1e-6, and what that costs. With --out points are kept as they are computed: a run that was killed goes on where it
-    /// was.
+    /// Over light resonators and resonances, contact stiffness, exponent, length and run length.
+    /// Every point is a method on a variant of the chain: stable, drifting or lost, its energy
+    /// error, the largest step that keeps it below 1e-3 and 1e-6, and what that costs. With --out
+    /// points are kept as they are computed: a run that was killed goes on where it was.
     #[command(after_long_help = "\
 Example:
   hertzchain study stability --charts light,resonances --quick \\
@@ -39,30 +40,33 @@ Example:
     Stability(Told<Charts>),
     /// Theorem 1 as an experiment that could fail.
     ///
-    /// Does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says? Runs the chain
-    /// with kappa = 1 and free ends at each epsilon, takes the suprema over 0 <= t <= T epsilon^(1-alpha) of the four errors
-    /// (estimu), (estimv) in l_1, l_2 and l_inf over samples, divides them by epsilon^alpha (u with u', v) and
-    /// epsilon^(2 alpha-1) (v'), and gives the local slopes d ln sup / d ln epsilon. Exit code 1 if the outcome contradicts
-    /// the theorem: its law of rho, and the verdict "violated".
+    /// Does the DpS equation describe the chain with heavy resonators as well, and for as long, as
+    /// it says? Runs the chain with kappa = 1 and free ends at each epsilon, takes the suprema over
+    /// 0 <= t <= T epsilon^(1-alpha) of the four errors (estimu), (estimv) in l_1, l_2 and l_inf
+    /// over samples, divides them by epsilon^alpha (u with u', v) and epsilon^(2 alpha-1) (v'), and
+    /// gives the local slopes d ln sup / d ln epsilon. Exit code 1 if the outcome contradicts the
+    /// theorem: its law of rho, and the verdict "violated".
     #[command(after_long_help = theorem_help())]
     Theorem(Told<TheoremOptions>),
     /// Measure how long bright breathers live, over a map.
     ///
     /// The breather u(0) = 2 epsilon a, over its size epsilon and the mass ratio rho.
     ///
-    /// Three criteria, each with its own time; a run is followed until all are met or to the cap. `energy`: the core, the
-    /// fewest sites that hold 0.999 of the sum of a_n^2, has less than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is
-    /// above 0.5, A = u + i u' of the chain and of the ansatz u~ = 2 epsilon a cos(Omega_b t); the phase counts, and a drift
-    /// of it by half a radian suffices, long before anything is radiated. `frequency`: the central bead against its
-    /// resonator, over four periods, swings with a frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. A run that
-    /// does not get there says: not before t.
+    /// Three criteria, each with its own time; a run is followed until all are met or to the cap.
+    /// `energy`: the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less than 0.9
+    /// of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, A = u + i u' of the chain and of
+    /// the ansatz u~ = 2 epsilon a cos(Omega_b t); the phase counts, and a drift of it by half a
+    /// radian suffices, long before anything is radiated. `frequency`: the central bead against its
+    /// resonator, over four periods, swings with a frequency nearer to omega = sqrt(1 + 1/rho) than
+    /// to Omega_b. A run that does not get there says: not before t.
     ///
-    /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are at work. `decouples`:
-    /// before that, bonds of the core come to be closed less than 1/3 of the time: gaps open, sites swing for themselves,
-    /// energy stays. `persists`: neither before the cap.
+    /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds
+    /// are at work. `decouples`: before that, bonds of the core come to be closed less than 1/3 of
+    /// the time: gaps open, sites swing for themselves, energy stays. `persists`: neither before
+    /// the cap.
     ///
-    /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed goes on where it was, and
-    /// another criterion or a larger map computes only what is new.
+    /// With --out points are kept as they are computed, in lifetimes.store: a run that was killed
+    /// goes on where it was, and another criterion or a larger map computes only what is new.
     #[command(after_long_help = "\
 Example:
   hertzchain study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map")]

@@ -1,4 +1,5 @@
-//! Breathers on the chain (Sec. 5): the long-lived bright one against its ansatz, and what becomes of it; the trivial one against an integrator.
+//! Breathers on the chain (Sec. 5): the long-lived bright one against its ansatz, and what becomes
+//! of it; the trivial one against an integrator.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -211,7 +212,8 @@ const TRIVIAL_INTEGRATOR: &str = "Integrator; `hertzchain integrators` lists all
                                   One that takes a tolerance, to hold the closed form against.";
 
 impl Trivial {
-    /// The scene with what is given: each number replaces what the scene says of the same thing in another way.
+    /// The scene with what is given: each number replaces what the scene says of the same thing in
+    /// another way.
     fn scene(&self) -> Result<Scene> {
         let scene = super::scene(&self.scene, &self.set)?;
         let scene = if self.changes() { self.changed(&scene)? } else { scene };
@@ -280,9 +282,11 @@ pub struct Kink {
     pub height_u: f64,
     /// `max v_n - min v_n`.
     pub height_v: f64,
-    /// `v` of the last bead before the centre and the first behind it: of the two in the middle, or of the neighbours of the middle one.
+    /// `v` of the last bead before the centre and the first behind it: of the two in the middle, or
+    /// of the neighbours of the middle one.
     pub jump_v: f64,
-    /// `u` of the last bead less that of the first: zero until what the breather sends out comes to the ends.
+    /// `u` of the last bead less that of the first: zero until what the breather sends out comes to
+    /// the ends.
     pub between_ends_u: f64,
     /// `v` of the last bead less that of the first.
     pub between_ends_v: f64,
@@ -312,7 +316,8 @@ pub struct BrightStudy {
     pub profiles: Vec<Shown>,
     /// At the end.
     pub kink: Kink,
-    /// When the share of the core first falls to 0.9 of what it was at the start, between samples by interpolation.
+    /// When the share of the core first falls to 0.9 of what it was at the start, between samples
+    /// by interpolation.
     pub tenth_left: Option<f64>,
     /// Largest relative change of the energy.
     pub energy_error: f64,
@@ -352,11 +357,13 @@ impl BrightStudy {
 
 /// Runs the bright breather of a scene. `progress` is told the share of the run that is done.
 ///
-/// `samples_per_period`, from 1 to 1000, are for largest values and the time at which energy has left: with 20, in the run of the paper, largest norms are
-/// at most 0.6 % below those with 400, and the time is the same to four digits.
+/// `samples_per_period`, from 1 to 1000, are for largest values and the time at which energy has
+/// left: with 20, in the run of the paper, largest norms are at most 0.6 % below those with 400,
+/// and the time is the same to four digits.
 ///
 /// # Errors
-/// A scene of another kind, a method that takes no tolerance, an option outside its rule, a run that fails.
+/// A scene of another kind, a method that takes no tolerance, an option outside its rule, a run
+/// that fails.
 pub fn bright_breather(
     scene: &Scene,
     options: &BreatherOptions,
@@ -411,16 +418,19 @@ pub struct BrightHistory {
     pub setting: String,
     /// Middle of each period.
     pub t: Vec<f64>,
-    /// Half of `max u_n - min u_n` in the period, at 32 times: up to half a percent too small for a sine.
+    /// Half of `max u_n - min u_n` in the period, at 32 times: up to half a percent too small for a
+    /// sine.
     pub swing: Vec<f64>,
     /// Mean of `v_n` over the period.
     pub v: Vec<f64>,
 }
 
-/// Looks at every site of the bright breather of a scene, period by period. `progress` is told the share of the run that is done.
+/// Looks at every site of the bright breather of a scene, period by period. `progress` is told the
+/// share of the run that is done.
 ///
 /// # Errors
-/// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that fails.
+/// A scene of another kind or shorter than a period, a method that takes no tolerance, a run that
+/// fails.
 pub fn bright_history(
     scene: &Scene,
     options: &BreatherOptions,
@@ -540,7 +550,8 @@ pub struct TrivialStudy {
     pub setting: String,
     /// Sample times, from 0 to the end.
     pub t: Vec<f64>,
-    /// Largest distance of a bead or a resonator from the closed form at these times, over the largest amplitude of a bead.
+    /// Largest distance of a bead or a resonator from the closed form at these times, over the
+    /// largest amplitude of a bead.
     pub deviation: Vec<f64>,
     /// Largest relative change of the energy of the closed form at these times: its roundings.
     pub energy_error: f64,
@@ -554,7 +565,8 @@ pub struct TrivialStudy {
     pub wall: Duration,
 }
 
-/// Holds the closed form of a scene against an integrator. `progress` is told the share of the run that is done.
+/// Holds the closed form of a scene against an integrator. `progress` is told the share of the run
+/// that is done.
 ///
 /// # Errors
 /// A scene without exact solution, a method that takes no tolerance, a run that fails.

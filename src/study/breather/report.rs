@@ -12,8 +12,8 @@ use crate::{
 use serde_json::{Value, json};
 
 impl Report for BrightStudy {
-    /// `at_30_periods`, `at_horizon` and `largest_to_horizon` are null for runs that end before; `tenth_left` where the core
-    /// keeps its energy.
+    /// `at_30_periods`, `at_horizon` and `largest_to_horizon` are null for runs that end before;
+    /// `tenth_left` where the core keeps its energy.
     fn json(&self) -> Value {
         let BrightStudy { scene, breather, samples, kink, .. } = self;
         let (params, core, end) = (breather.params(), breather.core(), scene.end());
@@ -124,8 +124,8 @@ impl Report for BrightStudy {
         text + &fate(self)
     }
 
-    /// `norms.csv` (all samples), `periods.csv` (at multiples of `T_b`, with the largest since the one before), `profiles.csv`,
-    /// `forces.csv`.
+    /// `norms.csv` (all samples), `periods.csv` (at multiples of `T_b`, with the largest since the
+    /// one before), `profiles.csv`, `forces.csv`.
     fn files(&self, json: &str) -> Result<Vec<File>> {
         let mut files = named([("breather.json", json.into())]);
         files.extend(bright_tables(self).into_iter().map(|(name, csv)| (name.to_owned(), csv)));
@@ -300,8 +300,8 @@ impl Report for TrivialStudy {
         )
     }
 
-    /// `sites.csv`: amplitude, phase and mean position by site, and the gap to the site before beyond what is needed;
-    /// `deviation.csv`: in time.
+    /// `sites.csv`: amplitude, phase and mean position by site, and the gap to the site before
+    /// beyond what is needed; `deviation.csv`: in time.
     fn files(&self, json: &str) -> Result<Vec<File>> {
         let breather = &self.breather;
         let site = |n: usize| {
@@ -330,7 +330,8 @@ fn kink_height(study: &TrivialStudy) -> f64 {
     means.last().copied().unwrap_or_default() - means.first().copied().unwrap_or_default()
 }
 
-/// Beads and resonators at the end beside the ansatz; distances from it, and the share of the core, in time.
+/// Beads and resonators at the end beside the ansatz; distances from it, and the share of the core,
+/// in time.
 #[cfg(feature = "plot")]
 fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
@@ -362,7 +363,8 @@ fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
     Ok(panels(&figure)?)
 }
 
-/// Amplitudes and mean positions by site; the distance of the integrator from the closed form in time.
+/// Amplitudes and mean positions by site; the distance of the integrator from the closed form in
+/// time.
 #[cfg(feature = "plot")]
 fn trivial_picture(study: &TrivialStudy) -> Result<Vec<u8>> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};

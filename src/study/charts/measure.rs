@@ -20,14 +20,17 @@ const BLOWN: f64 = 1e6;
 const ROUNDING: f64 = 1e-12;
 /// A line through the errors that rises by this many of its residuals is a drift.
 const DRIFT: f64 = 4.0;
-/// The longest step of a ladder, in radians of the fastest motion; of the contacts, where the linear flow is exact.
+/// The longest step of a ladder, in radians of the fastest motion; of the contacts, where the
+/// linear flow is exact.
 const LONGEST: f64 = 12.0;
 /// The first and the last tolerance of a ladder, and one over the next.
 const TOLERANCES: (f64, f64, f64) = (1e-1, 1e-13, 10.0);
-/// Of a splitting scheme at its usual step: kicks a period of the fastest motion; of an adaptive method.
+/// Of a splitting scheme at its usual step: kicks a period of the fastest motion; of an adaptive
+/// method.
 const KICKS: f64 = 64.0;
 const TOLERANCE: f64 = 1e-9;
-/// Force evaluations that a run may take on any chain, with fixed steps, with adaptive ones, and at the usual setting.
+/// Force evaluations that a run may take on any chain, with fixed steps, with adaptive ones, and at
+/// the usual setting.
 const LEAST_FIXED: f64 = 50.0;
 const LEAST_ADAPTIVE: f64 = 1e3;
 const LEAST_USUAL: f64 = 1e4;
@@ -82,8 +85,8 @@ impl Trial {
 pub struct Limit {
     /// The bound.
     pub bound: f64,
-    /// The run at that step: the first of the ladder, from coarse to fine, after the last that does not meet the bound, refined to 9 %. `None`: no run
-    /// that is cheap enough meets it.
+    /// The run at that step: the first of the ladder, from coarse to fine, after the last that does
+    /// not meet the bound, refined to 9 %. `None`: no run that is cheap enough meets it.
     pub trial: Option<Trial>,
     /// Whether it is the longest step that was tried: it may be longer still.
     pub longest: bool,
@@ -104,8 +107,9 @@ pub struct Measured {
     pub ladder: Vec<Trial>,
     /// The largest steps for [`BOUNDS`].
     pub limits: Vec<Limit>,
-    /// The step times `fast` above which the energy has no bound, where that was looked for and there is one: to a factor of 1.0004, between two rungs of the
-    /// ladder. Instabilities narrower than those, as some compositions have them below, are stepped over.
+    /// The step times `fast` above which the energy has no bound, where that was looked for and
+    /// there is one: to a factor of 1.0004, between two rungs of the ladder. Instabilities narrower
+    /// than those, as some compositions have them below, are stepped over.
     pub stability: Option<f64>,
 }
 
@@ -114,7 +118,8 @@ pub struct Measured {
 pub(super) struct Search {
     /// Force evaluations times sites that a run may take.
     pub(super) work: f64,
-    /// Whether the ladder goes on to short steps whatever the error, and the limit of stability is bracketed.
+    /// Whether the ladder goes on to short steps whatever the error, and the limit of stability is
+    /// bracketed.
     pub(super) light: bool,
 }
 

@@ -9,13 +9,17 @@
 //! | *error* | largest `|H - H(0)|/|H(0)|` at 128 times of a run (fewer on long chains) |
 //! | *cost* | force evaluations a unit of time |
 //!
-//! A point is a method on a variant of the problem: another mass ratio, another amplitude and spring constant, another exponent, length or span. It runs
-//! over ten contact periods, at most 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`, or of tolerances. A run that
-//! would take more work than it may says so. Resonances of steps with periods, which a ladder may step over, have a chart of their own.
+//! A point is a method on a variant of the problem: another mass ratio, another amplitude and
+//! spring constant, another exponent, length or span. It runs over ten contact periods, at most
+//! 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`,
+//! or of tolerances. A run that would take more work than it may says so. Resonances of steps with
+//! periods, which a ladder may step over, have a chart of their own.
 //!
-//! Measured on the built-in problem: kinetic splits lose stability where the oscillator says (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
-//! collocation at tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`, at `A = 10^-12`, `kappa = 10^8`; of the looser tolerances from 0.1 on it exceeds
-//! one at one point, `10^-7` by 3.4 times.
+//! Measured on the built-in problem: kinetic splits lose stability where the oscillator says
+//! (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances; collocation at
+//! tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`, at `A = 10^-12`,
+//! `kappa = 10^8`; of the looser tolerances from 0.1 on it exceeds one at one point, `10^-7` by 3.4
+//! times.
 
 mod report;
 
@@ -148,7 +152,8 @@ impl Chart {
 pub struct Charts {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// Its chain and state are varied [default: four spheres between walls, kappa = 1, rho = 1/3, amplitude 1].
+    /// Its chain and state are varied [default: four spheres between walls, kappa = 1, rho = 1/3,
+    /// amplitude 1].
     pub scene: Option<String>,
     /// Changes to it.
     #[cfg_attr(feature = "cli", command(flatten))]
@@ -292,7 +297,8 @@ impl ChartStudy {
         self.of(chart).find(|point| point.variant == *variant && point.method == *method)
     }
 
-    /// The method that meets [`BOUNDS`]`[nth]` on a variant with the fewest force evaluations, with its run.
+    /// The method that meets [`BOUNDS`]`[nth]` on a variant with the fewest force evaluations, with
+    /// its run.
     pub fn cheapest(&self, chart: Chart, variant: &Variant, nth: usize) -> Option<(Method, &Limit, &Trial)> {
         let candidates = self.of(chart).filter(|point| point.variant == *variant).filter_map(|point| {
             let limit = point.measured.as_ref().ok()?.limits.get(nth)?;
@@ -321,11 +327,13 @@ struct ResonancePlace<'a> {
     method: Method,
 }
 
-/// Measures all points of the charts, on all cores. With a folder they are kept there as they are computed, and those that are there are not computed again.
-/// `progress` is told how many points are done of how many.
+/// Measures all points of the charts, on all cores. With a folder they are kept there as they are
+/// computed, and those that are there are not computed again. `progress` is told how many points
+/// are done of how many.
 ///
 /// # Errors
-/// An option outside its rule; a store of another study, or one that was altered. A point that fails is a row of its own.
+/// An option outside its rule; a store of another study, or one that was altered. A point that
+/// fails is a row of its own.
 pub fn charts(
     problem: &Problem,
     options: &ChartOptions,

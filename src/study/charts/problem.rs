@@ -9,7 +9,8 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Sites, exponent, spring constant and mass ratio of the chain that is charted unless a scene is given.
+/// Sites, exponent, spring constant and mass ratio of the chain that is charted unless a scene is
+/// given.
 const CHAIN: (usize, f64, f64, f64) = (4, 1.5, 1.0, 1.0 / 3.0);
 /// A golden angle: displacements without a pattern.
 const ANGLE: f64 = 2.399_963_229_728_653;
@@ -46,7 +47,8 @@ pub struct Problem {
     /// What it was made from, all of it.
     source: String,
     chain: ChainSection,
-    /// `u, v, u', v'` at amplitude 1; `None`: the state of [`built_in`](Self::built_in), which fits every variant.
+    /// `u, v, u', v'` at amplitude 1; `None`: the state of [`built_in`](Self::built_in), which fits
+    /// every variant.
     state: Option<[Vec<f64>; 4]>,
     amplitude: f64,
 }
@@ -62,15 +64,18 @@ pub(super) struct Prepared {
 }
 
 impl Problem {
-    /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1` without a pattern, resonators so far from their beads that
-    /// springs hold as much energy as contacts (or as far as the beads are, if springs are soft): no error hides behind the other energy.
+    /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1`
+    /// without a pattern, resonators so far from their beads that springs hold as much energy as
+    /// contacts (or as far as the beads are, if springs are soft): no error hides behind the other
+    /// energy.
     pub fn built_in() -> Self {
         let (sites, alpha, kappa, rho) = CHAIN;
         let chain = ChainSection { sites, alpha, kappa, rho, boundary: Boundary::Fixed, precompression: 0.0 };
         Self { name: "built-in".to_owned(), source: "built-in".to_owned(), chain, state: None, amplitude: 1.0 }
     }
 
-    /// The chain and the initial state of a scene, with the largest overlap that its strains or its speeds can make as amplitude.
+    /// The chain and the initial state of a scene, with the largest overlap that its strains or its
+    /// speeds can make as amplitude.
     ///
     /// # Errors
     /// A state at rest, or without an energy.
@@ -134,7 +139,8 @@ impl Problem {
         [u, v, Vec::new(), Vec::new()]
     }
 
-    /// A variant as a scene over ten contact periods, or as many as it says; at most 10^4 periods of its fastest motion unless it says so.
+    /// A variant as a scene over ten contact periods, or as many as it says; at most 10^4 periods
+    /// of its fastest motion unless it says so.
     pub(super) fn prepare(&self, variant: &Variant) -> Result<Prepared> {
         let mut section = self.chain.clone();
         section.rho = variant.rho.unwrap_or(section.rho);
@@ -153,7 +159,8 @@ impl Problem {
         Ok(Prepared { scene, contact, fast })
     }
 
-    /// The chain of `sites` beads between walls under the static overlap `delta`, displaced by `shift` in one entry of its state.
+    /// The chain of `sites` beads between walls under the static overlap `delta`, displaced by
+    /// `shift` in one entry of its state.
     pub(super) fn pressed(&self, sites: usize, delta: f64, entry: usize, shift: f64, span: f64) -> Result<Scene> {
         let chain = ChainSection { sites, boundary: Boundary::Fixed, precompression: delta, ..self.chain.clone() };
         let layout = Chain::<f64>::new(chain.params(), Boundary::Fixed, sites)?.layout();

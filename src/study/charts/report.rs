@@ -34,7 +34,8 @@ impl Report for ChartStudy {
         })
     }
 
-    /// The verdict and the error of every method at its usual step, what resonates where, and the cheapest method of every regime.
+    /// The verdict and the error of every method at its usual step, what resonates where, and the
+    /// cheapest method of every regime.
     fn text(&self) -> String {
         let mut text = format!(
             "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {}\n",
@@ -175,7 +176,8 @@ fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
         .collect()
 }
 
-/// The charts as CSV files by name: a line a point; `light` has all its steps in a file of their own. Empty: there is none.
+/// The charts as CSV files by name: a line a point; `light` has all its steps in a file of their
+/// own. Empty: there is none.
 fn csv_files(study: &ChartStudy) -> Vec<File> {
     let mut files = Vec::new();
     for &chart in &study.charts {
@@ -298,7 +300,8 @@ fn resonances_csv(study: &ChartStudy) -> Vec<u8> {
 struct Cheapest {
     chart: Chart,
     variant: Variant,
-    /// For each bound: the method, its run, whether longer steps may do, `Omega_c` and `max(omega, Omega_c)`.
+    /// For each bound: the method, its run, whether longer steps may do, `Omega_c` and `max(omega,
+    /// Omega_c)`.
     best: Vec<Option<(Method, Limit, f64, f64)>>,
 }
 
@@ -476,7 +479,8 @@ fn regimes_table(regimes: &[Cheapest]) -> String {
     table(&["chart", "regime", "1e-3", "h Omega", "cost", "1e-6", "h Omega", "cost"], &rows)
 }
 
-/// The methods that have maps of their own: of these four those that were charted, else the first three.
+/// The methods that have maps of their own: of these four those that were charted, else the first
+/// three.
 #[cfg(feature = "plot")]
 fn shown(study: &ChartStudy) -> Vec<Method> {
     const NAMES: [&str; 4] = ["verlet", "strang-linear", "aba1064-linear", "collocation"];
@@ -500,7 +504,8 @@ fn provenance(study: &ChartStudy) -> String {
     )
 }
 
-/// The error as a colour: rounding and what is lost at the ends of the scale, 0 (grey) for what was not finished.
+/// The error as a colour: rounding and what is lost at the ends of the scale, 0 (grey) for what was
+/// not finished.
 #[cfg(feature = "plot")]
 fn shade(trial: &Trial) -> f64 {
     match (trial.verdict, trial.error) {
@@ -611,7 +616,8 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
     (!method.adaptive()).then(|| (format!("{}: energy error over step and mass ratio", method.name()), caption, map))
 }
 
-/// Title, caption and map of the energy error over amplitude and spring constant, with the cost in the cells.
+/// Title, caption and map of the energy error over amplitude and spring constant, with the cost in
+/// the cells.
 #[cfg(feature = "plot")]
 fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate::figures::CellMap) {
     let variants = study.variants(Chart::Stiffness);

@@ -1,17 +1,21 @@
-//! Resonances of steps with multiples of half a period: where an exact linear flow makes no error, and the kicks between do.
+//! Resonances of steps with multiples of half a period: where an exact linear flow makes no error,
+//! and the kicks between do.
 //!
-//! One bead between walls under the static overlap `delta` never leaves them: its contacts are springs of `K = 2 alpha delta^{alpha-1}`, and a step of any
-//! method is a matrix. Where an eigenvalue leaves the unit circle the step is unstable, however small its errors are elsewhere. A scheme with kicks `b_j` at
-//! times `c_j h` has this, to first order in `K`, where the fast motion resonates with itself, and where it resonates with the slow one, of frequency
-//! `Omega_s = sqrt(K/(1 + rho))`:
+//! One bead between walls under the static overlap `delta` never leaves them: its contacts are
+//! springs of `K = 2 alpha delta^{alpha-1}`, and a step of any method is a matrix. Where an
+//! eigenvalue leaves the unit circle the step is unstable, however small its errors are elsewhere.
+//! A scheme with kicks `b_j` at times `c_j h` has this, to first order in `K`, where the fast
+//! motion resonates with itself, and where it resonates with the slow one, of frequency `Omega_s =
+//! sqrt(K/(1 + rho))`:
 //!
 //! | near | half width in `h omega` | growth a step in the middle |
 //! |---|---|---|
 //! | `k pi - s`, `s = K rho h/(2 omega (1 + rho))` | `s abs(S_k)` | `s abs(S_k)` |
 //! | `k pi - h Omega_s`, `k` even | `2 g abs(S_{k/2})` | `g abs(S_{k/2})`, `g = h/2 Omega_s^{3/2} sqrt(rho/omega)` |
 //!
-//! with `S_k = sum_j b_j e^{2 pi i k c_j}`, of modulus 1 for Strang's. The second is a sum resonance; it exists where resonators move and wins for small `K`. For Newton's
-//! cradle (`rho = inf`) the interval of Strang's is exactly `k pi - 2 arctan(K h/(2 omega)) < h omega < k pi`.
+//! with `S_k = sum_j b_j e^{2 pi i k c_j}`, of modulus 1 for Strang's. The second is a sum
+//! resonance; it exists where resonators move and wins for small `K`. For Newton's cradle (`rho =
+//! inf`) the interval of Strang's is exactly `k pi - 2 arctan(K h/(2 omega)) < h omega < k pi`.
 
 use super::{
     measure::trial,
@@ -27,8 +31,8 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Offsets from `k pi` at which a resonance is looked for, from and to in tenths of decades, and how many a tenth: finer than any that is wider than a
-/// hundredth of its offset.
+/// Offsets from `k pi` at which a resonance is looked for, from and to in tenths of decades, and
+/// how many a tenth: finer than any that is wider than a hundredth of its offset.
 const OFFSETS: (i32, i32, i32) = (-70, 1, 24);
 /// Growth a step that is no rounding.
 const LEAST_GROWTH: f64 = 1e-6;
@@ -49,14 +53,16 @@ pub struct Resonance {
     pub centre: f64,
     /// The largest growth a step, `ln |lambda|`.
     pub growth: f64,
-    /// Largest energy error of the chain that is charted, not pressed, at this amplitude, with the step of the centre, and with one half-way to the resonance
-    /// before; over as many steps as `growth` takes for `e^10`, up to 10^5. `None`: not bounded.
+    /// Largest energy error of the chain that is charted, not pressed, at this amplitude, with the
+    /// step of the centre, and with one half-way to the resonance before; over as many steps as
+    /// `growth` takes for `e^10`, up to 10^5. `None`: not bounded.
     pub inside: Option<f64>,
     /// The same beside it.
     pub beside: Option<f64>,
 }
 
-/// The strongest resonance near `h omega = k pi` at amplitude `delta`; `None` where none stands apart, or none grows by more than 10^-6 a step.
+/// The strongest resonance near `h omega = k pi` at amplitude `delta`; `None` where none stands
+/// apart, or none grows by more than 10^-6 a step.
 ///
 /// # Errors
 /// A chain without resonators, a method that takes no steps, or a run that cannot start.
@@ -79,7 +85,8 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
         return Ok(None);
     }
     let between = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
-    // One so narrow that the search between its neighbours missed it is taken where the scan met it.
+    // One so narrow that the search between its neighbours missed it is taken where the scan met
+    // it.
     let (centre, largest) = if between.1 > scanned[top].1 { between } else { scanned[top] };
     let quiet = |at: &&(f64, f64)| at.1 < EDGE * largest;
     let (Some(below), Some(above)) = (scanned[..top].iter().rfind(quiet), scanned[top + 1..].iter().find(quiet)) else {
@@ -98,10 +105,11 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
     Ok(Some(Resonance { edges, centre, growth: largest, inside, beside }))
 }
 
-/// Growth a step of length `h` of the bead between walls, `ln` of the spectral radius of the step's matrix.
+/// Growth a step of length `h` of the bead between walls, `ln` of the spectral radius of the step's
+/// matrix.
 ///
-/// One step and two have the matrices `P K Q` and `P K^2 Q` where a kernel `K` is processed by `Q` before and by `P` after: the second over the first has
-/// the spectrum of the kernel.
+/// One step and two have the matrices `P K Q` and `P K^2 Q` where a kernel `K` is processed by `Q`
+/// before and by `P` after: the second over the first has the spectrum of the kernel.
 fn growth(problem: &Problem, method: Method, delta: f64, h: f64) -> Result<f64> {
     let one = step_matrix(problem, method, delta, h, 1)?;
     let matrix = match method {
@@ -134,7 +142,8 @@ fn step_matrix(problem: &Problem, method: Method, delta: f64, h: f64, steps: u64
     Ok(matrix)
 }
 
-/// `|S_k| = |sum_j b_j e^{2 pi i k c_j}|` of a scheme on the exact linear flow, kicks `b_j h` at times `c_j h`; `None` for other methods.
+/// `|S_k| = |sum_j b_j e^{2 pi i k c_j}|` of a scheme on the exact linear flow, kicks `b_j h` at
+/// times `c_j h`; `None` for other methods.
 pub fn kick_sum(method: &Method, k: u32) -> Option<f64> {
     if let Method::Corrected(_, Split::Linear) = method {
         return Some(1.0);

@@ -15,18 +15,20 @@ use crate::{
 use hertzchain_integrators::{Silent, Stats, drive};
 use std::time::{Duration, Instant};
 
-/// Contact kicks a period on the rungs of the ladder of a splitting scheme: the same work for every scheme.
+/// Contact kicks a period on the rungs of the ladder of a splitting scheme: the same work for every
+/// scheme.
 const KICKS: [f64; 6] = [16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
 /// Tolerances on the rungs of an adaptive method.
 const TOLERANCES: [f64; 6] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
-/// The methods that references come from on chains of up to [`FEW_SITES`], with their tolerance: a tenth of a rounding a
-/// step, so that rounding is all there is. They share the step and not the variable.
+/// The methods that references come from on chains of up to [`FEW_SITES`], with their tolerance: a
+/// tenth of a rounding a step, so that rounding is all there is. They share the step and not the
+/// variable.
 const RESOLVED: [&str; 2] = ["dop853-regularised", "dop853-landed"];
 const RESOLVED_TOLERANCE: f64 = 1e-16;
 /// The work of a method that stops at every event grows with the square of the chain.
 const FEW_SITES: usize = 100;
-/// The methods that references come from on longer chains, and the kicks a period, time permitting: eight times the last
-/// rung.
+/// The methods that references come from on longer chains, and the kicks a period, time permitting:
+/// eight times the last rung.
 const CROSSING: [&str; 2] = ["aba1064-linear", "srkn11-6-linear"];
 const CROSSING_KICKS: f64 = 131_072.0;
 /// Share of the span that tells what a reference will cost.
@@ -107,7 +109,8 @@ impl Study for Compare {
 pub struct Reference {
     /// Method and setting, in words.
     pub method: String,
-    /// The difference of two references by different methods, relative to the amplitude: an estimate of the larger error.
+    /// The difference of two references by different methods, relative to the amplitude: an
+    /// estimate of the larger error.
     pub error_estimate: f64,
 }
 
@@ -186,8 +189,9 @@ impl Comparison {
         methods
     }
 
-    /// The order that a method shows: the slope of log error against log step, where at least three rows lie between the
-    /// trusted floor and 1e-2 and on a line (within a factor of 1.5). Adaptive methods have none.
+    /// The order that a method shows: the slope of log error against log step, where at least three
+    /// rows lie between the trusted floor and 1e-2 and on a line (within a factor of 1.5). Adaptive
+    /// methods have none.
     pub fn slope(&self, method: &Method) -> Option<f64> {
         if method.adaptive() {
             return None;
@@ -205,7 +209,8 @@ impl Comparison {
             .map(|(slope, _)| slope)
     }
 
-    /// The fastest row whose error is certainly at most `error`: its own and that of the reference together.
+    /// The fastest row whose error is certainly at most `error`: its own and that of the reference
+    /// together.
     pub fn fastest(&self, error: f64) -> Option<&Row> {
         let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
         let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
@@ -213,9 +218,11 @@ impl Comparison {
     }
 }
 
-/// Compares methods on a scene. `progress` is told the share of the time budget that is used, and what runs.
+/// Compares methods on a scene. `progress` is told the share of the time budget that is used, and
+/// what runs.
 ///
-/// Errors and energies come from runs on all cores; wall times from runs that record nothing, one at a time.
+/// Errors and energies come from runs on all cores; wall times from runs that record nothing, one
+/// at a time.
 ///
 /// # Errors
 /// A budget outside its rule, no method, or references that cannot be had.
@@ -288,7 +295,8 @@ pub(super) fn time(scene: &Scene, method: Method, setting: Setting, left: f64) -
     let mut walls = Vec::new();
     let mut y = scene.initial().as_slice().to_vec();
     loop {
-        // What a method does before its first step is part of its run: of a tolerance, that may be runs of its own.
+        // What a method does before its first step is part of its run: of a tolerance, that may be
+        // runs of its own.
         let clock = Instant::now();
         let mut stepper = scene.run().method(method).setting(setting).stepper()?;
         drive(&mut *stepper, &mut Silent, &mut y)?;
@@ -386,7 +394,8 @@ fn crossing(scene: &Scene, methods: &[Method], kicks: f64) -> Result<Vec<End>> {
     map(methods, run).into_iter().collect()
 }
 
-/// References by the methods that resolve contacts, if the chain is short enough, the budget long enough and they succeed.
+/// References by the methods that resolve contacts, if the chain is short enough, the budget long
+/// enough and they succeed.
 fn resolved(scene: &Scene, budget: f64) -> Result<Option<Vec<End>>> {
     let tolerance = Setting::Tolerance(RESOLVED_TOLERANCE);
     let methods = named(RESOLVED)?;

@@ -1,7 +1,8 @@
 //! How the error of the energy grows with time.
 //!
-//! A method whose errors have no rule to their sign makes a random walk of the energy, which grows like the square root of time;
-//! one with a bias grows like time; a symplectic one on a smooth problem does not grow at all.
+//! A method whose errors have no rule to their sign makes a random walk of the energy, which grows
+//! like the square root of time; one with a bias grows like time; a symplectic one on a smooth
+//! problem does not grow at all.
 
 mod report;
 
@@ -23,7 +24,8 @@ const SAMPLES: std::ops::RangeInclusive<usize> = 2..=100_000;
 const KICKS: f64 = 64.0;
 /// Tolerance of adaptive methods.
 const TOLERANCE: f64 = 1e-13;
-/// Periods from one look at the energy to the next: by the golden ratio, so that looks meet every phase of the motion alike.
+/// Periods from one look at the energy to the next: by the golden ratio, so that looks meet every
+/// phase of the motion alike.
 const LOOK: f64 = 0.618_033_988_749_894_9;
 /// Times of the fit of a slope: the last of them over this.
 const FITTED: f64 = 100.0;
@@ -89,9 +91,11 @@ pub struct DriftRow {
     pub setting: String,
     /// Times, up to the end or to where the run failed.
     pub t: Vec<f64>,
-    /// Largest `|E - E(0)| / |E(0)|` seen up to each (absolute where `E(0) = 0`); the energy is looked at more than once a period.
+    /// Largest `|E - E(0)| / |E(0)|` seen up to each (absolute where `E(0) = 0`); the energy is
+    /// looked at more than once a period.
     pub energy_error: Vec<f64>,
-    /// Slope of `log energy_error` against `log t` over the last two decades, if the run covers them and did not fail.
+    /// Slope of `log energy_error` against `log t` over the last two decades, if the run covers
+    /// them and did not fail.
     pub slope: Option<f64>,
     /// Wall time of the run, looks included, in seconds.
     pub wall: f64,
@@ -188,12 +192,14 @@ fn slope(t: &[f64], errors: &[f64]) -> Option<f64> {
     fit_line(&points).filter(|_| good).map(|(slope, _)| slope)
 }
 
-/// The energy of a state, its sites added up to twice the working precision: a long chain loses no digit that a short one has.
+/// The energy of a state, its sites added up to twice the working precision: a long chain loses no
+/// digit that a short one has.
 pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
     chain.site_energies(y).into_iter().fold(Twofold::zero(), |sum, site| sum + Twofold::new(site))
 }
 
-/// The observer that looks at the energy again and again and keeps its largest error at a few times.
+/// The observer that looks at the energy again and again and keeps its largest error at a few
+/// times.
 struct Look<'a> {
     scene: &'a Scene,
     times: &'a [f64],

@@ -38,8 +38,8 @@ pub struct Kick {
 pub struct Evolve {
     /// File dark-breather.json or branch.npz.
     ///
-    /// dark-breather.json of `breather dark`, or branch.npz of `breather continue` or `breather doubled` with --point or
-    /// --at.
+    /// dark-breather.json of `breather dark`, or branch.npz of `breather continue` or `breather
+    /// doubled` with --point or --at.
     pub orbit: PathBuf,
     /// Point of the branch, counted from 0; from the last, -1, if negative.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", conflicts_with = "at"))]
@@ -107,9 +107,11 @@ pub struct Evolution {
     pub e_b: Vec<f64>,
     /// Position of the kink there, in sites `n`.
     pub position: Vec<f64>,
-    /// The last three quarters of the run in three equal windows: equal velocities mean no acceleration.
+    /// The last three quarters of the run in three equal windows: equal velocities mean no
+    /// acceleration.
     pub motion: Vec<Motion>,
-    /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as long as they are small.
+    /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as
+    /// long as they are small.
     pub amplification: f64,
     /// Largest strains in time.
     pub swing: Swing,
@@ -119,7 +121,8 @@ pub struct Evolution {
     pub failure: Option<String>,
 }
 
-/// Largest strains, a row for each of equal numbers of periods: what a picture over space and time shows.
+/// Largest strains, a row for each of equal numbers of periods: what a picture over space and time
+/// shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swing {
     /// Time that a row covers; the first one begins at 0.
@@ -131,7 +134,8 @@ pub struct Swing {
 }
 
 const MOST_PERIODS: f64 = 1e6;
-/// Samples a period for the largest strains; a power of two, so that whole periods are among the samples to the bit.
+/// Samples a period for the largest strains; a power of two, so that whole periods are among the
+/// samples to the bit.
 const SAMPLES: u64 = 16;
 /// Rows of largest strains at most.
 const MOST_ROWS: u64 = 600;
@@ -139,8 +143,8 @@ const MOST_ROWS: u64 = 600;
 /// Lets an orbit go, for a time `until` rounded down to whole periods.
 ///
 /// # Errors
-/// `until` not in `[T, 10^6 T]`; a kick of size zero, not finite or above 1, or along a multiplier that is not there; multipliers that cannot be computed. A run that fails keeps
-/// what it had.
+/// `until` not in `[T, 10^6 T]`; a kick of size zero, not finite or above 1, or along a multiplier
+/// that is not there; multipliers that cannot be computed. A run that fails keeps what it had.
 pub fn evolve(
     orbit: &Orbit,
     until: f64,
@@ -231,7 +235,8 @@ fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> 
     Ok(Complex::new(one.re, one.im))
 }
 
-/// Where the background is missing, from amplitudes over its own, in sites `n = -N .. N`: of all images round the ring the one nearest to the position `before`.
+/// Where the background is missing, from amplitudes over its own, in sites `n = -N .. N`: of all
+/// images round the ring the one nearest to the position `before`.
 fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
     let length = amplitudes.len() as f64;
     let moment: Complex<f64> = (0..)

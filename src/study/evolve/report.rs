@@ -93,7 +93,8 @@ pub(crate) fn evolution_csv(study: &Evolution) -> Vec<u8> {
     csv(&["t", "e_b", "position"], rows.map(|((&t, &e_b), &position)| vec![t, e_b, position]))
 }
 
-/// Largest strains in time, `evolution-x.csv` and `evolution-y.csv` without their first word: the middle of the time that a row covers, then a column a site.
+/// Largest strains in time, `evolution-x.csv` and `evolution-y.csv` without their first word: the
+/// middle of the time that a row covers, then a column a site.
 pub(crate) fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
     let sites = study.orbit.setting.sites;
     let half = (sites / 2) as i64;
@@ -109,7 +110,8 @@ pub(crate) fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
     vec![("x.csv", matrix("x", &study.swing.x)), ("y.csv", matrix("y", &study.swing.y))]
 }
 
-/// Largest strains over space and time, beads and resonators; values end at twice the largest of the first row, so that what was before a break-up is seen.
+/// Largest strains over space and time, beads and resonators; values end at twice the largest of
+/// the first row, so that what was before a break-up is seen.
 #[cfg(feature = "plot")]
 pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     let sites = study.orbit.setting.sites;
@@ -130,7 +132,8 @@ pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     [map("xₙ", &study.swing.x), map("yₙ", &study.swing.y)]
 }
 
-/// `evolution.png`: largest strains over space and time, return error and position of the kink in time.
+/// `evolution.png`: largest strains over space and time, return error and position of the kink in
+/// time.
 #[cfg(feature = "plot")]
 fn picture(study: &Evolution) -> Result<Vec<u8>> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};

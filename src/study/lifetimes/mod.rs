@@ -1,4 +1,5 @@
-//! How long the long-lived bright breather lives, over a map of its size and the mass ratio (Sec. 5).
+//! How long the long-lived bright breather lives, over a map of its size and the mass ratio (Sec.
+//! 5).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,18 +9,24 @@
 //! | core | the central sites, [`BrightBreather::core`] |
 //! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
 //!
-//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three criteria are met, or at the cap. Each has its own time:
+//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three
+//! criteria are met, or at the cap. Each has its own time:
 //!
 //! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
-//! - *distance*: `|A - A~|_1 / |A~|_1` is above 1/2, `A_n = u_n + i u_n'` of the chain and of the ansatz. Is (time-periodic_osc) still a description of it, phase
-//!   included? A drift of the phase by `2 arcsin(1/4)`, half a radian, suffices, and comes long before anything has been radiated.
-//! - *frequency*: the oscillation of the first central bead against its resonator, over four of its periods, has a frequency nearer to `omega` than to `Omega_b`. Do its
-//!   neighbours still act on it?
+//! - *distance*: `|A - A~|_1 / |A~|_1` is above 1/2, `A_n = u_n + i u_n'` of the chain and of the
+//!   ansatz. Is (time-periodic_osc) still a description of it, phase included? A drift of the phase
+//!   by `2 arcsin(1/4)`, half a radian, suffices, and comes long before anything has been radiated.
+//! - *frequency*: the oscillation of the first central bead against its resonator, over four of its
+//!   periods, has a frequency nearer to `omega` than to `Omega_b`. Do its neighbours still act on
+//!   it?
 //!
-//! Lifetimes are first times: of what is seen so often, for both shares swing a little within a period. Those of energy and distance are located on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and is interpolated
-//! linearly between one and the next.
+//! Lifetimes are first times: of what is seen so often, for both shares swing a little within a
+//! period. Those of energy and distance are located on the dense output to `10^-8 T_b`; the
+//! frequency belongs to the middle of its four periods and is interpolated linearly between one and
+//! the next.
 //!
-//! What becomes of a breather is its [`Fate`]: whichever comes first, less than 0.9 of the energy in the core or less contact than 1/3.
+//! What becomes of a breather is its [`Fate`]: whichever comes first, less than 0.9 of the energy
+//! in the core or less contact than 1/3.
 
 mod report;
 
@@ -99,7 +106,8 @@ pub enum Criterion {
 pub enum Fate {
     /// The core loses a tenth of its energy while its bonds are at work.
     Radiates,
-    /// Gaps open between the central sites, until each swings for itself as in a trivial breather (uncpl).
+    /// Gaps open between the central sites, until each swings for itself as in a trivial breather
+    /// (uncpl).
     Decouples,
     /// Neither before the cap.
     Persists,
@@ -144,12 +152,14 @@ pub struct LifetimeOptions {
     pub center: Center,
     /// Number of sites.
     ///
-    /// Of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the ends].
+    /// Of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the
+    /// ends].
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
     /// End time, in units of time.
     ///
-    /// No breather is followed longer [default: 25 times the theorem's scale T epsilon^(1-alpha) of each].
+    /// No breather is followed longer [default: 25 times the theorem's scale T epsilon^(1-alpha) of
+    /// each].
     #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
     pub until: Option<f64>,
     /// An adaptive method.
@@ -225,7 +235,8 @@ pub struct LifetimePoint {
     pub life: Row<Life>,
 }
 
-/// `lifetime = factor rho^rho_power epsilon^epsilon_power` where `x >= 10` and breathers radiate, by least squares of logarithms.
+/// `lifetime = factor rho^rho_power epsilon^epsilon_power` where `x >= 10` and breathers radiate,
+/// by least squares of logarithms.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PowerLaw {
     /// Points it is fitted to.
@@ -238,7 +249,8 @@ pub struct PowerLaw {
     pub epsilon_power: f64,
     /// Largest ratio of a lifetime to its fit, or of the fit to the lifetime.
     pub largest_ratio: f64,
-    /// The power of `x` in `lifetime = factor horizon x^power`, fitted to the same points: lifetimes as a function of `x` alone, in the theorem's time scale.
+    /// The power of `x` in `lifetime = factor horizon x^power`, fitted to the same points:
+    /// lifetimes as a function of `x` alone, in the theorem's time scale.
     pub x_power: f64,
     /// The largest ratio of that.
     pub x_largest_ratio: f64,
@@ -268,10 +280,12 @@ pub struct LifetimeStudy {
     pub wall: Duration,
 }
 
-/// Follows every breather of the map to its end. With a folder, points are kept there as they are computed, and those that are there are not computed again,
-/// whichever the criterion. `progress` is told how many points are done of how many.
+/// Follows every breather of the map to its end. With a folder, points are kept there as they are
+/// computed, and those that are there are not computed again, whichever the criterion. `progress`
+/// is told how many points are done of how many.
 ///
-/// A point that fails is a row of its own. Points run on all cores; every number is the same for any number of them.
+/// A point that fails is a row of its own. Points run on all cores; every number is the same for
+/// any number of them.
 ///
 /// # Errors
 /// An option outside its rule; a store of another study, or one that was altered.
@@ -392,7 +406,8 @@ impl Place {
         }
     }
 
-    /// The life on a chain of so many sites; `None` once its ends may be felt, if a longer one is to be had.
+    /// The life on a chain of so many sites; `None` once its ends may be felt, if a longer one is
+    /// to be had.
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
         let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
@@ -570,7 +585,8 @@ impl<'a> Watch<'a> {
         Ok(after)
     }
 
-    /// Where between two times the stretch is zero: two of Newton's steps from the chord, which is good to a hundredth of the period.
+    /// Where between two times the stretch is zero: two of Newton's steps from the chord, which is
+    /// good to a hundredth of the period.
     fn zero(&mut self, before: Sight, after: Sight, run: &mut dyn Stepper<f64>) -> Result<f64> {
         let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
         let mut t = before.t + share * (after.t - before.t);
@@ -675,7 +691,8 @@ fn power_law(points: &[LifetimePoint], criterion: Criterion) -> Option<PowerLaw>
     })
 }
 
-/// `z = c + p x + q y` by least squares, `[c, p, q]` and the largest residual; `None` with fewer than four points, or if they lie on a line.
+/// `z = c + p x + q y` by least squares, `[c, p, q]` and the largest residual; `None` with fewer
+/// than four points, or if they lie on a line.
 fn fit_plane(points: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
     if points.len() < 4 {
         return None;

@@ -10,7 +10,8 @@ use crate::{
 use serde_json::{Value, json};
 
 impl Report for LifetimeStudy {
-    /// Each point has its lifetime by the criterion of the study, or null and `not_before`; and by all three.
+    /// Each point has its lifetime by the criterion of the study, or null and `not_before`; and by
+    /// all three.
     fn json(&self) -> Value {
         let mut value = value(self);
         value["computed"] = json!(self.computed);

@@ -27,9 +27,11 @@ const SITES: RangeInclusive<usize> = 2..=10_000;
 const MOST_MEASURED_SITES: usize = 1000;
 /// Size of the mode at the start, relative to the wave.
 const SEED: f64 = 1e-6;
-/// Tolerance of the runs: what is left of it in the growth of a perturbation of that size is its square root.
+/// Tolerance of the runs: what is left of it in the growth of a perturbation of that size is its
+/// square root.
 const TOLERANCE: f64 = 1e-11;
-/// The window of the fit, in e-folding times of the fastest mode of the ring (of a neutral wave: in `1/Omega`), and samples in it.
+/// The window of the fit, in e-folding times of the fastest mode of the ring (of a neutral wave: in
+/// `1/Omega`), and samples in it.
 const WINDOW: (f64, f64) = (0.5, 3.0);
 const SAMPLES: usize = 240;
 /// Longest runs in periods of the wave.
@@ -147,7 +149,8 @@ pub struct StabilityOptions {
     pub epsilons: Vec<f64>,
     /// Sites of the ring.
     pub sites: usize,
-    /// Wave numbers at which growth is measured on the full chain, spread over those of the ring; the fastest comes on top. None: nothing is measured.
+    /// Wave numbers at which growth is measured on the full chain, spread over those of the ring;
+    /// the fastest comes on top. None: nothing is measured.
     pub modes: Option<usize>,
     /// Whether the largest growth is charted over `q` and `b`.
     pub chart: bool,
@@ -162,7 +165,8 @@ pub struct Rates {
     pub slow: f64,
     /// `omega_tw` (eq:w_tw).
     pub omega_tw: f64,
-    /// `(1 + rho) epsilon^{alpha-1}`: the theory holds where it is small, so that mean strains follow at once. Infinite with `rho`, where there are none.
+    /// `(1 + rho) epsilon^{alpha-1}`: the theory holds where it is small, so that mean strains
+    /// follow at once. Infinite with `rho`, where there are none.
     pub lag: f64,
 }
 
@@ -221,9 +225,11 @@ pub struct StabilityChart {
     pub q: Vec<f64>,
     /// Mean strains, the middles of cells that fill `2 kappa a [-3, 1]`.
     pub b: Vec<f64>,
-    /// A row of cells each `b`: the growth rate per slow time of the fastest mode on an infinite chain, zero where none grows.
+    /// A row of cells each `b`: the growth rate per slow time of the fastest mode on an infinite
+    /// chain, zero where none grows.
     pub growth: Vec<Vec<f64>>,
-    /// For each `b` the `q` at which `cos q + s cos^2(q/2)` vanishes: long waves grow below it, short ones from there to `pi/2`.
+    /// For each `b` the `q` at which `cos q + s cos^2(q/2)` vanishes: long waves grow below it,
+    /// short ones from there to `pi/2`.
     pub edge: Vec<f64>,
     /// Mass ratios, and how many times faster all of this is there.
     pub rho: Vec<(f64, f64)>,
@@ -426,7 +432,8 @@ impl<F: FnMut(usize, f64, &[f64])> Observer<f64> for Sampler<'_, F> {
     }
 }
 
-/// The growth of some modes of the ring at every size of the wave: two runs each, one of them the wave alone.
+/// The growth of some modes of the ring at every size of the wave: two runs each, one of them the
+/// wave alone.
 fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<MeasuredGrowth>> {
     let modes: Vec<(StabilityRow, Mode)> =
         chosen(study, count).into_iter().filter_map(|row| Some((row, Mode::new(&study.modulation, row.p)?))).collect();
@@ -437,7 +444,8 @@ fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) +
     tally.map(&jobs, |(bench, (row, mode))| bench.growth(mode, *row)).into_iter().collect()
 }
 
-/// So many rows spread over the ring's wave numbers but zero, with the last of them; and the fastest.
+/// So many rows spread over the ring's wave numbers but zero, with the last of them; and the
+/// fastest.
 fn chosen(study: &StabilityStudy, count: usize) -> Vec<StabilityRow> {
     let last = study.rows.len() - 1;
     let count = count.min(last);

@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 impl Report for StabilityStudy {
-    /// Rates `growth`, `frequency`, `Omega` per slow time, `growth_t` per unit of time, `growth_period` per period of the wave.
+    /// Rates `growth`, `frequency`, `Omega` per slow time, `growth_t` per unit of time,
+    /// `growth_period` per period of the wave.
     fn json(&self) -> Value {
         let (options, modulation, rates) = (&self.options, &self.modulation, rates(self));
         let Shape { q, a, b, .. } = options.shape;
@@ -145,7 +146,8 @@ fn rates_csv(study: &StabilityStudy) -> Vec<u8> {
     csv(&["p", "growth", "growth_t", "growth_period", "frequency"], study.rows.iter().map(row))
 }
 
-/// All tables, `(file name, CSV)`: `stability.csv`, with measurements `measured.csv`, with a chart `chart.csv`.
+/// All tables, `(file name, CSV)`: `stability.csv`, with measurements `measured.csv`, with a chart
+/// `chart.csv`.
 pub(crate) fn tables(study: &StabilityStudy) -> Vec<(&'static str, Vec<u8>)> {
     let mut tables = vec![("stability.csv", rates_csv(study))];
     tables.extend(study.options.modes.map(|_| ("measured.csv", measured_growth_csv(study))));

@@ -1,4 +1,5 @@
-//! Dark breathers as exact orbits: one with its multipliers, a branch with its bifurcations, the branch of doubled period (Sec. 7).
+//! Dark breathers as exact orbits: one with its multipliers, a branch with its bifurcations, the
+//! branch of doubled period (Sec. 7).
 
 mod report;
 
@@ -24,7 +25,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a branch.
+/// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a
+/// branch.
 const ONE: f64 = 1.025;
 const RANGE: [f64; 2] = [1.005, 1.05];
 
@@ -34,7 +36,8 @@ const RANGE: [f64; 2] = [1.005, 1.05];
 pub struct Ring {
     /// Number of sites.
     ///
-    /// Of the ring, n = -N .. N: odd, from 3 to 255. Weak quartets, and how many there are, depend on it.
+    /// Of the ring, n = -N .. N: odd, from 3 to 255. Weak quartets, and how many there are, depend
+    /// on it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
     pub sites: usize,
     /// Exponent of the contact force; 1.5 for spheres.
@@ -159,8 +162,8 @@ pub struct Continue {
     pub omega_b: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.
     ///
-    /// A file branch.npz, from its last point: to another --to, by another --step; multipliers and bifurcations are computed
-    /// anew. The results are written beside it unless --out says where.
+    /// A file branch.npz, from its last point: to another --to, by another --step; multipliers and
+    /// bifurcations are computed anew. The results are written beside it unless --out says where.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -311,7 +314,8 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
-/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have gone by, at its end, and when it is asked to end.
+/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have
+/// gone by, at its end, and when it is asked to end.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
     let mut last = Instant::now();
     move |trail| {
@@ -320,7 +324,8 @@ fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
         if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() || interrupt::asked() {
             last = Instant::now();
             let kept = trail.npz(Vec::new()).and_then(|bytes| folder.write(BRANCH_FILE, &bytes));
-            // What cannot be kept now is still computed: it is written at the end, or that is the error.
+            // What cannot be kept now is still computed: it is written at the end, or that is the
+            // error.
             kept.err().into_iter().for_each(|why| eprintln!("not kept so far: {why}"));
         }
     }
@@ -381,7 +386,8 @@ pub struct Branch {
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
     pub end: End,
-    /// All of its orbits, with what it takes to go on; more than points, where one has no multipliers.
+    /// All of its orbits, with what it takes to go on; more than points, where one has no
+    /// multipliers.
     pub trail: Trail,
 }
 
@@ -391,7 +397,8 @@ pub type Keep<'a> = &'a mut dyn FnMut(&Trail);
 /// Share of the work of a branch that its orbits are; the rest are multipliers and bifurcations.
 const ORBITS: f64 = 0.4;
 
-/// The branch of dark breathers through `breather`, followed as `continuation` says; collisions of multipliers up to a modulus of `1 + weak` are passed over.
+/// The branch of dark breathers through `breather`, followed as `continuation` says; collisions of
+/// multipliers up to a modulus of `1 + weak` are passed over.
 ///
 /// # Errors
 /// Numbers outside their rules, and no orbit to begin with.
@@ -430,7 +437,8 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
 /// Follows a branch on, unless it has ended, and studies it.
 ///
 /// # Errors
-/// Numbers outside their rules, and no multipliers at its first point; `keep` was then given its orbits.
+/// Numbers outside their rules, and no multipliers at its first point; `keep` was then given its
+/// orbits.
 pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
     if let (Some(first), None) = (trail.orbits.first(), trail.end) {
         let Continuation { parameter, to, .. } = trail.continuation;
@@ -489,11 +497,13 @@ pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
 pub struct DoubledBranch {
     /// The period doubling of the main branch.
     pub birth: Bifurcation,
-    /// The orbits of doubled period, the last one at the frequency asked for if the branch gets there.
+    /// The orbits of doubled period, the last one at the frequency asked for if the branch gets
+    /// there.
     pub branch: Branch,
 }
 
-/// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's method falls back on the main branch.
+/// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's
+/// method falls back on the main branch.
 const FIRST_SIZE: f64 = 0.02;
 
 /// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
@@ -524,8 +534,9 @@ fn bond_centred(center: Option<Center>) -> Result<()> {
     if center == Some(Center::Site) { Err(Error::parameter("center", "site", rule)) } else { Ok(()) }
 }
 
-/// Leaves a main branch at its first period doubling, and follows the branch of doubled period to `omega_b` (that of the whole period). Bifurcations of the
-/// latter are not located: its background is unstable, and the bands of that are full of collisions.
+/// Leaves a main branch at its first period doubling, and follows the branch of doubled period to
+/// `omega_b` (that of the whole period). Bifurcations of the latter are not located: its background
+/// is unstable, and the bands of that are full of collisions.
 ///
 /// # Errors
 /// No period doubling on the main branch, or numbers outside their rules.

@@ -287,7 +287,8 @@ pub(crate) fn branch_csv(branch: &Branch) -> Vec<u8> {
     csv(&[parameter.name(), "k_x", "k_y", "c_x", "c_y", "max_modulus"], rows)
 }
 
-/// `branch.npz`: what [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers of every point.
+/// `branch.npz`: what [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers
+/// of every point.
 ///
 fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
     let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
@@ -335,11 +336,13 @@ fn orbit_picture(title: String, study: &OrbitStudy) -> Result<Vec<u8>> {
     Ok(panels(&Panels { title, columns, caption })?)
 }
 
-/// Moduli above which an orbit is drawn as unstable: roundings of multipliers on the circle stay below.
+/// Moduli above which an orbit is drawn as unstable: roundings of multipliers on the circle stay
+/// below.
 #[cfg(feature = "plot")]
 const UNSTABLE: f64 = 1.0 + 1e-6;
 
-/// The amplitude along the branch with stability marked, the largest modulus, and where bifurcations are.
+/// The amplitude along the branch with stability marked, the largest modulus, and where
+/// bifurcations are.
 #[cfg(feature = "plot")]
 fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
     use crate::figures::{self, Line, Panel, Panels, panels};

@@ -6,10 +6,12 @@
 //! | `alpha` | exponent of the contact force |
 //! | `T` | end of the runs |
 //!
-//! A step that crosses the beginning or the end of a contact errs by `O(h^{alpha+1})` in the state and by `O(h^alpha)` in
-//! its derivative by the initial state, the tangent, whatever `p` is. Landing on the event leaves the force
-//! `(t - t_e)^alpha` just beside it: a smaller constant and the same order, unless `alpha` is an integer. Contact-corrected splitting takes the error of
-//! an event back: `min(4, alpha + 3, 2 alpha + 2)` in the state, which is 4 for its exponents, and one less than the terms of events in the tangent.
+//! A step that crosses the beginning or the end of a contact errs by `O(h^{alpha+1})` in the state
+//! and by `O(h^alpha)` in its derivative by the initial state, the tangent, whatever `p` is.
+//! Landing on the event leaves the force `(t - t_e)^alpha` just beside it: a smaller constant and
+//! the same order, unless `alpha` is an integer. Contact-corrected splitting takes the error of an
+//! event back: `min(4, alpha + 3, 2 alpha + 2)` in the state, which is 4 for its exponents, and one
+//! less than the terms of events in the tangent.
 
 mod report;
 
@@ -41,8 +43,9 @@ const RHO: f64 = 1.0 / 3.0;
 const EVALUATIONS: [f64; 8] = [480.0, 960.0, 1920.0, 3840.0, 7680.0, 15_360.0, 30_720.0, 61_440.0];
 /// The same for corrected kicks, which are at the floor of the tangent before others begin.
 const CORRECTED_EVALUATIONS: [f64; 8] = [60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0, 7680.0];
-/// Each rung is the root mean square over runs with these shares of steps more: where a step happens to cross an event is
-/// chance, and a slope should not depend on it. For corrected kicks it is the median.
+/// Each rung is the root mean square over runs with these shares of steps more: where a step
+/// happens to cross an event is chance, and a slope should not depend on it. For corrected kicks it
+/// is the median.
 const NEIGHBOURS: [f64; 7] = [1.0, 1.015, 1.031, 1.046, 1.062, 1.079, 1.095];
 /// Steps a leg, where legs are regularised.
 const STEPS_A_LEG: [u64; 11] = [2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
@@ -147,9 +150,10 @@ pub struct OrderStudy {
 
 /// The order that theory gives a method of order `p`.
 ///
-/// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed; the same when they are
-/// landed on, unless `alpha` is an integer and the force analytic on either side; one more when kicks are averaged; two more when they are corrected, or
-/// `alpha + 1` if that is less; `p` when regularised.
+/// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed;
+/// the same when they are landed on, unless `alpha` is an integer and the force analytic on either
+/// side; one more when kicks are averaged; two more when they are corrected, or `alpha + 1` if that
+/// is less; `p` when regularised.
 pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
     let p = f64::from(p);
     let limit = if quantity == Quantity::State { alpha + 1.0 } else { alpha };
@@ -185,7 +189,8 @@ impl Study for OrderOptions {
     }
 }
 
-/// Runs every method over its ladder on a chain of beads that fly at each other. `progress` is told the share done.
+/// Runs every method over its ladder on a chain of beads that fly at each other. `progress` is told
+/// the share done.
 ///
 /// # Errors
 /// An option outside its rule, or a reference that cannot be had.
@@ -236,7 +241,8 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
 struct Problem {
     chain: Chain<f64>,
     alpha: f64,
-    /// The initial state, and those a little ahead of it and behind it in the direction of the tangent.
+    /// The initial state, and those a little ahead of it and behind it in the direction of the
+    /// tangent.
     starts: [Vec<f64>; 3],
 }
 
@@ -249,7 +255,8 @@ struct Truth {
     floor: (f64, f64),
 }
 
-/// The study's initial state: beads apart, flying at each other, with positions and velocities without a pattern.
+/// The study's initial state: beads apart, flying at each other, with positions and velocities
+/// without a pattern.
 ///
 /// # Errors
 /// None for a chain that is there.
@@ -436,8 +443,9 @@ fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Corrected kicks are no continuous function of the start: where an event meets a kick they jump by what corrections leave. A difference across a jump
-/// is no derivative, and the median passes over it.
+/// Corrected kicks are no continuous function of the start: where an event meets a kick they jump
+/// by what corrections leave. A difference across a jump is no derivative, and the median passes
+/// over it.
 fn median(mut errors: Vec<f64>) -> f64 {
     errors.sort_by(f64::total_cmp);
     errors[errors.len() / 2]
@@ -452,8 +460,8 @@ enum Rung {
     Divided(Division<f64>),
 }
 
-/// The order that a row shows: the slope over its finest rungs whose errors lie well above the floor and below one, at
-/// least three and over at least a decade of errors.
+/// The order that a row shows: the slope over its finest rungs whose errors lie well above the
+/// floor and below one, at least three and over at least a decade of errors.
 fn slope(row: &OrderRow, floor: f64) -> Option<f64> {
     let resolved = |error: f64| error > RESOLVED * floor && error < 0.1;
     let points: Vec<(f64, f64)> = row

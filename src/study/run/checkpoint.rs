@@ -1,15 +1,19 @@
-//! Long runs: a sequence of legs, each kept when it is done, so that a run that was killed goes on and ends with the same bits.
+//! Long runs: a sequence of legs, each kept when it is done, so that a run that was killed goes on
+//! and ends with the same bits.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `D` | interval: leg `k` goes from `k D` to `(k+1) D`, the last one to the end of the scene |
 //!
-//! Each leg starts the method anew from the state there. So nothing of a method's inside is in a file, and a run with the same `D` has the same bits whether
-//! it was interrupted or not; a run with another `D` differs from it by as much as its error. Fixed steps are as long as asked for or shorter, as many in every
-//! whole leg; of a tolerance for the whole run each leg has its share. Contacts that go on over the end of a leg are joined.
+//! Each leg starts the method anew from the state there. So nothing of a method's inside is in a
+//! file, and a run with the same `D` has the same bits whether it was interrupted or not; a run
+//! with another `D` differs from it by as much as its error. Fixed steps are as long as asked for
+//! or shorter, as many in every whole leg; of a tolerance for the whole run each leg has its share.
+//! Contacts that go on over the end of a leg are joined.
 //!
-//! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far, `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is
-//! `max |E(t) - E(0)|`. Every member is checked by its CRC-32.
+//! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
+//! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is `max |E(t) - E(0)|`.
+//! Every member is checked by its CRC-32.
 
 use crate::{
     chain::{Contact, Energy},
@@ -153,8 +157,9 @@ impl LongRun {
         if leg >= self.legs() { self.scene.end() } else { self.interval * leg as f64 }
     }
 
-    /// Runs what is left, and writes `checkpoint.npz` after every leg. `progress` is told the time at every sample. A run that fails, or is asked to end, leaves
-    /// the checkpoint of its last whole leg.
+    /// Runs what is left, and writes `checkpoint.npz` after every leg. `progress` is told the time
+    /// at every sample. A run that fails, or is asked to end, leaves the checkpoint of its last
+    /// whole leg.
     ///
     /// # Errors
     /// A checkpoint that cannot be written: the last one is then as it was.
@@ -235,7 +240,8 @@ impl LongRun {
     /// The run in an archive.
     ///
     /// # Errors
-    /// [`Error::Content`], with key and rule, for one that is not as it was written, of another version of the program, or whose numbers are outside their rules.
+    /// [`Error::Content`], with key and rule, for one that is not as it was written, of another
+    /// version of the program, or whose numbers are outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
@@ -268,7 +274,8 @@ impl LongRun {
         Ok(run)
     }
 
-    /// Refuses to be taken for a run of another scene or by another method; until when it runs is its own.
+    /// Refuses to be taken for a run of another scene or by another method; until when it runs is
+    /// its own.
     ///
     /// # Errors
     /// [`Error::Content`] for the one that differs; `path` is where it was read.

@@ -11,7 +11,8 @@ use serde::Serialize;
 const COLUMNS: [&str; Contact::NUMBERS] =
     ["bond", "onset", "release", "approach", "separation", "largest_overlap", "impulse"];
 
-/// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release after the end.
+/// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release
+/// after the end.
 pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
     let mut text = COLUMNS.join(",") + "\n";
@@ -22,7 +23,8 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a contact does not have. `settings`: where they come from, as JSON.
+/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a
+/// contact does not have. `settings`: where they come from, as JSON.
 ///
 /// # Errors
 /// What the archive writer says.

@@ -53,7 +53,8 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
     ]
 }
 
-/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy; `reason` is there where nobody named the integrator.
+/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
+/// `reason` is there where nobody named the integrator.
 pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> String {
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
@@ -131,8 +132,8 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
     lines.join("\n") + "\n"
 }
 
-/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`; with a contact log also
-/// `contacts.csv` and `contacts.npz`.
+/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`; with a
+/// contact log also `contacts.csv` and `contacts.npz`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -159,7 +160,8 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &st
     Ok(())
 }
 
-/// Writes the archive of profiles, a row at a time: long chains have more of them than fit into memory twice.
+/// Writes the archive of profiles, a row at a time: long chains have more of them than fit into
+/// memory twice.
 fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], settings: &str) -> std::io::Result<()> {
     let mut archive = NpzWriter::new(file, Some((SETTINGS, settings)))?;
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
@@ -185,7 +187,8 @@ fn archive_settings(json: &str) -> String {
     to_json(&Value::Object(kept))
 }
 
-/// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and time, the energy error.
+/// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and
+/// time, the energy error.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -232,14 +235,15 @@ pub fn run_pictures(
     Ok(pictures)
 }
 
-/// The number of the first strain: bonds count as the sites to their right, and the first of a free chain has no bond.
+/// The number of the first strain: bonds count as the sites to their right, and the first of a free
+/// chain has no bond.
 #[cfg(feature = "plot")]
 fn first_bond(scene: &Scene) -> f64 {
     Overlaps::new(scene.chain().clone()).bond(0) as f64
 }
 
-/// The range of colours, and whether it clips: all strains, but gaps only up to three times the largest overlap, so that
-/// contacts stay visible.
+/// The range of colours, and whether it clips: all strains, but gaps only up to three times the
+/// largest overlap, so that contacts stay visible.
 #[cfg(feature = "plot")]
 fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());

@@ -1,8 +1,9 @@
 //! Run time per bond and period against the number of sites.
 //!
-//! The wave of the scene `tw-q15`, on a ring as long as is asked for, perturbed so that all contacts begin and end at times of
-//! their own. Contact collocation works bond by bond and costs the same on every ring; a method that takes one step for the whole
-//! chain pays for each event with all of it.
+//! The wave of the scene `tw-q15`, on a ring as long as is asked for, perturbed so that all
+//! contacts begin and end at times of their own. Contact collocation works bond by bond and costs
+//! the same on every ring; a method that takes one step for the whole chain pays for each event
+//! with all of it.
 
 mod report;
 
@@ -83,7 +84,8 @@ pub struct ScalingRow {
     pub per_bond_period: Option<f64>,
     /// Runs behind the median.
     pub repeats: usize,
-    /// Work of one run. A force evaluation is one of the whole chain: so many by each bond, at most.
+    /// Work of one run. A force evaluation is one of the whole chain: so many by each bond, at
+    /// most.
     pub stats: Stats,
     /// Why there is no time: the run failed, or was left out.
     pub failure: Option<String>,
@@ -107,7 +109,8 @@ pub struct ScalingStudy {
 }
 
 impl ScalingStudy {
-    /// The methods of the study: collocation, contact-corrected splitting, whose equal steps are those of the whole chain, and two adaptive ones that step the whole chain.
+    /// The methods of the study: collocation, contact-corrected splitting, whose equal steps are
+    /// those of the whole chain, and two adaptive ones that step the whole chain.
     pub fn methods() -> [Method; 4] {
         [
             Method::Collocation,
@@ -123,7 +126,8 @@ impl ScalingStudy {
     }
 }
 
-/// Times every method on every ring, on one thread. `progress` is told the share of the time budget that is used, and what runs.
+/// Times every method on every ring, on one thread. `progress` is told the share of the time budget
+/// that is used, and what runs.
 ///
 /// # Errors
 /// A number of sites, a tolerance or a budget outside its rule.
@@ -157,7 +161,8 @@ fn checked(options: &ScalingOptions) -> Result<Vec<usize>> {
     Ok(sizes)
 }
 
-/// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the budget.
+/// All rows: collocation on every ring first, then the others ring by ring, as long as they fit the
+/// budget.
 fn rows(options: &ScalingOptions, sizes: &[usize], progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Vec<ScalingRow>> {
     let (clock, budget) = (Instant::now(), options.max_time);
     let spent = || clock.elapsed().as_secs_f64();
@@ -194,7 +199,8 @@ impl<'a> Studied<'a> {
         Self { method, options, known: None, rows: Vec::new() }
     }
 
-    /// Median wall time of several runs on a ring, their number, and their work; or why a run failed.
+    /// Median wall time of several runs on a ring, their number, and their work; or why a run
+    /// failed.
     fn time(&self, sites: usize, left: f64) -> Result<std::result::Result<(f64, usize, Stats), String>> {
         let scene = perturbed(sites, self.options.seed)?;
         match time(&scene, self.method, Setting::Tolerance(self.options.tol), left) {
@@ -236,8 +242,9 @@ impl<'a> Studied<'a> {
     }
 }
 
-/// The power of the number of sites that a run time grows like, at most: events come in proportion to the sites, and a method that
-/// stops at each pays with the whole chain; any other slows down where its state no longer fits the cache.
+/// The power of the number of sites that a run time grows like, at most: events come in proportion
+/// to the sites, and a method that stops at each pays with the whole chain; any other slows down
+/// where its state no longer fits the cache.
 fn growth(method: &Method) -> f64 {
     match method {
         Method::Collocation => 1.0,
@@ -246,7 +253,8 @@ fn growth(method: &Method) -> f64 {
     }
 }
 
-/// The wave on a ring of so many sites, every entry perturbed; the means stay, so that the ring keeps its energy.
+/// The wave on a ring of so many sites, every entry perturbed; the means stay, so that the ring
+/// keeps its energy.
 fn perturbed(sites: usize, seed: u64) -> Result<Scene> {
     let mut file = SceneFile::parse(&Scene::source(SCENE)?, SCENE)?;
     file.chain.sites = sites;

@@ -1,4 +1,5 @@
-//! Theorem 1 (th:dps) as an experiment: does the DpS equation describe the chain with heavy resonators as well, and for as long, as it says?
+//! Theorem 1 (th:dps) as an experiment: does the DpS equation describe the chain with heavy
+//! resonators as well, and for as long, as it says?
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,7 +10,8 @@
 //! | powers | what the theorem bounds their suprema with: `epsilon^alpha, epsilon^alpha, epsilon^{2 alpha-1}` |
 //! | local slope | `d ln sup / d ln epsilon` between neighbouring sizes |
 //!
-//! The suprema over time are those of samples, see [`Sampling`]; the verdict is a rule on the local slopes, see [`Bound`].
+//! The suprema over time are those of samples, see [`Sampling`]; the verdict is a rule on the local
+//! slopes, see [`Bound`].
 
 mod report;
 
@@ -101,7 +103,8 @@ impl RhoLaw {
         }
     }
 
-    /// Whether `1/rho <= C_r epsilon^{2(alpha-1)}` with one `C_r` for all sizes, as the theorem asks.
+    /// Whether `1/rho <= C_r epsilon^{2(alpha-1)}` with one `C_r` for all sizes, as the theorem
+    /// asks.
     pub fn allowed(self) -> bool {
         matches!(self, Self::Heavy | Self::Value(f64::INFINITY))
     }
@@ -146,8 +149,8 @@ pub struct TheoremOptions {
     pub horizon: f64,
     /// Law of the mass ratio, or a number for all epsilon.
     ///
-    /// eps^-2(alpha-1), the least that the theorem allows; eps^-(alpha-1), which is less; or a number, inf for Newton's
-    /// cradle.
+    /// eps^-2(alpha-1), the least that the theorem allows; eps^-(alpha-1), which is less; or a
+    /// number, inf for Newton's cradle.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -158,13 +161,14 @@ pub struct TheoremOptions {
     pub rho_law: RhoLaw,
     /// What A(0) is.
     ///
-    /// The breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in (-1, 1).
+    /// The breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n
+    /// in (-1, 1).
     #[cfg_attr(feature = "cli", arg(long, value_name = "I", value_enum, default_value_t = Initial::Bond))]
     pub initial: Initial,
     /// C_i: departure of the initial state from the ansatz.
     ///
-    /// In a random direction, on the boundary of the set (condciu), (condciv) in l_1, and so inside it in all norms. 0:
-    /// exactly on the ansatz.
+    /// In a random direction, on the boundary of the set (condciu), (condciv) in l_1, and so inside
+    /// it in all norms. 0: exactly on the ansatz.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
     pub c_i: f64,
     /// Seed of what is drawn at random [default: 1].
@@ -191,7 +195,8 @@ pub struct TheoremOptions {
     /// Where suprema are looked for.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub sampling: Sampling,
-    /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is measured.
+    /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is
+    /// measured.
     #[cfg_attr(feature = "cli", arg(skip = ACCURACY))]
     pub accuracy: f64,
 }
@@ -252,7 +257,8 @@ pub struct TheoremRun {
     pub windows: u64,
     /// Suprema, in the order of [`Norm::ALL`].
     pub suprema: [Errors; 3],
-    /// The share of each that samples miss: an eighth of the second differences at the largest, see [`Sampling`].
+    /// The share of each that samples miss: an eighth of the second differences at the largest, see
+    /// [`Sampling`].
     pub sampling_errors: [Errors; 3],
 }
 
@@ -329,8 +335,9 @@ fn powers(alpha: f64) -> [f64; 3] {
     [alpha, alpha, 2.0 * alpha - 1.0]
 }
 
-/// Runs the chain at all sizes, on all cores, and holds it against the DpS equation. With a folder, each size is kept there as soon as it was run, and is not run
-/// again. `progress` is told the share that is done now.
+/// Runs the chain at all sizes, on all cores, and holds it against the DpS equation. With a folder,
+/// each size is kept there as soon as it was run, and is not run again. `progress` is told the
+/// share that is done now.
 ///
 /// Asked to end, it gives what the sizes say that were run.
 ///

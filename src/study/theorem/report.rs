@@ -13,9 +13,10 @@ use serde_json::{Value, json};
 const QUANTITIES: [&str; 3] = ["u", "v", "vdot"];
 
 impl Report for TheoremStudy {
-    /// `rows` with `*_error` the suprema over time, `*_scaled` the same over `epsilon^alpha, epsilon^alpha, epsilon^{2 alpha-1}`;
-    /// `slopes` with `local` from large to small `epsilon`, `theory` the power of the theorem, `expected` that of its proof at
-    /// this law of `rho`; `bounded` is null where it cannot be told.
+    /// `rows` with `*_error` the suprema over time, `*_scaled` the same over `epsilon^alpha,
+    /// epsilon^alpha, epsilon^{2 alpha-1}`; `slopes` with `local` from large to small `epsilon`,
+    /// `theory` the power of the theorem, `expected` that of its proof at this law of `rho`;
+    /// `bounded` is null where it cannot be told.
     fn json(&self) -> Value {
         let options = &self.options;
         let row = |(run, norm): (&TheoremRun, Norm)| {
@@ -249,8 +250,8 @@ fn slopes_csv(study: &TheoremStudy) -> Vec<u8> {
     )
 }
 
-/// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there is: bounded as the theorem
-/// says where they do not grow to the left.
+/// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there is:
+/// bounded as the theorem says where they do not grow to the left.
 #[cfg(feature = "plot")]
 fn picture(study: &TheoremStudy) -> Result<Vec<u8>> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};

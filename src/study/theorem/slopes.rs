@@ -13,16 +13,17 @@ use std::f64::consts::PI;
 
 /// A scaled supremum may grow like `epsilon^-0.03` and count as bounded.
 const LEAST: f64 = -0.03;
-/// Where the limit is near: at `max(1, T) epsilon^{alpha-1}` below this, since what the theorem leaves out is of the next order in `epsilon^{alpha-1}` and grows
-/// with `T`.
+/// Where the limit is near: at `max(1, T) epsilon^{alpha-1}` below this, since what the theorem
+/// leaves out is of the next order in `epsilon^{alpha-1}` and grows with `T`.
 const NEAR: f64 = 0.02;
 /// What counts as the last sizes: those up to this many times the smallest, but for rounding.
 const DECADES: f64 = 100.0 * (1.0 + 1e-9);
 /// The last slope is no farther from the limit, or the slopes are still on their way.
 const SETTLED: f64 = 0.05;
 
-/// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded if `s - d >= -0.03`, violated if `s + d < -0.03`, undecided
-/// otherwise, and where the sizes given do not tell, see [`RULE`](Bound::RULE).
+/// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded if
+/// `s - d >= -0.03`, violated if `s + d < -0.03`, undecided otherwise, and where the sizes given do
+/// not tell, see [`RULE`](Bound::RULE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// It is.
@@ -76,7 +77,8 @@ pub struct TheoremSlope {
     pub quantity: usize,
     /// The power that the theorem bounds the error with.
     pub power: f64,
-    /// The power that its proof bounds the error with at this law of `rho`: (estimr1) and (estimrp); `None` if `rho` is constant.
+    /// The power that its proof bounds the error with at this law of `rho`: (estimr1) and
+    /// (estimrp); `None` if `rho` is constant.
     pub expected: Option<f64>,
     /// From large to small sizes; not a number where an error is zero.
     pub local: Vec<f64>,

@@ -199,7 +199,8 @@ mod tests {
         }
     }
 
-    // Truth: (condciu) and (condciv), with the equality sign in l_1 and the inequality in the others.
+    // Truth: (condciu) and (condciv), with the equality sign in l_1 and the inequality in the
+    // others.
     #[test]
     fn departures_are_on_the_boundary_of_what_is_allowed() {
         let (epsilon, c_i, alpha): (f64, f64, f64) = (1e-3, 0.7, 1.5);

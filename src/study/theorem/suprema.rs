@@ -44,7 +44,8 @@ impl Norm {
     }
 }
 
-/// The three errors in one norm: that of `u` and `u'` together (estimu), `norm(v)`, `norm(v')` (estimv).
+/// The three errors in one norm: that of `u` and `u'` together (estimu), `norm(v)`, `norm(v')`
+/// (estimv).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors(pub [f64; 3]);
 
@@ -61,8 +62,8 @@ pub(super) fn errors(layout: Layout, y: &[f64], a: &[Complex64], epsilon: f64, t
     })
 }
 
-/// The largest of a series, and what its samples miss: the parabola through a largest sample and those beside it rises above it by no more than an eighth of
-/// their second difference.
+/// The largest of a series, and what its samples miss: the parabola through a largest sample and
+/// those beside it rises above it by no more than an eighth of their second difference.
 #[derive(Clone, Copy, Default)]
 struct Peak {
     /// The last two: values, and what they miss themselves.
@@ -80,7 +81,8 @@ impl Peak {
         self.before = [middle, Some((value, missed))];
     }
 
-    /// `(largest, missed)`. What a series is cut off from is taken to be like what is beside it; where time ends, nothing is missed.
+    /// `(largest, missed)`. What a series is cut off from is taken to be like what is beside it;
+    /// where time ends, nothing is missed.
     fn end(mut self, time_ends: bool) -> (f64, f64) {
         if let [before, Some(last)] = self.before {
             let beside = before.filter(|_| !time_ends).map_or(last.0, |before| before.0);
@@ -129,10 +131,13 @@ impl Suprema {
 
 /// Where suprema over time are looked for.
 ///
-/// To leading order an error is a function of two variables, the phase `t` and the slow time `tau`, that is smooth where it is largest (norms have kinks
-/// where a value is zero, which is never a maximum). So a run that is long enough is looked at in periods `2 pi` spread equally over it, the first and the last
-/// among them; a shorter one throughout. What is missed falls with the squares of both spacings, and is told from the curvature at the largest sample, in both
-/// variables. (Half the samples would not tell: where two samples are as far from the maximum, they agree.)
+/// To leading order an error is a function of two variables, the phase `t` and the slow time `tau`,
+/// that is smooth where it is largest (norms have kinks where a value is zero, which is never a
+/// maximum). So a run that is long enough is looked at in periods `2 pi` spread equally over it,
+/// the first and the last among them; a shorter one throughout. What is missed falls with the
+/// squares of both spacings, and is told from the curvature at the largest sample, in both
+/// variables. (Half the samples would not tell: where two samples are as far from the maximum, they
+/// agree.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Sampling {
     /// Samples a period `2 pi`, at least 4.
@@ -160,7 +165,8 @@ impl Sampling {
         Ok(())
     }
 
-    /// The periods that are looked at, or the whole run: increasing times, the first 0 and the last the end.
+    /// The periods that are looked at, or the whole run: increasing times, the first 0 and the last
+    /// the end.
     pub(super) fn periods(self, end: f64, horizon: f64) -> Vec<Vec<f64>> {
         let points = f64::from(self.points);
         let count = f64::from(self.periods).max(f64::from(self.periods_per_slow_time) * horizon).ceil();
@@ -199,7 +205,8 @@ mod tests {
         }
     }
 
-    // Truth: the maximum of a smooth function of phase and slow time, wherever its top is between samples.
+    // Truth: the maximum of a smooth function of phase and slow time, wherever its top is between
+    // samples.
     #[test]
     fn what_is_missed_is_no_more_than_what_is_said() {
         let sampling = Sampling { points: 16, periods: 10, periods_per_slow_time: 1 };

@@ -34,7 +34,8 @@ const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
 const SEEDS: std::ops::RangeInclusive<u32> = 1..=10_000;
 /// Most numbers that a run or an ensemble may hold: a gigabyte.
 const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
-/// Largest and smallest tolerance of the modulation equations: below and above, their error is not the one that is seen.
+/// Largest and smallest tolerance of the modulation equations: below and above, their error is not
+/// the one that is seen.
 const FLOW_TOLERANCES: (f64, f64) = (1e-13, 1e-8);
 
 /// A travelling wave, from a scene, perturbed or not.
@@ -69,7 +70,8 @@ pub struct Wave {
 
 /// How a wave is run and looked at.
 ///
-/// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at most 0.1 % below those with 400.
+/// Largest values are those of samples: with 50 a period, in the runs of the paper, they are at
+/// most 0.1 % below those with 400.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct WaveOptions {
@@ -169,9 +171,11 @@ pub struct PerturbedRun {
     pub errors: Errors,
     /// Perturbed against unperturbed wave (eq:relerr_twPtd).
     pub difference: Errors,
-    /// Relative change of the energy of the modulation equations from the start to the end, which they conserve.
+    /// Relative change of the energy of the modulation equations from the start to the end, which
+    /// they conserve.
     pub flow_energy_change: f64,
-    /// The envelopes of chain and ansatz a period `2 pi/omega` before the end, if the run has two: the first by [`project`].
+    /// The envelopes of chain and ansatz a period `2 pi/omega` before the end, if the run has two:
+    /// the first by [`project`].
     pub envelopes: Option<Envelopes>,
 }
 
@@ -195,9 +199,11 @@ pub struct Member {
     pub growth_x: Option<f64>,
     /// Growth of `tilde E_y`.
     pub growth_y: Option<f64>,
-    /// Exponential rate of `tilde E_x`, per unit of time; `None` for runs shorter than eight periods.
+    /// Exponential rate of `tilde E_x`, per unit of time; `None` for runs shorter than eight
+    /// periods.
     pub rate: Option<f64>,
-    /// Largest distance of the logarithms from the line of that slope: well below the rise along the line where growth is exponential.
+    /// Largest distance of the logarithms from the line of that slope: well below the rise along
+    /// the line where growth is exponential.
     pub rate_residual: Option<f64>,
 }
 
@@ -262,12 +268,14 @@ pub struct WaveStudy {
     pub wall: Duration,
 }
 
-/// Runs the wave of a scene, its perturbed one if it has one, and an ensemble of those. `progress` is told how many runs are done of how many.
+/// Runs the wave of a scene, its perturbed one if it has one, and an ensemble of those. `progress`
+/// is told how many runs are done of how many.
 ///
 /// Members of the ensemble run on all cores; every number is the same for any number of them.
 ///
 /// # Errors
-/// A scene that is no travelling wave, a method that takes no tolerance, an option outside its rule, an ensemble without perturbation, a run that fails.
+/// A scene that is no travelling wave, a method that takes no tolerance, an option outside its
+/// rule, an ensemble without perturbation, a run that fails.
 pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
     let clock = Instant::now();
     let wave = *scene.wave()?;
@@ -481,7 +489,8 @@ fn member(seed: u64, t: &[f64], period: f64, difference: &Errors) -> Member {
     }
 }
 
-/// Slope of the logarithm of the largest value of each whole period of the second half, and how far the logarithms are from the line.
+/// Slope of the logarithm of the largest value of each whole period of the second half, and how far
+/// the logarithms are from the line.
 fn rate(t: &[f64], period: f64, errors: &[f64]) -> Option<(f64, f64)> {
     let end = t[t.len() - 1];
     let count = (0.5 * end / period).floor() as usize;

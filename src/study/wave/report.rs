@@ -10,8 +10,8 @@ use crate::{
 use serde_json::{Value, json};
 
 impl Report for WaveStudy {
-    /// `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth` is null without perturbation, and in runs
-    /// shorter than two periods.
+    /// `e_x_*` and `e_y_*` are those of the unperturbed wave (eq:relerr_tw); `growth` is null
+    /// without perturbation, and in runs shorter than two periods.
     fn json(&self) -> Value {
         let WaveStudy { scene, wave, errors, ensemble, .. } = self;
         let of_all = |quantity: fn(&Member) -> Option<f64>| {
@@ -106,8 +106,9 @@ impl Report for WaveStudy {
         text
     }
 
-    /// `errors.csv` (in time), `profile.csv` (strains at the end); with a perturbation `envelope.csv`, `ensemble.csv` (a line a
-    /// seed) and `spread.csv` (tilde E_x and tilde E_y over the seeds, in time).
+    /// `errors.csv` (in time), `profile.csv` (strains at the end); with a perturbation
+    /// `envelope.csv`, `ensemble.csv` (a line a seed) and `spread.csv` (tilde E_x and tilde E_y
+    /// over the seeds, in time).
     fn files(&self, json: &str) -> Result<Vec<File>> {
         let mut files = vec![("wave.json".to_owned(), json.into())];
         files.extend(tables(self).into_iter().map(|(name, csv)| (name.to_owned(), csv)));
@@ -179,7 +180,8 @@ pub(crate) fn tables(study: &WaveStudy) -> Vec<(&'static str, Vec<u8>)> {
     tables
 }
 
-/// Errors in time: `t, e_x, e_y`, and of the perturbed wave `e_x_perturbed, e_y_perturbed, tilde_e_x, tilde_e_y`.
+/// Errors in time: `t, e_x, e_y`, and of the perturbed wave `e_x_perturbed, e_y_perturbed,
+/// tilde_e_x, tilde_e_y`.
 fn errors_csv(study: &WaveStudy) -> Vec<u8> {
     let mut columns = vec![("t", &study.t), ("e_x", &study.errors.x), ("e_y", &study.errors.y)];
     if let Some(PerturbedRun { errors, difference, .. }) = &study.perturbed {
