@@ -8,6 +8,7 @@ mod collocation_at_rest;
 mod collocation_cases;
 mod contacts;
 mod corrected;
+mod corrected_tangent;
 mod main_job;
 mod order;
 mod run;

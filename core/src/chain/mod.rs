@@ -27,7 +27,7 @@ mod state;
 mod sweep;
 mod topology;
 
-pub use bonds::{Bonded, SiteFlow};
+pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::join;
 pub use contacts::{Contact, ContactLog, Overlaps};

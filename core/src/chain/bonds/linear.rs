@@ -43,12 +43,10 @@ impl SiteFlow for LinearFlow<f64> {
     }
 
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
-        let &Correction { impulse, displacement, at, turn, .. } = correction;
-        let (m, mu) = (self.m(), self.mu());
+        let [by_r0, by_v, by_c, by_s] = self.shares(correction);
         if let [r0, v] = &mut self.centre
             && !v.is_empty()
         {
-            let (by_r0, by_v) = (m * (displacement - impulse * (self.tau + at)), m * impulse);
             for &(site, weight) in beads {
                 r0[site] += weight * by_r0;
                 v[site] += weight * by_v;
@@ -57,11 +55,6 @@ impl SiteFlow for LinearFlow<f64> {
         if let [c, s] = &mut self.oscillation
             && !s.is_empty()
         {
-            let (sin, cos) = self.phase;
-            let [turn_sin, turn_cos] = turn;
-            let (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
-            let by_c = mu * (displacement * cos) - self.mu_over_omega * (impulse * sin);
-            let by_s = mu * (displacement * sin) + self.mu_over_omega * (impulse * cos);
             for &(site, weight) in beads {
                 c[site] += weight * by_c;
                 s[site] += weight * by_s;
@@ -74,6 +67,22 @@ impl SiteFlow for LinearFlow<f64> {
     fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
         f64::run(Push { flow: self, kick, forces });
+    }
+}
+
+impl LinearFlow<f64> {
+    /// What a correction adds to `R0, V, C, S` of a bead.
+    #[inline]
+    pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
+        let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;
+        let (m, mu, (sin, cos)) = (self.m(), self.mu(), self.phase);
+        let (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
+        [
+            m * (displacement - impulse * (self.tau + at)),
+            m * impulse,
+            mu * (displacement * cos) - self.mu_over_omega * (impulse * sin),
+            mu * (displacement * sin) + self.mu_over_omega * (impulse * cos),
+        ]
     }
 }
 

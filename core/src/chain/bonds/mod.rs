@@ -10,6 +10,9 @@
 mod forces;
 mod kinetic;
 mod linear;
+mod tangent;
+
+pub use tangent::TangentFlow;
 
 use forces::{Forces, Modified, Turned};
 
@@ -185,13 +188,20 @@ impl<F: SiteFlow> Bonded<F> {
     /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline]
-    fn along(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
+    fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
+        let motion = self.chain().topology().across(b, |i| self.flow.motion(i));
+        self.path_of((self.overlap[b], motion), pulls, h)
+    }
+
+    /// The same from overlap and [motion](SiteFlow::motion) of the bond: linear in these and in
+    /// pulls.
+    #[inline]
+    fn path_of(&self, (g, [rate, p, p_dot]): (f64, [f64; 3]), [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
-        let [rate, p, p_dot] = self.chain().topology().across(b, |i| self.flow.motion(i));
         let change = if h > 0.0 { (now - before) / h } else { 0.0 };
         let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
         // Of the chord's rate the bends add s h/2 + s' h^2/12, and processing s' h^2/12.
-        let (overlap, bend) = (self.overlap[b] + share * now, 2.0 * share * change);
+        let (overlap, bend) = (g + share * now, 2.0 * share * change);
         if omega == 0.0 {
             return BondPath {
                 overlap,

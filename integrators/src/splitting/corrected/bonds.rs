@@ -29,8 +29,27 @@ pub struct Correction {
     pub turn: [f64; 2],
 }
 
+/// Corrections of views, appended.
+type Corrections<'a> = dyn Fn(&[BondView], &mut Vec<Option<Correction>>) + 'a;
+
+/// How a correction depends on what its bond does: for flows that carry derivatives.
+#[derive(Clone, Copy)]
+pub struct Dependence<'a> {
+    /// Duration of the view: a step, or 0 where a run begins, ends or is looked at.
+    pub h: f64,
+    /// Relative change of a view, in which the correction is smooth.
+    pub change: f64,
+    /// Whether the kicks at both ends of the view are also made worth the force of the processed
+    /// path, `f(g + e)` in place of `f(g) + f'(g) e` with `e = (h^2/12) s`.
+    pub kicks: bool,
+    /// Appends the corrections of views near that of the bond; `None` where a view has none.
+    pub of: &'a Corrections<'a>,
+}
+
 /// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift moves exactly.
 pub trait BondFlow: SplitFlow<f64> {
+    /// Whether the flow carries derivatives, and must be told what corrections depend on.
+    const CARRIES: bool = false;
     /// The exponent `alpha`.
     fn exponent(&self) -> f64;
     /// Told the step before the first survey.
@@ -52,6 +71,10 @@ pub trait BondFlow: SplitFlow<f64> {
     ///
     /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear between what all other forces of the kick do at both.
     fn view(&self, bond: usize, h: f64) -> BondView;
+    /// Told how a correction depends on the view of its bond, before any correction that is given
+    /// together with it moves anything; [`correct`](Self::correct) follows once for each, in the
+    /// same order.
+    fn depends(&mut self, _bond: usize, _dependence: Dependence<'_>) {}
     /// Gives a bond a correction, and surveys again what that moves.
     fn correct(&mut self, bond: usize, correction: &Correction);
     /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by `F`.

@@ -8,7 +8,8 @@
 //! ```
 
 use super::{
-    bonds::{BondFlow, Correction},
+    CHANGE,
+    bonds::{BondFlow, BondView, Correction, Dependence},
     path::BondPath,
     zeta::hurwitz,
 };
@@ -78,18 +79,27 @@ fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
         }
         for (time, opened) in near(&path, REACH * h).into_iter().zip([true, false]) {
             if let Some(t) = time {
-                let [impulse, displacement] = missed(alpha, &path, t, h, opened, side);
-                let correction = Correction {
-                    impulse: -sign * impulse,
-                    displacement: sign * displacement,
-                    at: 0.0,
-                    rate: path.rate,
-                    turn: [0.0, 1.0],
-                };
+                let correction = given(alpha, &path, t, h, opened, side, sign);
+                if S::CARRIES {
+                    let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
+                        out.extend(views.iter().map(|view| {
+                            let t = near(&view.path, REACH * h)[usize::from(!opened)]?;
+                            Some(given(alpha, &view.path, t, h, opened, side, sign))
+                        }));
+                    };
+                    flow.depends(bond, Dependence { h: 0.0, change: CHANGE, kicks: false, of: &of });
+                }
                 flow.correct(bond, &correction);
             }
         }
     }
+}
+
+/// What a bond is given for an event at `t`.
+fn given(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side, sign: f64) -> Correction {
+    let [impulse, displacement] = missed(alpha, path, t, h, opened, side);
+    let (impulse, displacement) = (-sign * impulse, sign * displacement);
+    Correction { impulse, displacement, at: 0.0, rate: path.rate, turn: [0.0, 1.0] }
 }
 
 /// The last zero before now and the first after, if they are within reach: of the parabola, then of the path.
