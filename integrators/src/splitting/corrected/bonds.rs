@@ -8,9 +8,11 @@ use crate::system::SplitFlow;
 pub struct BondView {
     /// The overlap near the second kick.
     pub path: BondPath,
-    /// The acceleration of the overlap by a unit of its own force, reversed in sign: 2 between beads, 1 at a wall.
+    /// The acceleration of the overlap by a unit of its own force, reversed in sign: 2 between
+    /// beads, 1 at a wall.
     pub mobility: f64,
-    /// The acceleration of the overlap by all other forces of the kick, at the first kick and the second.
+    /// The acceleration of the overlap by all other forces of the kick, at the first kick and the
+    /// second.
     pub pull: [f64; 2],
 }
 
@@ -46,7 +48,8 @@ pub struct Dependence<'a> {
     pub of: &'a Corrections<'a>,
 }
 
-/// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift moves exactly.
+/// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift
+/// moves exactly.
 pub trait BondFlow: SplitFlow<f64> {
     /// Whether the flow carries derivatives, and must be told what corrections depend on.
     const CARRIES: bool = false;
@@ -58,10 +61,11 @@ pub trait BondFlow: SplitFlow<f64> {
     fn bonds(&self) -> usize;
     /// Computes overlaps and forces of now; those of the survey before are kept as well.
     fn survey(&mut self);
-    /// Appends the bonds whose side is not that of the last call, and whether they are closed now. A bond with overlap zero is open.
+    /// Appends the bonds whose side is not that of the last call, and whether they are closed now.
+    /// A bond with overlap zero is open.
     fn changed(&mut self, out: &mut Vec<(usize, bool)>);
-    /// Appends the bonds whose overlap at the survey before is larger or smaller than at those around it, and below `reach` times its second difference;
-    /// and whether they were closed then.
+    /// Appends the bonds whose overlap at the survey before is larger or smaller than at those
+    /// around it, and below `reach` times its second difference; and whether they were closed then.
     fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
@@ -69,7 +73,8 @@ pub trait BondFlow: SplitFlow<f64> {
     fn path(&self, bond: usize) -> BondPath;
     /// The bond between the surveys before and now, a step `h` apart, before the kick of now.
     ///
-    /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear between what all other forces of the kick do at both.
+    /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear between
+    /// what all other forces of the kick do at both.
     fn view(&self, bond: usize, h: f64) -> BondView;
     /// Told how a correction depends on the view of its bond, before any correction that is given
     /// together with it moves anything; [`correct`](Self::correct) follows once for each, in the
@@ -77,11 +82,14 @@ pub trait BondFlow: SplitFlow<f64> {
     fn depends(&mut self, _bond: usize, _dependence: Dependence<'_>) {}
     /// Gives a bond a correction, and surveys again what that moves.
     fn correct(&mut self, bond: usize, correction: &Correction);
-    /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by `F`.
+    /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by
+    /// `F`.
     fn kick(&mut self, kick: f64, c: f64);
-    /// The flow of the processor: positions move by `share` times their accelerations by the forces of the kick, velocities by `-share`
-    /// times the rates of these; the rates of the forces of bonds that are [`Near`](Side::Near) count as none.
+    /// The flow of the processor: positions move by `share` times their accelerations by the forces
+    /// of the kick, velocities by `-share` times the rates of these; the rates of the forces of
+    /// bonds that are [`Near`](Side::Near) count as none.
     fn process(&mut self, share: f64, sides: &[Side]);
-    /// Leads the solution `y` back in time by `by`, a part of a step, as exactly as the method or better.
+    /// Leads the solution `y` back in time by `by`, a part of a step, as exactly as the method or
+    /// better.
     fn back(&self, y: &mut [f64], by: f64);
 }

@@ -1,7 +1,9 @@
 //! Where a run begins, ends or is looked at: what is left of an event nearby.
 //!
-//! The processor takes away what a sum of kicks with half a kick at its end misses of a smooth force: `(h^2/12) f'` of the impulse, `(h^2/12) f` of the
-//! displacement. A force `c^alpha tau^alpha` that has begun `x h` before, or will end `x h` after, is not smooth. What is missed of it is
+//! The processor takes away what a sum of kicks with half a kick at its end misses of a smooth
+//! force: `(h^2/12) f'` of the impulse, `(h^2/12) f` of the displacement. A force `c^alpha
+//! tau^alpha` that has begun `x h` before, or will end `x h` after, is not smooth. What is missed
+//! of it is
 //!
 //! ```text
 //! c^alpha h^{alpha+1} Z_alpha(x),   Z_z(x) = zeta(-z, 1 + x) + x^z/2 + x^{z+1}/(z + 1)  ->  -(z/12) x^{z-1} + O(x^{z-3})
@@ -14,10 +16,12 @@ use super::{
     zeta::hurwitz,
 };
 
-/// Events up to so many steps away are seen to: farther ones leave less than 3e-5 of `c^alpha h^{alpha+1}`.
+/// Events up to so many steps away are seen to: farther ones leave less than 3e-5 of `c^alpha
+/// h^{alpha+1}`.
 const REACH: f64 = 6.0;
 
-/// Events nearer than so many steps are too near for the processor, whose derivative of the force is then that at another place.
+/// Events nearer than so many steps are too near for the processor, whose derivative of the force
+/// is then that at another place.
 const TOO_NEAR: f64 = 2.0;
 
 /// What the ends of a sum of kicks do to one bond.
@@ -102,7 +106,8 @@ fn given(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side, 
     Correction { impulse, displacement, at: 0.0, rate: path.rate, turn: [0.0, 1.0] }
 }
 
-/// The last zero before now and the first after, if they are within reach: of the parabola, then of the path.
+/// The last zero before now and the first after, if they are within reach: of the parabola, then of
+/// the path.
 fn near(path: &BondPath, reach: f64) -> [Option<f64>; 2] {
     let jet = path.at(0.0);
     let (g, r, a) = (jet.value, jet.rate, jet.acceleration);
@@ -118,7 +123,8 @@ fn near(path: &BondPath, reach: f64) -> [Option<f64>; 2] {
     [nearest(true), nearest(false)]
 }
 
-/// What a sum of kicks that begins now misses of the force of an event at `t`, above what processing knows: of its impulse and of its moment.
+/// What a sum of kicks that begins now misses of the force of an event at `t`, above what
+/// processing knows: of its impulse and of its moment.
 fn missed(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side) -> [f64; 2] {
     let jet = path.at(t);
     let (c, x) = (jet.rate.abs(), t.abs() / h);

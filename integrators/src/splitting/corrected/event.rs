@@ -57,7 +57,8 @@ impl Corrector {
         Self { alpha, table: ZetaTable::new(alpha), h, h2: h.powf(alpha + 2.0) }
     }
 
-    /// Appends the corrections of bonds that have changed their side since the kick before; `None` where a path is too flat to have a time of change.
+    /// Appends the corrections of bonds that have changed their side since the kick before; `None`
+    /// where a path is too flat to have a time of change.
     ///
     /// Events have the same bits alone and among others.
     pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
@@ -100,13 +101,15 @@ impl Corrector {
     fn at_zeros<const M: usize>(&self, events: &[Event; M], zero: &Zero<M>) -> (Pack<M>, Pack<M>) {
         let &Zero { at, rate, acceleration } = zero;
         let sign = Pack::of(events, |event| if event.onset { 1.0 } else { -1.0 });
-        // Steps from the event into the contact, to the first kick at which the processed path is closed: -at/h for an onset, 1 + at/h for a release.
+        // Steps from the event into the contact, to the first kick at which the processed path is
+        // closed: -at/h for an onset, 1 + at/h for a release.
         let theta = (Pack::of(events, |event| if event.onset { 0.0 } else { 1.0 }) - sign * (at / self.h)).fraction();
         // In time that runs into the contact.
         let local = (sign * rate, acceleration);
         let mut z = self.zeta(theta);
         let start = self.gradient(local, None, &mut z);
-        // One iteration of the implicit midpoint rule: the next would change it by a factor of the size of f' h^2 less.
+        // One iteration of the implicit midpoint rule: the next would change it by a factor of the
+        // size of f' h^2 less.
         let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
         let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
         let [before, now] = self.kicks(events, (at, rate, acceleration));
@@ -114,8 +117,10 @@ impl Corrector {
         ((before + now) - by_overlap, sign * by_rate + (now * at + before * (at + self.h)))
     }
 
-    /// What the kicks around an event are worth less than the force of the processed path, `h (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`: the kick before
-    /// the event and that after it. Farther ones are worth `h e^2 f''/2` less, of which the singular part is of order `h^{alpha+3}`.
+    /// What the kicks around an event are worth less than the force of the processed path, `h
+    /// (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`: the kick before the event and that after
+    /// it. Farther ones are worth `h e^2 f''/2` less, of which the singular part is of order
+    /// `h^{alpha+3}`.
     #[inline(always)]
     fn kicks<const M: usize>(&self, events: &[Event; M], (at, rate, a): (Pack<M>, Pack<M>, Pack<M>)) -> [Pack<M>; 2] {
         let Self { alpha, h, .. } = *self;
@@ -144,8 +149,9 @@ impl Corrector {
         [impulse.0[0], displacement.0[0]]
     }
 
-    /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta functions `z` there. If overlap and rate at that time are
-    /// moved, zeros and zeta functions are moved along.
+    /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta
+    /// functions `z` there. If overlap and rate at that time are moved, zeros and zeta functions
+    /// are moved along.
     #[inline(always)]
     fn gradient<const M: usize>(
         &self,
@@ -211,8 +217,8 @@ mod tests {
         out[0]
     }
 
-    /// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with the end terms of Euler and Maclaurin where the force
-    /// is smooth.
+    /// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with
+    /// the end terms of Euler and Maclaurin where the force is smooth.
     fn quadrature_error(f: impl Fn(f64) -> f64, theta: f64, h: f64) -> f64 {
         const KICKS: i32 = 60;
         let at = |k: i32| (theta + f64::from(k)) * h;
@@ -221,7 +227,8 @@ mod tests {
         let d = 0.1 * h;
         let slope = (8.0 * (f(end + d) - f(end - d)) - (f(end + 2.0 * d) - f(end - 2.0 * d))) / (12.0 * d);
         let third = (f(end + 2.0 * d) - 2.0 * f(end + d) + 2.0 * f(end - d) - f(end - 2.0 * d)) / (2.0 * d * d * d);
-        // The integral in a variable in which the force is smooth: t = end s^4, Gauss and Legendre with two points on 20 000 parts.
+        // The integral in a variable in which the force is smooth: t = end s^4, Gauss and Legendre
+        // with two points on 20 000 parts.
         const PARTS: i32 = 20_000;
         let integral: f64 = (0..PARTS)
             .flat_map(|i| [-1.0, 1.0].map(|side| (f64::from(i) + 0.5 + side / 12f64.sqrt()) / f64::from(PARTS)))
@@ -232,7 +239,8 @@ mod tests {
 
     fn view(rate: f64, acceleration: f64, overlap: f64) -> BondView {
         let path = BondPath { overlap, rate, acceleration: [acceleration, 0.0], jerk: [0.0; 2], omega: 0.0 };
-        // Without mobility, so that the midpoint rule is Euler's: the error of the quadrature itself.
+        // Without mobility, so that the midpoint rule is Euler's: the error of the quadrature
+        // itself.
         BondView { path, mobility: 0.0, pull: [0.0; 2] }
     }
 

@@ -6,24 +6,30 @@
 //! | `s` | acceleration of the overlap by the forces of the kick |
 //! | `F` | what a kick is worth: `f(g) + (h^2/12) s f'(g)` at the kernel's overlap `g` |
 //!
-//! The two terms of `W` for an event are the beginning of a series in `a h/c`, the curvature of the path over a step against its speed. Where the overlap turns
-//! within a few steps of its zero they do not suffice, and a contact or a gap between two kicks has no event at all. There the overlap is a parabola,
+//! The two terms of `W` for an event are the beginning of a series in `a h/c`, the curvature of the
+//! path over a step against its speed. Where the overlap turns within a few steps of its zero they
+//! do not suffice, and a contact or a gap between two kicks has no event at all. There the overlap
+//! is a parabola,
 //!
 //! ```text
 //! g(t) = b + a (t - t0)^2/2,
 //! ```
 //!
-//! but for `O(h)` of it, and the error of the quadrature is known without a series: for a short contact (`a < 0`) the sum over its few kicks less
+//! but for `O(h)` of it, and the error of the quadrature is known without a series: for a short
+//! contact (`a < 0`) the sum over its few kicks less
 //!
 //! ```text
 //! int (b - |a| t^2/2)_+^alpha dt = b^{alpha+1/2} (2/|a|)^{1/2} B(1/2, alpha + 1);
 //! ```
 //!
-//! for a gap, or an overlap that nearly opens (`a > 0`), the same over some kicks on either side, less the terms of Euler and Maclaurin at the last of these.
-//! Impulse and displacement are the error of the force and that of its first moment: again the two derivatives of one function of overlap and rate,
-//! `h sum V(g_k) + .. - int V dt`. The bond gets them less those of its onset and release, which it gets when these are seen.
+//! for a gap, or an overlap that nearly opens (`a > 0`), the same over some kicks on either side,
+//! less the terms of Euler and Maclaurin at the last of these. Impulse and displacement are the
+//! error of the force and that of its first moment: again the two derivatives of one function of
+//! overlap and rate, `h sum V(g_k) + .. - int V dt`. The bond gets them less those of its onset and
+//! release, which it gets when these are seen.
 //!
-//! What is left of a grazing event is of order `a^alpha h^{2 alpha + 2}`. Its own force is left out of the parabola: a share `(a h^2)^alpha/a` of it.
+//! What is left of a grazing event is of order `a^alpha h^{2 alpha + 2}`. Its own force is left out
+//! of the parabola: a share `(a h^2)^alpha/a` of it.
 
 use super::{
     bonds::{BondView, Correction},
@@ -33,19 +39,23 @@ use super::{
 };
 use crate::collocation::Rule;
 
-/// Turning points are looked at whose overlap is below this many times `abs(a) h^2`: farther ones leave less than the terms that `W` neglects.
+/// Turning points are looked at whose overlap is below this many times `abs(a) h^2`: farther ones
+/// leave less than the terms that `W` neglects.
 pub(super) const REACH: f64 = 3.0;
-/// Kicks on either side that count: as many as a contact within reach has, and the terms of Euler and Maclaurin are good to 1e-5 behind them.
+/// Kicks on either side that count: as many as a contact within reach has, and the terms of Euler
+/// and Maclaurin are good to 1e-5 behind them.
 const KICKS: i32 = 5;
 /// Turns of a resonator in a step, up to which the path is a parabola over some of them.
 const TURN: f64 = 1.0;
 /// Nodes of integrals, and coefficients of their tables.
 const NODES: usize = 12;
 const TERMS: usize = 16;
-/// Largest `xi` of a table: the overlap at a turning point within reach against that at the last kick that counts, which is at least `KICKS - 1/2` away.
+/// Largest `xi` of a table: the overlap at a turning point within reach against that at the last
+/// kick that counts, which is at least `KICKS - 1/2` away.
 const MOST: f64 = 0.56;
 
-/// An overlap that has turned near zero: as the bond is seen from the kick after, whether it was closed at the kick that is nearest to the turning point.
+/// An overlap that has turned near zero: as the bond is seen from the kick after, whether it was
+/// closed at the kick that is nearest to the turning point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub(super) view: BondView,
@@ -66,7 +76,8 @@ pub(super) struct Turns {
     alpha: f64,
     /// `B(1/2, alpha + 1)`.
     bump: f64,
-    /// `Phi(-xi^2)` and `Phi(xi^2)` over `xi` in `[0, MOST]` as series of Chebyshev polynomials, `Phi(x) = int_0^1 (s^2 + x)_+^alpha ds`.
+    /// `Phi(-xi^2)` and `Phi(xi^2)` over `xi` in `[0, MOST]` as series of Chebyshev polynomials,
+    /// `Phi(x) = int_0^1 (s^2 + x)_+^alpha ds`.
     gap: [[f64; TERMS]; 2],
 }
 
@@ -89,7 +100,8 @@ impl Turns {
         Self { alpha, bump: 2.0 * bump, gap: [of(-1.0), of(1.0)] }
     }
 
-    /// What the bond gets, beside what it gets at its events; `None` where the overlap does not turn, or springs are too fast for a parabola.
+    /// What the bond gets, beside what it gets at its events; `None` where the overlap does not
+    /// turn, or springs are too fast for a parabola.
     pub(super) fn correction(&self, turn: &Turn, corrector: &Corrector) -> Option<Graze> {
         let (h, path) = (corrector.step(), &turn.view.path);
         if path.omega * h > TURN {
@@ -144,7 +156,8 @@ fn turning_point(path: &BondPath, t: f64) -> Option<(f64, Jet)> {
 }
 
 impl Parabola<'_> {
-    /// Times of the kicks that count, from the turning point: now is kick 0, the one in the middle -1.
+    /// Times of the kicks that count, from the turning point: now is kick 0, the one in the middle
+    /// -1.
     fn kicks(&self) -> impl Iterator<Item = (i32, f64)> {
         let Self { h, t0, .. } = *self;
         (-1 - KICKS..=KICKS - 1).map(move |k| (k, f64::from(k) * h - t0))
@@ -199,7 +212,8 @@ impl Parabola<'_> {
         [error, moment]
     }
 
-    /// The worth of a kick as a function of time, and its three derivatives; `f` is smooth at the ends.
+    /// The worth of a kick as a function of time, and its three derivatives; `f` is smooth at the
+    /// ends.
     fn derivatives(&self, t: f64) -> [f64; 4] {
         let Self { turns, a, shift, .. } = *self;
         let (g, g1, alpha) = (self.overlap(t), a * t, turns.alpha);
@@ -213,7 +227,8 @@ impl Parabola<'_> {
         [d0, d1 * g1, d2 * g1 * g1 + d1 * a, d3 * g1 * g1 * g1 + 3.0 * d2 * g1 * a]
     }
 
-    /// What onset and release are given on this parabola: when, from now, and impulse and displacement there.
+    /// What onset and release are given on this parabola: when, from now, and impulse and
+    /// displacement there.
     fn events(&self, corrector: &Corrector) -> impl Iterator<Item = (f64, [f64; 2])> {
         let Self { h, t0, b, a, .. } = *self;
         let half = (-2.0 * b / a).max(0.0).sqrt();
@@ -278,8 +293,9 @@ mod tests {
         BondView { path, mobility: 0.0, pull: [0.0; 2] }
     }
 
-    /// Impulse and moment about `t0` that the bond is given on its way, less those of its force: kicks, corrections of events, and of the turning point, about
-    /// kick 0; without the latter too.
+    /// Impulse and moment about `t0` that the bond is given on its way, less those of its force:
+    /// kicks, corrections of events, and of the turning point, about kick 0; without the latter
+    /// too.
     fn missed(alpha: f64, t0: f64, b: f64, a: f64) -> [[f64; 2]; 2] {
         // Far enough for the formula of Euler and Maclaurin with two terms.
         const FAR: i32 = 40;
@@ -342,7 +358,8 @@ mod tests {
 
     #[test]
     fn turning_points_near_zero_leave_nothing_of_a_parabola() {
-        // Truth: sums and integrals of the force itself, and Euler and Maclaurin's formula where it is smooth.
+        // Truth: sums and integrals of the force itself, and Euler and Maclaurin's formula where it
+        // is smooth.
         for alpha in [1.1, 1.3, 1.5, 2.0] {
             for a in [-0.8, 1.3f64] {
                 let mut worst = [0.0f64; 2];

@@ -26,8 +26,10 @@ struct Entry {
 
 /// A log of contacts, step by step.
 ///
-/// The impulse of a contact is the sum of its kicks and corrections: the quadrature that moves the chain. Of one that goes on, half of the last kick counts, less
-/// `(h^2/12) f'`, the term of Euler and Maclaurin. The largest overlap is that of the cubics through overlaps and rates at the kicks.
+/// The impulse of a contact is the sum of its kicks and corrections: the quadrature that moves the
+/// chain. Of one that goes on, half of the last kick counts, less `(h^2/12) f'`, the term of Euler
+/// and Maclaurin. The largest overlap is that of the cubics through overlaps and rates at the
+/// kicks.
 #[derive(Clone, Debug)]
 pub(super) struct Log {
     entries: Vec<Entry>,
@@ -58,7 +60,8 @@ impl Log {
         self.pieces.iter()
     }
 
-    /// Takes over the bond at the middle of a kick, of which `kick` has passed by half: as processing leaves it.
+    /// Takes over the bond at the middle of a kick, of which `kick` has passed by half: as
+    /// processing leaves it.
     fn look<S: BondFlow>(&mut self, flow: &S, bond: usize, kick: f64) {
         let path = flow.path(bond);
         let (force, acceleration) = flow.force(bond);
@@ -123,7 +126,8 @@ impl Log {
     }
 }
 
-/// The largest value, at least zero, on an interval of length `h` of the cubic with these values and slopes at its ends.
+/// The largest value, at least zero, on an interval of length `h` of the cubic with these values
+/// and slopes at its ends.
 fn cubic_maximum((g0, r0): (f64, f64), (g1, r1): (f64, f64), h: f64) -> f64 {
     let ends = g0.max(g1).max(0.0);
     if !(r0 > 0.0 && r1 < 0.0) {

@@ -13,58 +13,74 @@
 //!
 //! # Why contacts lower the order
 //!
-//! Between kicks every site moves exactly. What a kicked run gets wrong is therefore only quadrature: kicks at `t_k` replace the integrals
-//! `int f(s) K(t - s) ds` of the variation of constants by sums. For a smooth force the formula of Euler and Maclaurin says that the sum differs from the integral
-//! by terms at the two ends of the run, in even powers of `h`. A force that begins at `t_e` like `C tau^alpha + D tau^{alpha+1} + ..`, `tau = t - t_e`, is not
-//! smooth. The generalised formula (Navot 1961) adds, for every event,
+//! Between kicks every site moves exactly. What a kicked run gets wrong is therefore only
+//! quadrature: kicks at `t_k` replace the integrals `int f(s) K(t - s) ds` of the variation of
+//! constants by sums. For a smooth force the formula of Euler and Maclaurin says that the sum
+//! differs from the integral by terms at the two ends of the run, in even powers of `h`. A force
+//! that begins at `t_e` like `C tau^alpha + D tau^{alpha+1} + ..`, `tau = t - t_e`, is not smooth.
+//! The generalised formula (Navot 1961) adds, for every event,
 //!
 //! ```text
 //! h sum f(t_k) - int f dt           =  C h^{alpha+1} zeta(-alpha, theta) + D h^{alpha+2} zeta(-alpha-1, theta) + ..
 //! h sum (t_k-t_e) f - int (t-t_e) f =  C h^{alpha+2} zeta(-alpha-1, theta) + ..
 //! ```
 //!
-//! All kicks near the event are in it, not only the nearest. A release is the mirror image, counted from the last kick inside. Since the number of events does
-//! not depend on `h`, every splitting with kicks at given times has an error of order `alpha + 1`, whatever its order on smooth problems.
+//! All kicks near the event are in it, not only the nearest. A release is the mirror image, counted
+//! from the last kick inside. Since the number of events does not depend on `h`, every splitting
+//! with kicks at given times has an error of order `alpha + 1`, whatever its order on smooth
+//! problems.
 //!
 //! # The correction
 //!
-//! The error is known as soon as the event is, so it is taken back: the bond gets the impulse `-E[f]` and the displacement `E[(t-t_e) f]`, both acting at `t_e`.
-//! Both are derivatives of one function. Let `W` be the singular part of the quadrature error of the *potential* along the path of the bond,
+//! The error is known as soon as the event is, so it is taken back: the bond gets the impulse
+//! `-E[f]` and the displacement `E[(t-t_e) f]`, both acting at `t_e`. Both are derivatives of one
+//! function. Let `W` be the singular part of the quadrature error of the *potential* along the path
+//! of the bond,
 //!
 //! ```text
 //! W(g, g') = h^{alpha+2} [ c^{alpha+1} zeta(-alpha-1, theta)/(alpha+1) + c^alpha (a h/2) zeta(-alpha-2, theta) ]
 //! impulse = -dW/dg,    displacement = dW/dg'
 //! ```
 //!
-//! where `theta` and `c` are functions of overlap and rate at a fixed time, through the zero of the path. (`d zeta(z, theta)/d theta = -z zeta(z+1, theta)`.)
-//! The correction is the canonical map that `-W` generates, as a step of the implicit midpoint rule in `(g, g')`.
+//! where `theta` and `c` are functions of overlap and rate at a fixed time, through the zero of the
+//! path. (`d zeta(z, theta)/d theta = -z zeta(z+1, theta)`.) The correction is the canonical map
+//! that `-W` generates, as a step of the implicit midpoint rule in `(g, g')`.
 //!
-//! `W` is smooth where an event meets a kick. For `theta -> 0` its singular term is `h^{alpha+2} c^{alpha+1} theta^{alpha+1}/(alpha+1) = h V(g)`, which is the kick
-//! itself: kick and correction together see the bond as if this kick did not belong to it, and count from the next.
+//! `W` is smooth where an event meets a kick. For `theta -> 0` its singular term is `h^{alpha+2}
+//! c^{alpha+1} theta^{alpha+1}/(alpha+1) = h V(g)`, which is the kick itself: kick and correction
+//! together see the bond as if this kick did not belong to it, and count from the next.
 //!
 //! # The kernel
 //!
-//! On smooth stretches Strang's step has an error of `h^2`. It goes by processing: a kick with the force
+//! On smooth stretches Strang's step has an error of `h^2`. It goes by processing: a kick with the
+//! force
 //!
 //! ```text
 //! F = f + (h^2/12) f'(g) s_n,     s_n the acceleration of the overlap by all forces
 //! ```
 //!
-//! (the gradient of the potential `V - (h^2/24) |grad V|^2` of Takahashi and Imada) makes Strang's step conjugate to a method of order four. The conjugation moves
-//! positions by `h^2/12` times the accelerations by the kick and velocities by `-h^2/12` times the rates of these: forward where a state is looked at, backward at
-//! the start. These are the end terms of Euler and Maclaurin; they are applied by one explicit midpoint step, whose error of order `h^6` does not add up.
+//! (the gradient of the potential `V - (h^2/24) |grad V|^2` of Takahashi and Imada) makes Strang's
+//! step conjugate to a method of order four. The conjugation moves positions by `h^2/12` times the
+//! accelerations by the kick and velocities by `-h^2/12` times the rates of these: forward where a
+//! state is looked at, backward at the start. These are the end terms of Euler and Maclaurin; they
+//! are applied by one explicit midpoint step, whose error of order `h^6` does not add up.
 //!
-//! Since `f(g) + (h^2/12) f'(g) s` is the force at the processed overlap `g + (h^2/12) s`, but for `O(h^4)`, events are those of the processed path: this
-//! includes the singular part of the modified force in `W`, and makes `t_e` the time of the event itself.
+//! Since `f(g) + (h^2/12) f'(g) s` is the force at the processed overlap `g + (h^2/12) s`, but for
+//! `O(h^4)`, events are those of the processed path: this includes the singular part of the
+//! modified force in `W`, and makes `t_e` the time of the event itself.
 //!
 //! # Which path
 //!
-//! `theta` must be right to `O(h^2)`, hence `t_e` to `O(h^3)`. Between two kicks the kernel moves along the exact flow of the drift, a chord of the smooth path through
-//! its positions at the kicks. That path differs from the chord by the motion under an acceleration `s(t)` which vanishes at both kicks, where `s` is linear between
-//! what all other bonds do at the two. The bond's own force is left out: it is `O(tau^alpha)` near the event, and moves the path by `O(h^{alpha+2})`. So the path
-//! is that of [`BondPath`]: right to `O(h^4)` in `t_e`, with the exact oscillation of resonators, so that `omega h` need not be small for it.
-//! Both kicks, the chord and the midpoint rule make the correction of a step its own reverse, as the kernel is. With a constant `s` from the later kick instead
-//! the order is the same, and the energy of a random ring drifts in proportion to time (measured); so it does not.
+//! `theta` must be right to `O(h^2)`, hence `t_e` to `O(h^3)`. Between two kicks the kernel moves
+//! along the exact flow of the drift, a chord of the smooth path through its positions at the
+//! kicks. That path differs from the chord by the motion under an acceleration `s(t)` which
+//! vanishes at both kicks, where `s` is linear between what all other bonds do at the two. The
+//! bond's own force is left out: it is `O(tau^alpha)` near the event, and moves the path by
+//! `O(h^{alpha+2})`. So the path is that of [`BondPath`]: right to `O(h^4)` in `t_e`, with the
+//! exact oscillation of resonators, so that `omega h` need not be small for it. Both kicks, the
+//! chord and the midpoint rule make the correction of a step its own reverse, as the kernel is.
+//! With a constant `s` from the later kick instead the order is the same, and the energy of a
+//! random ring drifts in proportion to time (measured); so it does not.
 //!
 //! # What is left
 //!
@@ -75,32 +91,43 @@
 //! | *grazing*: an overlap that turns within a few steps of its zero, seen by the kicks or not (see `graze`) | `a^alpha h^{2 alpha+2}` | at least 4 |
 //! | a run that starts, or a state that is looked at, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
 //!
-//! Nothing of order `h^{alpha+2}` is left: the second-order terms of the averaging are products of two quadrature errors. That of a bond's event with
-//! the smooth force of its neighbours is the modified force's, above; that with the smooth force of springs is nothing in the linear split, whose drift has them, and is
-//! in `a` and `s` of the kinetic split; that of two events in one step, or of one with itself, has a factor `h^{alpha+1}` for each.
-//! For grazing events the second term of `W` is multiplied by `1/(1 + (a h/c)^8)`: else its derivative has a pole at `c = 0`, of order `2 - alpha`. What that and
-//! both terms leave of a grazing event is known, and given to the bond at its turning point.
+//! Nothing of order `h^{alpha+2}` is left: the second-order terms of the averaging are products of
+//! two quadrature errors. That of a bond's event with the smooth force of its neighbours is the
+//! modified force's, above; that with the smooth force of springs is nothing in the linear split,
+//! whose drift has them, and is in `a` and `s` of the kinetic split; that of two events in one
+//! step, or of one with itself, has a factor `h^{alpha+1}` for each. For grazing events the second
+//! term of `W` is multiplied by `1/(1 + (a h/c)^8)`: else its derivative has a pole at `c = 0`, of
+//! order `2 - alpha`. What that and both terms leave of a grazing event is known, and given to the
+//! bond at its turning point.
 //!
-//! Kicks next to an event are not worth the force of the processed path: `f(g) + (h^2/12) f'(g) s` is zero where `g` is not yet positive but `g + (h^2/12) s` is, and
-//! `f''` is large. The difference, up to `h (s h^2/12)^alpha`, is given to the bond for the two kicks around the event: the derivative of
-//! `h (V(g + e) - V(g) - e f(g))`, `e = (h^2/12) s`.
+//! Kicks next to an event are not worth the force of the processed path: `f(g) + (h^2/12) f'(g) s`
+//! is zero where `g` is not yet positive but `g + (h^2/12) s` is, and `f''` is large. The
+//! difference, up to `h (s h^2/12)^alpha`, is given to the bond for the two kicks around the event:
+//! the derivative of `h (V(g + e) - V(g) - e f(g))`, `e = (h^2/12) s`.
 //!
-//! For integer `alpha` the zeta functions are the polynomials of Bernoulli, and the formulas hold as they are. For `alpha < 1` the modified force is not bounded at an
-//! event: such exponents are refused.
+//! For integer `alpha` the zeta functions are the polynomials of Bernoulli, and the formulas hold
+//! as they are. For `alpha < 1` the modified force is not bounded at an event: such exponents are
+//! refused.
 //!
-//! The next terms (`zeta(-alpha-3)`, the rate of `s`, the bias of the centred rate) were tried: they change no error by more than a few percent, since the smooth error of
-//! order `h^4` is the larger one. Extrapolation of two runs (Richardson) removes that and leaves about order 5: at 1.5 times the work an error 20 to 60 times smaller between 1e-8
-//! and 1e-11, as much as 1.4 to 1.9 times the steps would buy. It is not built in, since its result is no canonical map of the start.
+//! The next terms (`zeta(-alpha-3)`, the rate of `s`, the bias of the centred rate) were tried:
+//! they change no error by more than a few percent, since the smooth error of order `h^4` is the
+//! larger one. Extrapolation of two runs (Richardson) removes that and leaves about order 5: at 1.5
+//! times the work an error 20 to 60 times smaller between 1e-8 and 1e-11, as much as 1.4 to 1.9
+//! times the steps would buy. It is not built in, since its result is no canonical map of the
+//! start.
 //!
 //! # Ends
 //!
-//! A state that is looked at within a few steps of an event needs the end terms of the singular force, which are zeta functions too: see `ends`.
+//! A state that is looked at within a few steps of an event needs the end terms of the singular
+//! force, which are zeta functions too: see `ends`.
 //!
 //! # Symplectic, but for what
 //!
-//! In `(g, g')` of its bond each correction is canonical up to the error of the iterated midpoint rule. `s` at both kicks depends on the positions of neighbours: exact
-//! symplecticity would need impulses `-(dW/ds) f'(g_m)/2` on neighbours at both kicks, the first of which is over when the event is found. They are of order
-//! `h^{alpha+3}`, and are left out; with that at the second kick the energies of long runs were no better (measured).
+//! In `(g, g')` of its bond each correction is canonical up to the error of the iterated midpoint
+//! rule. `s` at both kicks depends on the positions of neighbours: exact symplecticity would need
+//! impulses `-(dW/ds) f'(g_m)/2` on neighbours at both kicks, the first of which is over when the
+//! event is found. They are of order `h^{alpha+3}`, and are left out; with that at the second kick
+//! the energies of long runs were no better (measured).
 //!
 //! # Tangent map
 //!
@@ -110,16 +137,20 @@
 //! differentiated too.
 //!
 //! Where an event meets a kick to within `h^{alpha+1}` steps, the displacement moves the overlap of
-//! that kick, and the tangent has an error of `h^{1 + (alpha-1)(alpha+2)}`. Symmetric orbits with an
-//! even number of steps in half a period have such events; an odd number avoids them.
+//! that kick, and the tangent has an error of `h^{1 + (alpha-1)(alpha+2)}`. Symmetric orbits with
+//! an even number of steps in half a period have such events; an odd number avoids them.
 //!
 //! # Literature
 //!
-//! We know of no publication of this method. Near it come: Navot 1961, *J. Math. and Phys.* 40, 271 (the Euler-Maclaurin formula for end points with an algebraic
-//! singularity); Takahashi & Imada 1984, *J. Phys. Soc. Jpn.* 53, 3765, and Rowlands 1991, *J. Comput. Phys.* 97, 235 (the modified force, processed);
-//! Lopez-Marcos, Sanz-Serna & Skeel 1997, *SIAM J. Sci. Comput.* 18, 223; Blanes, Casas & Ros 1999, *SIAM J. Sci. Comput.* 21, 711 (processing); Wisdom, Holman &
-//! Touma 1996, *Fields Inst. Commun.* 10, 217 (symplectic correctors); Kapur & Rokhlin 1997, *SIAM J. Numer. Anal.* 34, 1331 (quadrature corrected at singular end points); Tao & Jin 2022,
-//! *J. Comput. Phys.* 450, 110846 (potentials with jumps: there too it is reversible maps that do well over long times).
+//! We know of no publication of this method. Near it come: Navot 1961, *J. Math. and Phys.* 40, 271
+//! (the Euler-Maclaurin formula for end points with an algebraic singularity); Takahashi & Imada
+//! 1984, *J. Phys. Soc. Jpn.* 53, 3765, and Rowlands 1991, *J. Comput. Phys.* 97, 235 (the modified
+//! force, processed); Lopez-Marcos, Sanz-Serna & Skeel 1997, *SIAM J. Sci. Comput.* 18, 223;
+//! Blanes, Casas & Ros 1999, *SIAM J. Sci. Comput.* 21, 711 (processing); Wisdom, Holman & Touma
+//! 1996, *Fields Inst. Commun.* 10, 217 (symplectic correctors); Kapur & Rokhlin 1997, *SIAM J.
+//! Numer. Anal.* 34, 1331 (quadrature corrected at singular end points); Tao & Jin 2022, *J.
+//! Comput. Phys.* 450, 110846 (potentials with jumps: there too it is reversible maps that do well
+//! over long times).
 
 mod bonds;
 mod ends;
@@ -204,7 +235,8 @@ impl<S: BondFlow> Corrected<S> {
     /// Runs `flow`, which holds the state at `start`, to `end` in `steps` equal steps.
     ///
     /// # Errors
-    /// `end < start`, times that are not finite, no step for a span that is not empty, or an exponent below 1 or above 10.
+    /// `end < start`, times that are not finite, no step for a span that is not empty, or an
+    /// exponent below 1 or above 10.
     pub fn new(mut flow: S, (start, end): (f64, f64), steps: u64, parts: Parts) -> Result<Self, Error> {
         check((start, end), steps)?;
         let alpha = flow.exponent();
@@ -245,7 +277,8 @@ impl<S: BondFlow> Corrected<S> {
         Ok(new)
     }
 
-    /// Keeps what every contact does, for [`ContactStepper::tell`]. To be called before the first step.
+    /// Keeps what every contact does, for [`ContactStepper::tell`]. To be called before the first
+    /// step.
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.log = Some(Log::new(&self.flow, self.h.value()));
@@ -287,7 +320,8 @@ impl<S: BondFlow> Corrected<S> {
         self.start + self.h * Twofold::new(steps as f64)
     }
 
-    /// Corrects the bonds that have turned near zero about the kick before: what their events, if they had any, leave.
+    /// Corrects the bonds that have turned near zero about the kick before: what their events, if
+    /// they had any, leave.
     fn correct_turns(&mut self) {
         let h = self.h.value();
         for &(bond, closed) in &self.turned {

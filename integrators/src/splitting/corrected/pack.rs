@@ -88,7 +88,8 @@ impl<const M: usize> Pack<M> {
         self
     }
 
-    /// The polynomial with these coefficients, lowest first: even and odd powers are two sums that do not wait for each other.
+    /// The polynomial with these coefficients, lowest first: even and odd powers are two sums that
+    /// do not wait for each other.
     #[inline(always)]
     pub(super) fn polynomial<const K: usize>(self, coefficients: &[[f64; 2]; K]) -> Self {
         let square = self * self;

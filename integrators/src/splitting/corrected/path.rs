@@ -4,14 +4,16 @@ use super::pack::Pack;
 
 /// Turns `omega h` up to which the functions of the path are summed as series.
 const SERIES: f64 = 0.5;
-/// Steps of Halley's method before bisection takes over, and the change, in steps of a run, that is the last: the next is of the size of its third power.
+/// Steps of Halley's method before bisection takes over, and the change, in steps of a run, that is
+/// the last: the next is of the size of its third power.
 const HALLEY: u32 = 6;
 const ENOUGH: f64 = 1e-2;
 const HALVINGS: u32 = 53;
 /// Share of a step by which processing may move an event across an end.
 const MOVED: f64 = 0.25;
 
-/// The overlap of one bond near a kick, as the smooth path through the kicks that its own force takes no part in:
+/// The overlap of one bond near a kick, as the smooth path through the kicks that its own force
+/// takes no part in:
 ///
 /// ```text
 /// g(t) = g + r t + t^2 (a/2 + b c2(omega t)) + t^3 (j/6 + k s3(omega t)),   c2(x) = (1 - cos x)/x^2,  s3(x) = (x - sin x)/x^3
@@ -121,7 +123,8 @@ impl<'a, const M: usize> Paths<'a, M> {
         [x * sinc, cos]
     }
 
-    /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's method from the zero of the parabola.
+    /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's
+    /// method from the zero of the parabola.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
     pub(super) fn zeros(&self, h: f64, rising: &[bool; M]) -> Zero<M> {

@@ -21,10 +21,12 @@ const BERNOULLI: [f64; 12] = [
 /// The argument from which the asymptotic series is exact to rounding.
 const FAR: f64 = 7.0;
 
-/// Hurwitz' zeta function `zeta(-z, a)` for `z > -1` and `a > 0`: the finite part of `sum_{k >= 0} (a + k)^z`.
+/// Hurwitz' zeta function `zeta(-z, a)` for `z > -1` and `a > 0`: the finite part of `sum_{k >= 0}
+/// (a + k)^z`.
 ///
-/// Terms up to `a + k >= 7` are summed, the rest is the series of Euler and Maclaurin, whose first omitted term is there below `1e-16` of
-/// the first. The absolute error is a rounding of `7^{z+1}`: 3e-14 at `z = 3/2`, 2e-12 at `z = 9/2`.
+/// Terms up to `a + k >= 7` are summed, the rest is the series of Euler and Maclaurin, whose first
+/// omitted term is there below `1e-16` of the first. The absolute error is a rounding of `7^{z+1}`:
+/// 3e-14 at `z = 3/2`, 2e-12 at `z = 9/2`.
 ///
 /// ```
 /// use hertzchain_integrators::splitting::hurwitz;
@@ -53,11 +55,12 @@ pub fn hurwitz(z: f64, a: f64) -> f64 {
     sum + tail
 }
 
-/// Nodes of a table: the singularity of `zeta(-z, 1 + theta)` nearest to `[0, 1]` lies at -1, so that coefficients fall by 5.8 a degree:
-/// to 3e-12 of the first.
+/// Nodes of a table: the singularity of `zeta(-z, 1 + theta)` nearest to `[0, 1]` lies at -1, so
+/// that coefficients fall by 5.8 a degree: to 3e-12 of the first.
 const DEGREE: usize = 15;
 
-/// Zeta functions of one exponent, `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, as polynomials on `[0, 1]`.
+/// Zeta functions of one exponent, `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, as polynomials
+/// on `[0, 1]`.
 #[derive(Clone, Debug)]
 pub(super) struct ZetaTable {
     /// Coefficients of the powers of `2 theta - 1`, by power.
