@@ -1,4 +1,4 @@
-//! Numbers read from text.
+//! Numbers read from text, and written for people.
 
 /// The double nearest to a decimal: infinite only for `inf`, and zero only for a decimal of zero.
 ///
@@ -16,6 +16,31 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
+/// A parameter as a person writes it: with few digits where these are the number, as a fraction of
+/// whole numbers up to a twelfth where it is one (`1/3`), else to four digits.
+pub(crate) fn written(x: f64) -> String {
+    const FEW: usize = 8;
+    let exact = x.to_string();
+    if exact.len() <= FEW {
+        return exact;
+    }
+    let fraction = (2..=12).map(f64::from).find_map(|q| {
+        let p = (x * q).round();
+        (p != 0.0 && p.abs() < 100.0 && p / q == x).then(|| format!("{p}/{q}"))
+    });
+    fraction.unwrap_or_else(|| shown(x))
+}
+
+/// A number to four digits, with a power of ten where it is very large or small.
+pub(crate) fn shown(x: f64) -> String {
+    if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let digits = (3 - x.abs().max(1e-4).log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A whole number, at least zero.
 ///
 /// # Errors
@@ -29,4 +54,26 @@ pub(crate) fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let too_large = || "larger than any whole number here, 1.8e19".to_owned();
     let value: u64 = text.parse().map_err(|_| too_large())?;
     T::try_from(value).map_err(|_| too_large())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_are_written_as_people_write_them() {
+        let cases = [
+            (1.5, "1.5"),
+            (1.0 / 3.0, "1/3"),
+            (-5.0 / 6.0, "-5/6"),
+            (1000.0, "1000"),
+            (f64::INFINITY, "inf"),
+            (0.333_333_3, "0.3333"),
+            (std::f64::consts::PI, "3.142"),
+            (1.234_567_89e-7, "1.235e-7"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(written(x), text);
+        }
+    }
 }

@@ -80,6 +80,8 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     let bar = ColourBar::along(scale(), value_label, area.height());
     let axis = |edges: &[f64]| Axis::exact_log(edges[0], edges[edges.len() - 1]);
     let axes = Axes::draw(canvas, bar.beside(area), (axis(&x_edges), x_label), (axis(&y_edges), y_label), false)?;
+    // Lines pass through the middle of cells.
+    let note_at = if map.lines.is_empty() { 0.5 } else { NOTE };
     let mut places = Vec::with_capacity(cells);
     for (k, (&value, note)) in map.values.iter().zip(&map.notes).enumerate() {
         let (column, row) = (k % map.x.len(), k / map.x.len());
@@ -87,7 +89,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
             axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
         let Some(((x0, y1), (x1, y0))) = corners else { continue };
         canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(value))?;
-        places.push(((0.5 * (x0 + x1), y0 + NOTE * (y1 - y0)), colour(value), note));
+        places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour(value), note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
         let Rect { x0, x1, y0, y1 } = axes.frame;

@@ -305,12 +305,10 @@ impl Report for Profiled {
             Column::new("breather at rest", [panel("strain xₙ", &self.x), panel("strain yₙ", &self.y)]),
         ];
         let caption = format!(
-            "Standing wave with a kink (eq:DpSsw2) about a {}, and the strains that start the breather (eq:xy_sw). N = {}, α = {}, κ = {}, ρ = {}, ω_b = {}, μ = {:.6e}. hertzchain {}.",
+            "Standing wave with a kink (eq:DpSsw2) about a {}, and the strains that start the breather (eq:xy_sw). N = {}, {}, ω_b = {}, μ = {:.6e}. hertzchain {}.",
             center_word(self.profile.center()),
             self.x.len(),
-            params.alpha,
-            params.kappa,
-            params.rho,
+            crate::study::params_words(params),
             self.omega_b,
             self.mu,
             env!("CARGO_PKG_VERSION")

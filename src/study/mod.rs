@@ -39,7 +39,7 @@ pub use lifetimes::*;
 #[cfg(feature = "plot")]
 pub(crate) use modulation::figure as stability_figure;
 pub use modulation::*;
-pub(crate) use modulation::{caption as stability_caption, shown, stability_tables};
+pub(crate) use modulation::{caption as stability_caption, stability_tables};
 pub(crate) use orbits::branch_csv;
 #[cfg(feature = "cli")]
 pub(crate) use orbits::folder_of;
@@ -55,7 +55,8 @@ pub use theorem::{
 pub(crate) use wave::wave_tables;
 pub use wave::*;
 
-use crate::{error::Result, output::Folder, run::Method, scene::Scene};
+pub(crate) use crate::number::shown;
+use crate::{chain::Params, error::Result, number::written, output::Folder, run::Method, scene::Scene};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -166,15 +167,19 @@ pub fn scene_json(scene: &Scene) -> Value {
 fn provenance(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     format!(
-        "Scene {}: {}. N = {}, α = {}, κ = {}, ρ = {}. {how} hertzchain {}.",
+        "Scene {}: {}. N = {}, {}. {how} hertzchain {}.",
         scene.name(),
         scene.file().summary,
         scene.chain().sites(),
-        params.alpha,
-        params.kappa,
-        params.rho,
+        params_words(params),
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// Exponent, spring constant and mass ratio, for captions.
+pub(crate) fn params_words(params: Params) -> String {
+    let [alpha, kappa, rho] = [params.alpha, params.kappa, params.rho].map(written);
+    format!("α = {alpha}, κ = {kappa}, ρ = {rho}")
 }
 
 /// The families of some methods, each once, and the index of that of each method: colours and

@@ -87,13 +87,7 @@ pub(super) fn version() -> &'static str {
 /// The parameters of the scenes of Sec. 5 in one sentence.
 fn chain_words(scene: &Scene, epsilon: f64) -> String {
     let params = scene.chain().params();
-    format!(
-        "N = {}, free ends, α = {}, κ = {}, ρ = {}, ε = {epsilon}",
-        scene.chain().sites(),
-        params.alpha,
-        params.kappa,
-        params.rho
-    )
+    format!("N = {}, free ends, {}, ε = {epsilon}", scene.chain().sites(), crate::study::params_words(params))
 }
 
 pub(super) fn bright_caption(study: &BrightStudy) -> String {

@@ -149,12 +149,10 @@ fn picture(study: &Evolution) -> Result<Vec<u8>> {
         format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
     });
     let caption = format!(
-        "Orbit of ω_b = {}, α = {}, κ = {}, ρ = {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit. Roundings grow by {:.1e} in this run if \
+        "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit. Roundings grow by {:.1e} in this run if \
          they stay small. hertzchain {}.",
         setting.omega_b,
-        setting.params.alpha,
-        setting.params.kappa,
-        setting.params.rho,
+        crate::study::params_words(setting.params),
         setting.sites,
         study.amplification,
         env!("CARGO_PKG_VERSION")

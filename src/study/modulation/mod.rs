@@ -2,10 +2,10 @@
 
 mod report;
 
+pub(crate) use report::caption;
 #[cfg(feature = "plot")]
 pub(crate) use report::figure;
 pub(crate) use report::tables as stability_tables;
-pub(crate) use report::{caption, shown};
 
 use super::{Changes, Study, Work, fit_line};
 use crate::{

@@ -3,6 +3,7 @@
 use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy};
 use crate::{
     error::Result,
+    number::shown,
     output::csv,
     present::table,
     study::{File, Report},
@@ -239,16 +240,6 @@ fn chart_words(chart: &StabilityChart) -> String {
     )
 }
 
-/// A number to four digits, with a power of ten where it is very large or small.
-pub(crate) fn shown(x: f64) -> String {
-    if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
-        return format!("{x:.3e}");
-    }
-    let digits = (3 - x.abs().max(1e-4).log10().floor() as i32).max(0) as usize;
-    let text = format!("{x:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
 /// Points of the curve of theory.
 #[cfg(feature = "plot")]
 const POINTS: usize = 600;
@@ -272,7 +263,7 @@ pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures:
             "Growth of modulations of a travelling wave, q = {} π, b = {}, ρ = {}",
             shown(q / PI),
             shown(b),
-            shown(options.params.rho)
+            crate::number::written(options.params.rho)
         ),
         wave_label: "wave number of the modulation, p / π".to_owned(),
         growth_label: "growth rate Re λ per slow time τ".to_owned(),
@@ -297,11 +288,9 @@ pub(crate) fn caption(study: &StabilityStudy) -> String {
         .as_ref()
         .map(|chart| chart_words(chart).replace("rho", "ρ").replace("^(-3/2)", "^(−3/2)").replace(" x ", " × ") + " ");
     format!(
-        "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. α = {}, κ = {}, ρ = {}, \
+        "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
              q = {} π, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {}. {how}{}hertzchain {}.",
-        params.alpha,
-        params.kappa,
-        shown(params.rho),
+        crate::study::params_words(params),
         shown(q / PI),
         options.sites,
         shown(modulation.slow_frequency()),
@@ -326,7 +315,7 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> crate::figures::Growth
         labels: [
             "wave number of the wave, q / π".to_owned(),
             "mean strain, b / (2κa)".to_owned(),
-            format!("fastest growth per τ, ρ = {}", shown(study.options.params.rho)),
+            format!("fastest growth per τ, ρ = {}", crate::number::written(study.options.params.rho)),
         ],
         x: (0.0, 1.0),
         y: (low, high),

@@ -323,11 +323,9 @@ fn orbit_picture(title: String, study: &OrbitStudy) -> Result<Vec<u8>> {
     ];
     let plane = Panel::new(figures::Kind::Plane, ["Re λ", "Im λ"], kinds);
     let caption = format!(
-        "Strains at rest, and Floquet multipliers; the largest modulus is {:.9}. N = {sites}, α = {}, κ = {}, ρ = {}, ω_b = {omega_b}, residual {:.1e}. hertzchain {}.",
+        "Strains at rest, and Floquet multipliers; the largest modulus is {:.9}. N = {sites}, {}, ω_b = {omega_b}, residual {:.1e}. hertzchain {}.",
         study.spectrum.largest(),
-        params.alpha,
-        params.kappa,
-        params.rho,
+        crate::study::params_words(params),
         study.orbit.residual,
         env!("CARGO_PKG_VERSION")
     );
@@ -370,7 +368,7 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
     ];
     let setting = branch.points.first().map(|point| point.orbit.setting);
     let ring = setting.map_or(String::new(), |Setting { params, sites, .. }| {
-        format!("N = {sites}, α = {}, κ = {}, ρ = {} at its first point. ", params.alpha, params.kappa, params.rho)
+        format!("N = {sites}, {} at its first point. ", crate::study::params_words(params))
     });
     let caption = format!(
         "{} orbits; unstable: a multiplier with |λ| > 1 + 10⁻⁶. {ring}hertzchain {}.",
