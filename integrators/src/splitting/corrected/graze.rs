@@ -45,14 +45,14 @@ pub(super) const REACH: f64 = 3.0;
 /// Kicks on either side that count: as many as a contact within reach has, and the terms of Euler
 /// and Maclaurin are good to 1e-5 behind them.
 const KICKS: i32 = 5;
-/// Turns of a resonator in a step, up to which the path is a parabola over some of them.
+/// Largest `omega h`: up to here the path of a bond is close to a parabola over a few steps.
 const TURN: f64 = 1.0;
 /// Nodes of integrals, and coefficients of their tables.
 const NODES: usize = 12;
 const TERMS: usize = 16;
-/// Largest `xi` of a table: the overlap at a turning point within reach against that at the last
-/// kick that counts, which is at least `KICKS - 1/2` away.
-const MOST: f64 = 0.56;
+/// Largest `xi` of a table, a little above `(2 REACH)^{1/2}/(KICKS - 1)`: a turning point lies
+/// within a step of the kick in the middle, hence at least `KICKS - 1` steps from the last ones.
+const MOST: f64 = 0.62;
 
 /// An overlap that has turned near zero: as the bond is seen from the kick after, whether it was
 /// closed at the kick that is nearest to the turning point.
@@ -373,7 +373,9 @@ mod tests {
                         }
                     }
                 }
-                assert!(worst[0] < 1e-4 && worst[1] > 5e-3, "{alpha} {a}: {worst:?}");
+                // Contacts are summed exactly; for gaps the terms of Euler and Maclaurin end at h^4.
+                let bound = if a < 0.0 { 1e-9 } else { 4e-5 };
+                assert!(worst[0] < bound && worst[1] > 1e-2, "{alpha} {a}: {worst:?}");
             }
         }
     }
