@@ -4,19 +4,17 @@
 //! impulses in the tails of waves and breathers become subnormal numbers, which are slow. Its
 //! effect on the state is below 1e-200.
 
-use crate::{Real, Twofold};
+use crate::{Real, Twofold, Vector};
 
 /// Number of overlaps that a vectorised loop takes together.
 pub const LANES: usize = 8;
-/// An array of that many numbers.
-pub type Lanes<R> = [R; LANES];
 
 /// A power `g^alpha` as a type, so that loops are compiled for it.
-pub trait Power<R>: Copy {
+pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.
-    fn raise(self, g: R) -> R;
+    fn raise<V: Vector<R>>(self, g: V) -> V;
     /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
-    fn raise_with_slope(self, g: R) -> (R, R);
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V);
 }
 
 /// `g sqrt(g)`.
@@ -37,69 +35,97 @@ pub struct General<R>(R);
 
 impl<R: Real> Power<R> for ThreeHalves {
     #[inline(always)]
-    fn raise(self, g: R) -> R {
-        g * g.sqrt()
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        g * g.root()
     }
 
     #[inline(always)]
-    fn raise_with_slope(self, g: R) -> (R, R) {
-        let root = g.sqrt();
-        (g * root, R::of(1.5) * root)
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
+        let root = g.root();
+        (g * root, V::all(R::of(1.5)) * root)
     }
 }
 
 impl<R: Real, const K: u32> Power<R> for Monomial<K> {
     #[inline(always)]
-    fn raise(self, g: R) -> R {
-        (1..K).fold(g, |power, _| power * g)
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        let mut power = g;
+        for _ in 1..K {
+            power = power * g;
+        }
+        power
     }
 
     #[inline(always)]
-    fn raise_with_slope(self, g: R) -> (R, R) {
-        let one = if g > R::zero() { R::one() } else { R::zero() };
-        let lower = (1..K).fold(one, |power, _| power * g);
-        (lower * g, R::of(f64::from(K)) * lower)
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
+        let mut lower = g.above(R::zero(), V::one());
+        for _ in 1..K {
+            lower = lower * g;
+        }
+        (lower * g, V::all(R::of(f64::from(K))) * lower)
     }
 }
 
 impl<R: Real> Power<R> for Integer {
     #[inline(always)]
-    fn raise(self, g: R) -> R {
-        num_traits::pow(g, self.0 as usize)
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        whole_power(g, self.0)
     }
 
     #[inline(always)]
-    fn raise_with_slope(self, g: R) -> (R, R) {
-        let lower = num_traits::pow(g, self.0 as usize - 1);
-        (lower * g, R::of(f64::from(self.0)) * lower)
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
+        let lower = whole_power(g, self.0 - 1);
+        (lower * g, V::all(R::of(f64::from(self.0))) * lower)
     }
 }
 
 impl<R: Real> Power<R> for HalfInteger {
     #[inline(always)]
-    fn raise(self, g: R) -> R {
-        num_traits::pow(g, self.0 as usize) * g.sqrt()
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        whole_power(g, self.0) * g.root()
     }
 
     #[inline(always)]
-    fn raise_with_slope(self, g: R) -> (R, R) {
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
         let power = self.raise(g);
-        let per_g = if g > R::zero() { g.recip() } else { R::zero() };
-        (power, (R::of(f64::from(self.0)) + R::of(0.5)) * power * per_g)
+        let alpha = V::all(R::of(f64::from(self.0)) + R::of(0.5));
+        (power, alpha * power * g.above(R::zero(), g.inverse()))
     }
 }
 
 impl<R: Real> Power<R> for General<R> {
     #[inline(always)]
-    fn raise(self, g: R) -> R {
-        if g > R::zero() { g.powf(self.0) } else { R::zero() }
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        g.each(|g| if g > R::zero() { g.powf(self.0) } else { R::zero() })
     }
 
     #[inline(always)]
-    fn raise_with_slope(self, g: R) -> (R, R) {
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
         let power = self.raise(g);
-        (power, if g > R::zero() { self.0 * (power / g) } else { R::zero() })
+        (power, g.above(R::zero(), V::all(self.0) * (power / g)))
     }
+}
+
+/// `g^k` by squares, compiled into the loop that calls it.
+#[inline(always)]
+fn whole_power<R, V: Vector<R>>(g: V, mut k: u32) -> V {
+    if k == 0 {
+        return V::one();
+    }
+    let mut square = g;
+    while k & 1 == 0 {
+        square = square * square;
+        k >>= 1;
+    }
+    let mut power = square;
+    while k > 1 {
+        square = square * square;
+        k >>= 1;
+        if k & 1 == 1 {
+            power = power * square;
+        }
+    }
+    power
 }
 
 /// The way in which a power is computed.
@@ -215,8 +241,8 @@ impl<R: Real> ContactLaw<R> {
 
     /// The overlap above the dead band, otherwise zero.
     #[inline(always)]
-    pub fn positive_part(&self, g: R) -> R {
-        if g > self.dead_band { g } else { R::zero() }
+    pub fn positive_part<V: Vector<R>>(&self, g: V) -> V {
+        g.above(self.dead_band, g)
     }
 
     /// The force `(g)_+^alpha`.
@@ -255,22 +281,6 @@ impl<R: Real> ContactLaw<R> {
     #[inline]
     pub fn force_with_slope(&self, g: R) -> (R, R) {
         with_power!(self, power => power.raise_with_slope(self.positive_part(g)))
-    }
-
-    /// The force and its derivative `alpha (g)_+^{alpha-1}`, for many overlaps at once.
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
-    pub fn forces_with_slopes(&self, overlaps: &[Lanes<R>], forces: &mut [Lanes<R>], slopes: &mut [Lanes<R>]) {
-        with_power!(self, power => {
-            for ((g, f), slope) in overlaps.iter().zip(forces).zip(slopes) {
-                // Not by `map`, which the compiler does not inline into the vector code.
-                let mut both = [[R::zero(); LANES]; 2];
-                for k in 0..LANES {
-                    (both[0][k], both[1][k]) = power.raise_with_slope(self.positive_part(g[k]));
-                }
-                [*f, *slope] = both;
-            }
-        });
     }
 
     /// The potential `(g)_+^{alpha+1} / (alpha+1)`.

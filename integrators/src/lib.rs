@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`instructions`] | the vector instructions of inner loops |
 //! | [`real`] | the scalar type: `f64`, or double-double |
+//! | [`vector`] | numbers side by side in a register |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`law`] | the force of a bond as a power of its overlap |
 //! | [`system`] | the interfaces between methods and problems |
@@ -29,8 +30,9 @@ pub mod regularised;
 pub mod splitting;
 pub mod stats;
 pub mod system;
+pub mod vector;
 
-pub use clock::Twofold;
+pub use clock::{Rotation, Twofold};
 pub use collocation::Collocation;
 pub use dop853::Dop853;
 pub use drive::{Observer, Silent, Stepper, Stop, drive};
@@ -38,8 +40,9 @@ pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
 pub use gauss::Gauss;
 pub use instructions::Instructions;
-pub use real::{Kernel, Real};
+pub use real::{Kernel, Real, VectorKernel};
 pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
 pub use stats::Stats;
 pub use system::{SplitFlow, VectorField};
+pub use vector::{Column, Vector};

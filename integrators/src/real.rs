@@ -1,7 +1,11 @@
 //! The scalar type of the methods.
 
+use crate::vector::{Pair, Vector};
 #[cfg(target_arch = "x86_64")]
-use crate::instructions::Instructions;
+use crate::{
+    instructions::Instructions,
+    vector::{Eight, Four},
+};
 use num_traits::{Float, FloatConst, NumAssign};
 
 /// A computation whose inner loops the compiler may vectorise.
@@ -13,6 +17,17 @@ pub trait Kernel {
     type Output;
     /// Does the computation.
     fn run(self) -> Self::Output;
+}
+
+/// A computation that is written with registers, see [`Vector`].
+///
+/// [`Real::run_vector`] chooses the instruction set. Mark `run` `#[inline(always)]`, or the choice
+/// does not reach the loops.
+pub trait VectorKernel<R> {
+    /// What the computation returns.
+    type Output;
+    /// Does the computation, with registers of a certain width.
+    fn run<V: Vector<R>>(self) -> Self::Output;
 }
 
 /// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
@@ -37,6 +52,13 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()
+    }
+
+    /// Runs a kernel with the widest registers in use, see [`crate::Instructions`]. All give the
+    /// same bits.
+    #[inline(always)]
+    fn run_vector<K: VectorKernel<Self>>(kernel: K) -> K::Output {
+        kernel.run::<Self>()
     }
 }
 
@@ -75,6 +97,28 @@ impl Real for f64 {
             }
         }
         kernel.run()
+    }
+
+    #[inline(always)]
+    fn run_vector<K: VectorKernel<Self>>(kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
+            fn avx512<K: VectorKernel<f64>>(kernel: K) -> K::Output {
+                kernel.run::<Eight>()
+            }
+            #[target_feature(enable = "avx2,fma")]
+            fn avx2<K: VectorKernel<f64>>(kernel: K) -> K::Output {
+                kernel.run::<Four>()
+            }
+            // SAFETY: `used` returns a set that this machine has.
+            match Instructions::used() {
+                Instructions::Avx512 => return unsafe { avx512(kernel) },
+                Instructions::Avx2 => return unsafe { avx2(kernel) },
+                Instructions::Portable => {}
+            }
+        }
+        kernel.run::<Pair>()
     }
 }
 

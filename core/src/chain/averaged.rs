@@ -49,7 +49,7 @@ impl<R: Real> Bonds<R> {
 impl<R: Real> LinearFlow<R> {
     /// The path of an overlap from now on, if nothing kicks.
     fn path(&self, bond: usize, phase: (R, R)) -> LinearPath<R> {
-        let omega = self.omega.value();
+        let omega = self.omega();
         let [r, r_dot, p, p_dot] = self.chain.topology().across(bond, |i| self.motions(i, phase));
         LinearPath {
             a: self.chain.precompression() + r,
@@ -74,7 +74,7 @@ impl<R: Real> LinearFlow<R> {
 
     /// The moments of all bonds; `false` if nothing touches in the window.
     fn solve(&self, bonds: &mut Bonds<R>, window: (R, R)) -> bool {
-        let (chain, law, phase) = (&self.chain, self.chain.law(), self.theta.sin_cos());
+        let (chain, law, phase) = (&self.chain, self.chain.law(), self.phase.sin_cos());
         let Bonds { paths, moments, shifts, roots } = bonds;
         let (topology, touching) = (chain.topology(), chain.touching());
         paths.clear();
@@ -107,7 +107,7 @@ impl<R: Real> LinearFlow<R> {
     /// Hands the moments over to the sites.
     fn push(&mut self, moments: &[Moments<R>]) {
         self.count_kick();
-        let ((sin, cos), tau, m, mu) = (self.theta.sin_cos(), self.tau, self.m(), self.mu_over_omega);
+        let ((sin, cos), tau, m, mu) = (self.phase.sin_cos(), self.tau, self.m(), self.mu_over_omega);
         for i in 0..self.chain.sites() {
             let [j, j_t, j_cos, j_sin] = self.chain.topology().push(i, |bond| moments[bond]);
             if let [r0, v] = &mut self.centre
@@ -132,7 +132,7 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
     }
 
     fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
-        let phase = self.theta.sin_cos();
+        let phase = self.phase.sin_cos();
         let position = |i| {
             let [r, _, p, _] = self.motions(i, phase);
             r + p

@@ -2,19 +2,22 @@
 
 use super::{
     Chain,
-    sweep::{Sites, positions_are_u, sweep},
+    aligned::Aligned,
+    sweep::{Sites, sweep},
 };
-use hertzchain_integrators::{Real, Twofold, VectorField};
+use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorField};
 
 /// The vector field of (eq:Hertz), (eq:HertzS) or (eq:NC).
 pub struct Field<R> {
     chain: Chain<R>,
+    /// Positions of beads and contact forces on them.
+    contacts: [Aligned<R>; 2],
 }
 
 impl<R: Real> Field<R> {
     /// The field of a chain.
     pub fn new(chain: Chain<R>) -> Self {
-        Self { chain }
+        Self { contacts: Aligned::together(chain.sites()), chain }
     }
 }
 
@@ -24,12 +27,14 @@ impl<R: Real> VectorField<R> for Field<R> {
     }
 
     fn eval(&mut self, _t: R, y: &[R], dy: &mut [R]) {
-        let chain = &self.chain;
+        let Self { chain, contacts: [u, force] } = self;
         let (n, half, params) = (chain.sites(), chain.layout().dim() / 2, chain.params());
         let (q_dot, q_ddot) = dy.split_at_mut(half);
         q_dot.copy_from_slice(&y[half..]);
         let (u_ddot, v_ddot) = q_ddot.split_at_mut(n);
-        sweep(chain, &mut Accelerations { u: chain.layout().u(y), u_ddot });
+        u.copy_from_slice(chain.layout().u(y));
+        sweep(chain, Contacts { u: u.column(), force: force.column() });
+        u_ddot.copy_from_slice(force);
         let kappa = R::of(params.kappa);
         match (params.resonators(), chain.layout().v(y)) {
             (_, Some(v)) => {
@@ -51,18 +56,27 @@ impl<R: Real> VectorField<R> for Field<R> {
     }
 }
 
-struct Accelerations<'a, R> {
-    u: &'a [R],
-    u_ddot: &'a mut [R],
+/// Beads at given positions, and the contact forces on them.
+struct Contacts<'a, R> {
+    u: Column<'a, R>,
+    force: Column<'a, R>,
 }
 
-impl<R: Real> Sites<R> for Accelerations<'_, R> {
-    positions_are_u!();
+impl<R: Real> Sites<R> for Contacts<'_, R> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.u.len().min(self.force.len())
+    }
 
     #[inline(always)]
-    fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {
-        for (i, u_ddot) in self.u_ddot[start..start + len].iter_mut().enumerate() {
-            *u_ddot = force(i);
-        }
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.u.load(at) }
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe { self.force.store(at, force) }
     }
 }

@@ -2,136 +2,205 @@
 
 use super::{
     Chain, Resonators,
-    sweep::{Sites, positions_are_u, sweep},
+    aligned::Aligned,
+    sweep::{Sites, sweep},
 };
-use hertzchain_integrators::{Real, SplitFlow, Twofold};
+use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
 
 /// A chain split into kinetic and potential energy; Strang's scheme on it is velocity Verlet.
 ///
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
 pub struct KineticFlow<R> {
     pub(super) chain: Chain<R>,
-    pub(super) y: Vec<R>,
+    /// Positions and velocities of beads, `[u, u']`.
+    pub(super) beads: [Aligned<R>; 2],
+    /// Those of resonators that move, `[v, v']`.
+    pub(super) resonators: [Aligned<R>; 2],
 }
 
 impl<R: Real> KineticFlow<R> {
     /// The chain at rest; load a state into it.
     pub fn new(chain: Chain<R>) -> Self {
-        Self { y: vec![R::zero(); chain.layout().dim()], chain }
+        let n = chain.sites();
+        let moving = if chain.layout().resonators() { n } else { 0 };
+        let [u, u_dot] = Aligned::together(n);
+        Self { chain, beads: [u, u_dot], resonators: Aligned::together(moving) }
+    }
+
+    /// The chain, and its beads for a kick by contacts and a drift.
+    pub(super) fn beads(&mut self, kick: R, dt: R) -> (&Chain<R>, Beads<'_, R>) {
+        let Self { chain, beads: [u, u_dot], .. } = self;
+        (chain, Beads { u: u.column(), u_dot: u_dot.column(), kick, dt })
+    }
+
+    fn columns(&self) -> [&Aligned<R>; 4] {
+        let ([u, u_dot], [v, v_dot]) = (&self.beads, &self.resonators);
+        [u, v, u_dot, v_dot]
+    }
+
+    fn columns_mut(&mut self) -> [&mut Aligned<R>; 4] {
+        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
+        [u, v, u_dot, v_dot]
     }
 }
 
 impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     fn dim(&self) -> usize {
-        self.y.len()
+        self.chain.layout().dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        self.y.copy_from_slice(y);
+        let mut from = y;
+        for column in self.columns_mut() {
+            let (head, tail) = from.split_at(column.len());
+            column.copy_from_slice(head);
+            from = tail;
+        }
     }
 
     fn store(&self, y: &mut [R]) {
-        y.copy_from_slice(&self.y);
+        let mut to = y;
+        for column in self.columns() {
+            let (head, tail) = to.split_at_mut(column.len());
+            head.copy_from_slice(column);
+            to = tail;
+        }
     }
 
     fn duplicate(&self) -> Self {
-        Self { chain: self.chain.clone(), y: self.y.clone() }
+        let mut copy = Self::new(self.chain.clone());
+        copy.copy_from(self);
+        copy
     }
 
     fn copy_from(&mut self, other: &Self) {
-        self.y.copy_from_slice(&other.y);
+        for (to, from) in self.columns_mut().into_iter().zip(other.columns()) {
+            to.copy_from_slice(from);
+        }
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        let (q, q_dot) = self.y.split_at_mut(self.chain.layout().dim() / 2);
-        for (q, &q_dot) in q.iter_mut().zip(q_dot.iter()) {
-            *q += dt.value() * q_dot;
+        for [q, q_dot] in [&mut self.beads, &mut self.resonators] {
+            for (q, &q_dot) in q.iter_mut().zip(q_dot.iter()) {
+                *q += dt.value() * q_dot;
+            }
         }
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
-        let Self { chain, y } = self;
-        let (n, params, dt) = (chain.sites(), chain.params(), drift.value());
-        let kappa = R::of(params.kappa);
-        let (q, q_dot) = y.split_at_mut(chain.layout().dim() / 2);
+        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot] } = self;
+        let beads = Beads { u: u.column(), u_dot: u_dot.column(), kick, dt: drift.value() };
+        let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
         match params.resonators() {
-            Resonators::None => sweep(chain, &mut Plain { u: q, u_dot: q_dot, kick, dt }),
-            Resonators::Fixed => sweep(chain, &mut Cradle { u: q, u_dot: q_dot, kick, dt, kappa }),
+            Resonators::None => sweep(chain, beads),
+            Resonators::Fixed => sweep(chain, Cradle { beads, kappa }),
             Resonators::Moving => {
-                let ((u, v), (u_dot, v_dot)) = (q.split_at_mut(n), q_dot.split_at_mut(n));
                 let kick_v = kick * kappa / R::of(params.rho);
-                sweep(chain, &mut Resonant { u, v, u_dot, v_dot, kick, dt, kappa, kick_v });
+                sweep(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa, kick_v });
             }
         }
     }
 }
 
-struct Plain<'a, R> {
-    u: &'a mut [R],
-    u_dot: &'a mut [R],
+/// Beads that only contacts push: all of a plain chain.
+pub(super) struct Beads<'a, R> {
+    u: Column<'a, R>,
+    u_dot: Column<'a, R>,
     kick: R,
     dt: R,
 }
 
-struct Cradle<'a, R> {
-    u: &'a mut [R],
-    u_dot: &'a mut [R],
-    kick: R,
-    dt: R,
-    kappa: R,
-}
-
-struct Resonant<'a, R> {
-    u: &'a mut [R],
-    v: &'a mut [R],
-    u_dot: &'a mut [R],
-    v_dot: &'a mut [R],
-    kick: R,
-    dt: R,
-    kappa: R,
-    kick_v: R,
-}
-
-impl<R: Real> Sites<R> for Plain<'_, R> {
-    positions_are_u!();
-
+impl<R: Real> Beads<'_, R> {
+    /// Kicks by a force, and moves on.
+    ///
+    /// # Safety
+    /// There is room for `at + LANES` numbers.
     #[inline(always)]
-    fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {
-        let (u, u_dot) = (&mut self.u[start..start + len], &mut self.u_dot[start..start + len]);
-        for i in 0..len {
-            u_dot[i] += self.kick * force(i);
-            u[i] += self.dt * u_dot[i];
+    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.u_dot.add(at, V::all(self.kick) * force);
+            self.u.add(at, V::all(self.dt) * self.u_dot.load(at));
         }
     }
 }
 
-impl<R: Real> Sites<R> for Cradle<'_, R> {
-    positions_are_u!();
+/// Beads with springs to the ground.
+struct Cradle<'a, R> {
+    beads: Beads<'a, R>,
+    kappa: R,
+}
+
+/// Beads with springs to resonators.
+struct Resonant<'a, R> {
+    beads: Beads<'a, R>,
+    v: Column<'a, R>,
+    v_dot: Column<'a, R>,
+    kappa: R,
+    kick_v: R,
+}
+
+impl<R: Real> Sites<R> for Beads<'_, R> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.u.len().min(self.u_dot.len())
+    }
 
     #[inline(always)]
-    fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {
-        let (u, u_dot) = (&mut self.u[start..start + len], &mut self.u_dot[start..start + len]);
-        for i in 0..len {
-            u_dot[i] += self.kick * (force(i) - self.kappa * u[i]);
-            u[i] += self.dt * u_dot[i];
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.u.load(at) }
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe { self.kick_and_move(at, force) }
+    }
+}
+
+impl<R: Real> Sites<R> for Cradle<'_, R> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.beads.room()
+    }
+
+    #[inline(always)]
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.beads.positions(at) }
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let u: V = self.beads.positions(at);
+            self.beads.kick_and_move(at, force - V::all(self.kappa) * u);
         }
     }
 }
 
 impl<R: Real> Sites<R> for Resonant<'_, R> {
-    positions_are_u!();
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.beads.room().min(self.v.len()).min(self.v_dot.len())
+    }
 
     #[inline(always)]
-    fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {
-        let range = start..start + len;
-        let (u, u_dot) = (&mut self.u[range.clone()], &mut self.u_dot[range.clone()]);
-        let (v, v_dot) = (&mut self.v[range.clone()], &mut self.v_dot[range]);
-        for i in 0..len {
-            let d = u[i] - v[i];
-            u_dot[i] += self.kick * (force(i) - self.kappa * d);
-            v_dot[i] += self.kick_v * d;
-            u[i] += self.dt * u_dot[i];
-            v[i] += self.dt * v_dot[i];
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.beads.positions(at) }
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let d = self.beads.positions::<V>(at) - self.v.load(at);
+            self.beads.kick_and_move(at, force - V::all(self.kappa) * d);
+            self.v_dot.add(at, V::all(self.kick_v) * d);
+            self.v.add(at, V::all(self.beads.dt) * self.v_dot.load(at));
         }
     }
 }

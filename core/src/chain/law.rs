@@ -2,6 +2,6 @@
 
 pub use hertzchain_integrators::law::ContactLaw;
 pub(crate) use hertzchain_integrators::{
-    law::{LANES, Lanes, Power},
+    law::{LANES, Power},
     with_power,
 };

@@ -16,9 +16,10 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     averaged::Bonds,
-    sweep::{Sites, sweep},
+    phase::Phase,
+    sweep::{Sites, Visit, sweep},
 };
-use hertzchain_integrators::{Real, SplitFlow, Twofold};
+use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
 
 /// Kicks after which `R0` is moved along, so that `V tau` stays of the size of `R0`. Chosen, not
 /// measured.
@@ -32,14 +33,8 @@ pub struct LinearFlow<R> {
     /// `[C, S]`, without the plain chain's.
     pub(super) oscillation: [Aligned<R>; 2],
     pub(super) mu_over_omega: R,
-    pub(super) omega: Twofold<R>,
-    two_pi: Twofold<R>,
-    /// The last drift, and by how much it turned the phase.
-    turn: (Twofold<R>, Twofold<R>),
-    pub(super) theta: Twofold<R>,
+    pub(super) phase: Phase<R>,
     pub(super) tau: R,
-    /// Sine and cosine of `theta`, where bonds are asked for.
-    pub(super) phase: (R, R),
     kicks: u32,
     /// What averaged kicks work with; empty until there is one.
     pub(super) bonds: Bonds<R>,
@@ -49,21 +44,22 @@ impl<R: Real> LinearFlow<R> {
     /// The chain at rest; load a state into it.
     pub fn new(chain: Chain<R>) -> Self {
         let n = chain.sites();
-        let arrays = |needed: bool| {
-            let len = if needed { n } else { 0 };
-            [Aligned::zeros(len), Aligned::zeros(len)]
-        };
         let (modes, resonators) = (chain.modes(), chain.params().resonators());
+        let none = || Aligned::together(0);
+        let (centre, oscillation) = match resonators {
+            Resonators::None => (Aligned::together(n), none()),
+            Resonators::Fixed => (none(), Aligned::together(n)),
+            Resonators::Moving => {
+                let [r0, v, c, s] = Aligned::together(n);
+                ([r0, v], [c, s])
+            }
+        };
         Self {
-            centre: arrays(resonators != Resonators::Fixed),
-            oscillation: arrays(resonators != Resonators::None),
+            centre,
+            oscillation,
             mu_over_omega: modes.mu_over_omega(),
-            omega: modes.omega,
-            two_pi: Twofold::two_pi(),
-            turn: (Twofold::zero(), Twofold::zero()),
-            theta: Twofold::zero(),
+            phase: Phase::new(modes.omega),
             tau: R::zero(),
-            phase: (R::zero(), R::one()),
             kicks: 0,
             bonds: Bonds::new(),
             chain,
@@ -99,6 +95,11 @@ impl<R: Real> LinearFlow<R> {
         self.kicks += 1;
     }
 
+    /// `omega`.
+    pub(super) fn omega(&self) -> R {
+        self.phase.omega.value()
+    }
+
     /// `[R, R', P, P']` of site `i`, now.
     #[inline]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
@@ -107,7 +108,7 @@ impl<R: Real> LinearFlow<R> {
             _ => (R::zero(), R::zero()),
         };
         let [p, p_dot] = match &self.oscillation {
-            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.omega.value()),
+            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.omega()),
             _ => [R::zero(); 2],
         };
         [r, r_dot, p, p_dot]
@@ -126,9 +127,9 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn load(&mut self, y: &[R]) {
-        let (layout, modes, omega) = (self.chain.layout(), self.chain.modes(), self.omega.value());
-        (self.theta, self.tau, self.kicks) = (Twofold::zero(), R::zero(), 0);
-        self.phase = (R::zero(), R::one());
+        let (layout, modes, omega) = (self.chain.layout(), self.chain.modes(), self.omega());
+        self.phase.reset();
+        (self.tau, self.kicks) = (R::zero(), 0);
         let (u, u_dot, v, v_dot) = (layout.u(y), layout.u_dot(y), layout.v(y), layout.v_dot(y));
         for i in 0..u.len() {
             let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
@@ -148,7 +149,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
 
     fn store(&self, y: &mut [R]) {
         let (n, half, modes) = (self.chain.sites(), self.dim() / 2, self.chain.modes());
-        let phase = self.theta.sin_cos();
+        let phase = self.phase.sin_cos();
         let (positions, velocities) = y.split_at_mut(half);
         let (u, v) = positions.split_at_mut(n);
         let (u_dot, v_dot) = velocities.split_at_mut(n);
@@ -161,7 +162,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         // Both motions are there: a loop without branches, with what `motions` says of a site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
         let (r0, v0, c, s) = (&r0[..n], &v0[..n], &c[..n], &s[..n]);
-        let (v, v_dot, omega, tau) = (&mut v[..n], &mut v_dot[..n], self.omega.value(), self.tau);
+        let (v, v_dot, omega, tau) = (&mut v[..n], &mut v_dot[..n], self.omega(), self.tau);
         for i in 0..n {
             let [p, p_dot] = turned([c[i], s[i]], phase, omega);
             [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
@@ -181,123 +182,146 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         for (to, from) in self.oscillation.iter_mut().zip(&other.oscillation) {
             to.copy_from_slice(from);
         }
-        (self.theta, self.tau, self.kicks) = (other.theta, other.tau, other.kicks);
-        self.phase = other.phase;
+        self.phase.copy_from(&other.phase);
+        (self.tau, self.kicks) = (other.tau, other.kicks);
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        if self.turn.0 != dt {
-            self.turn = (dt, self.omega * dt);
-        }
-        self.theta = (self.theta + self.turn.1).reduced(self.two_pi);
+        self.phase.advance(dt);
         self.tau += dt.value();
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
         self.count_kick();
-        let ((sin, cos), tau) = (self.theta.sin_cos(), self.tau);
-        let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
-        let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
-        let centre = Centre { r0, v, tau, kick_r0: -(kick_v * tau), kick_v };
-        let oscillation = Oscillation { c, s, cos, sin, kick_c: -(per_omega * sin), kick_s: per_omega * cos };
-        match chain.params().resonators() {
-            Resonators::None => sweep(chain, &mut Moved::<R, true, false> { centre, oscillation }),
-            Resonators::Fixed => sweep(chain, &mut Moved::<R, false, true> { centre, oscillation }),
-            Resonators::Moving => sweep(chain, &mut Moved::<R, true, true> { centre, oscillation }),
-        }
+        let now = self.now();
+        // The drift changes no number of a site: its rotation is computed beside the pass.
         self.drift(drift);
+        self.visit(now, kick, Step);
     }
 }
 
+/// Sine and cosine of the phase, and `tau`.
+type Now<R> = ((R, R), R);
+
+/// A kick of the contact forces.
+struct Step;
+
+impl<R: Real> Visit<R> for Step {
+    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
+        sweep(chain, sites);
+    }
+}
+
+impl<R: Real> LinearFlow<R> {
+    /// What positions and kicks depend on.
+    pub(super) fn now(&self) -> Now<R> {
+        (self.phase.sin_cos(), self.tau)
+    }
+
+    /// Hands over the sites as they are at some time, for a kick over `kick` then.
+    pub(super) fn visit(&mut self, ((sin, cos), tau): Now<R>, kick: R, work: impl Visit<R>) {
+        let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
+        let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
+        let centre = Centre { r0: r0.column(), v: v.column(), tau, kick_r0: -(kick_v * tau), kick_v };
+        let (kick_c, kick_s) = (-(per_omega * sin), per_omega * cos);
+        let oscillation = Oscillation { c: c.column(), s: s.column(), cos, sin, kick_c, kick_s };
+        match chain.params().resonators() {
+            Resonators::None => work.visit(chain, centre),
+            Resonators::Fixed => work.visit(chain, oscillation),
+            Resonators::Moving => work.visit(chain, Both { centre, oscillation }),
+        }
+    }
+}
+
+/// Sites that move freely: all of a plain chain.
 struct Centre<'a, R> {
-    r0: &'a mut [R],
-    v: &'a mut [R],
+    r0: Column<'a, R>,
+    v: Column<'a, R>,
     tau: R,
     kick_r0: R,
     kick_v: R,
 }
 
+/// Sites that oscillate: all of a cradle.
 struct Oscillation<'a, R> {
-    c: &'a mut [R],
-    s: &'a mut [R],
+    c: Column<'a, R>,
+    s: Column<'a, R>,
     cos: R,
     sin: R,
     kick_c: R,
     kick_s: R,
 }
 
-/// The sites in the variables of the linear flow, compiled without the parts that a model lacks.
-struct Moved<'a, R, const CENTRE: bool, const OSCILLATION: bool> {
+/// Sites that do both.
+struct Both<'a, R> {
     centre: Centre<'a, R>,
     oscillation: Oscillation<'a, R>,
 }
 
-impl<R: Real, const CENTRE: bool, const OSCILLATION: bool> Sites<R> for Moved<'_, R, CENTRE, OSCILLATION> {
+impl<R: Real> Sites<R> for Centre<'_, R> {
     #[inline(always)]
-    fn position(&self, i: usize) -> R {
-        self.positions(i, &mut [R::zero()])[0]
+    fn room(&self) -> usize {
+        self.r0.len().min(self.v.len())
     }
 
     #[inline(always)]
-    fn positions<'b>(&'b self, start: usize, q: &'b mut [R]) -> &'b [R] {
-        let (len, range) = (q.len(), start..start + q.len());
-        let (centre, osc) = (&self.centre, &self.oscillation);
-        match (CENTRE, OSCILLATION) {
-            (true, true) => {
-                let (r0, v) = (&centre.r0[range.clone()], &centre.v[range.clone()]);
-                let (c, s) = (&osc.c[range.clone()], &osc.s[range]);
-                for i in 0..len {
-                    q[i] = (r0[i] + v[i] * centre.tau) + (c[i] * osc.cos + s[i] * osc.sin);
-                }
-            }
-            (true, false) => {
-                let (r0, v) = (&centre.r0[range.clone()], &centre.v[range]);
-                for i in 0..len {
-                    q[i] = r0[i] + v[i] * centre.tau;
-                }
-            }
-            _ => {
-                let (c, s) = (&osc.c[range.clone()], &osc.s[range]);
-                for i in 0..len {
-                    q[i] = c[i] * osc.cos + s[i] * osc.sin;
-                }
-            }
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
+        r0 + v * V::all(self.tau)
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.r0.add(at, V::all(self.kick_r0) * force);
+            self.v.add(at, V::all(self.kick_v) * force);
         }
-        q
+    }
+}
+
+impl<R: Real> Sites<R> for Oscillation<'_, R> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.c.len().min(self.s.len())
     }
 
     #[inline(always)]
-    fn update(&mut self, start: usize, len: usize, force: impl Fn(usize) -> R) {
-        let range = start..start + len;
-        let (centre, osc) = (&mut self.centre, &mut self.oscillation);
-        match (CENTRE, OSCILLATION) {
-            (true, true) => {
-                let (r0, v) = (&mut centre.r0[range.clone()], &mut centre.v[range.clone()]);
-                let (c, s) = (&mut osc.c[range.clone()], &mut osc.s[range]);
-                for i in 0..len {
-                    let force = force(i);
-                    r0[i] += centre.kick_r0 * force;
-                    v[i] += centre.kick_v * force;
-                    c[i] += osc.kick_c * force;
-                    s[i] += osc.kick_s * force;
-                }
-            }
-            (true, false) => {
-                let (r0, v) = (&mut centre.r0[range.clone()], &mut centre.v[range]);
-                for i in 0..len {
-                    let force = force(i);
-                    r0[i] += centre.kick_r0 * force;
-                    v[i] += centre.kick_v * force;
-                }
-            }
-            _ => {
-                let (c, s) = (&mut osc.c[range.clone()], &mut osc.s[range]);
-                for i in 0..len {
-                    let force = force(i);
-                    c[i] += osc.kick_c * force;
-                    s[i] += osc.kick_s * force;
-                }
-            }
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
+        c * V::all(self.cos) + s * V::all(self.sin)
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.c.add(at, V::all(self.kick_c) * force);
+            self.s.add(at, V::all(self.kick_s) * force);
+        }
+    }
+}
+
+impl<R: Real> Sites<R> for Both<'_, R> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.centre.room().min(self.oscillation.room())
+    }
+
+    #[inline(always)]
+    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.centre.positions::<V>(at) + self.oscillation.positions::<V>(at) }
+    }
+
+    #[inline(always)]
+    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.centre.update(at, force);
+            self.oscillation.update(at, force);
         }
     }
 }

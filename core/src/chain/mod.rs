@@ -23,6 +23,7 @@ mod linear;
 mod mean_force;
 mod modes;
 mod params;
+mod phase;
 mod state;
 mod sweep;
 mod topology;

@@ -1,7 +1,14 @@
 //! The loop that runs all schemes.
 
 use super::scheme::{First, Pair, Scheme};
-use crate::{clock::Twofold, drive::Stepper, error::Error, real::Real, stats::Stats, system::SplitFlow};
+use crate::{
+    clock::Twofold,
+    drive::Stepper,
+    error::Error,
+    real::{Kernel, Real},
+    stats::Stats,
+    system::SplitFlow,
+};
 
 /// A splitting scheme with a fixed number of equal steps.
 ///
@@ -47,10 +54,29 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     }
 
     fn time_after(&self, steps: u64) -> Twofold<R> {
-        if steps == self.total {
-            return self.start + self.span;
-        }
-        self.start + self.h * Twofold::new(R::of(steps as f64))
+        if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
+    }
+}
+
+/// The time so many steps `h` after a start.
+pub(super) fn after<R: Real>(start: Twofold<R>, h: Twofold<R>, steps: u64) -> Twofold<R> {
+    R::run(After { start, h, steps: R::of(steps as f64) })
+}
+
+/// A kernel, as it multiplies with a remainder: a call to a library where the machine's fused
+/// product is not at hand.
+struct After<R> {
+    start: Twofold<R>,
+    h: Twofold<R>,
+    steps: R,
+}
+
+impl<R: Real> Kernel for After<R> {
+    type Output = Twofold<R>;
+
+    #[inline(always)]
+    fn run(self) -> Twofold<R> {
+        self.start + self.h * Twofold::new(self.steps)
     }
 }
 

@@ -1,205 +1,195 @@
 //! Loops over all bonds: forces from positions, and what modified forces give to sites.
+//!
+//! A bond has the lane of the site to its right, as in [`sweep`](super::super::sweep).
 
 use super::{
     super::{
-        ContactLaw, Topology,
-        law::{LANES, Lanes},
+        Chain, ContactLaw, Topology,
+        law::{Power, with_power},
+        sweep::{Sites, push},
     },
     PAD, WORD,
 };
-use hertzchain_integrators::Kernel;
+use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
 
-/// Overlaps, forces and derivatives, and which bonds are closed, from positions.
+/// Overlaps, forces and derivatives, and which bonds are closed or turn near zero, from positions.
+///
+/// Columns are whole registers long, with a register more at either end where they begin at `PAD`.
 pub struct Forces<'a> {
-    pub(super) rest: f64,
-    pub(super) law: &'a ContactLaw<f64>,
-    pub(super) topology: Topology,
-    /// From `PAD` on; the others from the first bond on.
-    pub(super) q: &'a mut [f64],
-    pub(super) overlap: &'a mut [Lanes<f64>],
-    pub(super) force: &'a mut [Lanes<f64>],
-    pub(super) slope: &'a mut [Lanes<f64>],
+    /// Turns count where the overlap is below this many times its second difference.
+    pub(super) reach: f64,
+    /// From `PAD` on; overlaps from the first bond on.
+    pub(super) q: Column<'a, f64>,
+    pub(super) overlap: Column<'a, f64>,
+    pub(super) force: Column<'a, f64>,
+    pub(super) slope: Column<'a, f64>,
+    /// Overlaps at the last two surveys before, latest first.
+    pub(super) before: [Column<'a, f64>; 2],
+    /// A bit for each bond, [`WORD`] in a number.
     pub(super) closed: &'a mut [u64],
+    pub(super) turning: &'a mut [u64],
 }
 
 impl Forces<'_> {
-    /// Where positions are to be written.
-    pub(super) fn positions(&mut self) -> &mut [f64] {
-        &mut self.q[PAD..][..self.topology.sites()]
-    }
-
-    /// After positions are written.
-    #[inline(always)]
-    pub(super) fn compute(self) {
-        let Self { rest, law, topology, q, overlap, force, slope, closed } = self;
-        let last = PAD + topology.sites() - 1;
-        (q[PAD - 1], q[last + 1]) = topology.ghosts(q[PAD], q[last]);
-        let g = overlap.as_flattened_mut();
-        if topology.strains() {
-            reversed(&q[PAD..], g);
-        } else {
-            overlaps(rest, &q[PAD - 1..], &q[PAD..], g);
-        }
-        law.forces_with_slopes(overlap, force, slope);
-        for (closed, overlaps) in closed.iter_mut().zip(overlap.chunks(WORD / LANES)) {
-            *closed = 0;
-            for (block, g) in overlaps.iter().enumerate() {
-                let mut bits = [0; LANES];
-                for k in 0..LANES {
-                    bits[k] = ((0.0 - g[k]).to_bits() >> (u64::BITS - 1)) << k;
-                }
-                *closed |= bits.iter().fold(0, |all, bit| all | bit) << (block * LANES);
-            }
-        }
+    /// Surveys the bonds of a chain.
+    pub(super) fn survey<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+        let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
+        f64::run_vector(Survey { topology, law, rest, sites, forces: self });
     }
 }
 
-impl Kernel for Forces<'_> {
+struct Survey<'a, S> {
+    topology: Topology,
+    law: ContactLaw<f64>,
+    rest: f64,
+    sites: S,
+    forces: Forces<'a>,
+}
+
+impl<S: Sites<f64>> VectorKernel<f64> for Survey<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        self.compute();
+    fn run<V: Vector<f64>>(self) {
+        with_power!(self.law, power => {
+            if self.topology.strains() {
+                self.lanes::<V, _, true>(power);
+            } else {
+                self.lanes::<V, _, false>(power);
+            }
+        });
     }
 }
 
-// Loops over slices that are arguments, so that the compiler knows them to be apart.
-
-#[inline(always)]
-fn reversed(q: &[f64], g: &mut [f64]) {
-    for (g, q) in g.iter_mut().zip(q) {
-        *g = -q;
+impl<S: Sites<f64>> Survey<'_, S> {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) {
+        let Self { topology, law, rest, sites, mut forces } = self;
+        let n = topology.sites();
+        let room = (n + 1).next_multiple_of(V::LANES);
+        let Forces { q, overlap, force, slope, before: [latest, first], .. } = &forces;
+        assert!(sites.room() >= n.next_multiple_of(V::LANES));
+        assert!([overlap, latest, first].iter().all(|column| column.len() >= room));
+        assert!([q, force, slope].iter().all(|column| column.len() >= PAD + room));
+        forces.closed.fill(0);
+        forces.turning.fill(0);
+        // SAFETY, here and below: registers begin at most at the last bond, and columns have room
+        // for them, as asserted.
+        let (first, last) = unsafe { (sites.positions::<f64>(0), sites.positions::<f64>(n - 1)) };
+        let (left, right) = topology.ghosts(first, last);
+        unsafe { forces.q.store(PAD - 1, left) };
+        let (mut before, beyond) = (V::all(left), V::all(right));
+        for at in (0..=n).step_by(V::LANES) {
+            let here =
+                if at < n { unsafe { sites.positions::<V>(at) }.first((n - at).min(V::LANES), beyond) } else { beyond };
+            let g = if STRAIN { V::all(0.0) - here } else { V::all(rest) + (here.after(before) - here) };
+            let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
+            unsafe {
+                forces.q.store(PAD + at, here);
+                forces.overlap.store(at, g);
+                forces.force.store(PAD + at, f);
+                forces.slope.store(PAD + at, by_overlap);
+            }
+            let [g1, g0]: [V; 2] = unsafe { [forces.before[0].load(at), forces.before[1].load(at)] };
+            forces.closed[at / WORD] |= g.positive() << (at % WORD);
+            forces.turning[at / WORD] |= turning(forces.reach, [g0, g1, g]) << (at % WORD);
+            before = here;
+        }
     }
 }
 
+/// Which overlaps turned about the survey before, near zero: of three in a row, `g_1` is the
+/// largest or the smallest, and below `reach` times their second difference.
 #[inline(always)]
-fn overlaps(rest: f64, left: &[f64], right: &[f64], g: &mut [f64]) {
-    for ((g, left), right) in g.iter_mut().zip(left).zip(right) {
-        *g = rest + (left - right);
-    }
+pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
+    let (before, after) = (g1 - g0, g2 - g1);
+    let near = V::all(reach) * (after - before).size() - g1.size();
+    (V::all(0.0) - before * after).positive() & near.positive()
 }
 
 /// Modified forces `F = f + c f' s` of bonds, and what they give to sites.
 pub struct Modified<'a> {
     pub(super) c: f64,
-    pub(super) topology: Topology,
-    /// From `PAD` on, as `spring` and `modified`.
-    pub(super) force: &'a [f64],
-    pub(super) slope: &'a [f64],
-    pub(super) spring: &'a [f64],
-    pub(super) modified: &'a mut [f64],
-    /// On sites.
-    pub(super) push: &'a mut [f64],
+    /// From `PAD` on, as `slope` and, where springs kick, `spring`.
+    pub(super) force: Column<'a, f64>,
+    pub(super) slope: Column<'a, f64>,
+    pub(super) spring: Option<Column<'a, f64>>,
 }
 
 impl Modified<'_> {
+    /// Gives the sites of a chain their forces.
+    pub(super) fn kick<S: Sites<f64>>(self, topology: Topology, sites: S) {
+        f64::run_vector(Kick { topology, sites, forces: self });
+    }
+
+    /// `F` of the bonds from `at` on, with forces `f` and those of the registers around these.
+    ///
+    /// # Safety
+    /// The columns have room for a register from `PAD + at` on.
     #[inline(always)]
-    pub(super) fn compute(&mut self) {
-        let &mut Self { c, topology, force, slope, spring, ref mut modified, ref mut push } = self;
-        let (n, strain) = (topology.sites(), topology.strains());
-        let f = [&force[PAD - 1..][..n + 1], &force[PAD..][..n + 1], &force[PAD + 1..][..n + 1]];
-        let (slope, to) = (&slope[PAD..][..n + 1], &mut modified[PAD..][..n + 1]);
-        if spring.is_empty() {
-            modify(c, f, slope, to);
-        } else {
-            modify_with_springs(c, strain, f, slope, [&spring[PAD - 1..][..n + 1], &spring[PAD..][..n + 1]], to);
-        }
-        if topology.ring() {
-            modified[PAD - 1] = modified[PAD + n - 1];
-        }
-        if strain {
-            on_strains([&modified[PAD - 1..], &modified[PAD..], &modified[PAD + 1..]], push);
-        } else {
-            on_sites([&modified[PAD..], &modified[PAD + 1..]], push);
+    unsafe fn at<V: Vector<f64>, const STRAIN: bool>(&self, at: usize, [before, f, next]: [V; 3]) -> V {
+        let mut pull = (f.after(before) - f) - (f - f.before(next));
+        // SAFETY: the caller's promise; there is a register before `PAD`.
+        unsafe {
+            if let Some(spring) = &self.spring {
+                // The springs of a strain ring act on strains, not on sites.
+                let here: V = spring.load(PAD + at);
+                let across = if STRAIN { V::all(0.0) - here } else { spring.load::<V>(PAD + at - 1) - here };
+                pull = pull + across;
+            }
+            f + V::all(self.c) * self.slope.load(PAD + at) * pull
         }
     }
 }
 
-#[inline(always)]
-fn modify(c: f64, [f0, f1, f2]: [&[f64]; 3], slope: &[f64], to: &mut [f64]) {
-    let n = to.len();
-    let (f0, f1, f2, slope) = (&f0[..n], &f1[..n], &f2[..n], &slope[..n]);
-    for i in 0..n {
-        to[i] = f1[i] + c * slope[i] * ((f0[i] - f1[i]) - (f1[i] - f2[i]));
-    }
+struct Kick<'a, S> {
+    topology: Topology,
+    sites: S,
+    forces: Modified<'a>,
 }
 
-/// The springs of a strain ring act on strains, not on sites.
-#[inline(always)]
-fn modify_with_springs(
-    c: f64,
-    strain: bool,
-    [f0, f1, f2]: [&[f64]; 3],
-    slope: &[f64],
-    [p0, p1]: [&[f64]; 2],
-    to: &mut [f64],
-) {
-    let n = to.len();
-    let (f0, f1, f2, slope, p0, p1) = (&f0[..n], &f1[..n], &f2[..n], &slope[..n], &p0[..n], &p1[..n]);
-    for i in 0..n {
-        let across = if strain { -p1[i] } else { p0[i] - p1[i] };
-        to[i] = f1[i] + c * slope[i] * (((f0[i] - f1[i]) - (f1[i] - f2[i])) + across);
-    }
-}
-
-#[inline(always)]
-fn on_sites([here, after]: [&[f64]; 2], push: &mut [f64]) {
-    for ((push, here), after) in push.iter_mut().zip(here).zip(after) {
-        *push = here - after;
-    }
-}
-
-#[inline(always)]
-fn on_strains([before, here, after]: [&[f64]; 3], push: &mut [f64]) {
-    for (((push, before), here), after) in push.iter_mut().zip(before).zip(here).zip(after) {
-        *push = (here - after) - (before - here);
-    }
-}
-
-#[inline(always)]
-pub(super) fn add(by: f64, push: &[f64], to: &mut [f64]) {
-    for (to, push) in to.iter_mut().zip(push) {
-        *to += by * push;
-    }
-}
-
-/// Finds which overlaps turn near zero.
-pub(super) struct Turned<'a> {
-    pub(super) g: [&'a [f64]; 3],
-    pub(super) first: usize,
-    pub(super) reach: f64,
-    pub(super) out: &'a mut Vec<(usize, bool)>,
-}
-
-impl Kernel for Turned<'_> {
+impl<S: Sites<f64>> VectorKernel<f64> for Kick<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { g: [g0, g1, g2], first, reach, out } = self;
-        let turns = |g0: f64, g1: f64, g2: f64| {
-            let (before, after) = (g1 - g0, g2 - g1);
-            (before * after < 0.0) & (g1.abs() < reach * (after - before).abs())
-        };
-        let n = g2.len();
-        let (g0, g1) = (&g0[..n], &g1[..n]);
-        for start in (0..n).step_by(WORD) {
-            let end = (start + WORD).min(n);
-            if perhaps(reach, [&g0[start..end], &g1[start..end], &g2[start..end]]) {
-                let turned = (start.max(first)..end).filter(|&i| turns(g0[i], g1[i], g2[i]));
-                out.extend(turned.map(|i| (i - first, g1[i] > 0.0)));
-            }
+    fn run<V: Vector<f64>>(self) {
+        if self.topology.strains() {
+            self.lanes::<V, true>();
+        } else {
+            self.lanes::<V, false>();
         }
     }
 }
 
-/// Whether any overlap of some may turn, by the signs of both conditions: in vector registers.
-#[inline(always)]
-fn perhaps(reach: f64, [g0, g1, g2]: [&[f64]; 3]) -> bool {
-    let mut signs = 0;
-    for ((g0, g1), g2) in g0.iter().zip(g1).zip(g2) {
-        let (before, after) = (g1 - g0, g2 - g1);
-        signs |= (before * after).to_bits() & (g1.abs() - reach * (after - before).abs()).to_bits();
+impl<S: Sites<f64>> Kick<'_, S> {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>, const STRAIN: bool>(self) {
+        let Self { topology, mut sites, forces } = self;
+        let n = topology.sites();
+        let room = PAD + (n + 1).next_multiple_of(V::LANES) + V::LANES;
+        assert!(sites.room() >= n.next_multiple_of(V::LANES));
+        assert!(forces.force.len() >= room && forces.slope.len() >= room);
+        assert!(forces.spring.as_ref().is_none_or(|spring| spring.len() >= room));
+        // SAFETY, here and below: registers begin at most at the last bond, and one follows it in
+        // the columns, as asserted.
+        let around = |b: usize| unsafe { [PAD + b - 1, PAD + b, PAD + b + 1].map(|at| forces.force.load::<f64>(at)) };
+        // On a ring of strains the last bond pushes the first strain.
+        let wrapped = if STRAIN { unsafe { forces.at::<f64, STRAIN>(n - 1, around(n - 1)) } } else { 0.0 };
+        let (mut before, mut modified) = (V::all(0.0), V::all(wrapped));
+        let mut f: [V; 2] = unsafe { [V::all(forces.force.load(PAD - 1)), forces.force.load(PAD)] };
+        for at in (0..=n).step_by(V::LANES) {
+            let next = unsafe { forces.force.load(PAD + at + V::LANES) };
+            let here = unsafe { forces.at::<V, STRAIN>(at, [f[0], f[1], next]) };
+            if at > 0 {
+                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here)) };
+            }
+            (before, modified, f) = (modified, here, [f[1], next]);
+        }
+        let rest = n % V::LANES;
+        if rest > 0 {
+            let none = V::all(0.0);
+            let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
+            unsafe { sites.update(n - rest, last) };
+        }
     }
-    signs >> (u64::BITS - 1) == 1
 }

@@ -2,29 +2,27 @@
 //! moves them.
 
 use super::{
-    super::{Chain, KineticFlow},
-    Forces, Modified, SiteFlow,
-    forces::add,
+    super::{Chain, KineticFlow, sweep::Visit},
+    Forces, Kick, Modified, SiteFlow, Survey,
 };
-use hertzchain_integrators::{Kernel, Real, splitting::corrected::Correction};
+use hertzchain_integrators::splitting::corrected::Correction;
 
 impl SiteFlow for KineticFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
         &self.chain
     }
 
-    fn survey(&mut self, mut forces: Forces<'_>) {
-        let u = forces.positions();
-        u.copy_from_slice(&self.y[..u.len()]);
-        f64::run(forces);
+    fn survey(&mut self, forces: Forces<'_>) {
+        let (chain, beads) = self.beads(0.0, 0.0);
+        Survey(forces).visit(chain, beads);
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
-        (self.y[site], self.y[self.y.len() / 2 + site])
+        (self.beads[0][site], self.beads[1][site])
     }
 
     fn motion(&self, site: usize) -> [f64; 3] {
-        [self.y[self.y.len() / 2 + site], 0.0, 0.0]
+        [self.beads[1][site], 0.0, 0.0]
     }
 
     fn response(&self) -> (f64, f64, f64) {
@@ -43,25 +41,26 @@ impl SiteFlow for KineticFlow<f64> {
 
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let &Correction { impulse, displacement, at, .. } = correction;
-        let half = self.y.len() / 2;
+        let [u, u_dot] = &mut self.beads;
         for &(site, weight) in beads {
-            self.y[site] += weight * (displacement - impulse * at);
-            self.y[half + site] += weight * impulse;
+            u[site] += weight * (displacement - impulse * at);
+            u_dot[site] += weight * impulse;
         }
     }
 
     fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64) {
-        let (n, half) = (self.chain.sites(), self.y.len() / 2);
         if self.chain.layout().resonators() {
-            self.y[n + site] += displacement;
-            self.y[half + n + site] += impulse;
+            let [v, v_dot] = &mut self.resonators;
+            v[site] += displacement;
+            v_dot[site] += impulse;
         }
     }
 
     #[allow(clippy::needless_range_loop, reason = "a loop over sites reads like the formula")]
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]) {
-        let (n, half, params, c) = (self.chain.sites(), self.y.len() / 2, self.chain.params(), forces.c);
-        f64::run(Kicks { kick, velocities: &mut self.y[half..half + n], forces });
+        let (n, params, c) = (self.chain.sites(), self.chain.params(), forces.c);
+        let (chain, beads) = self.beads(kick, 0.0);
+        Kick(forces).visit(chain, beads);
         let moving = self.chain.layout().resonators();
         let per_rho = if moving { params.kappa / params.rho } else { 0.0 };
         if params.omega() == 0.0 {
@@ -70,28 +69,11 @@ impl SiteFlow for KineticFlow<f64> {
         for i in 0..n {
             let d = self.stretch(i).0;
             let d = d + c * (a[i] - per_rho * d);
-            self.y[half + i] -= kick * (params.kappa * d);
+            self.beads[1][i] -= kick * (params.kappa * d);
             if moving {
-                self.y[half + n + i] += kick * (per_rho * d);
+                self.resonators[1][i] += kick * (per_rho * d);
             }
         }
-    }
-}
-
-/// Forces times `kick`, added to velocities.
-struct Kicks<'a> {
-    kick: f64,
-    velocities: &'a mut [f64],
-    forces: Modified<'a>,
-}
-
-impl Kernel for Kicks<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self) {
-        self.forces.compute();
-        add(self.kick, self.forces.push, self.velocities);
     }
 }
 
@@ -99,11 +81,11 @@ impl KineticFlow<f64> {
     /// The stretch of a spring, and its rate; zero without resonators.
     #[inline(always)]
     fn stretch(&self, site: usize) -> (f64, f64) {
-        let (n, half) = (self.chain.sites(), self.y.len() / 2);
+        let (u, u_dot) = self.bead(site);
         if self.chain.layout().resonators() {
-            (self.y[site] - self.y[n + site], self.y[half + site] - self.y[half + n + site])
+            (u - self.resonators[0][site], u_dot - self.resonators[1][site])
         } else if self.chain.params().omega() > 0.0 {
-            (self.y[site], self.y[half + site])
+            (u, u_dot)
         } else {
             (0.0, 0.0)
         }

@@ -2,10 +2,9 @@
 
 use super::{
     super::{Chain, LinearFlow},
-    Forces, Modified, SiteFlow,
-    forces::add,
+    Forces, Kick, Modified, SiteFlow, Survey,
 };
-use hertzchain_integrators::{Kernel, Real, splitting::corrected::Correction};
+use hertzchain_integrators::splitting::corrected::Correction;
 
 impl SiteFlow for LinearFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -13,23 +12,22 @@ impl SiteFlow for LinearFlow<f64> {
     }
 
     fn survey(&mut self, forces: Forces<'_>) {
-        self.phase = self.theta.sin_cos();
-        f64::run(Survey { flow: self, forces });
+        self.visit(self.now(), 0.0, Survey(forces));
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
-        let [r, r_dot, p, p_dot] = self.motions(site, self.phase);
+        let [r, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
         (r + p, r_dot + p_dot)
     }
 
     #[inline]
     fn motion(&self, site: usize) -> [f64; 3] {
-        let [_, r_dot, p, p_dot] = self.motions(site, self.phase);
+        let [_, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
         [r_dot + p_dot, p, p_dot]
     }
 
     fn response(&self) -> (f64, f64, f64) {
-        (self.m(), self.mu(), self.omega.value())
+        (self.m(), self.mu(), self.omega())
     }
 
     fn spring(&self, _site: usize) -> (f64, f64) {
@@ -66,7 +64,7 @@ impl SiteFlow for LinearFlow<f64> {
 
     fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
-        f64::run(Push { flow: self, kick, forces });
+        self.visit(self.now(), kick, Kick(forces));
     }
 }
 
@@ -75,7 +73,7 @@ impl LinearFlow<f64> {
     #[inline]
     pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
         let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;
-        let (m, mu, (sin, cos)) = (self.m(), self.mu(), self.phase);
+        let (m, mu, (sin, cos)) = (self.m(), self.mu(), self.phase.sin_cos());
         let (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
         [
             m * (displacement - impulse * (self.tau + at)),
@@ -83,67 +81,5 @@ impl LinearFlow<f64> {
             mu * (displacement * cos) - self.mu_over_omega * (impulse * sin),
             mu * (displacement * sin) + self.mu_over_omega * (impulse * cos),
         ]
-    }
-}
-
-struct Survey<'a> {
-    flow: &'a LinearFlow<f64>,
-    forces: Forces<'a>,
-}
-
-impl Kernel for Survey<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { flow, mut forces } = self;
-        let ([r0, v], [c, s]) = (&flow.centre, &flow.oscillation);
-        let ((sin, cos), tau) = (flow.phase, flow.tau);
-        let u = forces.positions();
-        match (r0.is_empty(), c.is_empty()) {
-            (false, false) => sums_of_four([r0, v, c, s], [tau, cos, sin], u),
-            (false, true) => sums_of_two([r0, v], [1.0, tau], u),
-            _ => sums_of_two([c, s], [cos, sin], u),
-        }
-        forces.compute();
-    }
-}
-
-#[inline(always)]
-fn sums_of_four([r0, v, c, s]: [&[f64]; 4], [tau, cos, sin]: [f64; 3], u: &mut [f64]) {
-    let n = u.len();
-    let (r0, v, c, s) = (&r0[..n], &v[..n], &c[..n], &s[..n]);
-    for i in 0..n {
-        u[i] = (r0[i] + v[i] * tau) + (c[i] * cos + s[i] * sin);
-    }
-}
-
-#[inline(always)]
-fn sums_of_two([x, y]: [&[f64]; 2], [by_x, by_y]: [f64; 2], u: &mut [f64]) {
-    for ((u, x), y) in u.iter_mut().zip(x).zip(y) {
-        *u = x * by_x + y * by_y;
-    }
-}
-
-struct Push<'a> {
-    flow: &'a mut LinearFlow<f64>,
-    kick: f64,
-    forces: Modified<'a>,
-}
-
-impl Kernel for Push<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { flow, kick, mut forces } = self;
-        forces.compute();
-        let (sin, cos) = flow.phase;
-        let (kick_v, per_omega) = (kick * flow.m(), kick * flow.mu_over_omega);
-        let ([r0, v], [c, s]) = (&mut flow.centre, &mut flow.oscillation);
-        add(-(kick_v * flow.tau), forces.push, r0);
-        add(kick_v, forces.push, v);
-        add(-(per_omega * sin), forces.push, c);
-        add(per_omega * cos, forces.push, s);
     }
 }

@@ -14,11 +14,16 @@ mod tangent;
 
 pub use tangent::TangentFlow;
 
-use forces::{Forces, Modified, Turned};
+use forces::{Forces, Modified, turning};
 
-use super::{Chain, aligned::Aligned, law::LANES};
+use super::{
+    Chain,
+    aligned::Aligned,
+    law::LANES,
+    sweep::{Sites, Visit},
+};
 use hertzchain_integrators::{
-    Error, Real, SplitFlow, Stepper, Twofold,
+    Error, SplitFlow, Stepper, Twofold,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -83,11 +88,11 @@ pub struct Bonded<F> {
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
     spring: Aligned<f64>,
     spring_before: Aligned<f64>,
-    /// Modified forces, from `PAD` on.
-    modified: Aligned<f64>,
+    /// Which bonds may have turned near zero, a bit each, and how near they count.
+    turning: Vec<u64>,
+    reach: f64,
     /// Accelerations of sites, for springs that kick.
     a: Aligned<f64>,
-    push: Aligned<f64>,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
 }
@@ -112,9 +117,9 @@ impl<F: SiteFlow> Bonded<F> {
             told: vec![0; (sites + 1).div_ceil(WORD)],
             spring: if springs { padded() } else { Aligned::zeros(0) },
             spring_before: if springs { padded() } else { Aligned::zeros(0) },
-            modified: padded(),
+            turning: vec![0; (sites + 1).div_ceil(WORD)],
+            reach: 0.0,
             a: Aligned::zeros(sites),
-            push: Aligned::zeros(sites),
             swung: (0.0, 1.0),
         }
     }
@@ -172,6 +177,7 @@ impl<F: SiteFlow> Bonded<F> {
         let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
         self.overlap[b] = g;
         (self.force[PAD + b], self.slope[PAD + b]) = law.force_with_slope(g);
+        self.turning[b / WORD] |= 1 << (b % WORD);
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
@@ -264,6 +270,24 @@ impl<F: SiteFlow> Bonded<F> {
     }
 }
 
+/// What a survey does with the sites of a flow.
+struct Survey<'a>(Forces<'a>);
+
+impl Visit<f64> for Survey<'_> {
+    fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+        self.0.survey(chain, sites);
+    }
+}
+
+/// What a kick with modified forces does with the sites of a flow.
+struct Kick<'a>(Modified<'a>);
+
+impl Visit<f64> for Kick<'_> {
+    fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+        self.0.kick(chain.topology(), sites);
+    }
+}
+
 /// `tan(omega h/2)/(omega h/2)`: the rate at the end of a step of the forced oscillation that is
 /// zero at both its ends, in units of that without springs. 1 where steps are too long for that.
 fn swung(omega: f64, h: f64) -> f64 {
@@ -292,7 +316,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
 
     fn copy_from(&mut self, other: &Self) {
         self.flow.copy_from(&other.flow);
-        self.swung = other.swung;
+        (self.swung, self.reach) = (other.swung, other.reach);
         for (to, from) in [
             (&mut self.q, &other.q),
             (&mut self.overlap, &other.overlap),
@@ -320,8 +344,8 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
 }
 
 impl<F: SiteFlow> BondFlow for Bonded<F> {
-    fn prepare(&mut self, h: f64) {
-        self.swung = (h, swung(self.flow.response().2, h));
+    fn prepare(&mut self, h: f64, reach: f64) {
+        (self.swung, self.reach) = ((h, swung(self.flow.response().2, h)), reach);
     }
 
     fn exponent(&self) -> f64 {
@@ -346,16 +370,24 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
             }
         }
-        let (rest, law) = (self.chain().precompression(), self.chain().law());
-        let (topology, end) = (self.chain().topology(), self.chain().touching().end);
-        let Self { flow, q, overlap, force, slope, closed, .. } = self;
-        let overlap = overlap.blocks_mut();
-        let bonds = PAD..PAD + overlap.len() * LANES;
-        let (force, slope) = (force[bonds.clone()].as_chunks_mut().0, slope[bonds].as_chunks_mut().0);
-        flow.survey(Forces { rest, law: &law, topology, q, overlap, force, slope, closed });
+        let end = self.chain().touching().end;
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
+            self;
+        flow.survey(Forces {
+            reach: *reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed,
+            turning,
+        });
         // What lies behind the last bond; on a ring that is the first once more.
-        if let Some(word) = closed.get_mut(end / WORD) {
-            *word &= (1 << (end % WORD)) - 1;
+        for bits in [closed, turning] {
+            if let Some(word) = bits.get_mut(end / WORD) {
+                *word &= (1 << (end % WORD)) - 1;
+            }
         }
         self.close();
     }
@@ -375,11 +407,19 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     #[inline]
-    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>) {
-        let touching = self.chain().touching();
-        let [middle, first] = &self.overlaps_before;
-        let g = [first, middle, &self.overlap].map(|g| &g[..touching.end]);
-        f64::run(Turned { g, first: touching.start, reach, out });
+    fn turned(&self, out: &mut Vec<(usize, bool)>) {
+        let (touching, [latest, first]) = (self.chain().touching(), &self.overlaps_before);
+        for (word, &bits) in self.turning.iter().enumerate() {
+            let mut bits = bits;
+            while bits != 0 {
+                let b = word * WORD + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                // Bonds that were corrected since the survey are looked at again.
+                if touching.contains(&b) && turning(self.reach, [first[b], latest[b], self.overlap[b]]) > 0 {
+                    out.push((b - touching.start, latest[b] > 0.0));
+                }
+            }
+        }
     }
 
     fn force(&self, bond: usize) -> (f64, f64) {
@@ -415,8 +455,8 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        let (topology, strain, sites) = (self.chain().topology(), self.strain(), self.sites);
-        let Self { flow, force, slope, spring, modified, a, push, .. } = self;
+        let (strain, sites) = (self.strain(), self.sites);
+        let Self { flow, force, slope, spring, a, .. } = self;
         if !spring.is_empty() {
             // Springs that kick want the accelerations of what they hold.
             let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
@@ -424,7 +464,8 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 a[i] = if strain { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
             }
         }
-        flow.push(kick, Modified { c, topology, force, slope, spring, modified, push }, a);
+        let spring = if spring.is_empty() { None } else { Some(spring.column()) };
+        flow.push(kick, Modified { c, force: force.column(), slope: slope.column(), spring }, a);
     }
 
     fn process(&mut self, share: f64, sides: &[Side]) {

@@ -169,8 +169,8 @@ impl TangentFlow {
     /// The derivatives of the state, column by column.
     pub fn columns(&self) -> Vec<f64> {
         let (columns, flow) = (&self.columns, &self.state.flow);
-        let (n, dim, omega) = (flow.chain.sites(), flow.dim(), flow.omega.value());
-        let ((sin, cos), half) = (flow.theta.sin_cos(), dim / 2);
+        let (n, dim, omega) = (flow.chain.sites(), flow.dim(), flow.omega());
+        let ((sin, cos), half) = (flow.phase.sin_cos(), dim / 2);
         let mut out = vec![0.0; dim * columns.count];
         for (k, column) in out.chunks_mut(dim).enumerate() {
             for i in 0..n {
@@ -275,19 +275,19 @@ fn slope(state: &Bonded<LinearFlow<f64>>, g: f64) -> f64 {
 /// A factor for each of `R0, V, C, S`: a position is their sum.
 #[inline(always)]
 fn position(flow: &LinearFlow<f64>) -> [f64; 4] {
-    let (sin, cos) = flow.phase;
+    let (sin, cos) = flow.phase.sin_cos();
     [1.0, flow.tau, cos, sin]
 }
 
 /// The same for a velocity.
 fn velocity(flow: &LinearFlow<f64>) -> [f64; 4] {
-    let ((sin, cos), omega) = (flow.phase, flow.omega.value());
+    let ((sin, cos), omega) = (flow.phase.sin_cos(), flow.omega());
     [0.0, 1.0, -omega * sin, omega * cos]
 }
 
 /// The same for a position a time `h` ago, if nothing has been kicked since.
 fn position_before(flow: &LinearFlow<f64>, h: f64) -> [f64; 4] {
-    let (sin, cos) = (flow.theta - flow.omega * Twofold::new(h)).sin_cos();
+    let (sin, cos) = flow.phase.sin_cos_before(Twofold::new(h));
     [1.0, flow.tau - h, cos, sin]
 }
 
@@ -392,7 +392,7 @@ impl Columns {
         for k in 0..self.fresh.len() {
             self.kick_fresh(state, self.fresh[k], c);
         }
-        let (kick_v, per_omega, (sin, cos)) = (kick * flow.m(), kick * flow.mu_over_omega, flow.phase);
+        let (kick_v, per_omega, (sin, cos)) = (kick * flow.m(), kick * flow.mu_over_omega, flow.phase.sin_cos());
         let by = [[-(kick_v * flow.tau), kick_v], [-(per_omega * sin), per_omega * cos]];
         for i in 0..topology.sites() {
             let [before, after] = topology.bonds(i).map(|b| b.filter(|&b| self.closed[0][b]));
@@ -573,8 +573,8 @@ impl SplitFlow<f64> for TangentFlow {
 impl BondFlow for TangentFlow {
     const CARRIES: bool = true;
 
-    fn prepare(&mut self, h: f64) {
-        self.state.prepare(h);
+    fn prepare(&mut self, h: f64, reach: f64) {
+        self.state.prepare(h, reach);
     }
 
     fn exponent(&self) -> f64 {
@@ -594,8 +594,8 @@ impl BondFlow for TangentFlow {
         self.state.changed(out);
     }
 
-    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>) {
-        self.state.turned(reach, out);
+    fn turned(&self, out: &mut Vec<(usize, bool)>) {
+        self.state.turned(out);
     }
 
     fn force(&self, bond: usize) -> (f64, f64) {
@@ -681,7 +681,7 @@ impl BondFlow for TangentFlow {
 /// central differences.
 fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>) -> [[f64; NUMBERS]; 4] {
     let &Dependence { h, change, of, .. } = dependence;
-    let (step, omega) = (state.swung.0, state.flow.omega.value());
+    let (step, omega) = (state.swung.0, state.flow.omega());
     let topology = state.chain().topology();
     let mobility = topology.recoil(b);
     let pulls = [state.pull(b, &state.force_before, &[]), state.pull(b, &state.force, &[])];

@@ -55,8 +55,8 @@ pub trait BondFlow: SplitFlow<f64> {
     const CARRIES: bool = false;
     /// The exponent `alpha`.
     fn exponent(&self) -> f64;
-    /// Told the step before the first survey.
-    fn prepare(&mut self, _h: f64) {}
+    /// Told the step before the first survey, and how near to zero turns are asked for.
+    fn prepare(&mut self, _h: f64, _reach: f64) {}
     /// Number of bonds that can ever touch.
     fn bonds(&self) -> usize;
     /// Computes overlaps and forces of now; those of the survey before are kept as well.
@@ -65,8 +65,9 @@ pub trait BondFlow: SplitFlow<f64> {
     /// A bond with overlap zero is open.
     fn changed(&mut self, out: &mut Vec<(usize, bool)>);
     /// Appends the bonds whose overlap at the survey before is larger or smaller than at those
-    /// around it, and below `reach` times its second difference; and whether they were closed then.
-    fn turned(&self, reach: f64, out: &mut Vec<(usize, bool)>);
+    /// around it, and below so many times its second difference as [`prepare`](Self::prepare) was
+    /// told; and whether they were closed then.
+    fn turned(&self, out: &mut Vec<(usize, bool)>);
     /// The contact force of a bond, and the acceleration of its overlap by all forces of the kick.
     fn force(&self, bond: usize) -> (f64, f64);
     /// The overlap from the surveyed state on, under the forces of all other bonds as they are now.

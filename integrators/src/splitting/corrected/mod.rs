@@ -166,7 +166,7 @@ pub use ends::Side;
 pub use path::BondPath;
 pub use zeta::hurwitz;
 
-use super::stepper::check;
+use super::stepper::{after, check};
 use crate::{
     clock::Twofold,
     collocation::{ContactStepper, Piece},
@@ -247,7 +247,7 @@ impl<S: BondFlow> Corrected<S> {
         let total = if end > start { steps } else { 0 };
         let span = Twofold::new(end) - Twofold::new(start);
         let h = span.over(Twofold::new(total.max(1) as f64));
-        flow.prepare(h.value());
+        flow.prepare(h.value(), REACH);
         flow.survey();
         let mut new = Self {
             mirror: None,
@@ -314,10 +314,7 @@ impl<S: BondFlow> Corrected<S> {
     }
 
     fn time_after(&self, steps: u64) -> Twofold<f64> {
-        if steps == self.total {
-            return self.start + self.span;
-        }
-        self.start + self.h * Twofold::new(steps as f64)
+        if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
 
     /// Corrects the bonds that have turned near zero about the kick before: what their events, if
@@ -402,7 +399,7 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         // Of the kick before, those on either side must be of this run.
         if self.parts == Parts::ALL && self.taken > 0 {
             self.turned.clear();
-            self.flow.turned(REACH, &mut self.turned);
+            self.flow.turned(&mut self.turned);
             if !self.turned.is_empty() {
                 self.correct_turns();
             }

@@ -1,0 +1,157 @@
+//! The phase `theta = omega t` of all resonators, and its sine and cosine.
+//!
+//! A run repeats a few drifts over and over. Sine and cosine are then moved on by a rotation with
+//! twice the working precision, at a third of the cost of computing them anew. `k` rotations leave
+//! an error of about `k 10^-32`: below a rounding for 10^15 of them.
+
+use hertzchain_integrators::{Kernel, Real, Rotation, Twofold};
+
+/// Drifts whose rotations are kept. The scheme with most has eleven different ones; a run that
+/// lands on contacts has ever new ones, whose sine and cosine are computed.
+const KEPT: usize = 16;
+
+/// The phase of a chain.
+pub(crate) struct Phase<R> {
+    pub(crate) omega: Twofold<R>,
+    two_pi: Twofold<R>,
+    /// The phase without what `turns` count.
+    theta: Twofold<R>,
+    now: Rotation<R>,
+    turns: Vec<Turn<R>>,
+    /// Where in `turns` the next drift is expected.
+    next: usize,
+}
+
+/// A drift, by how much it turns the phase, and how many times it has since the last count.
+#[derive(Clone)]
+struct Turn<R> {
+    drift: Twofold<R>,
+    angle: Twofold<R>,
+    rotation: Rotation<R>,
+    count: u64,
+}
+
+impl<R: Real> Phase<R> {
+    pub(crate) fn new(omega: Twofold<R>) -> Self {
+        let turns = Vec::with_capacity(KEPT);
+        Self { omega, two_pi: Twofold::two_pi(), theta: Twofold::zero(), now: Rotation::none(), turns, next: 0 }
+    }
+
+    /// Sets the phase to zero.
+    pub(crate) fn reset(&mut self) {
+        self.theta = Twofold::zero();
+        self.now = Rotation::none();
+        self.turns.iter_mut().for_each(|turn| turn.count = 0);
+    }
+
+    /// Takes the phase of another.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.reset();
+        (self.theta, self.now) = (other.theta(), other.now);
+    }
+
+    /// `(sin theta, cos theta)`.
+    #[inline]
+    pub(crate) fn sin_cos(&self) -> (R, R) {
+        self.now.sin_cos()
+    }
+
+    /// `(sin theta, cos theta)` a time `dt` ago.
+    pub(crate) fn sin_cos_before(&self, dt: Twofold<R>) -> (R, R) {
+        (self.theta() - self.omega * dt).reduced(self.two_pi).sin_cos()
+    }
+
+    /// The phase, reduced.
+    fn theta(&self) -> Twofold<R> {
+        let turned = |theta, turn: &Turn<R>| theta + turn.angle * Twofold::new(R::of(turn.count as f64));
+        self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta, turned).reduced(self.two_pi)
+    }
+
+    /// The flow over `dt`.
+    #[inline]
+    pub(crate) fn advance(&mut self, dt: Twofold<R>) {
+        match self.turn(dt) {
+            Some(k) => {
+                let turn = &mut self.turns[k];
+                turn.count += 1;
+                self.next = k + 1;
+                R::run(Rotate { by: &turn.rotation, rotation: &mut self.now });
+            }
+            None => self.turn_anew(dt),
+        }
+    }
+
+    /// Which of the kept turns belongs to a drift.
+    #[inline]
+    fn turn(&self, drift: Twofold<R>) -> Option<usize> {
+        let here = if self.next < self.turns.len() { self.next } else { 0 };
+        match self.turns.get(here) {
+            Some(turn) if turn.drift == drift => Some(here),
+            _ => self.turns.iter().position(|turn| turn.drift == drift),
+        }
+    }
+
+    #[cold]
+    fn turn_anew(&mut self, drift: Twofold<R>) {
+        let angle = self.omega * drift;
+        if self.turns.len() < KEPT {
+            let rotation = Rotation::by(angle.reduced(self.two_pi));
+            self.turns.push(Turn { drift, angle, rotation, count: 1 });
+            self.now = self.now.then(&rotation);
+        } else {
+            self.theta = (self.theta() + angle).reduced(self.two_pi);
+            self.turns.iter_mut().for_each(|turn| turn.count = 0);
+            let (sin, cos) = self.theta.sin_cos();
+            self.now = Rotation { sin: Twofold::new(sin), cos: Twofold::new(cos) };
+        }
+    }
+}
+
+/// Moves a rotation on, with the fused products of the machine.
+struct Rotate<'a, R> {
+    rotation: &'a mut Rotation<R>,
+    by: &'a Rotation<R>,
+}
+
+impl<R: Real> Kernel for Rotate<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        *self.rotation = self.rotation.then(self.by);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_million_rotations_are_one() {
+        // Truth: the phase itself to twice the precision, and its sine and cosine.
+        let omega = Twofold::<f64>::new(1.3).sqrt();
+        let mut phase = Phase::new(omega);
+        let drifts = [0.0123, -0.004, 0.02].map(|dt| Twofold::new(dt).over(Twofold::new(3.0)));
+        for k in 0..1_000_000 {
+            phase.advance(drifts[k % 3]);
+        }
+        let count = |k: usize| Twofold::new(((1_000_000 + 2 - k) / 3) as f64);
+        let time = (0..3).fold(Twofold::zero(), |sum, k| sum + drifts[k] * count(k));
+        let theta = (omega * time).reduced(Twofold::two_pi());
+        let (sin, cos) = theta.sin_cos();
+        let (s, c) = phase.sin_cos();
+        assert!((s - sin).abs() < 2e-16 && (c - cos).abs() < 2e-16, "{:e} {:e}", s - sin, c - cos);
+        assert!((phase.theta() - theta).hi.abs() < 1e-25);
+        let size = phase.now.sin * phase.now.sin + phase.now.cos * phase.now.cos - Twofold::new(1.0);
+        assert!(size.hi.abs() < 1e-25, "{size:?}");
+        // Its copy, and drifts that are not kept, go on from there.
+        let mut copy = Phase::new(omega);
+        copy.copy_from(&phase);
+        for k in 0..40 {
+            copy.advance(Twofold::new(0.001 * f64::from(k)));
+        }
+        let theta = (theta + omega * Twofold::new(0.78)).reduced(Twofold::two_pi());
+        let ((sin, cos), (s, c)) = (theta.sin_cos(), copy.sin_cos());
+        assert!((s - sin).abs() < 4e-16 && (c - cos).abs() < 4e-16, "{:e} {:e}", s - sin, c - cos);
+    }
+}

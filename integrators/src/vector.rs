@@ -1,0 +1,557 @@
+//! Numbers side by side in a register, for loops in which neighbours share lanes.
+//!
+//! Most loops are left to the compiler, see [`Kernel`](crate::Kernel). In a pass over a chain each
+//! number also meets that of the next site, which may lie in the next register; compilers take such
+//! loops apart. They are written with a [`Vector`], whose width is that of the instruction set in
+//! use. Lanes do not mix but by [`Vector::before`] and [`Vector::after`], and products and sums are
+//! not contracted, so that all widths give the same bits.
+
+use crate::real::Real;
+use num_traits::One;
+use std::{
+    marker::PhantomData,
+    ops::{Add, Div, Mul, Sub},
+};
+
+/// Largest number of lanes.
+pub const MOST_LANES: usize = 8;
+
+/// As many numbers as a register holds. A number is a vector with one lane.
+pub trait Vector<R>:
+    Copy + One + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// How many.
+    const LANES: usize;
+    /// The same number in all lanes.
+    fn all(x: R) -> Self;
+    /// The numbers from `start` on.
+    ///
+    /// # Safety
+    /// `LANES` numbers can be read there.
+    unsafe fn load(start: *const R) -> Self;
+    /// Writes all lanes from `start` on.
+    ///
+    /// # Safety
+    /// `LANES` numbers can be written there.
+    unsafe fn store(self, start: *mut R);
+    /// Square roots.
+    fn root(self) -> Self;
+    /// `1/x`.
+    fn inverse(self) -> Self;
+    /// `then` in lanes above `bound`, zero in others.
+    fn above(self, bound: R, then: Self) -> Self;
+    /// Which lanes are above zero, a bit each, the first lane's lowest.
+    fn positive(self) -> u64;
+    /// Absolute values.
+    fn size(self) -> Self;
+    /// The lanes moved by one towards the first; the first of `next` comes last.
+    fn before(self, next: Self) -> Self;
+    /// The lanes moved by one towards the last; the last of `previous` comes first.
+    fn after(self, previous: Self) -> Self;
+    /// The first `n` lanes, and others' behind these.
+    fn first(self, n: usize, others: Self) -> Self;
+    /// A function of each lane.
+    fn each(self, f: impl Fn(R) -> R) -> Self;
+}
+
+impl<R: Real> Vector<R> for R {
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn all(x: R) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    unsafe fn load(start: *const R) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { *start }
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, start: *mut R) {
+        // SAFETY: the caller's promise.
+        unsafe { *start = self }
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        self.recip()
+    }
+
+    #[inline(always)]
+    fn above(self, bound: R, then: Self) -> Self {
+        if self > bound { then } else { R::zero() }
+    }
+
+    #[inline(always)]
+    fn positive(self) -> u64 {
+        u64::from(self > R::zero())
+    }
+
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn before(self, next: Self) -> Self {
+        next
+    }
+
+    #[inline(always)]
+    fn after(self, previous: Self) -> Self {
+        previous
+    }
+
+    #[inline(always)]
+    fn first(self, n: usize, others: Self) -> Self {
+        if n > 0 { self } else { others }
+    }
+
+    #[inline(always)]
+    fn each(self, f: impl Fn(R) -> R) -> Self {
+        f(self)
+    }
+}
+
+/// A column of numbers that is read and written by registers.
+///
+/// It borrows a slice, so that several columns of a chain cannot overlap.
+pub struct Column<'a, R> {
+    start: *mut R,
+    len: usize,
+    numbers: PhantomData<&'a mut [R]>,
+}
+
+impl<'a, R> Column<'a, R> {
+    /// All of a slice.
+    pub fn new(numbers: &'a mut [R]) -> Self {
+        Self { start: numbers.as_mut_ptr(), len: numbers.len(), numbers: PhantomData }
+    }
+
+    /// How many numbers it has.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The numbers from `at` on.
+    ///
+    /// # Safety
+    /// The column has at least `at + LANES` numbers.
+    #[inline(always)]
+    pub unsafe fn load<V: Vector<R>>(&self, at: usize) -> V {
+        debug_assert!(at + V::LANES <= self.len);
+        // SAFETY: the caller's promise.
+        unsafe { V::load(self.start.add(at)) }
+    }
+
+    /// Writes a register from `at` on.
+    ///
+    /// # Safety
+    /// The column has at least `at + LANES` numbers.
+    #[inline(always)]
+    pub unsafe fn store<V: Vector<R>>(&mut self, at: usize, values: V) {
+        debug_assert!(at + V::LANES <= self.len);
+        // SAFETY: the caller's promise.
+        unsafe { values.store(self.start.add(at)) }
+    }
+}
+
+impl<R: Copy> Column<'_, R> {
+    /// Adds a register to the numbers from `at` on.
+    ///
+    /// # Safety
+    /// The column has at least `at + LANES` numbers.
+    #[inline(always)]
+    pub unsafe fn add<V: Vector<R>>(&mut self, at: usize, values: V) {
+        // SAFETY: the caller's promise.
+        unsafe { self.store(at, self.load::<V>(at) + values) }
+    }
+}
+
+/// Operations lane by lane, and one.
+macro_rules! operations {
+    ($vector:ident: $($trait:ident $method:ident $body:expr),*) => {
+        $(impl $trait for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: values of this type exist only where its instructions do.
+                #[allow(unused_unsafe, reason = "pairs need no instructions of their own")]
+                unsafe { Self($body(self.0, other.0)) }
+            }
+        })*
+
+        impl One for $vector {
+            #[inline(always)]
+            fn one() -> Self {
+                Self::all(1.0)
+            }
+        }
+    };
+}
+
+/// `each` by way of an array.
+macro_rules! each_lane {
+    () => {
+        #[inline(always)]
+        fn each(self, f: impl Fn(f64) -> f64) -> Self {
+            let mut lanes = [0.0; Self::LANES];
+            // SAFETY: the array has as many numbers as lanes.
+            unsafe {
+                self.store(lanes.as_mut_ptr());
+                lanes.iter_mut().for_each(|x| *x = f(*x));
+                Self::load(lanes.as_ptr())
+            }
+        }
+
+        #[inline(always)]
+        fn inverse(self) -> Self {
+            Self::one() / self
+        }
+    };
+}
+
+/// Two numbers, for the instructions of every machine: the compiler makes registers of pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct Pair([f64; 2]);
+
+#[inline(always)]
+fn pairwise([a, b]: [f64; 2], [c, d]: [f64; 2], f: impl Fn(f64, f64) -> f64) -> [f64; 2] {
+    [f(a, c), f(b, d)]
+}
+
+operations!(Pair:
+    Add add |x, y| pairwise(x, y, |x, y| x + y),
+    Sub sub |x, y| pairwise(x, y, |x, y| x - y),
+    Mul mul |x, y| pairwise(x, y, |x, y| x * y),
+    Div div |x, y| pairwise(x, y, |x, y| x / y)
+);
+
+impl Vector<f64> for Pair {
+    const LANES: usize = 2;
+    each_lane!();
+
+    #[inline(always)]
+    fn all(x: f64) -> Self {
+        Self([x; 2])
+    }
+
+    #[inline(always)]
+    unsafe fn load(start: *const f64) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { Self(*start.cast()) }
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, start: *mut f64) {
+        // SAFETY: the caller's promise.
+        unsafe { *start.cast() = self.0 }
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self([self.0[0].sqrt(), self.0[1].sqrt()])
+    }
+
+    #[inline(always)]
+    fn above(self, bound: f64, then: Self) -> Self {
+        Self(pairwise(self.0, then.0, |x, then| if x > bound { then } else { 0.0 }))
+    }
+
+    #[inline(always)]
+    fn positive(self) -> u64 {
+        u64::from(self.0[0] > 0.0) | u64::from(self.0[1] > 0.0) << 1
+    }
+
+    #[inline(always)]
+    fn size(self) -> Self {
+        Self([self.0[0].abs(), self.0[1].abs()])
+    }
+
+    #[inline(always)]
+    fn before(self, next: Self) -> Self {
+        Self([self.0[1], next.0[0]])
+    }
+
+    #[inline(always)]
+    fn after(self, previous: Self) -> Self {
+        Self([previous.0[1], self.0[0]])
+    }
+
+    #[inline(always)]
+    fn first(self, n: usize, others: Self) -> Self {
+        Self([if n > 0 { self.0[0] } else { others.0[0] }, if n > 1 { self.0[1] } else { others.0[1] }])
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use wide::{Eight, Four};
+
+/// Registers of four and of eight numbers.
+///
+/// Their functions are inlined into kernels that are compiled for these instructions, and are
+/// called where the machine has been asked for them, see [`Real::run_vector`].
+#[cfg(target_arch = "x86_64")]
+mod wide {
+    use super::{Add, Div, Mul, One, Sub, Vector};
+    use std::arch::x86_64::*;
+
+    /// Four numbers, for AVX2.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Four(__m256d);
+
+    operations!(Four: Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+
+    // SAFETY of all blocks: a value of this type, or a kernel run with it, exists only where `Real`
+    // has found the instructions; addresses are the caller's promise.
+    impl Vector<f64> for Four {
+        const LANES: usize = 4;
+        each_lane!();
+
+        #[inline(always)]
+        fn all(x: f64) -> Self {
+            unsafe { Self(_mm256_set1_pd(x)) }
+        }
+
+        #[inline(always)]
+        unsafe fn load(start: *const f64) -> Self {
+            unsafe { Self(_mm256_loadu_pd(start)) }
+        }
+
+        #[inline(always)]
+        unsafe fn store(self, start: *mut f64) {
+            unsafe { _mm256_storeu_pd(start, self.0) }
+        }
+
+        #[inline(always)]
+        fn root(self) -> Self {
+            unsafe { Self(_mm256_sqrt_pd(self.0)) }
+        }
+
+        #[inline(always)]
+        fn above(self, bound: f64, then: Self) -> Self {
+            unsafe { Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound)))) }
+        }
+
+        #[inline(always)]
+        fn positive(self) -> u64 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd())) as u64 }
+        }
+
+        #[inline(always)]
+        fn size(self) -> Self {
+            unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+        }
+
+        #[inline(always)]
+        fn before(self, next: Self) -> Self {
+            unsafe { Self(_mm256_shuffle_pd::<0b0101>(self.0, _mm256_permute2f128_pd::<0x21>(self.0, next.0))) }
+        }
+
+        #[inline(always)]
+        fn after(self, previous: Self) -> Self {
+            unsafe { Self(_mm256_shuffle_pd::<0b0101>(_mm256_permute2f128_pd::<0x21>(previous.0, self.0), self.0)) }
+        }
+
+        #[inline(always)]
+        fn first(self, n: usize, others: Self) -> Self {
+            unsafe {
+                let lane = _mm256_set_epi64x(3, 2, 1, 0);
+                let mask = _mm256_cmpgt_epi64(_mm256_set1_epi64x(n as i64), lane);
+                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
+            }
+        }
+    }
+
+    /// Eight numbers, for AVX-512.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Eight(__m512d);
+
+    operations!(Eight: Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+
+    // SAFETY of all blocks: as above.
+    impl Vector<f64> for Eight {
+        const LANES: usize = 8;
+        each_lane!();
+
+        #[inline(always)]
+        fn all(x: f64) -> Self {
+            unsafe { Self(_mm512_set1_pd(x)) }
+        }
+
+        #[inline(always)]
+        unsafe fn load(start: *const f64) -> Self {
+            unsafe { Self(_mm512_loadu_pd(start)) }
+        }
+
+        #[inline(always)]
+        unsafe fn store(self, start: *mut f64) {
+            unsafe { _mm512_storeu_pd(start, self.0) }
+        }
+
+        #[inline(always)]
+        fn root(self) -> Self {
+            unsafe { Self(_mm512_sqrt_pd(self.0)) }
+        }
+
+        #[inline(always)]
+        fn above(self, bound: f64, then: Self) -> Self {
+            unsafe {
+                let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(bound));
+                Self(_mm512_maskz_mov_pd(mask, then.0))
+            }
+        }
+
+        #[inline(always)]
+        fn positive(self) -> u64 {
+            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
+        }
+
+        #[inline(always)]
+        fn size(self) -> Self {
+            unsafe { Self(_mm512_abs_pd(self.0)) }
+        }
+
+        #[inline(always)]
+        fn before(self, next: Self) -> Self {
+            unsafe {
+                let (now, next) = (_mm512_castpd_si512(self.0), _mm512_castpd_si512(next.0));
+                Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<1>(next, now)))
+            }
+        }
+
+        #[inline(always)]
+        fn after(self, previous: Self) -> Self {
+            unsafe {
+                let (previous, now) = (_mm512_castpd_si512(previous.0), _mm512_castpd_si512(self.0));
+                Self(_mm512_castsi512_pd(_mm512_alignr_epi64::<7>(now, previous)))
+            }
+        }
+
+        #[inline(always)]
+        fn first(self, n: usize, others: Self) -> Self {
+            unsafe { Self(_mm512_mask_mov_pd(others.0, ((1u32 << n.min(8)) - 1) as u8, self.0)) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{VectorKernel, instructions::Instructions};
+
+    /// All operations on some numbers, at the width of the instructions in use.
+    struct All<'a>(&'a [f64], &'a mut Vec<f64>);
+
+    impl VectorKernel<f64> for All<'_> {
+        type Output = usize;
+
+        #[inline(always)]
+        fn run<V: Vector<f64>>(self) -> usize {
+            let Self(x, out) = self;
+            let n = x.len() / 2;
+            let mut copy = x.to_vec();
+            let column = Column::new(&mut copy);
+            for at in (0..n).step_by(V::LANES) {
+                // SAFETY: `n` is a multiple of all widths, and the column is twice as long.
+                let (a, b): (V, V) = unsafe { (column.load(at), column.load(n + at)) };
+                for value in [
+                    a + b,
+                    a - b,
+                    a * b,
+                    a / b,
+                    a.root(),
+                    a.inverse(),
+                    a.above(0.25, b),
+                    (a - b).size(),
+                    V::all((a - b).positive() as f64),
+                    a.each(|x| x.powf(1.3)),
+                    V::all(x[0]),
+                ] {
+                    let mut lanes = [0.0; MOST_LANES];
+                    // SAFETY: there are at most so many lanes.
+                    unsafe { value.store(lanes.as_mut_ptr()) };
+                    out.extend(&lanes[..V::LANES]);
+                }
+            }
+            V::LANES
+        }
+    }
+
+    /// What stands where after `before`, `after` and `first`.
+    struct Moves<'a>(&'a mut Vec<f64>);
+
+    impl VectorKernel<f64> for Moves<'_> {
+        type Output = usize;
+
+        #[inline(always)]
+        fn run<V: Vector<f64>>(self) -> usize {
+            let mut numbers: Vec<f64> = (0..3 * MOST_LANES).map(|k| k as f64).collect();
+            let column = Column::new(&mut numbers);
+            // SAFETY: two registers from the start are within the column.
+            let (a, b): (V, V) = unsafe { (column.load(0), column.load(V::LANES)) };
+            for value in [a.before(b), b.after(a)].into_iter().chain((0..=V::LANES).map(|n| a.first(n, b))) {
+                let mut lanes = [0.0; MOST_LANES];
+                // SAFETY: there are at most so many lanes.
+                unsafe { value.store(lanes.as_mut_ptr()) };
+                self.0.extend(&lanes[..V::LANES]);
+            }
+            V::LANES
+        }
+    }
+
+    #[test]
+    fn lanes_are_numbers_and_move_by_one() {
+        // Truth: the operations of `f64`, one number at a time, to the bit.
+        let x: Vec<f64> = (1..=64).map(|k| (k as f64 * 0.618).fract()).collect();
+        let used = Instructions::used();
+        for set in Instructions::ALL {
+            if !set.select() {
+                continue;
+            }
+            let mut got = Vec::new();
+            let lanes = f64::run_vector(All(&x, &mut got));
+            let mut want = Vec::new();
+            for at in (0..32).step_by(lanes) {
+                let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
+                let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
+                let operations: [&dyn Fn(f64, f64) -> f64; 11] = [
+                    &|a, b| a + b,
+                    &|a, b| a - b,
+                    &|a, b| a * b,
+                    &|a, b| a / b,
+                    &|a, _| a.sqrt(),
+                    &|a, _| 1.0 / a,
+                    &|a, b| if a > 0.25 { b } else { 0.0 },
+                    &|a, b| (a - b).abs(),
+                    &|_, _| positive as f64,
+                    &|a, _| a.powf(1.3),
+                    &|_, _| 0.618,
+                ];
+                want.extend(operations.iter().flat_map(|f| pairs().map(|(a, b)| f(a, b))));
+            }
+            assert_eq!(got, want, "{set}");
+
+            let mut got = Vec::new();
+            let lanes = f64::run_vector(Moves(&mut got));
+            let mut want: Vec<f64> = (1..=lanes).chain(lanes - 1..2 * lanes - 1).map(|k| k as f64).collect();
+            for n in 0..=lanes {
+                want.extend((0..lanes).map(|k| if k < n { k as f64 } else { (lanes + k) as f64 }));
+            }
+            assert_eq!(got, want, "{set}");
+        }
+        assert!(used.select());
+    }
+}
