@@ -10,6 +10,7 @@
 //! | [`system`] | the interfaces between methods and problems |
 //! | [`splitting`] | splitting schemes as const data, and the loop that runs them |
 //! | [`dop853`] | the 8(5,3) pair of Dormand and Prince with 7th-order dense output |
+//! | [`conserving`] | two schemes that conserve an energy exactly, as rivals |
 //! | [`gauss`] | Gauss collocation of order 2 and 4, exact for quadratic invariants |
 //! | [`events`] | changes of sign of functions of the state |
 //! | [`regularised`] | DOP853 through events, in a variable in which the solution is smooth |
@@ -18,6 +19,7 @@
 
 pub mod clock;
 pub mod collocation;
+pub mod conserving;
 pub mod dop853;
 pub mod drive;
 pub mod error;

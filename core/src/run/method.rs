@@ -8,6 +8,7 @@ use crate::{
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
     collocation::{ContactStepper, Pace},
+    conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
     regularised::power,
     splitting::{Corrected, First, Landed, Parts, tables},
@@ -35,10 +36,21 @@ pub enum Method {
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
     /// end.
     Corrected(Parts, Split),
+    /// A scheme of order two that conserves an energy exactly.
+    Conserving(Conserved),
     /// DOP853, the adaptive 8(5,3) pair.
     Dop853(Contacts),
     /// Contact collocation: adaptive; the ends of contacts are ends of panels.
     Collocation,
+}
+
+/// What an energy-conserving scheme conserves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conserved {
+    /// The energy itself, by a discrete gradient.
+    Energy,
+    /// An energy of its own in which the contact potential is the square of a variable.
+    Quadratised,
 }
 
 /// How DOP853 treats contacts that begin or end.
@@ -131,8 +143,8 @@ impl Method {
     /// contacts.
     pub const TAKAHASHI_IMADA: Self = Self::Corrected(Parts::PROCESSED, Split::Linear);
 
-    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the
-    /// adaptive ones, then collocation.
+    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, those
+    /// that conserve an energy, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
@@ -141,6 +153,7 @@ impl Method {
             .chain(on(Split::Linear))
             .chain([landed])
             .chain(processed)
+            .chain([Conserved::Energy, Conserved::Quadratised].map(Self::Conserving))
             .chain(ADAPTIVE.map(Self::Dop853))
             .chain([Self::Collocation])
             .collect()
@@ -182,6 +195,8 @@ impl Method {
             Self::Corrected(Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
             Self::Corrected(_, Split::Linear) => "corrected".to_owned(),
             Self::Corrected(_, Split::Kinetic) => "corrected-kinetic".to_owned(),
+            Self::Conserving(Conserved::Energy) => "discrete-gradient".to_owned(),
+            Self::Conserving(Conserved::Quadratised) => "energy-quadratised".to_owned(),
             Self::Dop853(Contacts::Crossed) => "dop853".to_owned(),
             Self::Dop853(Contacts::Landed) => "dop853-landed".to_owned(),
             Self::Dop853(Contacts::Regularised) => "dop853-regularised".to_owned(),
@@ -194,6 +209,7 @@ impl Method {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.order,
             Self::Corrected(..) => 4,
+            Self::Conserving(_) => 2,
             Self::Dop853(_) => 8,
             // Twice the number of Gauss nodes per panel, 8 at the middle of the range.
             Self::Collocation => 16,
@@ -204,7 +220,8 @@ impl Method {
     pub fn stages(&self) -> usize {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
-            Self::Corrected(..) => 1,
+            // The discrete gradient iterates: five to ten evaluations in steps that resolve contacts.
+            Self::Corrected(..) | Self::Conserving(_) => 1,
             Self::Dop853(_) => 12,
             Self::Collocation => 8,
         }
@@ -242,6 +259,10 @@ impl Method {
             }
             Self::Corrected(..) => "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271",
             Self::Collocation => "this software; Gauss collocation after Hairer, Lubich & Wanner 2006, Sec. II.1",
+            Self::Conserving(Conserved::Energy) => {
+                "McLachlan, Quispel & Robidoux 1999, Phil. Trans. R. Soc. A 357, 1021"
+            }
+            Self::Conserving(Conserved::Quadratised) => "Bilbao, Ducceschi & Zama 2023, J. Comput. Phys. 472, 111697",
             Self::Dop853(_) => "Dormand & Prince 1980; Hairer, Norsett & Wanner 1993, Sec. II.5, II.10",
         }
     }
@@ -253,6 +274,7 @@ impl Method {
             Self::Splitting(_, Split::Linear) => "exact linear flow + contact kick",
             Self::Landed(_) => "exact linear flow, landed",
             Self::Corrected(..) => "processed, one kick a step",
+            Self::Conserving(_) => "energy-conserving",
             Self::Dop853(_) => "adaptive",
             Self::Collocation => "contact collocation",
         }
@@ -294,6 +316,12 @@ impl Method {
                 let steps = tolerance::steps(run, *self, y, span, tol)?;
                 self.start(run, y, span, Setting::Steps(steps))
             }
+            (Self::Conserving(Conserved::Energy), Setting::Steps(steps)) => {
+                Ok(Box::new(DiscreteGradient::new(chain, y, span, steps)?))
+            }
+            (Self::Conserving(Conserved::Quadratised), Setting::Steps(steps)) => {
+                Ok(Box::new(Quadratised::new(chain, y, span, steps)?))
+            }
             (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
                 let field = Field::new(chain.clone());
                 // The unit of the absolute tolerance is the largest entry of the initial state, so
@@ -315,9 +343,10 @@ impl Method {
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
             }
-            (Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..), Setting::Tolerance(tol)) => {
-                Err(Error::parameter("tol", tol, "a splitting scheme takes --step or --steps-per-period"))
-            }
+            (
+                Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..) | Self::Conserving(_),
+                Setting::Tolerance(tol),
+            ) => Err(Error::parameter("tol", tol, "a method with equal steps takes --step or --steps-per-period")),
             (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {
                 Err(Error::parameter("steps", steps, "an adaptive method chooses its steps: give it --tol"))
             }

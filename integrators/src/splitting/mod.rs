@@ -24,3 +24,4 @@ pub use corrected::{Corrected, Parts, hurwitz};
 pub use landed::Landed;
 pub use scheme::{Coefficients, First, Scheme};
 pub use stepper::Splitting;
+pub(crate) use stepper::{after, check};

@@ -59,7 +59,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
 }
 
 /// The time so many steps `h` after a start.
-pub(super) fn after<R: Real>(start: Twofold<R>, h: Twofold<R>, steps: u64) -> Twofold<R> {
+pub(crate) fn after<R: Real>(start: Twofold<R>, h: Twofold<R>, steps: u64) -> Twofold<R> {
     R::run(After { start, h, steps: R::of(steps as f64) })
 }
 
@@ -81,7 +81,7 @@ impl<R: Real> Kernel for After<R> {
 }
 
 /// Refuses a span or a number of steps that cannot be integrated.
-pub(super) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Error> {
+pub(crate) fn check<R: Real>((start, end): (R, R), steps: u64) -> Result<(), Error> {
     let argument = |name, value: R, rule| Err(Error::Argument { name, value: value.f64(), rule });
     if !start.is_finite() {
         return argument("start", start, "a time is finite");

@@ -170,7 +170,9 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
         return Box::new(ladder);
     }
     let longest = match method {
-        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) => LONGEST / fast,
+        Method::Splitting(_, Split::Kinetic) | Method::Corrected(_, Split::Kinetic) | Method::Conserving(_) => {
+            LONGEST / fast
+        }
         // Rungs are the same for all methods, counted from those of the fastest motion.
         _ => {
             let most = (LONGEST / contact).min(0.5 * span);

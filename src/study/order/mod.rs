@@ -19,11 +19,12 @@ use super::{Study, Work, fit_line};
 use crate::{
     chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
-    run::method::{Contacts, Method, Split, loaded},
+    run::method::{Conserved, Contacts, Method, Split, loaded},
     sweep::Tally,
 };
 use hertzchain_integrators::{
     Dop853, Error as Failure, Event, Regularised, Scheme, Silent, Splitting, Stepper,
+    conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
     drive,
     regularised::{Division, Itinerary, equal_steps, power},
@@ -223,7 +224,8 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
         matches!(method, Method::Splitting(Scheme { coefficients: Coefficients::Composition(_), .. }, Split::Linear))
     };
     let mode = |mode: Mode| move |method: Method| (method, mode);
-    let plain = all().chain([dop853]).map(mode(Mode::Plain));
+    let conserving = [Conserved::Energy, Conserved::Quadratised].map(Method::Conserving);
+    let plain = all().chain(conserving).chain([dop853]).map(mode(Mode::Plain));
     let landed = linear().chain([dop853]).map(mode(Mode::Landed));
     let averaged = linear().filter(composed).map(mode(Mode::Averaged));
     // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
@@ -365,6 +367,12 @@ impl Problem {
             (Method::Splitting(scheme, Split::Linear), _) => {
                 let flow = loaded(LinearFlow::new(chain), y0);
                 finish(&mut Splitting::new(scheme, First::Drift, flow, span, steps)?, &mut y)
+            }
+            (Method::Conserving(Conserved::Energy), _) => {
+                finish(&mut DiscreteGradient::new(chain, y0, span, steps)?, &mut y)
+            }
+            (Method::Conserving(Conserved::Quadratised), _) => {
+                finish(&mut Quadratised::new(chain, y0, span, steps)?, &mut y)
             }
             (Method::Dop853(_), _) => finish(&mut Dop853::fixed(Field::new(chain), y0, span, steps)?, &mut y),
             (Method::Corrected(parts, Split::Kinetic), _) => {

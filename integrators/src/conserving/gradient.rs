@@ -1,0 +1,169 @@
+//! The scheme of the discrete gradient (average vector field).
+//!
+//! Linear parts go by the midpoint rule. The force of a bond over a step in which its overlap goes
+//! from `g_0` to `g_1` is
+//!
+//! ```text
+//! phi = (V(g_1) - V(g_0))/(g_1 - g_0) = int_0^1 f(g_0 + s (g_1 - g_0)) ds
+//! ```
+//!
+//! so that the work `phi (g_1 - g_0)` of the bond is the change of its potential: the energy is
+//! conserved whatever the step. `g_1` depends on the `phi` of the bond and its neighbours; bonds are
+//! solved one by one, by Newton's method, in sweeps over the chain until nothing changes.
+//!
+//! R. I. McLachlan, G. R. W. Quispel and N. Robidoux, *Phil. Trans. R. Soc. A* 357 (1999) 1021;
+//! G. R. W. Quispel and D. I. McLaren, *J. Phys. A* 41 (2008) 045206.
+
+use super::{Modal, Sites, Steps, path};
+use crate::{collocation::ContactChain, drive::Stepper, error::Error, law::ContactLaw, stats::Stats};
+
+/// Most sweeps of a step. They converge where `h^2` times the stiffness of a contact is below one.
+const SWEEPS: u32 = 500;
+/// Most iterations of Newton's method for one bond. The equation is convex and is approached from
+/// one side.
+const NEWTON: u32 = 100;
+/// Relative change of an overlap below which the quotient of differences is replaced by its series.
+const NEAR: f64 = 1e-4;
+
+/// The discrete-gradient scheme at work, in equal steps.
+pub struct DiscreteGradient<C> {
+    chain: Modal<C>,
+    sites: Sites,
+    /// Forces of bonds over the last step: the first guess for the next.
+    phi: Vec<f64>,
+    steps: Steps,
+    stats: Stats,
+}
+
+impl<C: ContactChain> DiscreteGradient<C> {
+    /// Runs `chain` from the state `y0`.
+    ///
+    /// # Errors
+    /// `end < start`, times that are not finite, or no step for a span that is not empty.
+    pub fn new(chain: C, y0: &[f64], span: (f64, f64), steps: u64) -> Result<Self, Error> {
+        let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
+        let (sites, phi) = (chain.load(y0), vec![0.0; chain.recoil.len()]);
+        Ok(Self { chain, sites, phi, steps, stats: Stats::default() })
+    }
+}
+
+impl<C: ContactChain> Modal<C> {
+    /// One step from `sites`, with a first guess for the forces. Returns the sweeps that it took,
+    /// or the last change of a force if they do not settle.
+    pub(super) fn discrete_gradient(&self, sites: &mut Sites, phi: &mut [f64], h: f64) -> Result<u32, f64> {
+        let quarter = 0.25 * h * h * self.stiffness;
+        let free = |i: usize| {
+            let [r, r_dot, p, p_dot] = sites[i];
+            (r + h * r_dot) + (p * (1.0 - quarter) + h * p_dot) / (1.0 + quarter)
+        };
+        // A unit force moves a bead so far.
+        let reach = 0.5 * h * h * (self.m + self.mu / (1.0 + quarter));
+        let before: Vec<f64> = (0..phi.len()).map(|b| self.overlap(b, |i| sites[i][0] + sites[i][2])).collect();
+        let loose: Vec<f64> = (0..phi.len()).map(|b| self.overlap(b, free)).collect();
+        let mut sweeps = 0;
+        loop {
+            let (mut change, mut largest) = (0.0f64, 0.0f64);
+            for b in 0..phi.len() {
+                let others = |i: usize| self.chain.push(i, |c| path(if c == b { 0.0 } else { phi[c] }));
+                let aim = loose[b] + reach * self.chain.across(b, others)[0];
+                let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
+                (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
+                phi[b] = new;
+            }
+            sweeps += 1;
+            if change <= 4.0 * f64::EPSILON * largest {
+                break;
+            }
+            if sweeps == SWEEPS {
+                return Err(change);
+            }
+        }
+        for i in 0..sites.len() {
+            let push = self.push(i, phi);
+            let [r, r_dot, p, p_dot] = sites[i];
+            let p_new = (p * (1.0 - quarter) + h * p_dot + 0.5 * h * h * self.mu * push) / (1.0 + quarter);
+            sites[i] = [
+                r + h * (r_dot + 0.5 * h * self.m * push),
+                r_dot + h * self.m * push,
+                p_new,
+                p_dot + h * (self.mu * push - 0.5 * self.stiffness * (p + p_new)),
+            ];
+        }
+        Ok(sweeps)
+    }
+}
+
+/// The force `phi(g_0, g_1)` of a bond whose overlap `g_1` is `aim - c phi`.
+fn force(law: &ContactLaw<f64>, g0: f64, aim: f64, c: f64) -> f64 {
+    if g0 <= 0.0 && aim <= 0.0 {
+        return 0.0;
+    }
+    let mut g1 = aim;
+    for _ in 0..NEWTON {
+        let (phi, slope) = quotient(law, g0, g1);
+        let change = (aim - c * phi - g1) / (1.0 + c * slope);
+        g1 += change;
+        if change.abs() <= f64::EPSILON * g1.abs().max(g0.abs()) {
+            break;
+        }
+    }
+    quotient(law, g0, g1).0
+}
+
+/// `phi(g_0, g_1)` and its derivative by `g_1`.
+fn quotient(law: &ContactLaw<f64>, g0: f64, g1: f64) -> (f64, f64) {
+    let (middle, change) = (0.5 * (g0 + g1), g1 - g0);
+    if change.abs() <= NEAR * middle {
+        let (f, slope) = law.force_with_slope(middle);
+        let alpha = law.alpha();
+        let bend = alpha * (alpha - 1.0) * (change / middle).powi(2) / 24.0;
+        return (f * (1.0 + bend), 0.5 * slope);
+    }
+    if change == 0.0 {
+        return (0.0, 0.0);
+    }
+    let phi = (law.potential(g1) - law.potential(g0)) / change;
+    (phi, (law.force(g1) - phi) / change)
+}
+
+impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
+    fn dim(&self) -> usize {
+        self.chain.chain.dim()
+    }
+
+    fn time(&self) -> f64 {
+        self.steps.reached().value()
+    }
+
+    fn done(&self) -> bool {
+        self.steps.taken == self.steps.total
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
+        let h = self.steps.h.value();
+        let t = self.time();
+        let sweeps = self
+            .chain
+            .discrete_gradient(&mut self.sites, &mut self.phi, h)
+            .map_err(|residual| Error::NotSettled { t, h, residual })?;
+        self.stats.force_evaluations += u64::from(sweeps);
+        self.steps.taken += 1;
+        self.stats.steps = self.steps.taken;
+        Ok(())
+    }
+
+    /// Times inside the last step are reached by a shorter one of the same scheme.
+    fn sample(&mut self, t: f64, y: &mut [f64]) {
+        let by = self.steps.since(t);
+        let mut sites = self.sites.clone();
+        if by != 0.0 {
+            // A shorter step settles where the last one did.
+            let _ = self.chain.discrete_gradient(&mut sites, &mut self.phi.clone(), by);
+        }
+        self.chain.store(&sites, y);
+    }
+
+    fn stats(&self) -> Stats {
+        self.stats
+    }
+}

@@ -1,0 +1,119 @@
+//! Two schemes that conserve an energy exactly, as rivals of the symplectic ones.
+//!
+//! | scheme | conserves | price |
+//! |---|---|---|
+//! | [`DiscreteGradient`] | the energy itself | forces of a step are found by iteration |
+//! | [`Quadratised`] | an energy of its own, within `O(h^2)` of the true one | one evaluation of the forces a step |
+//!
+//! Both have order two, also on smooth problems, and neither is symplectic. Springs and contacts
+//! both kick: the schemes know nothing of the exact linear flow.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `[r, r', p, p']` | free and oscillating part of the position of a site, and their rates, see [`ContactChain`] |
+//! | `m, mu` | the shares of an impulse that they take: their masses are `1/m` and `1/mu` |
+//! | `g_b, f, V` | overlap of a bond; force `(g)_+^alpha` and potential of the contact law |
+//! | `F_i` | contact force on a site |
+
+mod gradient;
+mod quadratised;
+
+pub use gradient::DiscreteGradient;
+pub use quadratised::Quadratised;
+
+use crate::{
+    clock::Twofold,
+    collocation::{ContactChain, Path},
+    error::Error,
+    law::ContactLaw,
+    splitting::{after, check},
+};
+
+/// Sites as `[r, r', p, p']`.
+type Sites = Vec<[f64; 4]>;
+
+/// A chain with what its sites have in common.
+struct Modal<C> {
+    chain: C,
+    law: ContactLaw<f64>,
+    m: f64,
+    mu: f64,
+    /// `omega^2`.
+    stiffness: f64,
+    /// How strongly the force of each bond opens it.
+    recoil: Vec<f64>,
+}
+
+impl<C: ContactChain> Modal<C> {
+    fn new(chain: C) -> Self {
+        let response = chain.response();
+        let omega = response.omega.value();
+        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| path(f64::from(u8::from(c == b)))))[0];
+        Self {
+            recoil: (0..chain.bonds()).map(recoil).collect(),
+            law: chain.law(),
+            m: response.m,
+            mu: response.mu,
+            stiffness: omega * omega,
+            chain,
+        }
+    }
+
+    /// Sites of a state.
+    fn load(&self, y: &[f64]) -> Sites {
+        let omega = self.stiffness.sqrt();
+        let site = |i| {
+            let [r, r_dot, p, s] = self.chain.path(y, i);
+            [r, r_dot, p, if omega > 0.0 { omega * s } else { s }]
+        };
+        (0..self.chain.sites()).map(site).collect()
+    }
+
+    fn store(&self, sites: &Sites, y: &mut [f64]) {
+        sites.iter().enumerate().for_each(|(i, &site)| self.chain.place(site, i, y));
+    }
+
+    /// The overlap of a bond where sites are at given positions.
+    fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
+        self.chain.rest() + self.chain.across(b, |i| path(position(i)))[0]
+    }
+
+    /// The contact force on a site, from those of bonds.
+    fn push(&self, i: usize, force: &[f64]) -> f64 {
+        self.chain.push(i, |b| path(force[b]))[0]
+    }
+}
+
+/// A number in the shape that chains take.
+fn path(value: f64) -> Path {
+    [value, 0.0, 0.0, 0.0]
+}
+
+/// Equal steps over a span.
+struct Steps {
+    start: Twofold<f64>,
+    span: Twofold<f64>,
+    h: Twofold<f64>,
+    taken: u64,
+    total: u64,
+}
+
+impl Steps {
+    fn new((start, end): (f64, f64), steps: u64) -> Result<Self, Error> {
+        check((start, end), steps)?;
+        let total = if end > start { steps } else { 0 };
+        let span = Twofold::new(end) - Twofold::new(start);
+        let h = span.over(Twofold::new(total.max(1) as f64));
+        Ok(Self { start: Twofold::new(start), span, h, taken: 0, total })
+    }
+
+    fn reached(&self) -> Twofold<f64> {
+        if self.taken == self.total { self.start + self.span } else { after(self.start, self.h, self.taken) }
+    }
+
+    /// The time from the end of the last step to `t`; zero for times that differ by rounding only.
+    fn since(&self, t: f64) -> f64 {
+        let by = (Twofold::new(t) - self.reached()).value();
+        if by.abs() > 4.0 * f64::EPSILON * t.abs() { by } else { 0.0 }
+    }
+}

@@ -1,0 +1,109 @@
+//! Schemes that conserve an energy: what they conserve, their order, what they err.
+
+use hertzchain::chain::{Boundary, Chain, Params};
+use hertzchain::integrators::{
+    Silent, Stepper,
+    collocation::Pace,
+    conserving::{DiscreteGradient, Quadratised},
+    drive,
+};
+
+const END: f64 = 20.0;
+
+/// A chain between walls whose beads fly about: contacts begin and end all the time.
+fn chain(alpha: f64, rho: f64) -> (Chain<f64>, Vec<f64>) {
+    let chain = Chain::new(Params::new(alpha, 1.0, rho).unwrap(), Boundary::Fixed, 5).unwrap();
+    let y = (0..chain.layout().dim()).map(|i| 0.4 * (7.0 * i as f64 + 1.0).sin()).collect();
+    (chain, y)
+}
+
+fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
+    let mut y = vec![0.0; run.dim()];
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+fn distance(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn energies_stay_at_rounding_through_a_hundred_thousand_steps() {
+    // Truth: the invariants themselves. A rounding a step would add up to 1e-11 at worst, and to
+    // 1e-14 as a random walk.
+    for (alpha, rho) in [(1.5, 0.5), (1.5, 0.0), (2.5, f64::INFINITY), (1.0, 2.0)] {
+        let (chain, y0) = chain(alpha, rho);
+        let energy = |y: &[f64]| chain.energy(y).total();
+        let (steps, span) = (100_000, (0.0, 2000.0));
+        let mut gradient = DiscreteGradient::new(chain.clone(), &y0, span, steps).unwrap();
+        let mut quadratised = Quadratised::new(chain.clone(), &y0, span, steps).unwrap();
+        let (start, own, mut y) = (energy(&y0), quadratised.conserved(), y0.clone());
+        let (mut worst, mut worst_own, mut true_energy) = (0.0f64, 0.0f64, 0.0f64);
+        for step in 0..steps {
+            gradient.step().unwrap();
+            quadratised.step().unwrap();
+            worst_own = worst_own.max((quadratised.conserved() / own - 1.0).abs());
+            if step % 100 == 0 {
+                gradient.sample(gradient.time(), &mut y);
+                worst = worst.max((energy(&y) / start - 1.0).abs());
+                quadratised.sample(quadratised.time(), &mut y);
+                true_energy = true_energy.max((energy(&y) / start - 1.0).abs());
+            }
+        }
+        assert!(worst < 2e-12, "alpha {alpha}, rho {rho}: {worst:e}");
+        assert!(worst_own < 2e-12, "alpha {alpha}, rho {rho}: {worst_own:e}");
+        // The true energy is another one.
+        assert!(true_energy > 1e-6, "alpha {alpha}, rho {rho}: {true_energy:e}");
+    }
+}
+
+#[test]
+fn both_have_order_two_through_contacts() {
+    // Truth: collocation at 1e-12. Contacts do not lower an order of two for alpha > 1.
+    let (chain, y0) = chain(1.5, 0.5);
+    let truth = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+    let errors = |steps: u64| {
+        [
+            distance(&end(DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap()), &truth),
+            distance(&end(Quadratised::new(chain.clone(), &y0, (0.0, END), steps).unwrap()), &truth),
+        ]
+    };
+    let (coarse, fine) = (errors(4_000), errors(64_000));
+    for (coarse, fine) in coarse.iter().zip(&fine) {
+        let order = (coarse / fine).log2() / 4.0;
+        assert!((1.8..2.2).contains(&order), "{coarse:e} -> {fine:e}: {order}");
+    }
+}
+
+#[test]
+fn a_sample_inside_a_step_is_as_good_as_the_run() {
+    // Truth: collocation. Samples at thirds of steps err as the ends do.
+    let (chain, y0) = chain(1.5, 0.5);
+    let (steps, t) = (4_000, END - END / 12_000.0);
+    let truth = end(chain.collocation(&y0, (0.0, t), Pace::Tolerance(1e-12)).unwrap());
+    let mut runs: [Box<dyn Stepper<f64>>; 2] = [
+        Box::new(DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap()),
+        Box::new(Quadratised::new(chain.clone(), &y0, (0.0, END), steps).unwrap()),
+    ];
+    let at_end = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+    for run in &mut runs {
+        while !run.done() {
+            run.step().unwrap();
+        }
+        let mut y = y0.clone();
+        run.sample(END, &mut y);
+        let error = distance(&y, &at_end);
+        run.sample(t, &mut y);
+        assert!(distance(&y, &truth) < 1.5 * error, "{:e}, at the end {error:e}", distance(&y, &truth));
+    }
+}
+
+#[test]
+fn steps_that_do_not_resolve_contacts_are_refused() {
+    // Sweeps over bonds converge where a step resolves the stiffness of contacts.
+    let (chain, y0) = chain(1.5, 0.5);
+    let y0: Vec<f64> = y0.iter().map(|y| 1e6 * y).collect();
+    let mut run = DiscreteGradient::new(chain, &y0, (0.0, END), 2).unwrap();
+    let why = (0..2).find_map(|_| run.step().err()).map(|error| error.to_string());
+    assert!(why.is_some_and(|why| why.contains("did not settle")), "an error says why");
+}
