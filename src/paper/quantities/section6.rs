@@ -10,10 +10,11 @@ use super::{Group, Quantity, Runs};
 use crate::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Averages, Center, DarkProfile, project},
-    error::Result,
+    error::{Error, Result},
     run::state_at,
 };
 use hertzchain_integrators::collocation::Pace;
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
 pub(super) const GROUPS: &[Group] = &[Group::of(equations), Group::of(newton), Group::of(breathers)];
@@ -62,37 +63,159 @@ fn equations(_: &Runs) -> Result<Vec<Quantity>> {
         let mu: f64 = 0.3;
         Ok(residual(&averages, &strains(&figure(center)?, mu * mu), mu))
     };
-    let quotient = |center| {
-        let strains = strains(&figure(center)?, 1.0);
-        let [flux, _] = fluxes(&averages, &strains);
-        let work: f64 = flux.iter().zip(&strains[0]).map(|(flux, a)| flux * a).sum();
-        // a_n = -delta^+ of the flux.
-        let square: f64 = (0..flux.len()).map(|n| (flux[(n + 1) % flux.len()] - flux[n]).powi(2)).sum();
-        Ok((work / square - 1.0).abs())
-    };
     let heavy = DarkProfile::new(Params::new(1.5, KAPPA, 1.0)?, Center::Site, 11, 0.0)?;
     Ok(vec![
         ("s6-mu", measured_detuning(&heavy, 1e-3)?.recip()),
         ("s6-renormalised", worst(renormalised)?),
-        ("s6-mu-positive", worst(quotient)?),
+        ("s6-mu-positive", vanishing(&averages, figure(Center::Site)?.background().0)),
     ])
+}
+
+/// The unknowns of the paper's iteration on the whole ring, without symmetries.
+struct Ring<'a> {
+    averages: &'a Averages,
+    /// The sign of `mu` in (eq:DpSsw1).
+    sign: f64,
+    /// `a_n` and `b_n`, `n = -N .. N`.
+    strains: [Vec<f64>; 2],
+}
+
+/// Largest number of steps of the iteration, and its tolerance.
+const MOST: u32 = 100;
+const TOLERANCE: f64 = 1e-8;
+
+impl<'a> Ring<'a> {
+    /// (eq:an_ini), and the `b_n` that follow with `b_{-N} = 0`.
+    fn guess(averages: &'a Averages, n_0: f64, sign: f64) -> Self {
+        let half = (SITES / 2) as i32;
+        let a: Vec<f64> = (-half..=half).map(|n| f64::from(1 - 2 * (n & 1)) * (f64::from(n) - n_0).tanh()).collect();
+        let force = averages.g(0.0, a[0].abs());
+        let mut b: Vec<f64> = a.iter().map(|a| averages.mean_strain(force, a.abs())).collect();
+        b[0] = 0.0;
+        Self { averages, sign, strains: [a, b] }
+    }
+
+    /// (eq:DpSsw2): `N` first equations, and `N` second ones, one for each neighbour on the ring.
+    fn defects(&self) -> DVector<f64> {
+        let ([a, _], [flux, g]) = (&self.strains, fluxes(self.averages, &self.strains));
+        let count = a.len();
+        DVector::from_fn(2 * count, |i, _| {
+            let (n, after, before) = (i % count, (i + 1) % count, (i + count - 1) % count);
+            if i < count { self.sign * a[n] + flux[after] - 2.0 * flux[n] + flux[before] } else { g[after] - g[n] }
+        })
+    }
+
+    /// Their derivatives with respect to all `a_n`, then all `b_n`.
+    fn jacobian(&self) -> DMatrix<f64> {
+        let [a, b] = &self.strains;
+        let count = a.len();
+        let mut matrix = DMatrix::zeros(2 * count, 2 * count);
+        for k in 0..count {
+            let (after, before, sign) = ((k + 1) % count, (k + count - 1) % count, a[k].signum());
+            let bond = self.averages.values(b[k], a[k].abs());
+            matrix[(k, k)] += self.sign;
+            for (column, flux, force) in
+                [(k, bond.drh_dr, sign * bond.dg_dr), (count + k, sign * bond.drh_db, bond.dg_db)]
+            {
+                for (row, share) in [(before, 1.0), (k, -2.0), (after, 1.0)] {
+                    matrix[(row, column)] += share * flux;
+                }
+                matrix[(count + before, column)] += force;
+                matrix[(count + k, column)] -= force;
+            }
+        }
+        matrix
+    }
+
+    /// The Jacobian with `b_{-N}` fixed, of all equations but the last, which the others imply.
+    fn reduced(&self) -> DMatrix<f64> {
+        let count = self.strains[0].len();
+        self.jacobian().remove_column(count).remove_row(2 * count - 1)
+    }
+
+    /// Newton's iteration until a step is below the tolerance, relative to the largest `a_n`; false
+    /// if none is.
+    fn iterate(&mut self) -> bool {
+        let count = self.strains[0].len();
+        for _ in 0..MOST {
+            let right = self.defects().remove_row(2 * count - 1);
+            let Some(step) = self.reduced().lu().solve(&right) else { return false };
+            let [a, b] = &mut self.strains;
+            a.iter_mut().zip(step.iter()).for_each(|(a, step)| *a -= step);
+            b[1..].iter_mut().zip(step.iter().skip(count)).for_each(|(b, step)| *b -= step);
+            let size = self.size();
+            if step.amax() <= TOLERANCE * size || !size.is_normal() {
+                return size.is_normal();
+            }
+        }
+        false
+    }
+
+    /// The largest `abs(a_n)`.
+    fn size(&self) -> f64 {
+        self.strains[0].iter().fold(0.0, |most: f64, a| most.max(a.abs()))
+    }
+
+    /// The profile that the iteration from (eq:an_ini) leads to with `mu = 1`.
+    ///
+    /// # Errors
+    /// It does not converge.
+    fn settled(averages: &'a Averages, n_0: f64) -> Result<Self> {
+        let mut ring = Self::guess(averages, n_0, 1.0);
+        if ring.iterate() {
+            Ok(ring)
+        } else {
+            Err(Error::parameter("n_0", n_0, "a guess from which Newton's method converges"))
+        }
+    }
+
+    /// The largest distance of this profile from another that is moved by `by` sites, relative to
+    /// the largest `a_n`; of the two signs of the `a_n` the nearer one.
+    fn apart(&self, other: &DarkProfile, by: i64) -> f64 {
+        let [a, b] = &self.strains;
+        let most = |sign: f64| {
+            let off = |(k, n): (usize, i64)| (a[k] - sign * other.a(n - by)).abs().max((b[k] - other.b(n - by)).abs());
+            (0..).zip(other.sites()).map(off).fold(0.0, f64::max)
+        };
+        most(1.0).min(most(-1.0)) / self.size()
+    }
+}
+
+/// The largest `abs(a_n)` that Newton's iteration with `mu = -1` leads to, relative to the
+/// background with `mu = 1`; both kinds.
+fn vanishing(averages: &Averages, background: f64) -> f64 {
+    let sizes = [0.0, 0.5].map(|n_0| {
+        // At zero the Jacobian is singular; the steps become roundings and need not end.
+        let mut ring = Ring::guess(averages, n_0, -1.0);
+        ring.iterate();
+        ring.size()
+    });
+    sizes[0].max(sizes[1]) / background
 }
 
 /// Newton's method and the profiles that it converges to.
 fn newton(_: &Runs) -> Result<Vec<Quantity>> {
     let averages = Averages::new(1.5, 1.0)?;
-    let off = |profile: Result<DarkProfile>| -> Result<f64> { Ok(residual(&averages, &strains(&profile?, 1.0), 1.0)) };
-    let with_strain = |center| off(DarkProfile::new(FIGURE, center, SITES, 0.05));
-    let from_one = |center| {
-        let (one, other) = (figure(center)?, DarkProfile::from_guess(FIGURE, center, SITES, 0.0, Some(1.0))?);
-        let apart = |n| (one.a(n) - other.a(n)).abs().max((one.b(n) - other.b(n)).abs());
-        Ok(one.sites().map(apart).fold(0.0, f64::max) / one.background().0)
+    let off = |center| -> Result<f64> { Ok(residual(&averages, &strains(&figure(center)?, 1.0), 1.0)) };
+    let n_0 = |center| if center == Center::Site { 0.0 } else { 0.5 };
+    let extremes = |matrix: DMatrix<f64>| {
+        let values = matrix.singular_values();
+        values.min() / values.max()
     };
+    let from_one = |center| Ok(Ring::settled(&averages, n_0(center))?.apart(&figure(center)?, 0));
+    let moved = |center| Ok(Ring::settled(&averages, n_0(center) + 3.0)?.apart(&figure(center)?, 3));
+    let site = Ring::settled(&averages, 0.0)?;
+    let bond = Ring::settled(&averages, 0.5)?;
+    let between = [0.1, 0.2, 0.3, 0.4].map(|n_0| Ok(Ring::settled(&averages, n_0)?.apart(&figure(Center::Site)?, 0)));
+    let between = between.into_iter().collect::<Result<Vec<f64>>>()?.into_iter().fold(0.0, f64::max);
     Ok(vec![
-        ("s6-singular", worst(with_strain)?),
+        ("s6-singular", extremes(site.jacobian()).max(extremes(bond.jacobian()))),
+        ("s6-sufficient", extremes(site.reduced()).min(extremes(bond.reduced()))),
         ("s6-guess", worst(from_one)?),
-        ("s6-site", off(figure(Center::Site))?),
-        ("s6-bond", off(figure(Center::Bond))?),
+        ("s6-translation", worst(moved)?),
+        ("s6-between", between),
+        ("s6-site", off(Center::Site)?),
+        ("s6-bond", off(Center::Bond)?),
     ])
 }
 
