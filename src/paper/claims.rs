@@ -21,8 +21,11 @@ pub struct Claim {
     pub paper: String,
     /// The claim as a rule.
     pub rule: Rule,
-    /// The rule for our value where the claim of the paper is known to be false.
+    /// The rule for our value where the claim of the paper is known to be false, or cannot be
+    /// decided.
     pub instead: Option<Rule>,
+    /// What the paper would have to say for a verdict, of a claim that cannot be decided.
+    pub open: Option<String>,
     /// The claim whose misprint this one repeats.
     pub same: Option<String>,
     /// The reason of the difference, or a remark; may be empty.
@@ -69,7 +72,8 @@ struct Row {
     formula: Option<String>,
     statement: Option<String>,
     rule: Option<String>,
-    instead: Option<Rule>,
+    instead: Option<String>,
+    open: Option<String>,
     same: Option<String>,
     #[serde(default)]
     why: String,
@@ -83,7 +87,7 @@ fn read(text: &str) -> Result<Vec<Claim>, String> {
 
 impl Row {
     fn claim(self, named: &BTreeMap<String, Rule>) -> Result<Claim, String> {
-        let Self { id, label, quantity, number, formula, statement, rule, instead, same, why } = self;
+        let Self { id, label, quantity, number, formula, statement, rule, instead, open, same, why } = self;
         let fault = |why: &str| format!("{id}: {why}");
         let section = id.strip_prefix('s').and_then(|rest| rest.chars().next()).and_then(|digit| digit.to_digit(10));
         let section = section.ok_or_else(|| fault("an id begins with s and a section"))?;
@@ -93,16 +97,21 @@ impl Row {
             (None, None, Some(paper)) => (Kind::Statement, paper),
             _ => return Err(fault("one of number, formula and statement")),
         };
+        let read = |rule: &str| match named.get(rule) {
+            Some(rule) => Ok(rule.clone()),
+            None => rule.parse().map_err(|why: String| fault(&why)),
+        };
         let rule = match (kind, rule) {
-            (Kind::Number, None) => format!("rounds to {paper}").parse().map_err(|why: String| fault(&why))?,
+            (Kind::Number, None) => read(&format!("rounds to {paper}"))?,
             (Kind::Number, Some(_)) => return Err(fault("the rule of a number is its digits")),
-            (_, Some(rule)) => match named.get(&rule) {
-                Some(rule) => rule.clone(),
-                None => rule.parse().map_err(|why: String| fault(&why))?,
-            },
+            (_, Some(rule)) => read(&rule)?,
             (_, None) => return Err(fault("no rule")),
         };
-        Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, same, why })
+        let instead = instead.as_deref().map(read).transpose()?;
+        if open.is_some() && instead.is_none() {
+            return Err(fault("what is left open needs the rule of our value, `instead`"));
+        }
+        Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, open, same, why })
     }
 }
 
@@ -116,15 +125,13 @@ mod tests {
         let names: HashSet<&str> = claims().iter().map(|claim| claim.id.as_str()).collect();
         assert_eq!(names.len(), claims().len());
         assert!(claims().is_sorted_by_key(|claim| claim.section));
-        for Claim { id, label, quantity, paper, instead, same, why, .. } in claims() {
+        for claim @ Claim { id, label, quantity, paper, instead, same, why, .. } in claims() {
             assert!(![label, quantity, paper].into_iter().any(String::is_empty), "{id}");
             assert!(instead.is_none() || !why.is_empty(), "{id} differs without a reason");
             // A repeated misprint names a claim that differs and does not itself repeat one.
             let first = same.as_ref().map(|same| claims().iter().find(|claim| claim.id == *same).unwrap());
-            assert!(
-                first.is_none_or(|first| instead.is_some() && first.instead.is_some() && first.same.is_none()),
-                "{id}"
-            );
+            let wrong = |claim: &Claim| claim.instead.is_some() && claim.open.is_none();
+            assert!(first.is_none_or(|first| wrong(claim) && wrong(first) && first.same.is_none()), "{id}");
         }
     }
 
@@ -149,7 +156,8 @@ mod tests {
             "id = \"s3-x\"\nnumber = \"about 2\"",
             "id = \"s3-x\"\nstatement = \"small\"",
             "id = \"s3-x\"\nstatement = \"small\"\nrule = \"tiny\"",
-            "id = \"s3-x\"\nnumber = \"2\"\ninstead = \"small\"",
+            "id = \"s3-x\"\nnumber = \"2\"\ninstead = \"tiny\"",
+            "id = \"s3-x\"\nnumber = \"2\"\nopen = \"the range\"",
             "id = \"s3-x\"\nnumber = \"2\"\nremark = \"\"",
         ] {
             assert!(table(row).is_err(), "{row}");

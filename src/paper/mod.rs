@@ -2,7 +2,7 @@
 //!
 //! | part | contents |
 //! |---|---|
-//! | `claims.toml`, [`claims`] | the claims of the paper in Sec. 3 to 7, one row each |
+//! | `claims.toml`, [`claims`] | the claims of the paper in Sec. 2 to 7, one row each |
 //! | `quantities/` | for each claim, by its id, the value that decides it |
 //! | [`verify`] | claims and values side by side, with a verdict each |
 //! | `verdicts.rs` | the verdicts as text, CSV and JSON |

@@ -1,20 +1,21 @@
 //! The verdicts as a table, as CSV and as JSON.
 
 use super::{
-    claims::Kind,
+    claims::{Claim, Kind},
     rule::Rule,
     verify::{Item, Verdict, Verification},
 };
 use crate::{output::to_json, present::table};
 use serde_json::{Value, json};
 
-const VERDICTS: [Verdict; 4] = [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails];
+const VERDICTS: [Verdict; 5] =
+    [Verdict::Agrees, Verdict::Differs, Verdict::Holds, Verdict::Fails, Verdict::NotDecidable];
 
 /// The name of the claims of each kind, and the verdicts that they can have.
-const KINDS: [(Kind, &str, [Verdict; 2]); 3] = [
-    (Kind::Number, "numbers", [Verdict::Agrees, Verdict::Differs]),
-    (Kind::Formula, "formulas", [Verdict::Agrees, Verdict::Differs]),
-    (Kind::Statement, "statements", [Verdict::Holds, Verdict::Fails]),
+const KINDS: [(Kind, &str, [Verdict; 3]); 3] = [
+    (Kind::Number, "numbers", [Verdict::Agrees, Verdict::Differs, Verdict::NotDecidable]),
+    (Kind::Formula, "formulas", [Verdict::Agrees, Verdict::Differs, Verdict::NotDecidable]),
+    (Kind::Statement, "statements", [Verdict::Holds, Verdict::Fails, Verdict::NotDecidable]),
 ];
 
 fn count(verification: &Verification, verdict: Verdict) -> usize {
@@ -23,8 +24,8 @@ fn count(verification: &Verification, verdict: Verdict) -> usize {
 
 /// The verdicts as JSON.
 ///
-/// `value` is null if it is not finite. `instead` is the rule of a number that is known to differ
-/// from that of the paper.
+/// `value` is null if it is not finite. `instead` is the rule of our value where it is known to
+/// differ from that of the paper, or where the paper leaves open what decides; `open` says what.
 pub fn verify_json(verification: &Verification) -> String {
     let item = |item: &Item| {
         let claim = item.claim;
@@ -42,6 +43,7 @@ pub fn verify_json(verification: &Verification) -> String {
             "kind": format!("{:?}", claim.kind).to_lowercase(),
             "same": claim.same,
             "instead": claim.instead.as_ref().map(Rule::words),
+            "open": claim.open,
             "as_expected": item.as_expected(),
             "why": claim.why,
         })
@@ -65,15 +67,16 @@ pub fn verify_json(verification: &Verification) -> String {
 /// The verdicts as CSV, one line for each item, with texts in quotation marks.
 pub fn verify_csv(verification: &Verification) -> Vec<u8> {
     let quoted = |text: &String| format!("\"{}\"", text.replace('"', "\"\""));
-    let mut text = String::from("id,section,label,quantity,paper,rule,value,verdict,expected,as_expected,why\n");
+    let mut text = String::from("id,section,label,quantity,paper,rule,value,verdict,expected,as_expected,why,open\n");
     for item in &verification.items {
         let claim = item.claim;
         let (verdict, expected) = (item.verdict().word(), item.expected().word());
-        let [label, quantity, paper, rule, why] =
-            [&claim.label, &claim.quantity, &claim.paper, &claim.rule.words(), &claim.why].map(quoted);
+        let open = claim.open.clone().unwrap_or_default();
+        let [label, quantity, paper, rule, why, open] =
+            [&claim.label, &claim.quantity, &claim.paper, &claim.rule.words(), &claim.why, &open].map(quoted);
         let (id, section, value, as_expected) = (&claim.id, claim.section, item.value, item.as_expected());
         text += &format!(
-            "{id},{section},{label},{quantity},{paper},{rule},{value:e},{verdict},{expected},{as_expected},{why}\n"
+            "{id},{section},{label},{quantity},{paper},{rule},{value:e},{verdict},{expected},{as_expected},{why},{open}\n"
         );
     }
     text.into_bytes()
@@ -86,9 +89,9 @@ pub fn verify_table(verification: &Verification) -> String {
     let unexpected = verification.unexpected().count();
     let known = if unexpected == 0 { "all as known".to_owned() } else { format!("{unexpected} not as known") };
     let kinds = KINDS.map(|(kind, name, verdicts)| {
-        let [good, bad] =
+        let [good, bad, open] =
             verdicts.map(|verdict| format!("{} {}", verification.count(kind, verdict), verdict_plural(verdict)));
-        format!("{name}: {good}, {bad}")
+        format!("{name}: {good}, {bad}, {open}")
     });
     let items = verification.items.len();
     let misprints = verification.misprints();
@@ -106,6 +109,7 @@ fn verdict_plural(verdict: Verdict) -> &'static str {
         Verdict::Differs => "differ",
         Verdict::Holds => "hold",
         Verdict::Fails => "fail",
+        Verdict::NotDecidable => "not decidable",
     }
 }
 
@@ -120,8 +124,8 @@ fn section_table(items: &[Item]) -> String {
     let head = ["item", "where", "quantity", "the paper says", "as a rule", "we get", "verdict"];
     let remarks: Vec<Vec<String>> = items
         .iter()
-        .filter(|item| !item.claim.why.is_empty())
-        .map(|item| vec![item.claim.id.clone(), item.verdict().word().to_owned(), item.claim.why.clone()])
+        .map(|item| vec![item.claim.id.clone(), item.verdict().word().to_owned(), remark(item.claim)])
+        .filter(|row| !row[2].is_empty())
         .collect();
     let section = items.first().map_or(0, |item| item.claim.section);
     let mut text = format!("Section {section}\n\n{}", table(&head, &rows));
@@ -129,6 +133,17 @@ fn section_table(items: &[Item]) -> String {
         text += &format!("\n{}", table(&["item", "verdict", "why, or a remark"], &remarks));
     }
     text
+}
+
+/// The reason or remark of a claim, after what the paper leaves open.
+fn remark(claim: &Claim) -> String {
+    let open = claim.open.as_ref().map(|open| format!("The paper does not give {open}."));
+    [open.as_deref(), Some(&claim.why)]
+        .into_iter()
+        .flatten()
+        .filter(|text| !text.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 #[cfg(test)]
@@ -143,6 +158,9 @@ mod tests {
         let item = Item { claim: Box::leak(Box::new(claim)), value: 2.0 };
         let csv = verify_csv(&Verification { items: vec![item], wall: std::time::Duration::ZERO });
         let line = String::from_utf8(csv).unwrap().lines().nth(1).unwrap().to_owned();
-        assert_eq!(line, "s3-x,3,\"eq:a, eq:b\",\"a \"\"wave\"\"\",\"2\",\"rounds to 2\",2e0,agrees,agrees,true,\"\"");
+        assert_eq!(
+            line,
+            "s3-x,3,\"eq:a, eq:b\",\"a \"\"wave\"\"\",\"2\",\"rounds to 2\",2e0,agrees,agrees,true,\"\",\"\""
+        );
     }
 }

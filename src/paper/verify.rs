@@ -18,6 +18,8 @@ pub enum Verdict {
     Holds,
     /// The statement is false.
     Fails,
+    /// The paper leaves open what decides.
+    NotDecidable,
 }
 
 impl Verdict {
@@ -28,6 +30,7 @@ impl Verdict {
             Self::Differs => "differs",
             Self::Holds => "holds",
             Self::Fails => "fails",
+            Self::NotDecidable => "not decidable",
         }
     }
 }
@@ -44,6 +47,7 @@ pub struct Item<'a> {
 impl Item<'_> {
     fn say(&self, good: bool) -> Verdict {
         match (self.claim.kind, good) {
+            _ if self.claim.open.is_some() => Verdict::NotDecidable,
             (Kind::Number | Kind::Formula, true) => Verdict::Agrees,
             (Kind::Number | Kind::Formula, false) => Verdict::Differs,
             (Kind::Statement, true) => Verdict::Holds,
@@ -61,8 +65,8 @@ impl Item<'_> {
         self.say(self.claim.instead.is_none())
     }
 
-    /// Whether the verdict is the expected one and, where the claim is known to be false, our value
-    /// obeys the rule given instead.
+    /// Whether the verdict is the expected one and, where the claim is known to be false or cannot
+    /// be decided, our value obeys the rule given instead.
     pub fn as_expected(&self) -> bool {
         self.verdict() == self.expected() && self.claim.instead.as_ref().is_none_or(|rule| rule.met_by(self.value))
     }
@@ -118,7 +122,7 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
     let clock = Instant::now();
     let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
     if let (Some(section), None) = (section, claims().next()) {
-        return Err(Error::parameter("section", section, "a section of the paper that has items: 3, 4, 5, 6 or 7"));
+        return Err(Error::parameter("section", section, "a section of the paper that has items: 2, 3, 4, 5, 6 or 7"));
     }
     let items = pair(claims(), &quantities(section, progress)?);
     Ok(Verification { items, wall: clock.elapsed() })
@@ -144,7 +148,8 @@ pub(super) mod tests {
     pub(in super::super) fn claim(kind: Kind, paper: &str, rule: &str) -> Claim {
         let [id, label, quantity, why] = ["s3-x", "", "", ""].map(String::from);
         let rule = rule.parse().unwrap();
-        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead: None, same: None, why }
+        let (instead, open, same) = (None, None, None);
+        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead, open, same, why }
     }
 
     #[test]
@@ -158,6 +163,11 @@ pub(super) mod tests {
         // In turn: another value of ours, the paper's value, an unknown difference, none.
         assert!(!period(3.2).as_expected() && !period(3.126).as_expected());
         assert!(!item(3.12).as_expected() && item(3.126).as_expected());
+        // Without a verdict, only a changed number is unexpected.
+        let open = Claim { open: Some("the range".to_owned()), ..misprint.clone() };
+        let undecided = |value| Item { claim: &open, value };
+        assert!([3.126, 3.14002].into_iter().all(|value| undecided(value).verdict() == Verdict::NotDecidable));
+        assert!(undecided(3.14002).as_expected() && !undecided(3.126).as_expected());
         let bound = claim(Kind::Statement, "", "<= 8");
         let bounded = |value| Item { claim: &bound, value };
         assert_eq!((bounded(7.0).verdict(), bounded(9.0).verdict()), (Verdict::Holds, Verdict::Fails));

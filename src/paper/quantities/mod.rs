@@ -8,6 +8,7 @@
 //! A new quantity needs an entry in its group and a row in `claims.toml`.
 
 mod measure;
+mod section2;
 mod section3;
 mod section4;
 mod section5;
@@ -87,8 +88,14 @@ impl Group {
 }
 
 /// The groups of each section, in the order of the paper.
-const SECTIONS: [(u32, &[Group]); 5] =
-    [(3, section3::GROUPS), (4, section4::GROUPS), (5, section5::GROUPS), (6, section6::GROUPS), (7, section7::GROUPS)];
+const SECTIONS: [(u32, &[Group]); 6] = [
+    (2, section2::GROUPS),
+    (3, section3::GROUPS),
+    (4, section4::GROUPS),
+    (5, section5::GROUPS),
+    (6, section6::GROUPS),
+    (7, section7::GROUPS),
+];
 
 /// The quantities of a section, or of all sections, in the order of the claims.
 ///

@@ -6,6 +6,8 @@
 //! | `a_n, b_n` | `delta^- a_n, delta^- b_n` of (eq:DpSsw2), `mu = 1` |
 //! | `R` | largest residual of (eq:DpSsw2), relative to the amplitude at `-N` and to the force |
 
+mod ring;
+
 use super::{Group, Quantity, Runs};
 use crate::{
     chain::{Boundary, Chain, Params, Site, State},
@@ -14,6 +16,8 @@ use crate::{
     run::state_at,
 };
 use hertzchain_integrators::collocation::Pace;
+use nalgebra::DMatrix;
+use ring::Ring;
 use std::f64::consts::PI;
 
 pub(super) const GROUPS: &[Group] = &[Group::of(equations), Group::of(newton), Group::of(breathers)];
@@ -62,37 +66,49 @@ fn equations(_: &Runs) -> Result<Vec<Quantity>> {
         let mu: f64 = 0.3;
         Ok(residual(&averages, &strains(&figure(center)?, mu * mu), mu))
     };
-    let quotient = |center| {
-        let strains = strains(&figure(center)?, 1.0);
-        let [flux, _] = fluxes(&averages, &strains);
-        let work: f64 = flux.iter().zip(&strains[0]).map(|(flux, a)| flux * a).sum();
-        // a_n = -delta^+ of the flux.
-        let square: f64 = (0..flux.len()).map(|n| (flux[(n + 1) % flux.len()] - flux[n]).powi(2)).sum();
-        Ok((work / square - 1.0).abs())
-    };
     let heavy = DarkProfile::new(Params::new(1.5, KAPPA, 1.0)?, Center::Site, 11, 0.0)?;
     Ok(vec![
         ("s6-mu", measured_detuning(&heavy, 1e-3)?.recip()),
         ("s6-renormalised", worst(renormalised)?),
-        ("s6-mu-positive", worst(quotient)?),
+        ("s6-mu-positive", vanishing(&averages, figure(Center::Site)?.background().0)),
     ])
+}
+
+/// The largest `abs(a_n)` that Newton's iteration with `mu = -1` leads to, relative to the
+/// background with `mu = 1`; both kinds.
+fn vanishing(averages: &Averages, background: f64) -> f64 {
+    let sizes = [0.0, 0.5].map(|n_0| {
+        // At zero the Jacobian is singular; the steps become roundings and need not end.
+        let mut ring = Ring::guess(averages, n_0, -1.0);
+        ring.iterate();
+        ring.size()
+    });
+    sizes[0].max(sizes[1]) / background
 }
 
 /// Newton's method and the profiles that it converges to.
 fn newton(_: &Runs) -> Result<Vec<Quantity>> {
     let averages = Averages::new(1.5, 1.0)?;
-    let off = |profile: Result<DarkProfile>| -> Result<f64> { Ok(residual(&averages, &strains(&profile?, 1.0), 1.0)) };
-    let with_strain = |center| off(DarkProfile::new(FIGURE, center, SITES, 0.05));
-    let from_one = |center| {
-        let (one, other) = (figure(center)?, DarkProfile::from_guess(FIGURE, center, SITES, 0.0, Some(1.0))?);
-        let apart = |n| (one.a(n) - other.a(n)).abs().max((one.b(n) - other.b(n)).abs());
-        Ok(one.sites().map(apart).fold(0.0, f64::max) / one.background().0)
+    let off = |center| -> Result<f64> { Ok(residual(&averages, &strains(&figure(center)?, 1.0), 1.0)) };
+    let n_0 = |center| if center == Center::Site { 0.0 } else { 0.5 };
+    let extremes = |matrix: DMatrix<f64>| {
+        let values = matrix.singular_values();
+        values.min() / values.max()
     };
+    let from_one = |center| Ok(Ring::settled(&averages, n_0(center))?.apart(&figure(center)?, 0));
+    let moved = |center| Ok(Ring::settled(&averages, n_0(center) + 3.0)?.apart(&figure(center)?, 3));
+    let site = Ring::settled(&averages, 0.0)?;
+    let bond = Ring::settled(&averages, 0.5)?;
+    let between = [0.1, 0.2, 0.3, 0.4].map(|n_0| Ok(Ring::settled(&averages, n_0)?.apart(&figure(Center::Site)?, 0)));
+    let between = between.into_iter().collect::<Result<Vec<f64>>>()?.into_iter().fold(0.0, f64::max);
     Ok(vec![
-        ("s6-singular", worst(with_strain)?),
+        ("s6-singular", extremes(site.jacobian()).max(extremes(bond.jacobian()))),
+        ("s6-sufficient", extremes(site.reduced()).min(extremes(bond.reduced()))),
         ("s6-guess", worst(from_one)?),
-        ("s6-site", off(figure(Center::Site))?),
-        ("s6-bond", off(figure(Center::Bond))?),
+        ("s6-translation", worst(moved)?),
+        ("s6-between", between),
+        ("s6-site", off(Center::Site)?),
+        ("s6-bond", off(Center::Bond)?),
     ])
 }
 

@@ -13,6 +13,8 @@ use crate::{
 
 /// Size of the first orbit after the bifurcation, along its mode.
 const FIRST: f64 = 0.02;
+/// A frequency beyond the end of the paper's branch, 1.051.
+const BEYOND: f64 = 1.0525;
 /// Least distance from the kink, in sites, that counts as far.
 const FAR: usize = 10;
 
@@ -20,11 +22,13 @@ const FAR: usize = 10;
 pub(in super::super) fn period_doubling(_: &Runs) -> Result<Vec<Quantity>> {
     let birth = bifurcations(Center::Bond, [2.062, 2.064], BifurcationKind::PeriodDoubling)?;
     let meeting = bifurcations(Center::Bond, [2.0953, 2.0957], BifurcationKind::RealCollision)?;
-    let beyond = spectrum(THIRD, Center::Bond, 2.097)?;
+    // The real multiplier of a tau < -1 that is outside the circle.
+    let outside = meeting.first().map_or(f64::NAN, |one| (one.tau * one.tau - 1.0).sqrt() - one.tau);
     let arc = vec![
         ("s7-period-doubling", first(&birth)),
+        ("s7-toward", outside / largest(&spectrum(THIRD, Center::Bond, 2.09)?, |m| real(m) && m.re < 0.0)),
         ("s7-collision", first(&meeting)),
-        ("s7-return", largest(&beyond, |m| m.re < -0.5)),
+        ("s7-return", outside),
     ];
     let birth = birth.first().ok_or_else(|| Error::parameter("omega_b", 2.064, "a period doubling below"))?;
     Ok([arc, branch_of(birth, first(&meeting))?].concat())
@@ -54,13 +58,17 @@ fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Quantity>> {
     let shooting = Shooting::default();
     let born = birth.doubled(&shooting, FIRST)?;
     let sample = follow(born.clone(), 1.032, 1e-3)?.pop().unwrap_or(born);
-    let orbits = follow(sample.clone(), 1.0525, 4e-3)?;
+    let orbits = follow(sample.clone(), BEYOND, 4e-3)?;
     let spectra = map(&orbits, |orbit| orbit.spectrum(&shooting)).into_iter().collect::<Result<Vec<_>>>()?;
     let [other, reflected] = half_way(&sample)?;
     let n = birth.orbit.setting.sites;
     let far = |i: &usize| (i % n).abs_diff(n / 2) > FAR;
     let oscillatory = |spectrum: &Spectrum| largest(spectrum, quartet) - 1.0;
-    let highest = orbits.last().map_or(f64::NAN, |orbit| orbit.setting.omega_b);
+    let last = orbits.last().filter(|orbit| orbit.setting.omega_b >= BEYOND);
+    let [last_e_b, last_other] = match last {
+        Some(orbit) => [orbit.e_b(1e-13, 1)?, half_way(orbit)?[0]],
+        None => [f64::NAN; 2],
+    };
     Ok(vec![
         ("s7-doubled-mode", most((0..2 * n).filter(far).map(|i| birth.mode[i].abs()))),
         ("s7-doubled-from", 0.5 * birth.parameter),
@@ -68,7 +76,8 @@ fn branch_of(birth: &Bifurcation, meeting: f64) -> Result<Vec<Quantity>> {
         ("s7-doubled-other", other),
         ("s7-doubled-reflected", reflected),
         ("s7-doubled-arc", 0.5 * meeting),
-        ("s7-doubled-to", highest),
+        ("s7-doubled-to", last_e_b),
+        ("s7-doubled-to-other", last_other),
         ("s7-doubled-real", least(spectra.iter().map(|spectrum| largest(spectrum, real) - 1.0))),
         ("s7-doubled-oscillatory", least(spectra[1..].iter().map(oscillatory))),
         ("s7-doubled-sample", oscillatory(&spectra[0])),

@@ -69,11 +69,10 @@ pub(in super::super) fn bond(_: &Runs) -> Result<Vec<Quantity>> {
         [(2.05, 2.0 * UNTIL, None), (2.05, UNTIL, Some(0.01)), (2.08, UNTIL, None), (2.1, UNTIL, None)],
     )?;
     let [alone, kicked, broken @ ..] = &runs;
-    let speeds: Vec<f64> = kicked.motion.iter().map(|motion| motion.velocity.abs()).collect();
     Ok(vec![
         ("s7-bond-moves", gone(alone)),
         ("s7-bond-kick", leaves(alone) / leaves(kicked)),
-        ("s7-bond-velocity", speeds[2] / speeds[0]),
+        ("s7-bond-velocity", alone.motion.last().map_or(f64::NAN, |motion| motion.misfit)),
         ("s7-bond-breaks", least(broken.iter().map(largest))),
     ])
 }

@@ -2,7 +2,7 @@
 
 use super::{
     super::{Quantity, Runs},
-    WEAK, largest, least, most, orbit, quartet, real, released, spectra,
+    LONGEST, WEAK, e_folds, largest, least, most, orbit, quartet, real, released, spectra,
 };
 use crate::{
     chain::Params,
@@ -19,10 +19,9 @@ fn omega(rho: f64) -> Result<f64> {
     Ok(Params::new(1.5, 1.0, rho)?.omega())
 }
 
-/// A growth `one - 1` divided by the largest `|lambda| - 1` of the real multipliers of the
-/// bond-centred breather.
-fn share(one: f64, bond: &Spectrum) -> f64 {
-    (one - 1.0) / (largest(bond, real) - 1.0)
+/// The largest `|lambda| - 1` of quartets divided by that of real multipliers.
+fn share(bond: &Spectrum) -> f64 {
+    (largest(bond, quartet) - 1.0) / (largest(bond, real) - 1.0)
 }
 
 /// The largest modulus of multipliers with `Re lambda < -1/2`.
@@ -30,32 +29,38 @@ fn behind(spectrum: &Spectrum) -> f64 {
     largest(spectrum, |m| m.re < -0.5)
 }
 
+/// Frequencies of Fig. r3floq, over its whole range, less `omega`.
+const RANGE: [f64; 8] = [0.001, 0.03, 0.06, 0.09, 0.1, 0.13, 0.165, 0.2];
+
 /// The breathers at `rho = 3`.
 pub(in super::super) fn three(_: &Runs) -> Result<Vec<Quantity>> {
     const RHO: f64 = 3.0;
     let omega = omega(RHO)?;
-    let range = [0.001, 0.09, 0.1, 0.2].map(|by| omega + by);
+    let range = RANGE.map(|by| omega + by);
     let [bonds, sites] = CENTERS.map(|center| spectra(RHO, center, &range));
     let (bonds, sites) = (bonds?, sites?);
-    let (bond, site) = (&bonds[2], &sites[2]);
-    let quartets = |k: usize| share(largest(&bonds[k], quartet), &bonds[k]);
-    let long = |center| released(RHO, center, range[2], 1500.0, None);
+    let at = |by: f64| RANGE.iter().position(|one| *one == by).unwrap_or(0);
+    let (near, figure) = (at(0.09), at(0.1));
+    let marginal = |k: usize| e_folds(sites[k].largest(), range[k]);
+    let long = |center| released(RHO, center, range[figure], LONGEST, None);
     let (held, moved) = (long(Center::Site)?, long(Center::Bond)?);
     let e_b = held.e_b.last().copied().unwrap_or(f64::NAN);
     let gone = moved.position.last().map_or(f64::NAN, |end| (end - moved.position[0]).abs());
     Ok(vec![
         ("s7-rho3-omega", omega),
-        ("s7-rho3-omega-b", range[2]),
-        ("s7-rho3-time", 299.0 * 2.0 * PI / range[2]),
+        ("s7-rho3-omega-b", range[figure]),
+        ("s7-rho3-time", 299.0 * 2.0 * PI / range[figure]),
         ("s7-rho3-Eb", e_b),
         ("s7-rho3-growth", e_b / held.amplification),
         ("s7-rho3-moves", gone),
-        ("s7-rho3-bond", largest(bond, |m| m.kind == Kind::Real)),
-        ("s7-rho3-bond-only-real", quartets(2)),
-        ("s7-rho3-site", share(site.largest(), bond)),
-        ("s7-rho3-range-bond", most((0..range.len()).map(quartets))),
-        ("s7-rho3-range-site", most(bonds.iter().zip(&sites).map(|(bond, site)| share(site.largest(), bond)))),
-        ("s7-rho3-distribution", behind(&bonds[1]).max(behind(&sites[1]))),
+        ("s7-rho3-bond", largest(&bonds[figure], |m| m.kind == Kind::Real)),
+        ("s7-rho3-bond-only-real", share(&bonds[figure])),
+        ("s7-rho3-site", marginal(figure)),
+        ("s7-rho3-range-real", least(bonds.iter().map(|bond| largest(bond, |m| m.kind == Kind::Real) - 1.0))),
+        ("s7-rho3-range-bond", most(bonds.iter().map(share))),
+        ("s7-rho3-range-site", most((0..range.len()).map(marginal))),
+        ("s7-rho3-range-only-oscillatory", most(sites.iter().map(|site| largest(site, real) - 1.0))),
+        ("s7-rho3-distribution", behind(&bonds[near]).max(behind(&sites[near]))),
     ])
 }
 
@@ -64,14 +69,17 @@ pub(in super::super) fn ten(_: &Runs) -> Result<Vec<Quantity>> {
     const RHO: f64 = 10.0;
     let omega = omega(RHO)?;
     let small = orbit(RHO, Center::Bond, omega + 0.01)?;
-    let [bonds, sites] = CENTERS.map(|center| spectra(RHO, center, &[omega + 0.01, omega + 0.04, omega + 0.09, 1.2]));
+    let range = [omega + 0.01, omega + 0.04, omega + 0.09, 1.2];
+    let [bonds, sites] = CENTERS.map(|center| spectra(RHO, center, &range));
     let (bonds, sites) = (bonds?, sites?);
+    let quartets = |spectra: &[Spectrum], k: usize| e_folds(largest(&spectra[k], quartet), range[k]);
     Ok(vec![
         ("s7-rho10-omega", omega),
         ("s7-rho10-amplitude", small.amplitude()),
-        ("s7-rho10-near", most((0..2).map(|k| share(largest(&bonds[k], quartet).max(sites[k].largest()), &bonds[k])))),
-        ("s7-rho10-bond", largest(&bonds[3], quartet)),
-        ("s7-rho10-site", largest(&sites[3], quartet)),
+        ("s7-rho10-near-real", least((0..2).map(|k| largest(&bonds[k], |m| m.kind == Kind::Real) - 1.0))),
+        ("s7-rho10-near", most((0..2).flat_map(|k| [quartets(&bonds, k), quartets(&sites, k)]))),
+        ("s7-rho10-bond", quartets(&bonds, 3)),
+        ("s7-rho10-site", quartets(&sites, 3)),
         ("s7-rho10-distribution", behind(&bonds[2]).max(behind(&sites[2]))),
     ])
 }
@@ -111,6 +119,20 @@ impl Branch {
     }
 }
 
+/// `ln |lambda|` of the site-centred breather with `omega_b = 1.75` at `rho = 1.4`, divided by that at
+/// `rho = 1.1`, on the branch from `rho = 0.65`.
+fn on_the_way() -> Result<f64> {
+    let (shooting, parameter) = (Shooting::default(), Parameter::Rho);
+    let mut orbit = orbit(0.65, Center::Site, 1.75)?;
+    let mut rates = [0.0; 2];
+    for (to, rate) in [1.1, 1.4].into_iter().zip(&mut rates) {
+        let continuation = Continuation { parameter, to, step: 0.25, most_points: 100, natural: false, shooting };
+        orbit = continuation.follow(orbit.clone(), |_| {})?.0.pop().unwrap_or(orbit);
+        *rate = orbit.spectrum(&shooting)?.largest().ln();
+    }
+    Ok(rates[1] / rates[0])
+}
+
 /// The least quotient of a value and the value before it.
 fn least_growth(values: impl Iterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.collect();
@@ -124,6 +146,10 @@ pub(in super::super) fn continued(_: &Runs) -> Result<Vec<Quantity>> {
     let made: Vec<Branch> = made.into_iter().collect::<Result<_>>()?;
     let (bonds, sites) = made.split_at(CONTINUED.len());
     let rate = |site: &Spectrum| site.largest().ln();
+    let marginal = |of: fn(&Branch) -> &Spectrum| {
+        let e_folds = CONTINUED.iter().zip(sites).map(|((omega_b, _), site)| e_folds(of(site).largest(), *omega_b));
+        e_folds.collect::<Vec<f64>>()
+    };
     let rising = |bond: &Branch| {
         let up_to = bond.0.iter().take_while(|(rho, _)| *rho <= RISING).count();
         (least_growth(bond.growths().take(up_to)), least_growth(bond.growths().skip(up_to - 1)))
@@ -140,13 +166,10 @@ pub(in super::super) fn continued(_: &Runs) -> Result<Vec<Quantity>> {
         ("s7-rho-only-bond", most(sites.iter().flat_map(Branch::spectra).map(|site| largest(site, real) - 1.0))),
         ("s7-rho-rising", least(bonds.iter().map(|bond| rising(bond).0))),
         ("s7-rho-falling", least(bonds.iter().map(|bond| rising(bond).1))),
-        ("s7-rho-site", most(bonds.iter().zip(sites).map(|(bond, site)| share(site.0[0].1.largest(), &bond.0[0].1)))),
-        (
-            "s7-rho-site-heavy",
-            least(bonds.iter().zip(sites).map(|(bond, site)| share(site.last().largest(), bond.last()))),
-        ),
+        ("s7-rho-site", most(marginal(|site| &site.0[0].1))),
+        ("s7-rho-site-heavy", least(marginal(Branch::last))),
         ("s7-rho-lifetime", least(sites.iter().map(|site| rate(site.last()) / rate(&site.0[0].1)))),
-        ("s7-rho-lifetime-always", least(sites.iter().map(|site| least_growth(site.spectra().map(rate))))),
+        ("s7-rho-lifetime-always", on_the_way()?),
         ("s7-rho-quartets", least(chaos.iter().map(|one| one.0))),
         ("s7-rho-chaos", least(chaos.iter().map(|one| one.1))),
     ])
