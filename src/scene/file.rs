@@ -1,5 +1,6 @@
 //! The contents of a scene file in TOML.
 
+use super::{Scene, builtin::BUILTIN};
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
@@ -455,12 +456,15 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     let message = in_words(&error.message().lines().collect::<Vec<_>>().join("; "));
     // Form of the message of serde: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
     let hint = match names.split_first() {
-        Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
+        Some((name, _)) if unknown && elsewhere(name).is_some() => elsewhere(name),
+        Some((name, known)) if message.starts_with("unknown") => {
+            nearest(name, known.iter().copied()).map(|name| format!("; did you mean `{name}`?"))
+        }
         _ => None,
     };
-    let hint = hint.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
-    let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
+    let hint = hint.unwrap_or_default();
     let span = error.span().filter(|span| *span != (0..text.len()));
     let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
     let leaf = if missing {
@@ -488,6 +492,20 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
         }
     };
     one_line(&message)
+}
+
+/// Where a key belongs, if it is one of another table: of those that the template and the built-in
+/// scenes have.
+fn elsewhere(name: &str) -> Option<String> {
+    let texts = BUILTIN.iter().map(|(_, text)| *text).chain([Scene::TEMPLATE]);
+    let key = texts.filter_map(|text| DeTable::parse(text).ok()).find_map(|table| {
+        let all = leaves(table.get_ref(), "");
+        all.into_iter().map(|leaf| leaf.key).find(|key| key.rsplit('.').next() == Some(name))
+    })?;
+    Some(match key.split_once('.') {
+        Some(_) => format!("; did you mean `{key}`?"),
+        None => format!("; `{key}` stands above all tables"),
+    })
 }
 
 /// The key of `[initial]` that causes a message.
