@@ -23,6 +23,7 @@ use clap::{
     error::{ContextKind, ErrorKind},
     value_parser,
 };
+use hertzchain_integrators::Error as Failure;
 use std::process::ExitCode;
 use terminal::{print, print_help, progress_bar};
 
@@ -76,6 +77,7 @@ fn not_begun(error: &clap::Error) -> Exit {
 fn code(error: &Error) -> u8 {
     match error {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
+        Error::Integration(Failure::Argument { .. }) => REFUSED,
         _ => 1,
     }
 }
@@ -146,6 +148,10 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
     let short = ValueParser::from(value_parser!(u32)).type_id();
     let signed = ValueParser::from(value_parser!(i64)).type_id();
     let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
+        // In a list, a sign is not the beginning of a number only.
+        id if id == double && arg.get_value_delimiter().is_some() => {
+            arg.value_parser(crate::number::double).allow_hyphen_values(true)
+        }
         id if id == double => arg.value_parser(crate::number::double).allow_negative_numbers(true),
         id if id == size => arg.value_parser(crate::number::whole::<usize>).allow_negative_numbers(true),
         id if id == whole => arg.value_parser(crate::number::whole::<u64>).allow_negative_numbers(true),

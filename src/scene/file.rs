@@ -457,16 +457,16 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     // Form of the message of serde: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
+    let span = error.span().filter(|span| *span != (0..text.len()));
+    let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
     let hint = match names.split_first() {
-        Some((name, _)) if unknown && elsewhere(name).is_some() => elsewhere(name),
         Some((name, known)) if message.starts_with("unknown") => {
-            nearest(name, known.iter().copied()).map(|name| format!("; did you mean `{name}`?"))
+            let belongs = if unknown { elsewhere(name, &leaves) } else { None };
+            belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
         }
         _ => None,
     };
     let hint = hint.unwrap_or_default();
-    let span = error.span().filter(|span| *span != (0..text.len()));
-    let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
     let leaf = if missing {
         None
     } else {
@@ -494,13 +494,14 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     one_line(&message)
 }
 
-/// Where a key belongs, if it is one of another table: of those that the template and the built-in
-/// scenes have.
-fn elsewhere(name: &str) -> Option<String> {
+/// Where a key belongs that is none of its table in the scene `here`: in another table, as the
+/// template and the built-in scenes have it.
+fn elsewhere(name: &str, here: &[Leaf<'_>]) -> Option<String> {
     let texts = BUILTIN.iter().map(|(_, text)| *text).chain([Scene::TEMPLATE]);
     let key = texts.filter_map(|text| DeTable::parse(text).ok()).find_map(|table| {
         let all = leaves(table.get_ref(), "");
-        all.into_iter().map(|leaf| leaf.key).find(|key| key.rsplit('.').next() == Some(name))
+        let other = |key: &String| key.rsplit('.').next() == Some(name) && here.iter().all(|leaf| leaf.key != *key);
+        all.into_iter().map(|leaf| leaf.key).find(other)
     })?;
     Some(match key.split_once('.') {
         Some(_) => format!("; did you mean `{key}`?"),

@@ -436,7 +436,6 @@ fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Re
         (Initial::SingleBead { .. }, true) => "velocity",
         (Initial::State { .. }, false) => "u",
         (Initial::State { .. }, true) => "u_dot",
-        (Initial::BrightBreather { .. }, _) => "epsilon",
         _ => "amplitude",
     };
     // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.

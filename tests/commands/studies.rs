@@ -549,6 +549,6 @@ fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     ] {
         let output = hertzchain(args);
         let text = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(1) && text.contains(words), "{args:?}: {text}");
+        assert!(output.status.code() == Some(2) && text.contains(words), "{args:?}: {text}");
     }
 }

@@ -11,6 +11,7 @@ use crate::{
     run::{Profile, Trajectory},
     scene::{Scene, Theory},
 };
+use hertzchain_integrators::Error as Failure;
 use serde_json::{Map, Value, json};
 use std::{
     fs::File,
@@ -131,8 +132,10 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
         outcome.sampling.as_secs_f64()
     ));
     if let Some(failure) = &outcome.failure {
-        let stopped = matches!(failure.cause, hertzchain_integrators::Error::Stopped { .. });
-        lines.push(format!("{:<12}{failure}", if stopped { "stopped" } else { "FAILED" }));
+        lines.push(match failure.cause {
+            Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),
+            _ => format!("FAILED      {failure}"),
+        });
     }
     lines.join("\n") + "\n"
 }
@@ -174,7 +177,8 @@ pub fn run_files(
         _ if name.ends_with(".png") => pictures.iter().any(|picture| picture.0 == name),
         _ => logged || !name.starts_with("contacts"),
     };
-    let (files, left): (Vec<&str>, Vec<&str>) = RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
+    let (files, left): (Vec<&str>, Vec<&str>) =
+        RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
     folder.remove(left)?;
     let mut summary = json.clone();
     summary["files"] = json!(files);
