@@ -500,7 +500,9 @@ fn elsewhere(name: &str, here: &[Leaf<'_>]) -> Option<String> {
     let texts = BUILTIN.iter().map(|(_, text)| *text).chain([Scene::TEMPLATE]);
     let key = texts.filter_map(|text| DeTable::parse(text).ok()).find_map(|table| {
         let all = leaves(table.get_ref(), "");
-        let other = |key: &String| key.rsplit('.').next() == Some(name) && here.iter().all(|leaf| leaf.key != *key);
+        // In the initial state a key of another kind is unknown as well: it is where it belongs.
+        let is_there = |key: &String| key.starts_with("initial.") && here.iter().any(|leaf| leaf.key == *key);
+        let other = |key: &String| key.rsplit('.').next() == Some(name) && !is_there(key);
         all.into_iter().map(|leaf| leaf.key).find(other)
     })?;
     Some(match key.split_once('.') {
