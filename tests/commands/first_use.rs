@@ -280,7 +280,7 @@ fn wrong_inputs_are_refused_in_words_that_help() {
         (&["run", "tw-q15", "--integrator", "euler"], 2, "`hertzchain integrators` lists all"),
         (&["run", "tw-q15", "--integrator", "Verlet"], 2, "did you mean \"verlet\"?"),
         (&["run", "--resume", &empty], 2, "not an NPZ file"),
-        (&["breather", "trivial", "--amplitudes", "0.1,0.2", "--phases", "0,1,2"], 2, "3 numbers for 2 amplitudes"),
+        (&["breather", "trivial", "--amplitudes", "0.1,0.2", "--phases", "0,1,2"], 2, "phases = 3 numbers for 2 sites"),
         (&["breather", "trivial", "--amplitudes", "0.1,0.2", "--means", "0"], 2, "b = 1 numbers for 2 amplitudes"),
         (&["breather", "trivial", "--amplitudes", "-0.1,0.2"], 2, "amplitude = -0.1 is not valid"),
         (&["breather", "dark", "--tol", "7"], 2, "is not valid: from 1e-15 to 0.1"),
