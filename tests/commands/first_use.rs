@@ -291,7 +291,7 @@ fn wrong_inputs_are_refused_in_words_that_help() {
         (&["breather", "evolve", &csv, "--point", "x"], 2, "'--point <K>': not a whole number"),
         (&["paper", "verify", "--section", "x"], 2, "'--section <S>': not a whole number"),
         (&["paper", "verify", "--section", "4294967296"], 2, "larger than any whole number here, 2^32"),
-        (&["paper", "figures", "--only", "foo"], 2, "unknown figure \"foo\"; one of tw-q15,"),
+        (&["paper", "figures", "--only", "foo"], 2, "unknown figure \"foo\"; one of theorem-bounds, tw-q15,"),
     ] {
         let said = said(args, code);
         assert!(said.starts_with("error: ") && said.contains(words), "{args:?}: {said}\n  wanted: {words}");
