@@ -266,7 +266,7 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.array("x").1.reverse(), "x", "11] doubles"),
         (|f| f.array("residual").1.push(1), "residual", "doubles"),
         (|f| drop(f.arrays.pop()), "y", "it is missing"),
-        (|f| f.array("x").0 = "z", "x.npy", "it is missing"),
+        (|f| f.array("x").0 = "z", "x", "it is missing"),
     ];
     for (alter, place, rule) in cases {
         let text = of(alter);
