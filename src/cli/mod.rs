@@ -148,7 +148,7 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
     let short = ValueParser::from(value_parser!(u32)).type_id();
     let signed = ValueParser::from(value_parser!(i64)).type_id();
     let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
-        // A list that begins with a sign, as -1,2 does, is no number; clap would take it for a flag.
+        // A list that begins with a sign, as -1,2 does, is no number: clap takes it for a flag.
         id if id == double && arg.get_value_delimiter().is_some() => {
             arg.value_parser(crate::number::double).allow_hyphen_values(true)
         }

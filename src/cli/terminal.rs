@@ -1,4 +1,5 @@
-//! The one door to standard output, and the progress bar. A lint keeps all other code from printing.
+//! The one door to standard output, and the progress bar. A lint keeps all other code from
+//! printing.
 
 use crate::error::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};

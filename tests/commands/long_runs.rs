@@ -499,7 +499,8 @@ mod processes {
         assert_eq!(code, Some(130), "{said}");
         let study: Value = serde_json::from_slice(&fs::read(at("w/wave.json")).unwrap()).unwrap();
         let (seeds, missing) = (study["seeds"].as_array().unwrap().len(), study["missing"].as_u64().unwrap() as usize);
-        // The first seed is that of the scene and is not kept; the first line of the store is its head.
+        // The first seed is that of the scene and is not kept; the first line of the store is its
+        // head.
         assert!(
             seeds + missing == 60 && missing > 0 && lines(&at("w/ensemble.store")) == Some(seeds as f64),
             "{seeds}"
