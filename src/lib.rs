@@ -21,6 +21,9 @@
 //! | [`interrupt`] | whether the process was asked to end |
 //! | [`error`] | the error type |
 
+// What a program prints goes through one place, which knows of full disks and closed pipes.
+#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+
 pub mod breathers;
 #[cfg(feature = "cli")]
 pub mod cli;

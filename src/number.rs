@@ -51,9 +51,18 @@ pub(crate) fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_whole());
     }
-    let too_large = || "larger than any whole number here, 1.8e19".to_owned();
+    let too_large = || format!("larger than any whole number here, 2^{}", 8 * size_of::<T>());
     let value: u64 = text.parse().map_err(|_| too_large())?;
     T::try_from(value).map_err(|_| too_large())
+}
+
+/// A whole number, with or without a sign.
+///
+/// # Errors
+/// No such number, or a number beyond the type.
+#[cfg(feature = "cli")]
+pub(crate) fn signed(text: &str) -> Result<i64, String> {
+    text.parse().map_err(|_| "not a whole number from -2^63 to below 2^63".to_owned())
 }
 
 #[cfg(test)]

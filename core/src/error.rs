@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Largest number of characters of foreign text in a message.
 const MOST_SHOWN: usize = 300;
 /// Largest number of known names that the message about an unknown name lists.
-const MOST_LISTED: usize = 16;
+const MOST_LISTED: usize = 30;
 
 /// What can go wrong. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]
@@ -173,12 +173,13 @@ impl Error {
     }
 }
 
-/// The known name most similar to `name`, if its similarity (Jaro and Winkler) exceeds 0.7.
+/// The known name most similar to `name`, if its similarity (Jaro and Winkler) exceeds 0.8:
+/// a letter is missing, wrong or misplaced. Below that, names are different ones.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(likeness, _)| *likeness > 0.7)
+        .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate.to_owned())
 }

@@ -37,6 +37,11 @@ pub struct TrivialBreather {
     means: Vec<f64>,
 }
 
+/// How many numbers there are for how many amplitudes.
+fn counts(numbers: &[f64], amplitudes: &[f64]) -> String {
+    format!("{} numbers for {} amplitudes", numbers.len(), amplitudes.len())
+}
+
 impl TrivialBreather {
     /// The breather with amplitudes `a_n >= 0`, phases `phi_n` and offsets `d_n`.
     ///
@@ -47,7 +52,7 @@ impl TrivialBreather {
     /// numbers that are not finite.
     pub fn new(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, offsets: &[f64]) -> Result<Self> {
         if offsets.len() != amplitudes.len() {
-            return Err(Error::parameter("d", format!("{} numbers", offsets.len()), "as many offsets as amplitudes"));
+            return Err(Error::parameter("d", counts(offsets, &amplitudes), "as many offsets as amplitudes"));
         }
         if let Some(d) = offsets.iter().find(|d| !d.is_finite()) {
             return Err(Error::parameter("d", d, "a finite number"));
@@ -71,7 +76,7 @@ impl TrivialBreather {
     /// As [`new`](Self::new); a bond with `b_n - b_{n-1} < l_n` by more than roundings.
     pub fn with_means(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, means: Vec<f64>) -> Result<Self> {
         if means.len() != amplitudes.len() {
-            return Err(Error::parameter("b", format!("{} numbers", means.len()), "as many means as amplitudes"));
+            return Err(Error::parameter("b", counts(&means, &amplitudes), "as many means as amplitudes"));
         }
         if let Some(b) = means.iter().find(|b| !b.is_finite()) {
             return Err(Error::parameter("b", b, "a finite number"));
@@ -116,7 +121,7 @@ impl TrivialBreather {
             return Err(Error::parameter("rho", params.rho, rule));
         }
         if amplitudes.len() != phases.len() {
-            return Err(Error::parameter("phases", phases.len(), "as many phases as amplitudes"));
+            return Err(Error::parameter("phases", counts(&phases, &amplitudes), "as many phases as amplitudes"));
         }
         if let Some(&a) = amplitudes.iter().find(|a| !(a.is_finite() && **a >= 0.0)) {
             return Err(Error::parameter("amplitude", a, "finite and at least zero"));

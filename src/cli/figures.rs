@@ -1,6 +1,6 @@
 //! `hertzchain paper figures`.
 
-use super::{Exit, args::FiguresArgs, print, progress_bar};
+use super::{Exit, args::FiguresArgs, print, progress_bar, say};
 use crate::{
     error::Result,
     output::Folder,
@@ -20,16 +20,16 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
     };
     let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
     bar.finish_and_clear();
-    print(&if args.json { figures_json(&drawn) + "\n" } else { figures_table(&drawn) });
+    let printed = print(&if args.json { figures_json(&drawn) + "\n" } else { figures_table(&drawn) });
     let mut code = ExitCode::SUCCESS;
     for Drawn { figure, outcome, .. } in &drawn {
         if let Err(error) = outcome {
-            eprintln!("error: figure {}: {error}", figure.name);
+            say(&format!("error: figure {}: {error}", figure.name));
             code = ExitCode::FAILURE;
         }
     }
-    eprintln!("written to {}", folder.path().display());
-    Ok(code)
+    say(&format!("written to {}", folder.path().display()));
+    printed.map(|()| code)
 }
 
 /// The figures that are asked for, each once and in the order of the paper; all, if none is.

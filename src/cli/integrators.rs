@@ -20,8 +20,7 @@ pub(super) fn main(args: &IntegratorsArgs) -> Exit {
                 })
             })
             .collect();
-        print(&(to_json(&json!({"integrators": list})) + "\n"));
-        return Ok(ExitCode::SUCCESS);
+        return print(&(to_json(&json!({"integrators": list})) + "\n")).map(|()| ExitCode::SUCCESS);
     }
     let rows: Vec<_> = all
         .iter()
@@ -35,6 +34,5 @@ pub(super) fn main(args: &IntegratorsArgs) -> Exit {
             ]
         })
         .collect();
-    print(&table(&["integrator", "order", "stages", "family", "source"], &rows));
-    Ok(ExitCode::SUCCESS)
+    print(&table(&["integrator", "order", "stages", "family", "source"], &rows)).map(|()| ExitCode::SUCCESS)
 }

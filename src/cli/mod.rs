@@ -9,9 +9,13 @@ mod run;
 mod runner;
 mod scenes;
 mod signals;
+mod terminal;
 mod verify;
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    output::say,
+};
 use args::{BreatherAction, Cli, Command, DpsAction, PaperAction, StudyAction, WaveAction};
 use clap::{
     CommandFactory, FromArgMatches,
@@ -19,36 +23,63 @@ use clap::{
     error::{ContextKind, ErrorKind},
     value_parser,
 };
-use indicatif::{ProgressBar, ProgressStyle};
-use std::{io::Write, process::ExitCode};
+use hertzchain_integrators::Error as Failure;
+use std::process::ExitCode;
+use terminal::{print, print_help, progress_bar};
 
-/// Exit code of a command line that is not understood, as clap has it.
-const NOT_UNDERSTOOD: u8 = 2;
+/// Exit code of what cannot be done as it was asked: a command line that is not understood, as clap
+/// has it, and a value, a name or an input file that breaks its rule.
+const REFUSED: u8 = 2;
 
 /// Reads the arguments, runs the command, says what went wrong.
 pub fn main() -> ExitCode {
-    let matches = match numbers_checked(Cli::command()).try_get_matches() {
-        Ok(matches) => matches,
-        Err(error) => {
-            if let Some(refusal) = refusal(&error) {
-                eprintln!("error: {refusal}");
-                return ExitCode::FAILURE;
-            }
-            let Some(words) = moved(&error) else { error.exit() };
-            eprintln!("error: {words}");
-            return ExitCode::from(NOT_UNDERSTOOD);
-        }
-    };
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let ended = numbers_checked(Cli::command())
+        .try_get_matches()
+        .and_then(|matches| Cli::from_arg_matches(&matches))
+        .map_or_else(|error| not_begun(&error), |cli| begun(&cli));
+    ended.unwrap_or_else(|error| {
+        say(&format!("error: {error}"));
+        ExitCode::from(code(&error))
+    })
+}
+
+/// Runs the command; if it was asked to end, that is its exit code.
+fn begun(cli: &Cli) -> Exit {
     if let Some(set) = cli.instructions {
         // Sets that the machine lacks are no argument.
         let _ = set.select();
     }
-    let code = run_command(&cli.command).unwrap_or_else(|error| {
-        eprintln!("error: {error}");
-        ExitCode::FAILURE
-    });
-    signals::exit_code().map_or(code, ExitCode::from)
+    let outcome = run_command(&cli.command);
+    match signals::exit_code() {
+        Some(code) => {
+            outcome.err().into_iter().for_each(|error| say(&format!("error: {error}")));
+            Ok(ExitCode::from(code))
+        }
+        None => outcome,
+    }
+}
+
+/// Help, the version, or what is wrong with the command line.
+fn not_begun(error: &clap::Error) -> Exit {
+    if !error.use_stderr() {
+        return print_help(error).map(|()| ExitCode::SUCCESS);
+    }
+    match (refusal(error), moved(error)) {
+        (Some(refusal), _) => say(&format!("error: {refusal}")),
+        (None, Some(words)) => say(&format!("error: {words}")),
+        // Nobody is left to hear that standard error cannot be written.
+        (None, None) => drop(error.print()),
+    }
+    Ok(ExitCode::from(REFUSED))
+}
+
+/// The exit code of an error: whether what was asked for was refused, or failed.
+fn code(error: &Error) -> u8 {
+    match error {
+        Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
+        Error::Integration(Failure::Argument { .. }) => REFUSED,
+        _ => 1,
+    }
 }
 
 fn run_command(command: &Command) -> Exit {
@@ -101,7 +132,7 @@ fn moved(error: &clap::Error) -> Option<String> {
         return None;
     }
     let name = error.get(ContextKind::InvalidSubcommand)?.to_string();
-    let given: Vec<String> = std::env::args().skip(1).collect();
+    let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let above = given.iter().position(|word| *word == name)?.checked_sub(1).map(|k| given[k].as_str());
     let now = args::moved(above, &name)?;
     let above = above.filter(|above| *above == "dps").map(|above| format!("{above} ")).unwrap_or_default();
@@ -114,30 +145,21 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
     let double = ValueParser::from(value_parser!(f64)).type_id();
     let size = ValueParser::from(value_parser!(usize)).type_id();
     let whole = ValueParser::from(value_parser!(u64)).type_id();
-    let others = [ValueParser::from(value_parser!(u32)).type_id(), ValueParser::from(value_parser!(i64)).type_id()];
+    let short = ValueParser::from(value_parser!(u32)).type_id();
+    let signed = ValueParser::from(value_parser!(i64)).type_id();
     let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
+        // A list that begins with a sign, as -1,2 does, is no number: clap takes it for a flag.
+        id if id == double && arg.get_value_delimiter().is_some() => {
+            arg.value_parser(crate::number::double).allow_hyphen_values(true)
+        }
         id if id == double => arg.value_parser(crate::number::double).allow_negative_numbers(true),
         id if id == size => arg.value_parser(crate::number::whole::<usize>).allow_negative_numbers(true),
         id if id == whole => arg.value_parser(crate::number::whole::<u64>).allow_negative_numbers(true),
-        id if others.contains(&id) => arg.allow_negative_numbers(true),
+        id if id == short => arg.value_parser(crate::number::whole::<u32>).allow_negative_numbers(true),
+        id if id == signed => arg.value_parser(crate::number::signed).allow_negative_numbers(true),
         _ => arg,
     });
     command.mut_subcommands(numbers_checked)
-}
-
-/// Writes to stdout. A reader that has gone away is no error of ours.
-fn print(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-}
-
-/// A bar on stderr, seen only on a terminal.
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 type Exit = Result<ExitCode>;

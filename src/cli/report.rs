@@ -1,6 +1,6 @@
 //! `hertzchain paper report`.
 
-use super::{Exit, args::ReportArgs, print, progress_bar};
+use super::{Exit, args::ReportArgs, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -100,16 +100,16 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
     bar.finish_and_clear();
     let json = page.json() + "\n";
     folder.write("report.json", json.as_bytes())?;
-    print(&if args.json { json } else { page.table() });
-    eprintln!("written to {}", folder.path().join("report.html").display());
+    let printed = print(&if args.json { json } else { page.table() });
+    say(&format!("written to {}", folder.path().join("report.html").display()));
     let mut code = ExitCode::SUCCESS;
     for section in &page.sections {
         for why in section.failures() {
-            eprintln!("error: {}: {why}", section.name);
+            say(&format!("error: {}: {why}", section.name));
             code = ExitCode::FAILURE;
         }
     }
-    Ok(code)
+    printed.map(|()| code)
 }
 
 /// The parts that are asked for, in their order; all, if none is.

@@ -1,6 +1,6 @@
 //! `hertzchain run`.
 
-use super::{Exit, args::RunArgs, print, progress_bar, signals};
+use super::{Exit, args::RunArgs, print, progress_bar, say, signals};
 use crate::{
     breathers::{self, TrivialBreather},
     error::{Error, Result},
@@ -32,7 +32,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let (name, wording) = how.words();
     let reason = how.reason().map(str::to_owned);
     let reason = reason.as_deref();
-    let say = || reason.filter(|_| !args.json).iter().for_each(|why| eprintln!("{name}, {wording}: {why}"));
+    let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
     if args.plan {
         // What a run refuses is not planned.
         let plan = how.plan(&scene, args.events)?;
@@ -42,18 +42,17 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         } else {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
-        say();
-        print(&text);
-        return Ok(ExitCode::SUCCESS);
+        say_why();
+        return print(&text).map(|()| ExitCode::SUCCESS);
     }
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
-        say();
+        say_why();
         return go_on(args, long, &folder);
     }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
-    say();
+    say_why();
     signals::ask()?;
     let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
     let bar = progress_bar();
@@ -72,22 +71,26 @@ fn report(
     folder: Option<&Folder>,
 ) -> Exit {
     let json = study::run_json(scene, name, wording, reason, &outcome);
-    print(&if args.json { json.clone() + "\n" } else { study::run_summary(scene, name, wording, &outcome) });
+    let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(scene, name, wording, &outcome) };
+    // Of results that cannot be printed the files are written, and of files that cannot be written
+    // the results are printed.
+    let printed = print(&text);
     if let Some(folder) = folder {
-        study::run_files(folder, scene, &outcome, &json)?;
+        let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        match study::run_pictures(scene, name, wording, &outcome) {
+        let pictures = study::run_pictures(scene, name, wording, &outcome);
+        #[cfg(not(feature = "plot"))]
+        let pictures: Result<Vec<_>> = Ok(Vec::new());
+        study::run_files(folder, scene, &outcome, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;
+        match pictures {
             // What stopped the run is the error, not that there is too little of it to draw.
-            Err(why) if outcome.failure.is_some() => eprintln!("no pictures: {why}"),
-            pictures => {
-                for (file, png) in pictures? {
-                    folder.write(file, &png)?;
-                }
-            }
+            Err(why) if outcome.failure.is_some() => say(&format!("no pictures: {why}")),
+            Err(why) => return Err(why),
+            Ok(_) => {}
         }
-        eprintln!("written to {}", folder.path().display());
+        say(&format!("written to {}", folder.path().display()));
     }
-    outcome.failure.map_or(Ok(ExitCode::SUCCESS), |failure| Err(failure.into()))
+    outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| ExitCode::SUCCESS)
 }
 
 /// Goes on from a checkpoint.
@@ -103,6 +106,8 @@ fn resume(args: &RunArgs, path: &Path) -> Exit {
 
 /// Runs what is left of a run in legs.
 fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
+    // Before the first new checkpoint is beside them.
+    folder.remove(study::RUN_FILES)?;
     signals::ask()?;
     let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());
     let bar = progress_bar();

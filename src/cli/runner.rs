@@ -1,7 +1,7 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{Exit, print, progress_bar, signals};
+use super::{Exit, print, progress_bar, say, signals};
 use crate::{
     error::Result,
     output::{Folder, to_json},
@@ -23,7 +23,11 @@ pub(super) struct Told<S> {
 impl<S: Study> Told<S> {
     pub(super) fn run(&self) -> Exit {
         let work = self.study.begin()?;
-        carry_out(work, self.out.clone().or_else(|| self.study.beside()), self.json, S::STOPS)
+        let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
+        if S::STOPS {
+            signals::ask()?;
+        }
+        carry_out(work, folder, self.json, &S::sometimes())
     }
 }
 
@@ -58,12 +62,9 @@ fn with_outputs(command: Command, files: &'static str) -> Command {
     command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
 }
 
-/// Does the work of a study, prints what came of it and writes its files.
-fn carry_out(work: Work<'_>, out: Option<PathBuf>, json: bool, stops: bool) -> Exit {
-    let folder = out.map(Folder::create).transpose()?;
-    if stops {
-        signals::ask()?;
-    }
+/// Does the work of a study, prints what came of it and writes its files, in place of those that an
+/// earlier run may have `left`.
+fn carry_out(work: Work<'_>, folder: Option<Folder>, json: bool, left: &[String]) -> Exit {
     let bar = progress_bar();
     let report = work(folder.as_ref(), &|share, what| {
         bar.set_position((1000.0 * share.min(1.0)) as u64);
@@ -72,15 +73,16 @@ fn carry_out(work: Work<'_>, out: Option<PathBuf>, json: bool, stops: bool) -> E
     bar.finish_and_clear();
     let report = report?;
     if let Some(remark) = report.remark() {
-        eprintln!("{remark}");
+        say(&remark);
     }
     let text = to_json(&report.json());
-    // Printed first: what was computed is not lost if a file cannot be written.
-    print(&if json { format!("{text}\n") } else { report.text() });
+    // What was computed is not lost if a file cannot be written, nor if it cannot be printed.
+    let printed = print(&if json { format!("{text}\n") } else { report.text() });
     if let Some(folder) = folder {
+        folder.remove(left.iter().map(String::as_str))?;
         write(&folder, &*report, &text)?;
     }
-    Ok(if report.succeeded() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    printed.map(|()| if report.succeeded() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
@@ -91,6 +93,6 @@ fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
     for (name, bytes) in report.pictures()? {
         folder.write(&name, &bytes)?;
     }
-    eprintln!("written to {}", folder.path().display());
+    say(&format!("written to {}", folder.path().display()));
     Ok(())
 }

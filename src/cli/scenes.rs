@@ -10,26 +10,26 @@ use serde_json::json;
 use std::process::ExitCode;
 
 pub(super) fn main(args: &ScenesArgs) -> Exit {
-    match &args.action {
+    let text = match &args.action {
         Some(ScenesAction::Show { name }) => {
             let text = Scene::source(name)?;
             let scene = Scene::parse(&text, name)?;
-            print(&if args.json { to_json(&scene_json(&scene)) + "\n" } else { text });
+            if args.json { to_json(&scene_json(&scene)) + "\n" } else { text }
         }
         Some(ScenesAction::Template) => {
             let scene = Scene::parse(Scene::TEMPLATE, "template")?;
-            print(&if args.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() });
+            if args.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() }
         }
         None if args.json => {
             let list: Vec<_> =
                 Scene::list().into_iter().map(|(name, summary)| json!({"name": name, "summary": summary})).collect();
-            print(&(to_json(&json!({"scenes": list})) + "\n"));
+            to_json(&json!({"scenes": list})) + "\n"
         }
         None => {
             let rows: Vec<_> =
                 Scene::list().into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
-            print(&table(&["scene", "what it is"], &rows));
+            table(&["scene", "what it is"], &rows)
         }
-    }
-    Ok(ExitCode::SUCCESS)
+    };
+    print(&text).map(|()| ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 //! `hertzchain paper verify`.
 
-use super::{Exit, args::VerifyArgs, print, progress_bar};
+use super::{Exit, args::VerifyArgs, print, progress_bar, say};
 use crate::{
     output::Folder,
     paper::{verify, verify_csv, verify_json, verify_table},
@@ -14,17 +14,18 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
     bar.finish_and_clear();
     let verification = verification?;
     let (json, table) = (verify_json(&verification), verify_table(&verification));
-    print(&if args.json { json.clone() + "\n" } else { table.clone() });
+    let printed = print(&if args.json { json.clone() + "\n" } else { table.clone() });
     if let Some(folder) = folder {
         folder.write("verify.txt", table.as_bytes())?;
         folder.write("verify.csv", &verify_csv(&verification))?;
         folder.write("verify.json", json.as_bytes())?;
-        eprintln!("written to {}", folder.path().display());
+        say(&format!("written to {}", folder.path().display()));
     }
+    printed?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
     if unexpected.is_empty() {
         return Ok(ExitCode::SUCCESS);
     }
-    eprintln!("not as known: {}", unexpected.join(", "));
+    say(&format!("not as known: {}", unexpected.join(", ")));
     Ok(ExitCode::FAILURE)
 }

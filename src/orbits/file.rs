@@ -16,6 +16,7 @@ use crate::{
     output::{Archive, Array, SETTINGS, npz_with, read, to_json},
 };
 use serde::{Deserialize, Serialize};
+use serde_json::error::Category;
 use std::{fs::File, io::Read, path::Path};
 
 /// Format and version of a branch file.
@@ -85,6 +86,9 @@ fn orbit_format() -> String {
 fn orbit_version() -> u64 {
     ORBIT_FORMAT.1
 }
+
+/// What a file is not that holds anything else.
+const NO_ORBIT: &str = "neither an orbit of `breather dark` nor a branch.npz";
 
 /// Choice of an orbit on a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,9 +277,12 @@ impl Orbit {
     /// # Errors
     /// The key, and the rule that it breaks.
     pub fn from_json(text: &[u8]) -> std::result::Result<Self, String> {
-        let read: OrbitFile = serde_json::from_slice(text).map_err(|why| {
-            let branch = String::from_utf8_lossy(text).contains("\"bifurcations\"");
-            format!("{why}{}", if branch { "; the orbits of a branch are in branch.npz" } else { "" })
+        let read: OrbitFile = serde_json::from_slice(text).map_err(|why| match why.classify() {
+            Category::Data if String::from_utf8_lossy(text).contains("\"bifurcations\"") => {
+                format!("{why}; the orbits of a branch are in branch.npz")
+            }
+            Category::Data => why.to_string(),
+            _ => format!("{NO_ORBIT}: no JSON, {why}"),
         })?;
         let (format, version) = ORBIT_FORMAT;
         if (read.format.as_str(), read.format_version) != ORBIT_FORMAT {
@@ -316,7 +323,8 @@ impl OrbitFile {
         checked(&setting)?;
         for (name, strains) in [("x", &x), ("y", &y)] {
             if strains.len() != sites {
-                return Err(Error::parameter(name, format!("{} numbers", strains.len()), "a number for every site"));
+                let value = format!("{} numbers for {sites} sites", strains.len());
+                return Err(Error::parameter(name, value, "a number for every site"));
             }
         }
         Ok(Orbit { setting, z: [x, y].concat(), residual: f64::INFINITY, newton: Vec::new() })

@@ -3,18 +3,32 @@
 use crate::error::{Error, Result};
 use std::{
     fs::File,
-    io::Write,
+    io::{ErrorKind, Write},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 use tempfile::{Builder, NamedTempFile};
 
 /// First characters of the name of a file that is being written.
 const UNFINISHED: &str = ".hertzchain-";
 
-/// A folder for results. Its files appear whole or not at all.
+/// A folder for results. Its files appear whole or not at all; a folder that was created for them
+/// and got none is removed when it is dropped.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
+    _created: Arc<Created>,
+}
+
+/// The folders that were created, the innermost first.
+#[derive(Debug)]
+struct Created(Vec<PathBuf>);
+
+impl Drop for Created {
+    fn drop(&mut self) {
+        // A folder that holds something is not removed.
+        self.0.iter().for_each(|path| drop(std::fs::remove_dir(path)));
+    }
 }
 
 impl Folder {
@@ -25,10 +39,17 @@ impl Folder {
     /// processes are removed.
     ///
     /// # Errors
-    /// Errors of the system.
+    /// A file that is where the folder shall be, or one above it; errors of the system.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self> {
-        let folder = Self { path: path.into() };
+        let path = path.into();
+        let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+        let created = path.ancestors().take_while(missing).map(Path::to_owned).collect();
+        let folder = Self { path, _created: Arc::new(Created(created)) };
         let fail = |source| Error::File { path: folder.path.clone(), source };
+        if let Some(other) = folder.path.ancestors().find(|path| path.exists() && !path.is_dir()) {
+            let rule = format!("results are written to a folder, and {} is none", other.display());
+            return Err(fail(std::io::Error::other(rule)));
+        }
         std::fs::create_dir_all(&folder.path).map_err(fail)?;
         folder.unfinished().map_err(fail)?;
         folder.sweep();
@@ -56,6 +77,20 @@ impl Folder {
     /// The path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Removes the files of these names that are there: what an earlier run has left.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    pub fn remove<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<()> {
+        names.into_iter().try_for_each(|name| {
+            let path = self.path.join(name);
+            match std::fs::remove_file(&path) {
+                Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::File { path, source }),
+                _ => Ok(()),
+            }
+        })
     }
 
     /// Writes a file whole: a temporary file in the same folder is written, synced and renamed.

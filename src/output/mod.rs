@@ -10,7 +10,11 @@ pub use json::to_json;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 
 use crate::error::{Error, Result};
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    fs::File,
+    io::{Read, Write, stderr},
+    path::Path,
+};
 
 /// The bytes of a file with at most `most` bytes. A device, or a wrong file, is refused before it
 /// fills the memory.
@@ -38,4 +42,10 @@ pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> 
         text.push('\n');
     }
     text.into_bytes()
+}
+
+/// A line on standard error, where all that is said beside results goes. If it cannot be written,
+/// nobody can be told.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(stderr(), "{line}");
 }

@@ -1,7 +1,8 @@
 //! NPZ archives, as NumPy writes and reads them: NPY files in a zip archive, not compressed, with a
 //! fixed date.
 //!
-//! A text may be among the members; `numpy.load` gives its bytes.
+//! A text may be among the arrays: one string of bytes without axes. In Python,
+//! `json.loads(numpy.load(file)["settings.json"].item())` reads the settings.
 
 use crate::error::{Error, Result};
 use std::{
@@ -91,7 +92,8 @@ impl<W: Write + Seek> NpzWriter<W> {
     pub fn new(to: W, text: Option<(&str, &str)>) -> std::io::Result<Self> {
         let mut zip = ZipWriter::new(to);
         if let Some((name, text)) = text {
-            zip.start_file(name, Self::options())?;
+            zip.start_file(file_name(name), Self::options())?;
+            zip.write_all(&npy_head(&bytes_type(text.len()), &[]))?;
             zip.write_all(text.as_bytes())?;
         }
         Ok(Self { zip, block: Vec::new() })
@@ -110,7 +112,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// Errors of the archive writer.
     pub fn begin(&mut self, name: &str, shape: &[u64]) -> std::io::Result<()> {
         self.zip.start_file(file_name(name), Self::options())?;
-        self.zip.write_all(&npy_head(shape))
+        self.zip.write_all(&npy_head(DOUBLE, shape))
     }
 
     /// Writes the next entries of the array, with the last axis fastest.
@@ -153,14 +155,25 @@ fn file_name(array: &str) -> String {
     format!("{array}.npy")
 }
 
-/// The header of a file of little-endian doubles: format 1.0 of NPY, a Python dictionary padded to
-/// a multiple of 64 bytes.
+/// The type of a little-endian double.
+const DOUBLE: &str = "<f8";
+
+/// The type of a string of so many bytes.
+fn bytes_type(length: usize) -> String {
+    format!("|S{length}")
+}
+
+/// Length of the header of a text.
+const TEXT_HEAD: usize = 128;
+
+/// The header of a file of numbers or text: format 1.0 of NPY, a Python dictionary padded to a
+/// multiple of 64 bytes.
 ///
 /// Source: NumPy, `numpy.lib.format`.
-fn npy_head(shape: &[u64]) -> Vec<u8> {
+fn npy_head(of: &str, shape: &[u64]) -> Vec<u8> {
     const PREFIX: usize = 10;
     let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
-    let mut text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({shape}), }}");
+    let mut text = format!("{{'descr': '{of}', 'fortran_order': False, 'shape': ({shape}), }}");
     let padded = (PREFIX + text.len() + 1).next_multiple_of(64) - PREFIX;
     text.push_str(&" ".repeat(padded - text.len() - 1));
     text.push('\n');
@@ -226,9 +239,14 @@ impl Archive {
     /// A text of the archive.
     ///
     /// # Errors
-    /// No member of that name, or a member that is not UTF-8.
+    /// No text of that name, or one that is not UTF-8.
     pub fn text(&self, name: &str) -> Result<&str> {
-        std::str::from_utf8(self.member(name)?).map_err(|why| self.refused(name, why.to_string()))
+        let bytes = self.member(name)?;
+        let (head, text) = bytes.split_at(TEXT_HEAD.min(bytes.len()));
+        if head != npy_head(&bytes_type(text.len()), &[]) {
+            return Err(self.refused(name, format!("{} bytes that are not a text", bytes.len())));
+        }
+        std::str::from_utf8(text).map_err(|why| self.refused(name, why.to_string()))
     }
 
     /// An array of the given shape. Memory is allocated only after the length of the member is
@@ -237,12 +255,12 @@ impl Archive {
     /// # Errors
     /// No array of that name, or one of another type or shape.
     pub fn array(&self, name: &str, shape: &[u64]) -> Result<Vec<f64>> {
-        let bytes = self.member(&file_name(name))?;
+        let bytes = self.member(name)?;
         let other = || self.refused(name, format!("{} bytes that are not an array of {shape:?} doubles", bytes.len()));
         let size = shape.iter().try_fold(8, |size: u64, length| size.checked_mul(*length));
         let size = size.filter(|size| *size < bytes.len() as u64).ok_or_else(other)?;
         // The header says type and shape; only the form that is written here is accepted.
-        let head = npy_head(shape);
+        let head = npy_head(DOUBLE, shape);
         if head.len() as u64 + size != bytes.len() as u64 || !bytes.starts_with(&head) {
             return Err(other());
         }
@@ -251,7 +269,7 @@ impl Archive {
     }
 
     fn member(&self, name: &str) -> Result<&[u8]> {
-        self.members.get(name).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
+        self.members.get(&file_name(name)).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
     }
 }
 
@@ -264,7 +282,7 @@ mod tests {
         // Truth: NumPy's description of the format: magic, version, length of the text, a
         // dictionary, blanks up to a multiple of 64.
         for (shape, text) in [(&[401, 99][..], "(401, 99, )"), (&[7], "(7, )"), (&[], "()"), (&[u64::MAX; 9], "(")] {
-            let head = npy_head(shape);
+            let head = npy_head(DOUBLE, shape);
             assert_eq!(&head[..8], b"\x93NUMPY\x01\x00");
             assert_eq!((head.len() % 64, usize::from(head[8]) + 256 * usize::from(head[9]) + 10), (0, head.len()));
             let dictionary = std::str::from_utf8(&head[10..]).unwrap();

@@ -1,5 +1,6 @@
 //! The contents of a scene file in TOML.
 
+use super::{Scene, builtin::BUILTIN};
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
@@ -455,14 +456,17 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     let message = in_words(&error.message().lines().collect::<Vec<_>>().join("; "));
     // Form of the message of serde: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let hint = match names.split_first() {
-        Some((unknown, known)) if message.starts_with("unknown") => nearest(unknown, known.iter().copied()),
-        _ => None,
-    };
-    let hint = hint.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
     let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
     let span = error.span().filter(|span| *span != (0..text.len()));
     let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
+    let hint = match names.split_first() {
+        Some((name, known)) if message.starts_with("unknown") => {
+            let belongs = if unknown { elsewhere(name, &leaves) } else { None };
+            belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
+        }
+        _ => None,
+    };
+    let hint = hint.unwrap_or_default();
     let leaf = if missing {
         None
     } else {
@@ -488,6 +492,23 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
         }
     };
     one_line(&message)
+}
+
+/// Where a key belongs that is none of its table in the scene `here`: in another table, as the
+/// template and the built-in scenes have it.
+fn elsewhere(name: &str, here: &[Leaf<'_>]) -> Option<String> {
+    let texts = BUILTIN.iter().map(|(_, text)| *text).chain([Scene::TEMPLATE]);
+    let key = texts.filter_map(|text| DeTable::parse(text).ok()).find_map(|table| {
+        let all = leaves(table.get_ref(), "");
+        // In the initial state a key of another kind is unknown as well: it is where it belongs.
+        let is_there = |key: &String| key.starts_with("initial.") && here.iter().any(|leaf| leaf.key == *key);
+        let other = |key: &String| key.rsplit('.').next() == Some(name) && !is_there(key);
+        all.into_iter().map(|leaf| leaf.key).find(other)
+    })?;
+    Some(match key.split_once('.') {
+        Some(_) => format!("; did you mean `{key}`?"),
+        None => format!("; `{key}` stands above all tables"),
+    })
 }
 
 /// The key of `[initial]` that causes a message.

@@ -159,7 +159,7 @@ impl Scene {
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
         let (initial, theory) = initial_state(&chain, &file.initial)?;
-        within_range(&chain, &initial)?;
+        within_range(&chain, &initial, &file.initial)?;
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
@@ -427,22 +427,29 @@ impl Scene {
 }
 
 /// Refuses a state whose contact forces would underflow or whose energy would overflow.
-fn within_range(chain: &Chain<f64>, initial: &State<f64>) -> Result<()> {
-    let (y, law, alpha) = (initial.as_slice(), chain.law(), chain.params().alpha);
+fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Result<()> {
+    let (y, law, alpha) = (state.as_slice(), chain.law(), chain.params().alpha);
     let [far, fast] = [&y[..y.len() / 2], &y[y.len() / 2..]].map(|half| max_norm(half.iter().copied()));
     let size = far.max(fast);
+    let name = match (initial, fast > far) {
+        (Initial::SingleBead { .. }, false) => "displacement",
+        (Initial::SingleBead { .. }, true) => "velocity",
+        (Initial::State { .. }, false) => "u",
+        (Initial::State { .. }, true) => "u_dot",
+        _ => "amplitude",
+    };
     // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
     let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
     if size > 0.0 && chain.precompression() == 0.0 && force < LEAST_FORCE {
-        let rule = "underflow: contact forces amplitude^alpha below 1e-200 are lost; scale the state up";
-        return Err(Error::parameter("amplitude", size, rule));
+        let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
+        return Err(Error::parameter(name, size, rule));
     }
     let energy = if chain.has_energy(y) { chain.energy(y).total() } else { 0.0 };
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
     if most.is_nan() || most > MOST_ENERGY {
         let rule =
             "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
-        return Err(Error::parameter("amplitude", size, rule));
+        return Err(Error::parameter(name, size, rule));
     }
     Ok(())
 }
@@ -526,7 +533,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             for (name, array) in [("u", u), ("v", v), ("u_dot", u_dot), ("v_dot", v_dot)] {
                 if !array.is_empty() && array.len() != n {
                     let rule = "an array of the state has one number a site, or is left out";
-                    return Err(Error::parameter(name, format!("{} numbers", array.len()), rule));
+                    return Err(Error::parameter(name, numbers_for(array, n), rule));
                 }
                 array.iter().try_for_each(|&value| finite(name, value))?;
             }
@@ -604,5 +611,10 @@ fn site_by_site(name: &'static str, values: &[f64], sites: usize) -> Result<Vec<
     if values.len() == sites {
         return Ok(values.to_vec());
     }
-    Err(Error::parameter(name, format!("{} numbers", values.len()), "one number a site"))
+    Err(Error::parameter(name, numbers_for(values, sites), "one number a site"))
+}
+
+/// How many numbers there are for how many sites.
+fn numbers_for(values: &[f64], sites: usize) -> String {
+    format!("{} numbers for {sites} sites", values.len())
 }

@@ -77,6 +77,12 @@ pub trait Study {
     /// Whether it looks whether the process was asked to end, and keeps what it has.
     const STOPS: bool = false;
 
+    /// Names of the files that only some runs of it write: what an earlier run has left of them in
+    /// the folder is removed. All other files are written anew by every run.
+    fn sometimes() -> Vec<String> {
+        Vec::new()
+    }
+
     /// Refuses what can be refused at once, before a folder is made, and gives the work.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ use std::{
 };
 
 /// The reason for the missing value of a point that was not begun, or was interrupted.
-const STOPPED: &str = "not computed: stopped by a signal";
+pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
 
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;

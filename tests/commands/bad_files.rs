@@ -300,7 +300,7 @@ fn orbit_files_cut_altered_or_without_sense_are_refused_by_key_and_rule() {
         ("sites", json!(0), "sites = 0 is not valid"),
         ("format_version", json!(2), "format_version 2; read is hertzchain orbit, format_version 1"),
         ("format", json!("hertzchain branch"), "hertzchain branch, format_version 1; read is hertzchain orbit"),
-        ("sites", json!(7), "x = 5 numbers is not valid: a number for every site"),
+        ("sites", json!(7), "x = 5 numbers for 7 sites is not valid: a number for every site"),
         ("alpha", json!("1.5"), "string \"1.5\", expected a number"),
         ("alpha", json!(0.5), "alpha = 0.5 is not valid"),
         ("kappa", json!(-0.0), "kappa > 0"),
@@ -309,7 +309,7 @@ fn orbit_files_cut_altered_or_without_sense_are_refused_by_key_and_rule() {
         ("omega_b", json!(-0.0), "omega_b = -0 is not valid: finite and positive"),
         ("omega_b", json!(1e-300), "at most 1000 times as fast"),
         ("turns", json!(3), "turns = 3 is not valid"),
-        ("x", json!([]), "x = 0 numbers is not valid"),
+        ("x", json!([]), "x = 0 numbers for 5 sites is not valid"),
         ("y", json!([0, 0, 0, 0, "0"]), "string \"0\", expected a number"),
         ("x", json!([0, 0, 0, 0, 0]), "orbit"),
     ] {

@@ -371,10 +371,16 @@ mod processes {
 
     /// Asks a command to end as soon as it has kept something: exit code and what it said.
     fn asked(args: &[&str], name: &str, kept: &dyn Fn() -> bool) -> (Option<i32>, String) {
+        let (code, _, said) = asked_and_heard(args, name, kept);
+        (code, said)
+    }
+
+    /// The same, with what it printed in between.
+    fn asked_and_heard(args: &[&str], name: &str, kept: &dyn Fn() -> bool) -> (Option<i32>, String, String) {
         let mut command = Command::new(PROGRAM);
         // One thread: not all points are done at once.
         command.env("RAYON_NUM_THREADS", "1");
-        let process = command.args(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let process = command.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let clock = Instant::now();
         while !kept() {
             assert!(clock.elapsed() < Duration::from_secs(60), "{args:?}");
@@ -382,7 +388,8 @@ mod processes {
         }
         signal(&process, name);
         let output = process.wait_with_output().unwrap();
-        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+        let [printed, said] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (output.status.code(), printed, said)
     }
 
     #[test]
@@ -403,8 +410,9 @@ mod processes {
                 "100000",
             ];
             let kept = || time(folder.path()).is_some_and(|t| t >= 4.0);
-            let (status, said) = asked(&[&args[..], &["--out", out]].concat(), name, &kept);
+            let (status, printed, said) = asked_and_heard(&[&args[..], &["--out", out]].concat(), name, &kept);
             assert!(status == Some(code) && said.contains("error: stopped by a signal at t = "), "{status:?} {said}");
+            assert!(printed.contains("\nstopped     by a signal at t = ") && !printed.contains("FAILED"), "{printed}");
             let summary: Value =
                 serde_json::from_slice(&fs::read(folder.path().join("summary.json")).unwrap()).unwrap();
             let (t, t_kept) = (summary["t"].as_f64().unwrap(), time(folder.path()).unwrap());
@@ -455,6 +463,7 @@ mod processes {
         let rows = study["points"].as_array().unwrap();
         let missing =
             rows.iter().filter(|point| point["failure"].as_str() == Some("not computed: stopped by a signal")).count();
+        assert_eq!(missing, rows.iter().filter(|point| point["fate"] == "stopped").count());
         let kept = lines(&at("l/lifetimes.store")).unwrap() as usize - 1;
         assert!(rows.len() == 32 && missing + kept == 32 && missing > 0, "{missing} missing, {kept} kept");
 
@@ -483,6 +492,20 @@ mod processes {
         );
         // All points are kept, not only every twentieth.
         assert!(said.contains(&format!(" {} points", points(&at("b")).unwrap())), "{said}");
+
+        let args = ["wave", "tw-q15", "--zeta", "0.01", "--seeds", "60", "--until", "60", "--out", &text("w")];
+        let store = || lines(&at("w/ensemble.store")).is_some_and(|lines| lines >= 3.0);
+        let (code, said) = asked(&args, "INT", &store);
+        assert_eq!(code, Some(130), "{said}");
+        let study: Value = serde_json::from_slice(&fs::read(at("w/wave.json")).unwrap()).unwrap();
+        let (seeds, missing) = (study["seeds"].as_array().unwrap().len(), study["missing"].as_u64().unwrap() as usize);
+        // The first seed is that of the scene and is not kept; the first line of the store is its
+        // head.
+        assert!(
+            seeds + missing == 60 && missing > 0 && lines(&at("w/ensemble.store")) == Some(seeds as f64),
+            "{seeds}"
+        );
+        assert!(said.contains(&format!("stopped by a signal: {missing} seeds of 60 were not run")), "{said}");
 
         let args =
             ["compare", "tw-q15", "--integrators", "strang-linear,verlet", "--max-time", "60", "--out", &text("c")];
@@ -610,8 +633,8 @@ mod processes {
             assert_eq!(energies, Some(1), "the samples so far: {said}");
         }
         for (displacement, rule) in [
-            ("1e-200", "amplitude = 1e-200 is not valid: underflow"),
-            ("1e200", "amplitude = 1e200 is not valid: overflow"),
+            ("1e-200", "displacement = 1e-200 is not valid: underflow"),
+            ("1e200", "displacement = 1e200 is not valid: overflow"),
         ] {
             for how in [
                 &["--integrator", "verlet"][..],
@@ -620,7 +643,7 @@ mod processes {
                 &["--tol", "1e-6"],
             ] {
                 let (code, said, energies) = guarded(displacement, how);
-                assert!(code == Some(1) && said.contains(rule) && energies.is_none(), "{code:?} {said}");
+                assert!(code == Some(2) && said.contains(rule) && energies.is_none(), "{code:?} {said}");
             }
         }
         // Soft contacts of small overlaps are stiff: alpha = 1/2, frequencies of 10^15.
@@ -641,7 +664,7 @@ mod processes {
             let refused = output(&["breather", "dark", "--rho", rho]);
             let said = String::from_utf8(refused.stderr).unwrap();
             assert!(
-                refused.status.code() == Some(1)
+                refused.status.code() == Some(2)
                     && said.contains("at most 10 times as fast")
                     && clock.elapsed() < Duration::from_secs(5),
                 "{said}"

@@ -4,6 +4,7 @@
 mod bad_files;
 mod cli;
 mod figures;
+mod first_use;
 mod help;
 mod long_runs;
 mod machines;

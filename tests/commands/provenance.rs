@@ -31,13 +31,16 @@ fn checked(folder: &Path) -> Value {
     let [path] = &of_kind(folder, "json")[..] else { panic!("a JSON in {}", folder.display()) };
     let json: Value = serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
     assert_eq!(json["version"], VERSION, "{}", path.display());
+    // Arrays of a run lie beside its summary; a branch, which is gone on with, says it itself.
     for path in of_kind(folder, "npz") {
         let archive = Archive::read(&path).unwrap();
-        let settings: Value = serde_json::from_str(archive.text("settings.json").unwrap()).unwrap();
-        let whole =
-            settings["version"] == VERSION && settings["setting"].is_string() && settings["integrator"].is_string();
-        assert!(whole || settings["program"] == format!("hertzchain {VERSION}"), "{}: {settings}", path.display());
-        assert_eq!(settings["scene_file"], json["scene_file"], "{}", path.display());
+        let Ok(settings) = archive.text("settings.json") else {
+            assert!(path.ends_with("profiles.npz") || path.ends_with("contacts.npz"), "{}", path.display());
+            assert!(json["setting"].is_string() && json["integrator"].is_string(), "{}", path.display());
+            continue;
+        };
+        let settings: Value = serde_json::from_str(settings).unwrap();
+        assert_eq!(settings["program"], format!("hertzchain {VERSION}"), "{}: {settings}", path.display());
     }
     for path in of_kind(folder, "png") {
         let bytes = fs::read(&path).unwrap();

@@ -355,7 +355,7 @@ fn breathers_outside_their_rules_are_refused() {
         (&["--amplitudes", "0.1,0.2", "--means", "0,0.01"], "at bond 1, where at least 7.5"),
         (&["--amplitudes", "0.1,0.2", "--offsets", "0,-1"], "d = -1 after 0 at site 1"),
         (&["--amplitudes", "0.1,0.2", "--offsets", "0,0,0"], "d = 3 numbers"),
-        (&["--phases", "0,1"], "phases = 2 numbers is not valid: one number a site"),
+        (&["--phases", "0,1"], "phases = 2 numbers for 40 sites is not valid: one number a site"),
         (&["--gap", "-1"], "gap = -1"),
         (&["--gap", "1", "--means", "0,1"], "cannot be used with"),
     ] {
@@ -549,6 +549,6 @@ fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     ] {
         let output = hertzchain(args);
         let text = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(1) && text.contains(words), "{args:?}: {text}");
+        assert!(output.status.code() == Some(2) && text.contains(words), "{args:?}: {text}");
     }
 }

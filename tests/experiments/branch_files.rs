@@ -265,8 +265,8 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.array("parameter").2[1] = f64::NAN, "parameter", "point 1: omega_b = NaN"),
         (|f| f.array("x").1.reverse(), "x", "11] doubles"),
         (|f| f.array("residual").1.push(1), "residual", "doubles"),
-        (|f| drop(f.arrays.pop()), "y.npy", "it is missing"),
-        (|f| f.array("x").0 = "z", "x.npy", "it is missing"),
+        (|f| drop(f.arrays.pop()), "y", "it is missing"),
+        (|f| f.array("x").0 = "z", "x", "it is missing"),
     ];
     for (alter, place, rule) in cases {
         let text = of(alter);
@@ -402,7 +402,7 @@ fn commands_take_branches_and_refuse_what_is_none() {
         (&["breather", "evolve", &json], "branch.json, orbit: missing field `alpha`"),
         (&["breather", "evolve", &json, "--point", "1"], "only a branch has points"),
         (&["breather", "evolve", &main], "main: "),
-        (&["breather", "evolve", "/dev/null"], "/dev/null, orbit: EOF"),
+        (&["breather", "evolve", "/dev/null"], "/dev/null, orbit: neither an orbit"),
         (&["breather", "doubled", "--branch", doubled], "turns = 2"),
         (&["breather", "doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),
         (&["breather", "doubled", "--branch", branch, "--rho", "1"], "cannot be used with"),

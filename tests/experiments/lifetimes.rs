@@ -177,7 +177,7 @@ fn json(threads: &str, args: &[&str]) -> Value {
 fn refusal(args: &[&str]) -> String {
     let output = hertzchain("1", args).output().unwrap();
     let text = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(1) && output.stdout.is_empty(), "{args:?} must be refused: {text}");
+    assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{args:?} must be refused: {text}");
     text
 }
 

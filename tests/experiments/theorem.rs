@@ -398,7 +398,7 @@ mod command {
             let output = hertzchain(args);
             let text = String::from_utf8(output.stderr).unwrap();
             assert!(
-                output.status.code() == Some(1) && output.stdout.is_empty() && text.contains(named),
+                output.status.code() == Some(2) && output.stdout.is_empty() && text.contains(named),
                 "{args:?}: {text}"
             );
         }

@@ -5,12 +5,13 @@ use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
     integrators::{Collocation, Dop853, Stepper, collocation::Pace, dop853::Options},
+    output::Folder,
     run::method::Method,
     scene::Scene,
-    study::{WaveOptions, WaveStudy, wave},
+    study::{WaveOptions, WaveStudy, wave, wave_in},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Mutex};
 
 const UNIT: Shape = Shape { q: 0.2 * PI, a: 1.0, b: 1.0, phi: 0.0 };
 
@@ -388,6 +389,41 @@ fn draws_follow_from_the_seed_and_stay_within_zeta() {
     }
 }
 
+/// Truth: the ensemble that is run in one go.
+#[test]
+fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
+    let scene = Scene::load("tw-q45").unwrap().until(7.0).unwrap().perturbed(0.01, Some(3)).unwrap();
+    let options = |seeds| WaveOptions { seeds: Some(seeds), samples_per_period: 4, ..options("collocation", 1e-6) };
+    let folder = tempfile::tempdir().unwrap();
+    let home = Folder::create(folder.path()).unwrap();
+    let kept = || std::fs::read_to_string(folder.path().join("ensemble.store")).map_or(0, |text| text.lines().count());
+    // The first seed is that of the scene, whose whole run is looked at: it is run anew every time.
+    let at_first = |seeds| {
+        let told = Mutex::new(Vec::new());
+        let study =
+            wave_in(&scene, &options(seeds), Some(&home), &|done, total| told.lock().unwrap().push((done, total)));
+        (study.unwrap().ensemble.unwrap(), told.into_inner().unwrap())
+    };
+    let (first, _) = at_first(4);
+    assert_eq!((first.members.len(), kept()), (4, 4));
+    let (all, told) = at_first(7);
+    assert_eq!((all.members.len(), all.missing, kept()), (7, 0, 7));
+    assert_eq!(told[..2], [(2, 8), (5, 8)], "three seeds were kept");
+    assert_eq!(told.last(), Some(&(8, 8)));
+    let whole = study(&scene, &options(7)).ensemble.unwrap();
+    assert_eq!(
+        (&all.members, &all.difference_x, &all.difference_y),
+        (&whole.members, &whole.difference_x, &whole.difference_y)
+    );
+    assert_eq!(first.members[..], whole.members[..4]);
+    let other = WaveOptions { tolerance: 1e-7, ..options(7) };
+    let refused = wave_in(&scene, &other, Some(&home), &|_, _| {}).unwrap_err().to_string();
+    assert!(
+        refused.contains("ensemble.store") && refused.contains("tolerance is 1e-6 there and 1e-7 here"),
+        "{refused}"
+    );
+}
+
 /// Largest `E_x` of a perturbed `tw-q15` relative to its ansatz, and the changes of the mean strain
 /// of chain and ansatz, all under a constraint.
 fn under(constraint: Constraint, perturbed: &PerturbedWave, scene: &Scene) -> (f64, f64, f64) {
@@ -611,7 +647,7 @@ mod command {
         ] {
             let output = hertzchain(&[&["wave"], args].concat(), "1");
             let text = String::from_utf8(output.stderr).unwrap();
-            assert_eq!(output.status.code(), Some(1), "{args:?}: {text}");
+            assert_eq!(output.status.code(), Some(2), "{args:?}: {text}");
             assert!(text.contains(message) && !text.contains("panicked"), "{args:?}: {text}");
         }
     }

@@ -68,7 +68,8 @@ pub(crate) struct RunArgs {
     pub(crate) plan: bool,
     /// Write the results to this folder; without it, no file is written.
     ///
-    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz and PNGs.
+    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and PNGs.
+    /// What an earlier run has left of its files is removed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Run in legs of this length and keep each in checkpoint.npz.

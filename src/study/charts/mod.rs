@@ -215,6 +215,15 @@ impl ChartOptions {
 impl Study for Charts {
     const FILES: &'static str = "Files: stability.json, a CSV and PNGs a chart, and the stores of points.";
 
+    fn sometimes() -> Vec<String> {
+        let of_chart = |chart: Chart| ["", "-ladder"].map(|part| format!("{}{part}", chart.name()));
+        let of_method = |method: Method| ["light", "stiffness"].map(|chart| format!("{chart}-{}", method.name()));
+        let tables = Chart::ALL.into_iter().flat_map(of_chart);
+        let maps = Method::all().into_iter().flat_map(of_method);
+        let names = |stem: String| [format!("{stem}.csv"), format!("{stem}.png")];
+        tables.chain(maps).flat_map(names).collect()
+    }
+
     fn begin(&self) -> Result<Work<'_>> {
         let problem = match &self.scene {
             Some(name) => Problem::of(&scene(name, &self.set)?)?,

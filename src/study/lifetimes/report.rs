@@ -3,9 +3,11 @@
 use super::{Criterion, Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     error::Result,
+    number::written,
     output::to_json,
     present::{rows_csv, table},
     study::{File, Report, dps::center_word, named},
+    sweep::STOPPED,
 };
 use serde_json::{Value, json};
 
@@ -76,7 +78,8 @@ fn text(study: &LifetimeStudy) -> String {
     text += &format!("\n{}\n", fit_lines(study.fit));
     let failures = study.points.iter().filter_map(|point| Some((point, point.life.as_ref().err()?)));
     for (point, why) in failures {
-        text += &format!("epsilon = {}, rho = {} failed: {why}\n", point.epsilon, point.rho);
+        let [epsilon, rho] = [point.epsilon, point.rho].map(written);
+        text += &format!("epsilon = {epsilon}, rho = {rho} {}: {why}\n", without_life(why));
     }
     text +=
         &format!("{} points computed, {} resumed, {:.1} s\n", study.computed, study.resumed, study.wall.as_secs_f64());
@@ -93,7 +96,7 @@ fn point_json(point: &LifetimePoint, criterion: Criterion) -> Value {
         "rho": rho,
         "lifetime": lifetime,
         "not_before": not_before,
-        "fate": life.as_ref().map_or(json!("failed"), |life| json!(life.fate)),
+        "fate": life.as_ref().map_or_else(|why| json!(without_life(why)), |life| json!(life.fate)),
         "energy": of(|life| json!(life.energy)),
         "distance": of(|life| json!(life.distance)),
         "frequency": of(|life| json!(life.frequency)),
@@ -140,7 +143,10 @@ fn map_of(study: &LifetimeStudy, corner: &str, cell: impl Fn(&LifetimePoint) -> 
 }
 
 fn lifetime_cell(point: &LifetimePoint, criterion: Criterion) -> String {
-    let Ok(life) = &point.life else { return "failed".to_owned() };
+    let life = match &point.life {
+        Ok(life) => life,
+        Err(why) => return without_life(why).to_owned(),
+    };
     let lifetime = life.lifetime(criterion);
     let seen = lifetime.unwrap_or(life.end);
     let felt = if life.ends_felt.is_some_and(|felt| felt < seen) { "!" } else { "" };
@@ -148,9 +154,14 @@ fn lifetime_cell(point: &LifetimePoint, criterion: Criterion) -> String {
     format!("{relation}{seen:.1}{felt}")
 }
 
+/// What became of a point that has no life.
+fn without_life(why: &str) -> &'static str {
+    if why == STOPPED { "stopped" } else { "failed" }
+}
+
 fn fate_cell(point: &LifetimePoint) -> String {
     match &point.life {
-        Err(_) => "failed".to_owned(),
+        Err(why) => without_life(why).to_owned(),
         Ok(life) => match life.fate {
             Fate::Radiates => "radiates".to_owned(),
             Fate::Decouples => format!("decouples ({:.2}, {:.3})", life.contact, life.core_share),

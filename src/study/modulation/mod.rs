@@ -132,6 +132,10 @@ impl Study for ModulationStudy {
     const FILES: &'static str =
         "Files: stability.csv, stability.json and dps-growth.png, with --measure measured.csv, with --chart chart.csv.";
 
+    fn sometimes() -> Vec<String> {
+        ["measured.csv", "chart.csv"].map(str::to_owned).into()
+    }
+
     fn begin(&self) -> Result<Work<'_>> {
         let options = self.options()?;
         Ok(Box::new(move |_, progress| Ok(Box::new(stability(&options, progress)?))))

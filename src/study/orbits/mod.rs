@@ -17,7 +17,7 @@ use crate::{
     orbits::{
         Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Setting, Shooting, Spectrum, Trail,
     },
-    output::Folder,
+    output::{Folder, say},
 };
 use hertzchain_integrators::collocation::Pace;
 use std::{
@@ -318,15 +318,19 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
 /// gone by, at its end, and when it is asked to end.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
     let mut last = Instant::now();
+    let mut begun = false;
     move |trail| {
         let Some(folder) = folder else { return };
         let late = last.elapsed() >= Duration::from_secs(10);
         if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() || interrupt::asked() {
             last = Instant::now();
-            let kept = trail.npz(Vec::new()).and_then(|bytes| folder.write(BRANCH_FILE, &bytes));
+            // What an earlier run has left belongs to another branch.
+            let cleared = if begun { Ok(()) } else { folder.remove(["branch.json", "branch.csv", "branch.png"]) };
+            begun = true;
+            let kept = cleared.and_then(|()| folder.write(BRANCH_FILE, &trail.npz(Vec::new())?));
             // What cannot be kept now is still computed: it is written at the end, or that is the
             // error.
-            kept.err().into_iter().for_each(|why| eprintln!("not kept so far: {why}"));
+            kept.err().into_iter().for_each(|why| say(&format!("not kept so far: {why}")));
         }
     }
 }

@@ -31,7 +31,7 @@ use std::{
 };
 
 /// The file in the folder of a run.
-const FILE: &str = "checkpoint.npz";
+pub(super) const FILE: &str = "checkpoint.npz";
 const SETTINGS: &str = "settings.json";
 const FORMAT: &str = "hertzchain checkpoint";
 const VERSION: u64 = 1;

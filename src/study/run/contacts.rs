@@ -3,7 +3,7 @@
 use crate::{
     chain::Contact,
     error::Result,
-    output::{Array, SETTINGS, npz_with},
+    output::{Array, npz},
 };
 use serde::Serialize;
 
@@ -24,14 +24,14 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
 }
 
 /// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a
-/// contact does not have. `settings`: where they come from, as JSON.
+/// contact does not have.
 ///
 /// # Errors
 /// What the archive writer says.
-pub fn contacts_npz(contacts: &[Contact], settings: &str) -> Result<Vec<u8>> {
+pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
     let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
     let arrays: Vec<Array<'_>> = COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
-    npz_with(SETTINGS, settings, &arrays)
+    npz(&arrays)
 }
 
 /// What the contacts of a run come to.
@@ -171,8 +171,7 @@ mod tests {
     #[test]
     fn the_archive_holds_the_columns() {
         for contacts in [&three()[..], &[]] {
-            let archive =
-                Archive::from_bytes(Path::new("contacts.npz"), &contacts_npz(contacts, "{}").unwrap()).unwrap();
+            let archive = Archive::from_bytes(Path::new("contacts.npz"), &contacts_npz(contacts).unwrap()).unwrap();
             for (k, name) in COLUMNS.iter().enumerate() {
                 let column = archive.array(name, &[contacts.len() as u64]).unwrap();
                 let expected = contacts.iter().map(|contact| contact.numbers()[k].to_bits());

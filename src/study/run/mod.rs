@@ -10,4 +10,4 @@ pub use contacts::contacts_png;
 pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
-pub use report::{run_files, run_json, run_summary};
+pub use report::{RUN_FILES, run_files, run_json, run_summary};

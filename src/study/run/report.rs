@@ -1,17 +1,22 @@
 //! Reports of one run.
 
-use super::contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz};
-#[cfg(feature = "plot")]
-use crate::chain::Overlaps;
+use super::{
+    checkpoint::FILE as CHECKPOINT,
+    contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
+};
 use crate::{
-    chain::{Boundary, Energy},
+    chain::{Boundary, Energy, Overlaps},
     error::Result,
-    output::{Folder, NpzWriter, SETTINGS, csv, to_json},
+    output::{Folder, NpzWriter, csv, to_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory},
 };
+use hertzchain_integrators::Error as Failure;
 use serde_json::{Map, Value, json};
-use std::fs::File;
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+};
 
 /// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
 ///
@@ -55,7 +60,7 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
 /// `reason` is there where nobody named the integrator.
-pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> String {
+pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> Value {
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
     put("scene", json!(scene.name()));
@@ -92,7 +97,7 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
-    to_json(&Value::Object(object))
+    Value::Object(object)
 }
 
 /// The run in a few readable lines.
@@ -127,18 +132,57 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
         outcome.sampling.as_secs_f64()
     ));
     if let Some(failure) = &outcome.failure {
-        lines.push(format!("FAILED      {failure}"));
+        lines.push(match failure.cause {
+            Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),
+            _ => format!("FAILED      {failure}"),
+        });
     }
     lines.join("\n") + "\n"
 }
 
-/// Writes the run: `summary.json`, `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`; with a
-/// contact log also `contacts.csv` and `contacts.npz`.
+/// Every file that a run may write, but for the checkpoint.
+pub const RUN_FILES: [&str; 12] = [
+    "summary.json",
+    "scene.toml",
+    "final.csv",
+    "energy.csv",
+    "profiles.npz",
+    "profiles.csv",
+    "contacts.csv",
+    "contacts.npz",
+    "profile.png",
+    "spacetime.png",
+    "energy.png",
+    "contacts.png",
+];
+
+/// Writes the run: `summary.json`, which is the JSON with the names of all files, `scene.toml`,
+/// `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the pictures; with a contact log
+/// also `contacts.csv` and `contacts.npz`. What an earlier run has left beside them is removed, its
+/// checkpoint as well unless this run was `in_legs`.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &str) -> Result<()> {
-    folder.write("summary.json", json.as_bytes())?;
+pub fn run_files(
+    folder: &Folder,
+    scene: &Scene,
+    outcome: &Trajectory,
+    json: &Value,
+    pictures: &[(&str, Vec<u8>)],
+    in_legs: bool,
+) -> Result<()> {
+    let logged = outcome.contacts.is_some();
+    let written = |name: &str| match name {
+        CHECKPOINT => in_legs,
+        _ if name.ends_with(".png") => pictures.iter().any(|picture| picture.0 == name),
+        _ => logged || !name.starts_with("contacts"),
+    };
+    let (files, left): (Vec<&str>, Vec<&str>) =
+        RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
+    folder.remove(left)?;
+    let mut summary = json.clone();
+    summary["files"] = json!(files);
+    folder.write("summary.json", to_json(&summary).as_bytes())?;
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
     let arrays = state_arrays(scene, &outcome.state);
     let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
@@ -151,19 +195,19 @@ pub fn run_files(folder: &Folder, scene: &Scene, outcome: &Trajectory, json: &st
         Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).collect())
     });
     folder.write("energy.csv", &csv(&["t", "beads", "resonators", "springs", "contacts", "total"], energies))?;
-    let settings = archive_settings(json);
-    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, &settings))?;
+    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles))?;
+    folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
-        folder.write("contacts.npz", &contacts_npz(contacts, &settings)?)?;
+        folder.write("contacts.npz", &contacts_npz(contacts)?)?;
     }
-    Ok(())
+    pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))
 }
 
 /// Writes the archive of profiles, a row at a time: long chains have more of them than fit into
 /// memory twice.
-fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], settings: &str) -> std::io::Result<()> {
-    let mut archive = NpzWriter::new(file, Some((SETTINGS, settings)))?;
+fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Result<()> {
+    let mut archive = NpzWriter::new(file, None)?;
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
     let rows = profiles.len() as u64;
     let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];
@@ -179,12 +223,19 @@ fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], settings: &str
     archive.finish()
 }
 
-/// What the archives of a run say of it: all of its JSON that does not come out of it.
-fn archive_settings(json: &str) -> String {
-    let all: Map<String, Value> = serde_json::from_str(json).unwrap_or_default();
-    let of_settings = ["scene", "integrator", "setting", "scene_file", "version"];
-    let kept: Map<String, Value> = all.into_iter().filter(|(name, _)| of_settings.contains(&name.as_str())).collect();
-    to_json(&Value::Object(kept))
+/// Writes the strains as CSV, a row a time: `t`, then `x` and the number of each bond.
+fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Result<()> {
+    let overlaps = Overlaps::new(scene.chain().clone());
+    let bonds = profiles.first().map_or(0, |profile| profile.x.len());
+    let mut out = BufWriter::new(file);
+    let head: String = (0..bonds).map(|bond| format!(",x{}", overlaps.bond(bond))).collect();
+    writeln!(out, "t{head}")?;
+    for Profile { t, x, .. } in profiles {
+        write!(out, "{t:e}")?;
+        x.iter().try_for_each(|x| write!(out, ",{x:e}"))?;
+        writeln!(out)?;
+    }
+    out.flush()
 }
 
 /// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and

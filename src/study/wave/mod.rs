@@ -11,23 +11,29 @@ mod report;
 
 pub(crate) use report::tables as wave_tables;
 
-use super::{Changes, Study, Work, fit_line};
+use super::{Changes, Study, Work, fit_line, scene_json};
 use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
+    output::Folder,
     run::method::Method,
     run::state_at,
     scene::{Scene, Theory},
-    sweep::Tally,
+    sweep::{Store, Threads, map, sweep},
     waves::{PerturbedWave, TravellingWave},
 };
 use hertzchain_integrators::{Dop853, Stats, dop853::Options};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::{
     f64::consts::PI,
     time::{Duration, Instant},
 };
 
+/// The store of an ensemble in the folder of results.
+const STORE: &str = "ensemble.store";
+const PERTURBED: &str = "a perturbed wave";
 /// Samples a period.
 const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
 /// Members of an ensemble.
@@ -129,19 +135,25 @@ impl Wave {
 
 impl Study for Wave {
     const FILES: &'static str = "Files: wave.json, wave.png, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and \
-                                 spread.csv.";
+                                 spread.csv. With --seeds, ensemble.store keeps every seed once it was run: the same \
+                                 ensemble in the same folder goes on where it was.";
+    const STOPS: bool = true;
+
+    fn sometimes() -> Vec<String> {
+        ["envelope.csv", "ensemble.csv", "spread.csv"].map(str::to_owned).into()
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |_, progress| {
+        Ok(Box::new(move |folder, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(wave(&scene, &self.options, &tell)?))
+            Ok(Box::new(wave_in(&scene, &self.options, folder, &tell)?))
         }))
     }
 }
 
 /// `E_x` and `E_y`, or `tilde E_x` and `tilde E_y`, at the sample times.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Of the beads.
     pub x: Vec<f64>,
@@ -227,6 +239,8 @@ pub struct Spread {
 pub struct Ensemble {
     /// Members, in the order of their seeds.
     pub members: Vec<Member>,
+    /// How many seeds were not run because the process was asked to end.
+    pub missing: usize,
     /// `tilde E_x` at the sample times.
     pub difference_x: Vec<Spread>,
     /// `tilde E_y` at the sample times.
@@ -277,43 +291,43 @@ pub struct WaveStudy {
 /// A scene that is no travelling wave, a method that takes no tolerance, an option outside its
 /// rule, an ensemble without perturbation, a run that fails.
 pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
+    wave_in(scene, options, None, progress)
+}
+
+/// The same; with a folder, members of the ensemble are kept there as they are run, and those that
+/// are there are not run again.
+///
+/// # Errors
+/// As [`wave`]; a store of another ensemble, or one that was altered.
+pub fn wave_in(
+    scene: &Scene,
+    options: &WaveOptions,
+    folder: Option<&Folder>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<WaveStudy> {
     let clock = Instant::now();
     let wave = *scene.wave()?;
     let times = times(scene, options)?;
     let seeds = seeds(scene, options, times.len())?;
-    let tally = Tally::new(1 + seeds.len(), progress);
+    let folder = folder.filter(|_| seeds.len() > 1);
+    let store = folder.map(|folder| Store::open(folder, STORE, "wave", &settings(scene, options))).transpose()?;
 
-    let quiet = scene.perturbed(0.0, None)?;
-    let unperturbed = track(&quiet, options, &times)?;
-    tally.tick();
+    let alone = [scene.perturbed(0.0, None)?, scene.clone()];
+    let alone = if seeds.is_empty() { &alone[..1] } else { &alone };
+    let tracks: Vec<Track> = map(alone, |scene| track(scene, options, &times)).into_iter().collect::<Result<_>>()?;
+    let tell = |done, _| progress(tracks.len() as u64 + done, 1 + seeds.len() as u64);
+    tell(0, 0);
+    let unperturbed = &tracks[0];
     let errors = errors_of(times.iter().zip(&unperturbed.strains).map(|(&t, now)| wave.errors(t, &now.x, &now.y)));
 
     let mut perturbed = None;
     let mut ensemble = None;
-    if let Some(Theory::PerturbedWave(first)) = scene.theory() {
+    if let Some(own) = tracks.get(1) {
+        let difference = differences(&wave, own, unperturbed);
+        perturbed = Some(perturbed_run(scene, options, &times, own, &difference)?);
         // All but the wave of the scene leave no more than how they differ.
-        let run = |&seed: &u64| -> Result<(Errors, Option<PerturbedRun>)> {
-            let scene = scene.perturbed(first.zeta(), Some(seed))?;
-            let chain = track(&scene, options, &times)?;
-            let difference = differences(&wave, &chain, &unperturbed);
-            let own = (seed == first.seed()).then(|| perturbed_run(&scene, options, &times, &chain, &difference));
-            Ok((difference, own.transpose()?))
-        };
-        let mut all = Vec::with_capacity(seeds.len());
-        for outcome in tally.map(&seeds, run) {
-            let (difference, own) = outcome?;
-            all.push(difference);
-            perturbed = perturbed.or(own);
-        }
-        ensemble = Some(Ensemble {
-            members: seeds
-                .iter()
-                .zip(&all)
-                .map(|(&seed, errors)| member(seed, &times, scene.period(), errors))
-                .collect(),
-            difference_x: spreads(all.iter().map(|errors| &errors.x[..])),
-            difference_y: spreads(all.iter().map(|errors| &errors.y[..])),
-        });
+        let others = Others { scene, options, times: &times, unperturbed };
+        ensemble = Some(others.ensemble(&seeds, difference, store, &tell)?);
     }
     Ok(WaveStudy {
         scene: scene.clone(),
@@ -328,6 +342,63 @@ pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) +
         t: times,
         wall: clock.elapsed(),
     })
+}
+
+/// What differences depend on beside the seed.
+fn settings(scene: &Scene, options: &WaveOptions) -> Value {
+    let mut file = scene_json(scene);
+    file["initial"]["seed"] = Value::Null;
+    json!({
+        "scene": file,
+        "integrator": options.method.name(),
+        "tolerance": options.tolerance,
+        "samples_per_period": options.samples_per_period,
+    })
+}
+
+/// The waves of an ensemble beside that of the scene.
+struct Others<'a> {
+    scene: &'a Scene,
+    options: &'a WaveOptions,
+    times: &'a [f64],
+    unperturbed: &'a Track,
+}
+
+impl Others<'_> {
+    /// The ensemble of all seeds, the first of which is that of the scene.
+    fn ensemble(
+        &self,
+        seeds: &[u64],
+        first: Errors,
+        mut store: Option<Store>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> Result<Ensemble> {
+        let swept = sweep(&seeds[1..], store.as_mut(), &Threads, progress, |&seed| self.difference(seed))?;
+        let mut all = vec![(seeds[0], first)];
+        for (&seed, row) in seeds[1..].iter().zip(swept.rows) {
+            match row {
+                Ok(difference) => all.push((seed, difference)),
+                // Not run, or stopped on the way.
+                Err(_) if swept.missing > 0 => {}
+                Err(why) => return Err(Error::Point { point: format!("seed {seed}"), why }),
+            }
+        }
+        let period = self.scene.period();
+        Ok(Ensemble {
+            members: all.iter().map(|(seed, errors)| member(*seed, self.times, period, errors)).collect(),
+            missing: seeds.len() - all.len(),
+            difference_x: spreads(all.iter().map(|(_, errors)| &errors.x[..])),
+            difference_y: spreads(all.iter().map(|(_, errors)| &errors.y[..])),
+        })
+    }
+
+    fn difference(&self, seed: u64) -> Result<Errors> {
+        let Some(Theory::PerturbedWave(first)) = self.scene.theory() else {
+            return Err(Error::parameter("scene", self.scene.name(), PERTURBED));
+        };
+        let scene = self.scene.perturbed(first.zeta(), Some(seed))?;
+        Ok(differences(first.wave(), &track(&scene, self.options, self.times)?, self.unperturbed))
+    }
 }
 
 /// The sample times.
@@ -426,7 +497,7 @@ fn perturbed_run(
     difference: &Errors,
 ) -> Result<PerturbedRun> {
     let Some(Theory::PerturbedWave(perturbed)) = scene.theory() else {
-        return Err(Error::parameter("scene", scene.name(), "a perturbed wave"));
+        return Err(Error::parameter("scene", scene.name(), PERTURBED));
     };
     let (wave, constraint) = (perturbed.wave(), perturbed.constraint());
     let (mut ansatz, params) = (perturbed.ansatz(constraint)?, wave.params());

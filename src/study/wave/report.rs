@@ -55,6 +55,7 @@ impl Report for WaveStudy {
             "growth_of_seed": members.iter().map(|member| member.growth_x).collect::<Vec<_>>(),
             "rate_of_seed": members.iter().map(|member| member.rate).collect::<Vec<_>>(),
             "rate_residual_of_seed": members.iter().map(|member| member.rate_residual).collect::<Vec<_>>(),
+            "missing": ensemble.as_ref().map_or(0, |ensemble| ensemble.missing),
             "perturbed": perturbed,
             "force_evaluations": self.stats.force_evaluations,
             "wall_s": self.wall.as_secs_f64(),
@@ -118,6 +119,12 @@ impl Report for WaveStudy {
     #[cfg(feature = "plot")]
     fn pictures(&self) -> Result<Vec<File>> {
         Ok(crate::study::named([("wave.png", picture(self)?)]))
+    }
+
+    fn remark(&self) -> Option<String> {
+        let Ensemble { members, missing, .. } = self.ensemble.as_ref()?;
+        let all = members.len() + missing;
+        (*missing > 0).then(|| format!("stopped by a signal: {missing} seeds of {all} were not run"))
     }
 }
 

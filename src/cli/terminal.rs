@@ -1,0 +1,40 @@
+//! The one door to standard output, and the progress bar. A lint keeps all other code from
+//! printing.
+
+use crate::error::{Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{ErrorKind, Result as Written, Write, stdout};
+
+/// Writes results to standard output. A reader that has gone away, as `head` does, is no error.
+///
+/// # Errors
+/// What keeps the text from being written whole, such as a full disk.
+pub(super) fn print(text: &str) -> Result<()> {
+    checked(stdout().lock().write_all(text.as_bytes()))
+}
+
+/// Writes help or the version, in colours where the terminal has them.
+///
+/// # Errors
+/// As [`print`].
+pub(super) fn print_help(help: &clap::Error) -> Result<()> {
+    checked(help.print())
+}
+
+fn checked(written: Written<()>) -> Result<()> {
+    match written.and_then(|()| stdout().flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::File { path: "standard output".into(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A bar on standard error, seen only on a terminal.
+pub(super) fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed}  {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
