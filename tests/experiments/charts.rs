@@ -144,7 +144,7 @@ fn collocation_is_stable_and_accurate_at_the_corners() {
     assert!(study.points.len() > 20);
     for point in &study.points {
         let measured = point.measured.as_ref().unwrap();
-        assert!(matches!(measured.usual.verdict, ChartVerdict::Stable | ChartVerdict::Drifting), "{point:?}");
+        assert_eq!(measured.usual.verdict, ChartVerdict::Stable, "{point:?}");
     }
     let (point, error) = worst(&study);
     assert!(error < 1e-9, "{error:e} at {:?}", point.variant);
@@ -182,7 +182,7 @@ fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_sa
         assert!(chosen.reason.contains("Omega_c") && chosen.wording.contains("h omega"), "{chosen:?}");
         let error = energy_error(&scene);
         println!("{amplitude:e} {kappa:e} {rho:e} {error:e} {}", chosen.wording);
-        assert!(error < 2e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
+        assert!(error < 1e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
     }
     for scene in [four(1.0, 1.0, 1.0 / 3.0, 1e2), four(1.0, 1e4, 1.0 / 3.0, 1e3), four(1e-12, 1e-8, 1.0 / 3.0, 1e2)] {
         assert_eq!(regime(&scene.run()).unwrap().method, Method::Collocation);
