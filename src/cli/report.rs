@@ -147,7 +147,7 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let study = order(&OrderOptions { alpha: 1.5, beads: 6 }, tell)?;
+    let study = order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, tell)?;
     #[cfg(feature = "plot")]
     let pictures = study.pictures()?.into_iter().map(|(name, png)| {
         let tangent = name.contains("tangent");

@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::{env, fs, path::PathBuf, process::Command};
 
 /// Name in the store, and the command line without `--json`.
-const SET: [(&str, &str); 22] = [
+const SET: [(&str, &str); 21] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
@@ -28,7 +28,6 @@ const SET: [(&str, &str); 22] = [
     ("continue", "breather continue --sites 9 --from 2.01 --to 2.03"),
     ("theorem", "study theorem --epsilons 0.1,0.05"),
     ("lifetimes", "study lifetimes --epsilons 0.05,0.1 --rhos 10,100 --sites 20 --until 300"),
-    ("order", "study order --beads 3 --alpha 2"),
     ("drift", "study drift bright-breather-16 --periods 20 --samples 5"),
     ("stability", "study stability --charts light --quick --integrators verlet,collocation"),
     ("verify-3", "paper verify --section 3"),
@@ -44,10 +43,22 @@ fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference/json").join(format!("{name}.json"))
 }
 
-fn output(line: &str) -> Value {
-    let run = Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(line.split(' ')).arg("--json").output().unwrap();
+fn output(line: &str) -> String {
+    let run = Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(line.split(' ')).output().unwrap();
     assert!(!run.stdout.is_empty(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
-    serde_json::from_slice(&run.stdout).unwrap()
+    String::from_utf8(run.stdout).unwrap()
+}
+
+/// Differences from the stored JSON of this name, which is stored again if asked for.
+fn changes(name: &str, now: &Value) -> Vec<String> {
+    if env::var_os("HERTZCHAIN_STORE").is_some() {
+        fs::create_dir_all(path(name).parent().unwrap()).unwrap();
+        fs::write(path(name), serde_json::to_string(now).unwrap() + "\n").unwrap();
+    }
+    let stored: Value = serde_json::from_slice(&fs::read(path(name)).unwrap()).unwrap();
+    let mut found = Vec::new();
+    differences(name, &stored, now, &mut found);
+    found
 }
 
 /// Whether a value under this key depends on the machine or the version.
@@ -82,20 +93,44 @@ fn differences(path: &str, stored: &Value, now: &Value, found: &mut Vec<String>)
     }
 }
 
+fn assert_none(found: &[String]) {
+    assert!(found.is_empty(), "{} differences:\n{}", found.len(), found[..found.len().min(40)].join("\n"));
+}
+
 #[test]
 fn json_of_every_command_is_that_of_the_stored_set() {
-    let store = env::var_os("HERTZCHAIN_STORE").is_some();
-    let mut found = Vec::new();
-    for (name, line) in SET {
-        let now = output(line);
-        if store {
-            fs::create_dir_all(path(name).parent().unwrap()).unwrap();
-            fs::write(path(name), serde_json::to_string(&now).unwrap() + "\n").unwrap();
-        }
-        let stored: Value = serde_json::from_slice(&fs::read(path(name)).unwrap()).unwrap();
-        differences(name, &stored, &now, &mut found);
+    let now = |line: &str| serde_json::from_str(&output(&format!("{line} --json"))).unwrap();
+    assert_none(&SET.iter().flat_map(|(name, line)| changes(name, &now(line))).collect::<Vec<_>>());
+}
+
+/// The study with the most runs: its table, files and JSON from one of it.
+#[test]
+fn the_order_study_keeps_its_table_its_files_and_its_stored_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = "study order --beads 3 --alpha 2 --integrators verlet,kahan-li8-linear,corrected,dop853";
+    let table = output(&format!("{short} --out {}", folder.path().display()));
+    assert!(table.contains("regularised") && table.contains("theory"), "{table}");
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("order.csv").starts_with(b"method,"));
+    for picture in ["order-state.png", "order-tangent.png"] {
+        assert!(!cfg!(feature = "plot") || read(picture).starts_with(b"\x89PNG"), "{picture}");
     }
-    assert!(found.is_empty(), "{} differences:\n{}", found.len(), found[..found.len().min(40)].join("\n"));
+    let study: Value = serde_json::from_slice(&read("order.json")).unwrap();
+    assert_eq!((study["alpha"].as_f64(), study["beads"].as_u64()), (Some(2.0), Some(3)));
+    assert!(study["events"].as_u64().unwrap() > 0);
+    let rows = study["rows"].as_array().unwrap();
+    for row in rows {
+        assert!(["plain", "landed", "averaged", "corrected", "regularised"].contains(&row["mode"].as_str().unwrap()));
+        assert!(["state", "tangent"].contains(&row["quantity"].as_str().unwrap()));
+        assert!(row["slope"].is_f64() || row["slope"].is_null());
+        assert!(row["slope_theory"].is_f64());
+        assert_eq!(row["errors"].as_array().unwrap().len(), row["steps"].as_array().unwrap().len());
+    }
+    let integrators: Value = serde_json::from_str(&output("integrators --json")).unwrap();
+    let names: Vec<&str> =
+        integrators["integrators"].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert!(rows.iter().all(|row| names.contains(&row["method"].as_str().unwrap())));
+    assert_none(&changes("order", &study));
 }
 
 #[test]

@@ -503,8 +503,7 @@ fn an_orbit_is_written_read_back_and_let_go() {
 
 /// Short runs of the studies, all but those whose files have a test of their own.
 #[cfg(feature = "plot")]
-const SHORT: [&str; 10] = [
-    "study order --beads 2",
+const SHORT: [&str; 9] = [
     "study theorem --epsilons 0.1,0.05",
     "study lifetimes --epsilons 0.05 --rhos 10 --sites 20 --until 100",
     "wave tw-q45 --until 5",

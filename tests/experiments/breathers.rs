@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 
 #[allow(dead_code, reason = "other tests use the rest of it")]
 use crate::common::{collocated, distance, largest, truth};
+use crate::properties::properties;
 
 const CLOSE: Pace = Pace::Tolerance(1e-12);
 
@@ -231,7 +232,7 @@ fn overlap(breather: &TrivialBreather, n: usize) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+    #![proptest_config(properties(40))]
 
     // Truth: the closed form itself, bead by bead. 4000 samples per period miss the maximum by less
     // than 3e-7 of the amplitude.

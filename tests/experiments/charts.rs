@@ -137,15 +137,17 @@ fn worst(study: &ChartStudy) -> (&ChartPoint, f64) {
 }
 
 // Tolerance 1e-9. Measured: 5e-10 at A = 1e-12, kappa = 1e8, where a period of the resonator is 1e7
-// times that of contacts; 1e-10 elsewhere.
+// times that of contacts; 1e-10 elsewhere. Collocation is not symplectic: its energy may drift, and
+// does so within the tolerance.
 #[test]
-fn collocation_is_stable_and_accurate_at_the_corners() {
+fn collocation_is_lost_nowhere_and_keeps_its_energy_to_the_tolerance_at_the_corners() {
     let study = study(&[Chart::Light, Chart::Stiffness, Chart::Alpha, Chart::Length], named(&["collocation"]));
     assert!(study.points.len() > 20);
-    for point in &study.points {
-        let measured = point.measured.as_ref().unwrap();
-        assert!(matches!(measured.usual.verdict, ChartVerdict::Stable | ChartVerdict::Drifting), "{point:?}");
-    }
+    let verdict = |point: &ChartPoint| point.measured.as_ref().unwrap().usual.verdict;
+    let [stable, drifting] = [ChartVerdict::Stable, ChartVerdict::Drifting]
+        .map(|of| study.points.iter().filter(|point| verdict(point) == of).count());
+    println!("{stable} stable, {drifting} drifting of {}", study.points.len());
+    assert!(stable + drifting == study.points.len() && stable > drifting, "{stable} stable, {drifting} drifting");
     let (point, error) = worst(&study);
     assert!(error < 1e-9, "{error:e} at {:?}", point.variant);
 }
@@ -182,7 +184,7 @@ fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_sa
         assert!(chosen.reason.contains("Omega_c") && chosen.wording.contains("h omega"), "{chosen:?}");
         let error = energy_error(&scene);
         println!("{amplitude:e} {kappa:e} {rho:e} {error:e} {}", chosen.wording);
-        assert!(error < 2e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
+        assert!(error < 1e-6, "A = {amplitude:e}, kappa = {kappa:e}, rho = {rho:e}: {error:e}");
     }
     for scene in [four(1.0, 1.0, 1.0 / 3.0, 1e2), four(1.0, 1e4, 1.0 / 3.0, 1e3), four(1e-12, 1e-8, 1.0 / 3.0, 1e2)] {
         assert_eq!(regime(&scene.run()).unwrap().method, Method::Collocation);

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/properties.rs"]
+mod properties;
 
 mod branch_files;
 mod breathers;

@@ -235,7 +235,7 @@ fn branches_in_the_mass_ratio_keep_their_frequency_and_their_background() {
 }
 
 #[test]
-#[ignore = "TIME: the same from near omega(rho) = omega_b up to rho = 10"]
+#[ignore = "nightly: the same from near omega(rho) = omega_b up to rho = 10"]
 fn branches_in_the_mass_ratio_go_up_to_ten() {
     for (omega_b, from) in [(1.5, 0.82), (1.75, 0.5), (2.05, 0.32)] {
         follow_in_mass(omega_b, from, 10.0);
@@ -345,9 +345,43 @@ fn bifurcations(center: Center, sites: usize, (from, to): (f64, f64)) -> Vec<Bif
     continuation.bifurcations(&orbits, &spectra, 0.01)
 }
 
+/// The bifurcation near a value, found in another way: from all eigenvalues of the tangent map over
+/// the whole period, on a ring of 31 sites, at another tolerance. With `s = lambda + 1/lambda`, a
+/// multiplier passes -1 where `s + 2` changes its sign, and two pairs meet where `(s_1 - s_2)^2`
+/// does; both are smooth there.
+fn by_whole_period(center: Center, near: &Bifurcation) -> f64 {
+    const SITES: usize = 31;
+    let root = Complex::new(near.tau * near.tau - 1.0, 0.0).sqrt();
+    let doubles = near.kind == BifurcationKind::PeriodDoubling;
+    let meeting = if doubles { Complex::new(-1.0, 0.0) } else { near.tau - root };
+    let signed = |omega_b: f64| {
+        let shooting = Shooting { tol: 1e-11, ..Shooting::default() };
+        let orbit = DarkBreather { sites: SITES, ..breather(center, omega_b) }.orbit(&shooting).unwrap();
+        let pace = Pace::Windows { windows: 50, nodes: 10, neighbours: true };
+        let span = (0.0, orbit.setting.period());
+        let columns = orbit.setting.chain().unwrap().monodromy(&orbit.start(), span, pace).unwrap();
+        let map = DMatrix::from_vec(4 * SITES, 4 * SITES, columns);
+        let mut all: Vec<Complex<f64>> = map.complex_eigenvalues().iter().copied().collect();
+        all.sort_by(|a, b| (a - meeting).norm().total_cmp(&(b - meeting).norm()));
+        let [one, other] = [all[0], all[1]].map(|lambda| lambda + lambda.inv());
+        if doubles { one.re + 2.0 } else { ((one - other) * (one - other)).re }
+    };
+    // Inverse interpolation.
+    let places = [-4e-6, 1e-6, 4e-6].map(|by| near.parameter + by);
+    let values = places.map(signed);
+    println!("{:?}: {values:?}", near.kind);
+    assert!(values[0] * values[2] < 0.0, "{values:?}");
+    let weight =
+        |i: usize| -> f64 { (0..3).filter(|&j| j != i).map(|j| values[j] / (values[j] - values[i])).product() };
+    near.parameter + (0..3).map(|i| (places[i] - near.parameter) * weight(i)).sum::<f64>()
+}
+
 #[test]
 fn the_period_doubles_where_the_tangent_map_has_the_eigenvalue_minus_one() {
     let found = bifurcations(Center::Bond, 41, (2.062, 2.066));
+    let again = by_whole_period(Center::Bond, &found[0]) - found[0].parameter;
+    println!("by all eigenvalues: {again:e}");
+    assert!(again.abs() < 1e-11);
     let [Bifurcation { kind: BifurcationKind::PeriodDoubling, parameter, ref orbit, ref mode, .. }] = found[..] else {
         panic!("{found:?}")
     };
@@ -376,6 +410,13 @@ fn two_real_pairs_collide_where_the_paper_has_them_return() {
     // elsewhere.
     for from in [2.0948, 2.0935] {
         let found = bifurcations(Center::Bond, 41, (from, 2.0958));
+        if from == 2.0948 {
+            for one in &found {
+                let again = by_whole_period(Center::Bond, one) - one.parameter;
+                println!("{:?} by all eigenvalues: {again:e}", one.kind);
+                assert!(again.abs() < 1e-11);
+            }
+        }
         let found: Vec<_> = found.iter().map(|one| (one.kind, one.parameter, one.tau)).collect();
         println!("{found:?}");
         let [(PeriodDoubling, second, _), (RealCollision, collision, tau)] = found[..] else { panic!() };
@@ -388,6 +429,9 @@ fn two_real_pairs_collide_where_the_paper_has_them_return() {
 fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
     // Truth: after a collision |lambda| - 1 increases like the square root of the distance.
     let found = bifurcations(Center::Site, 41, (2.076, 2.079));
+    let again = by_whole_period(Center::Site, &found[0]) - found[0].parameter;
+    println!("by all eigenvalues: {again:e}");
+    assert!(again.abs() < 1e-11);
     let [Bifurcation { kind: BifurcationKind::KreinCollision, parameter, tau, .. }] = found[..] else {
         panic!("{found:?}")
     };
@@ -440,7 +484,7 @@ fn orbits_of_doubled_period_come_back_reflected() {
 }
 
 #[test]
-#[ignore = "TIME: the same up to omega_b = 1.056"]
+#[ignore = "nightly: the same up to omega_b = 1.056"]
 fn the_doubled_branch_does_not_end_at_1051() {
     // From 1.0525 to 1.0545 the equations are nearly singular, as the band of the background
     // reaches -1; an orbit is then accurate to 4e-12 instead of 1e-15.

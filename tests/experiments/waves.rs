@@ -6,7 +6,8 @@ use hertzchain::{
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
     integrators::{Collocation, Dop853, Stepper, collocation::Pace, dop853::Options},
     output::Folder,
-    run::method::Method,
+    run::Records,
+    run::method::{Method, Setting},
     scene::Scene,
     study::{WaveOptions, WaveStudy, wave, wave_in},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
@@ -423,6 +424,36 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
         "{refused}"
     );
 }
+
+// Truth: contact forces cancel in sums over the ring. The sums of x and of y move as one bead and its
+// resonator, by the closed form. A perturbed wave has no energy to be kept, since its sums differ.
+#[test]
+fn the_sums_of_a_perturbed_wave_are_those_of_the_closed_form() {
+    let scene = Scene::load("tw-q15").unwrap().perturbed(0.01, None).unwrap();
+    let (n, t, params) = (scene.chain().sites(), scene.end(), scene.chain().params());
+    let (omega, rho) = (params.omega(), params.rho);
+    let sums = |y: &[f64]| -> Vec<f64> { y.chunks(n).map(|part| part.iter().sum()).collect() };
+    let end = |name: &str, tol: f64| {
+        let run = scene.run().method(Method::named(name).unwrap()).setting(Setting::Tolerance(tol));
+        let outcome = run.records(Records::Energy).start().unwrap();
+        assert!(outcome.energy_error.is_none(), "no energy on a ring whose sums differ");
+        outcome.state
+    };
+    let [x, y, vx, vy] = sums(scene.initial().as_slice())[..] else { panic!() };
+    let amplitude = (x - y).hypot((vx - vy) / omega);
+    assert!(amplitude > 1e-4, "{amplitude:e}");
+    let (sin, cos) = (omega * t).sin_cos();
+    let apart = (x - y) * cos + (vx - vy) * sin / omega;
+    let centre = x + rho * y + t * (vx + rho * vy);
+    let state = end("collocation", 1e-10);
+    let [x, y, ..] = sums(&state)[..] else { panic!() };
+    let errors = [x - y - apart, x + rho * y - centre].map(f64::abs);
+    let other = end("dop853-regularised", 1e-12);
+    let methods = largest(state.iter().zip(&other).map(|(a, b)| a - b));
+    println!("amplitude {amplitude:e}, off {errors:?}; two methods {methods:e}");
+    assert!(errors.iter().all(|error| *error < 1e-12) && methods < 1e-10, "{errors:?} {methods:e}");
+}
+
 
 /// Largest `E_x` of a perturbed `tw-q15` relative to its ansatz, and the changes of the mean strain
 /// of chain and ansatz, all under a constraint.

@@ -2,6 +2,7 @@
 
 use crate::{
     common::{collocated, distance, largest, truth},
+    properties::properties,
     windows,
 };
 use hertzchain::{
@@ -14,7 +15,7 @@ use hertzchain::{
 };
 use proptest::{
     prelude::*,
-    test_runner::{Config, RngSeed, TestError, TestRunner},
+    test_runner::{TestError, TestRunner},
 };
 use std::{cell::RefCell, ops::ControlFlow};
 
@@ -204,12 +205,11 @@ fn motions() -> impl Strategy<Value = Motion> {
 #[test]
 fn random_chains_agree_with_the_regularised_run() {
     // No run may fail, and errors stay near the tolerance. Truth: the regularised run. The cases
-    // are the same in every run. Measured: half of the errors below 1e-5 of the tolerance, 90 %
+    // are the same in every run. Measured over 600: half of the errors below 1e-5 of the tolerance, 90 %
     // below 0.038, the largest 2.1; of 5000 cases 8.7, with light resonators.
     let tol = 1e-7;
     let ratios = RefCell::new(Vec::new());
-    let config = Config { cases: 600, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() };
-    let outcome = TestRunner::new(config).run(&motions(), |Motion { chain, y }| {
+    let outcome = TestRunner::new(properties(150)).run(&motions(), |Motion { chain, y }| {
         let reference = truth(&chain, &y, 8.0, 1e-13);
         let (end, _) = collocated(&chain, &y, 8.0, Pace::Tolerance(tol));
         let half = y.len() / 2;

@@ -84,8 +84,7 @@ fn slope(errors: &[(u64, f64)]) -> f64 {
     (first / last).ln() / (m as f64 / n as f64).ln()
 }
 
-/// The end of the order study's chain of six beads in double-double, checked against Taylor series
-/// in 45 digits.
+/// The end of the order study's chain of six beads, by `tests/reference/chain.py`.
 fn stored(alpha: f64) -> Vec<f64> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/chain-6-alpha-{alpha}.json"));
     let value: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
@@ -111,7 +110,7 @@ fn ladder(run: impl Fn(u64) -> f64, steps: &[u64]) -> Vec<(u64, f64)> {
 
 #[test]
 fn order_four_through_contacts_for_every_exponent_and_both_splits() {
-    // Truth: double-double for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From 1e-4 or so
+    // Truth: tests/reference/chain.py for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From 1e-4 or so
     // down to 1e-12.
     for alpha in [1.1, 1.2, 1.5, 2.0, 2.5, 3.0] {
         let (chain, y) = six(alpha);

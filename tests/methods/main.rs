@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/properties.rs"]
+mod properties;
 
 mod collocation;
 mod collocation_at_rest;

@@ -1,6 +1,7 @@
 //! The averages of the modulation equations against 30-digit values, identities, and an independent
 //! quadrature.
 
+use crate::properties::properties;
 use hertzchain::dps::{Averages, Values};
 use proptest::prelude::*;
 use std::{f64::consts::PI, fs, path::PathBuf};
@@ -201,7 +202,7 @@ fn arguments_outside_their_rule() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(properties(400))]
 
     #[test]
     fn g_agrees_with_a_quadrature(alpha in 0.05..10.0f64, kappa in 0.1..5.0f64, s in -4.0..1.0f64, r in 0.1..10.0f64) {

@@ -1,14 +1,12 @@
 //! Conservation and symmetry for random parameters: energy, momentum, reflection, scaling.
 
+use crate::properties::properties;
 use hertzchain::chain::{Boundary, Chain, KineticFlow, LinearFlow, Params};
 use hertzchain::integrators::{
     Silent, SplitFlow, Splitting, drive,
     splitting::{First, tables::STRANG},
 };
-use proptest::{
-    prelude::*,
-    test_runner::{Config, RngSeed},
-};
+use proptest::prelude::*;
 
 const EPS: f64 = f64::EPSILON;
 const STEPS: u64 = 200;
@@ -18,12 +16,6 @@ const STEPS: u64 = 200;
 struct Motion {
     chain: Chain<f64>,
     y: Vec<f64>,
-}
-
-fn config() -> Config {
-    // The same cases in every run: a failure is reproducible, and bounds can be twice what was
-    // measured.
-    Config { cases: 256, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() }
 }
 
 fn log_uniform(from: f64, to: f64) -> impl Strategy<Value = f64> {
@@ -96,7 +88,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(properties(256))]
 
     /// Truth: the modified energy of Strang's scheme, E + h^2 ({f, f}/12 - V''/24) with V'' along
     /// the linear flow. For alpha >= 1 Cauchy's inequality bounds the bracket by 0.75 stiffest^2 E;

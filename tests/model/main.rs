@@ -1,6 +1,9 @@
 //! The chain, its modulation equations and their solutions. All tests are in one binary, so that
 //! generic code is compiled once.
 
+#[path = "../common/properties.rs"]
+mod properties;
+
 mod averaged;
 mod averages;
 mod chain;

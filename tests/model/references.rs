@@ -1,21 +1,18 @@
-//! End states with errors below 1e-20, computed by the same code in double-double, and the errors
-//! of `f64` runs.
-//!
-//! `cargo test --release --test model references -- --ignored` writes `tests/reference/*.json`. For
-//! alpha = 2 and 3 these states agree to 7e-25 with Taylor series of order 45 in 45 digits, stopped
-//! at every event, by a separate program.
+//! End states with errors below 1e-30 by a program of its own, `tests/reference/chain.py`, which
+//! has the equations of motion written out and shares no code with this library, and the errors of
+//! runs in double-double and in `f64`.
 
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     integrators::{Real, Regularised, Stepper, dop853::Options, regularised::power},
     study::generic_state,
 };
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::{fs, path::PathBuf};
 use twofloat::TwoFloat;
 
-/// Exponents whose force needs only products and square roots, which double-double computes to its
-/// last digits.
+/// Exponents whose force needs only products and square roots, which integers and double-double
+/// compute to their last digits.
 const ALPHAS: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
 const END: f64 = 12.0;
 const BEADS: usize = 6;
@@ -66,39 +63,28 @@ fn stored(alpha: f64) -> (Vec<TwoFloat>, f64) {
 }
 
 #[test]
-#[ignore = "writes tests/reference: run it when the reference itself should change"]
-fn regenerate() {
+fn the_stored_states_conserve_energy_to_thirty_digits() {
+    // The energy is an invariant that the program does not enforce. Measured: 1.6e-32, which is
+    // rounding.
     for alpha in ALPHAS {
-        // Two powers of the map and two tolerances: digits in which they agree depend on neither.
-        let q = power(alpha, 8);
-        let (fine, other) = (end::<TwoFloat>(alpha, q, 1e-25), end::<TwoFloat>(alpha, q + 2, 1e-24));
-        let error = distance(&fine, &other);
-        println!("alpha = {alpha}: {error:e}, energy {:e}", energy_error(alpha, &fine));
-        let state: Vec<_> = fine.iter().map(|y| [format!("{:e}", y.hi()), format!("{:e}", y.lo())]).collect();
-        let value = json!({
-            "what": "u, v, u', v' as unevaluated sums of two doubles",
-            "start": "hertzchain::study::generic_state",
-            "alpha": alpha, "kappa": 1.0, "rho": 1.0 / 3.0, "boundary": "free", "beads": BEADS, "t": END,
-            "error": error,
-            "state": state,
-        });
-        fs::create_dir_all(path(alpha).parent().unwrap()).unwrap();
-        fs::write(path(alpha), serde_json::to_string_pretty(&value).unwrap() + "\n").unwrap();
+        let (state, error) = stored(alpha);
+        assert!(error < 1e-30, "alpha = {alpha}: {error:e}");
+        let energy = energy_error(alpha, &state);
+        println!("alpha = {alpha}: {energy:e}");
+        assert!(energy < 1e-30, "alpha = {alpha}: {energy:e}");
+        // An error of 1e-29 in the state is seen.
+        let mut wrong = state.clone();
+        wrong[2 * BEADS] += TwoFloat::from(1e-29);
+        assert!(energy_error(alpha, &wrong) > 1e-30);
     }
 }
 
 #[test]
-fn the_stored_states_conserve_energy_to_twenty_digits() {
-    // The energy is an invariant that the method does not enforce.
+fn double_double_reaches_them_to_twenty_digits() {
     for alpha in ALPHAS {
-        let (state, error) = stored(alpha);
-        assert!(error < 1e-20, "alpha = {alpha}: {error:e}");
-        let energy = energy_error(alpha, &state);
-        assert!(energy < 1e-20, "alpha = {alpha}: {energy:e}");
-        // An error of 1e-19 in the state is seen.
-        let mut wrong = state.clone();
-        wrong[2 * BEADS] += TwoFloat::from(1e-19);
-        assert!(energy_error(alpha, &wrong) > 1e-20);
+        let error = distance(&end::<TwoFloat>(alpha, power(alpha, 8), 1e-22), &stored(alpha).0);
+        println!("alpha = {alpha}: {error:e}");
+        assert!(error < 1e-19, "alpha = {alpha}: {error:e}");
     }
 }
 

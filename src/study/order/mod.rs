@@ -15,7 +15,7 @@
 
 mod report;
 
-use super::{Study, Work, fit_line};
+use super::{Study, Work, fit_line, methods};
 use crate::{
     chain::{Bonded, Boundary, Chain, Field, KineticFlow, LinearFlow, Overlaps, Params, Site, State, max_norm},
     error::{Error, Result},
@@ -180,12 +180,33 @@ pub struct OrderOptions {
     /// Number of beads of the chain, from 2 to 1000.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 6))]
     pub beads: usize,
+    /// Integrators, separated by commas, or all [default: all].
+    ///
+    /// Each in all modes that it can be run in.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
+    pub integrators: Vec<String>,
+}
+
+impl OrderOptions {
+    /// Of the methods that can be run, those that are asked for.
+    fn cases(&self) -> Result<Vec<(Method, Mode)>> {
+        let (mut cases, wanted) = (cases(self.alpha), methods(&self.integrators, Method::all)?);
+        let all = wanted.len() > self.integrators.len();
+        let missing = wanted.iter().find(|method| !cases.iter().any(|(one, _)| one == *method));
+        if let Some(method) = missing.filter(|_| !all) {
+            let rule = "the order study has splitting schemes and dop853, and corrected kicks for alpha from 1";
+            return Err(Error::parameter("integrators", method.name(), rule));
+        }
+        cases.retain(|(method, _)| wanted.contains(method));
+        Ok(cases)
+    }
 }
 
 impl Study for OrderOptions {
     const FILES: &'static str = "Files: order.csv, order.json, order-state.png and order-tangent.png.";
 
     fn begin(&self) -> Result<Work<'_>> {
+        self.cases()?;
         Ok(Box::new(|_, progress| Ok(Box::new(order(self, &|share| progress(share, ""))?))))
     }
 }
@@ -196,10 +217,10 @@ impl Study for OrderOptions {
 /// # Errors
 /// An option outside its rule, or a reference that cannot be had.
 pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
-    let &OrderOptions { alpha, beads } = options;
+    let &OrderOptions { alpha, beads, .. } = options;
     let problem = Problem::new(alpha, beads)?;
+    let cases = options.cases()?;
     let truth = problem.truth()?;
-    let cases = cases(alpha);
     let tell = |done, total| progress(done as f64 / total as f64);
     let ladders = Tally::new(cases.len(), &tell).map(&cases, |&(method, mode)| problem.ladder(method, mode, &truth));
     Ok(OrderStudy {
