@@ -6,6 +6,7 @@ mod common;
 mod collocation;
 mod collocation_at_rest;
 mod collocation_cases;
+mod contact_times;
 mod contacts;
 mod corrected;
 mod corrected_tangent;
