@@ -95,8 +95,25 @@ impl Curve {
         (self.values[near] - self.values[here]) / (self.time(self.x[near]) - self.time(self.x[here]))
     }
 
-    /// The largest value and when.
+    /// Whether it rises from node to node and goes on to rise at its end, by the parabola through
+    /// the last three nodes; with a margin, so that it does not turn in between.
+    fn climbs(&self) -> bool {
+        let values = self.values();
+        let Some([(a, ga), (b, gb), (c, gc)]) =
+            (self.count > 2).then(|| [3, 2, 1].map(|back| (self.x[self.count - back], values[self.count - back])))
+        else {
+            return false;
+        };
+        let [before, last] = [(gb - ga) / (b - a), (gc - gb) / (c - b)];
+        let end = last + (last - before) * (c - b) / (c - a);
+        end > 0.25 * last && values.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// When it is largest, and its value there.
     pub fn largest(&self) -> (f64, f64) {
+        if self.climbs() {
+            return (self.time(1.0), self.last());
+        }
         let values = self.values();
         let k = (0..values.len()).max_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
         let here = (self.time(self.x[k]), values[k]);

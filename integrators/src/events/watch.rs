@@ -7,7 +7,7 @@ use super::{
     sides::{Crossing, Sides},
 };
 use crate::{drive::Stepper, error::Error, real::Real, stats::Stats};
-use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+use std::ops::ControlFlow;
 
 /// A listener for events. It selects directions and terminal events itself: it ignores the events
 /// it does not need, and ends the run by returning `Break`.
@@ -35,7 +35,7 @@ impl<R: Real> Part<R> {
     /// The function over the span, to be kept.
     pub fn curve(&self) -> Curve {
         let span = (self.span.0.f64(), self.span.1.f64());
-        let x = |k: usize| (FRAC_PI_2 * k as f64 / (NODES - 1) as f64).sin().powi(2);
+        let x = |k: usize| k as f64 / (NODES - 1) as f64;
         Curve::over(span, (0..NODES).map(|k| (x(k), self.polynomial.at(x(k)))))
     }
 }

@@ -196,7 +196,7 @@ pub struct ChartOptions {
     pub work: f64,
     /// Number of sites.
     ///
-    /// Of the longest chain of the chart `length`, from 1 to 10^6.
+    /// Of the longest chain of the charts `length` and `struck`, from 1 to 10^6.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
     pub sites: usize,
     /// A third of the points of light, stiffness and alpha, or fewer; half of those of struck.
@@ -364,13 +364,17 @@ fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) 
     if !options.charts().contains(&Chart::Struck) || !methods.contains(&Method::Collocation) {
         return Vec::new();
     }
-    let sites = if options.quick { &struck::SITES[..struck::SITES.len() / 2] } else { &struck::SITES[..] };
-    let chains = |&sites: &usize| {
+    let count = if options.quick { struck::SITES.len() / 2 } else { struck::SITES.len() };
+    let mut lengths: Vec<usize> = struck::SITES[..count].iter().copied().filter(|n| *n <= options.sites).collect();
+    if lengths.is_empty() {
+        lengths.push(options.sites.max(2));
+    }
+    let chains = |sites: usize| {
         let kappa = problem.chain().kappa;
         let of = move |alpha| struck::MASS_RATIOS.map(|rho| StruckPlace { sites, alpha, kappa, rho });
         struck::EXPONENTS.into_iter().flat_map(of)
     };
-    sites.iter().flat_map(chains).collect()
+    lengths.into_iter().flat_map(chains).collect()
 }
 
 /// Measures all points of the charts, on all cores. With a folder they are kept there as they are

@@ -122,10 +122,12 @@ impl ContactLog {
         Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect() }
     }
 
-    /// A bond closes.
+    /// A bond closes; one that a step before has told of without an event has done so now.
     fn close(&mut self, index: usize, zero: (f64, f64)) {
-        if self.open[index].is_some() {
-            self.part(index, (self.leg.unwrap_or(zero.0), 0.0));
+        match (&mut self.open[index], self.leg) {
+            (Some(contact), Some(t)) if !contact.seen => self.part(index, (t, 0.0)),
+            (Some(contact), _) => return contact.begin(zero),
+            (None, _) => {}
         }
         self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
     }

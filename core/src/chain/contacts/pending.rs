@@ -54,6 +54,11 @@ impl Pending {
         Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((t, 0.0))) }
     }
 
+    /// Begins at this zero.
+    pub(super) fn begin(&mut self, zero: Instant) {
+        self.began = Some(zero);
+    }
+
     /// Takes the next stretch of its overlap and the impulse in it. Returns the contact that has
     /// turned out to be over.
     pub(super) fn press(&mut self, curve: &Curve, impulse: f64) -> Option<Contact> {
@@ -142,10 +147,12 @@ impl Pending {
             (Some(lull), None) => lull.faded(level).then_some([lull.from.0, lull.from.1, level]),
             (None, None) => None,
         };
+        let start = onset.map_or(f64::NEG_INFINITY, |[t, ..]| t);
         Contact {
             bond: self.bond,
             onset: onset.map(|[t, ..]| t),
-            release: release.map(|[t, ..]| t),
+            // The events of a contact that is rounding may be in any order.
+            release: release.map(|[t, ..]| t.max(start)),
             approach: onset.map(|[_, rate, _]| rate),
             separation: release.map(|[_, rate, _]| -rate),
             largest_overlap: self.largest.1,

@@ -13,6 +13,8 @@ struct Entry {
     overlap: f64,
     rate: f64,
     force: f64,
+    /// Acceleration by the forces of that kick.
+    acceleration: f64,
     /// The sum of kicks with half of the last one, and corrections.
     sum: f64,
     /// The part of it that pieces have told.
@@ -69,6 +71,7 @@ impl Log {
         let entry = &mut self.entries[bond];
         entry.force = force + if force > 0.0 { self.alpha * force / path.overlap * moved } else { 0.0 };
         (entry.overlap, entry.rate) = (path.overlap + moved, path.rate - 0.5 * kick * acceleration);
+        entry.acceleration = acceleration;
     }
 
     pub(super) fn event(&mut self, bond: usize, onset: bool, correction: Option<Correction>) {
@@ -91,7 +94,8 @@ impl Log {
         }
     }
 
-    /// After a kick at `time`.
+    /// After a kick at `time`. Not inlined: runs without a log are not to carry it along.
+    #[inline(never)]
     pub(super) fn step<S: BondFlow>(&mut self, flow: &S, time: f64) {
         self.pieces.clear();
         for bond in 0..self.entries.len() {
@@ -114,7 +118,12 @@ impl Log {
                 (hidden, Some((from, _)), Some((to, _))) if hidden > 0.0 => {
                     Curve::over((from, to), [(0.0, 0.0), (0.5, hidden), (1.0, 0.0)])
                 }
-                _ => cubic((before.overlap, before.rate), (entry.overlap, entry.rate), (time - self.h, time)),
+                _ => {
+                    // Processing moves rates by -(h^2/12) times the rate of the acceleration.
+                    let moved = self.h / 12.0 * (entry.acceleration - before.acceleration);
+                    let [start, end] = [before, *entry].map(|entry| (entry.overlap, entry.rate - moved));
+                    cubic(start, end, (time - self.h, time))
+                }
             };
             self.pieces.push(Piece { bond, onset, release, impulse: entry.sum - end - entry.told, curve: Some(curve) });
             entry.told = entry.sum - end;
