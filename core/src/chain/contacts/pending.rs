@@ -3,6 +3,10 @@
 use super::{Contact, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
+/// What follows a contact without a gap is another one only above this share of its largest overlap:
+/// positions are rounded too, and may be larger than overlaps. Chosen.
+const RIPPLE: f64 = 16.0 * ROUNDING;
+
 /// A time and the rate of the overlap then.
 type Instant = (f64, f64);
 
@@ -78,7 +82,7 @@ impl Pending {
             lull.next.grow(curve, impulse);
         }
         let (largest, second) = (self.largest.1, lull.next.largest.1);
-        if TOUCH * second > lull.least && second > ROUNDING * largest {
+        if TOUCH * second > lull.least && second > RIPPLE * largest {
             let next = lull.next.as_ref().clone();
             let over = std::mem::replace(self, next).without_next();
             self.fall(curve);
