@@ -24,7 +24,10 @@ const MOST: usize = 50;
 const NUMBERS: u64 = 4;
 
 /// Count of numbers per contact.
-const CONTACT: u64 = 7;
+const CONTACT: u64 = 10;
+
+/// Largest count of numbers of contacts that have not ended.
+const MOST_OPEN: u64 = 1000;
 
 fn settings(bytes: &[u8]) -> (String, &[u8]) {
     let cut = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
@@ -38,6 +41,7 @@ fn scene(json: &Value) -> Option<SceneFile> {
 fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
     let length = |pointer: &str| json.pointer(pointer).and_then(Value::as_u64).unwrap_or(1).min(MOST as u64);
     let (samples, profiles, contacts) = (length("/samples"), length("/profiles"), length("/contacts"));
+    let open = json.pointer("/open_contacts").and_then(Value::as_u64).unwrap_or(0).min(MOST_OPEN);
     // The state has the length that the scene needs, if known, so that the code after the check of
     // lengths is reached.
     let (sites, light) = scene(json).map_or((1, false), |file| {
@@ -58,6 +62,7 @@ fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
         array("profile_t", &[profiles]),
         array("profiles", &[profiles, dim]),
         array("contacts", &[contacts, CONTACT]),
+        array("open_contacts", &[open]),
     ];
     npz_with("settings.json", settings, &arrays).expect("an archive in memory")
 }

@@ -78,6 +78,7 @@ fn contacts_are_joined_over_legs() {
         let whole = felt(
             scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap().contacts,
         );
+        let mut worst = 0.0_f64;
         let over = |t: f64| whole.iter().any(|contact| contact.onset < Some(t) && contact.release > Some(t));
         assert!(over(8.0) && whole.len() > 12, "contacts go on over the end of a leg");
         for interval in [2.0, 0.1] {
@@ -91,17 +92,15 @@ fn contacts_are_joined_over_legs() {
             let contacts = felt(resumed.run(&folder, &mut |_| ()).unwrap().contacts);
             assert_eq!(contacts.len(), whole.len(), "{name}, legs of {interval}");
             for (a, b) in whole.iter().zip(&contacts) {
-                // An overlap that comes at no speed has no sharp time.
-                let product = |t: Option<f64>, speed: Option<f64>| t.unwrap_or(0.0) * speed.unwrap_or(0.0);
-                let numbers = |contact: &Contact| {
-                    let Contact { onset, release, approach, separation, largest_overlap, impulse, .. } = *contact;
-                    [product(onset, approach), product(release, separation), largest_overlap, impulse]
-                };
                 assert_eq!((a.bond, a.release.is_some()), (b.bond, b.release.is_some()));
-                let error = numbers(a).iter().zip(numbers(b)).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                let (numbers, others) = (a.numbers(), b.numbers());
+                let error = numbers.iter().zip(others).filter(|(x, _)| !x.is_nan()).map(|(x, y)| (x - y).abs());
+                let error = error.fold(0.0, f64::max);
+                worst = worst.max(error);
                 assert!(error < bound, "{name}, legs of {interval}: {a:?} {b:?}");
             }
         }
+        println!("{name}: {worst:.1e}");
     }
 }
 
@@ -154,8 +153,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 1", "\"version\": 2", "version", "read is hertzchain checkpoint, version 1"),
-        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 1"),
+        ("\"version\": 2", "\"version\": 3", "version", "read is hertzchain checkpoint, version 2"),
+        ("hertzchain checkpoint", "hertzchain branch", "version", "hertzchain branch, version 2"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),

@@ -454,7 +454,6 @@ fn the_sums_of_a_perturbed_wave_are_those_of_the_closed_form() {
     assert!(errors.iter().all(|error| *error < 1e-12) && methods < 1e-10, "{errors:?} {methods:e}");
 }
 
-
 /// Largest `E_x` of a perturbed `tw-q15` relative to its ansatz, and the changes of the mean strain
 /// of chain and ansatz, all under a constraint.
 fn under(constraint: Constraint, perturbed: &PerturbedWave, scene: &Scene) -> (f64, f64, f64) {

@@ -2,13 +2,14 @@
 //! come limits its windows.
 
 use crate::{
-    common::{collocated, distance, largest, truth},
+    common::{collocated, truth},
     properties::properties,
 };
 use hertzchain::{
     chain::{Boundary, Chain, Params, State},
     integrators::{Stepper, collocation::Pace},
     scene::{Scene, SceneFile},
+    study::{Struck as ChartStruck, deviation},
 };
 use proptest::{
     prelude::*,
@@ -17,8 +18,7 @@ use proptest::{
 use std::cell::RefCell;
 
 const TOLERANCES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-/// Relative size of a perturbation; runs that it is compared with are a million times finer.
-const PERTURBATION: f64 = 1e-7;
+/// The tolerance of the runs that others are held against.
 const FINE: f64 = 1e-12;
 /// Windows after which a run is given up: twenty times as many as any needs.
 const MOST_WINDOWS: u64 = 20_000;
@@ -60,32 +60,11 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Option<Outcome> {
     Some(Outcome { y, evaluations: run.stats().force_evaluations, stiffness })
 }
 
-/// How far a state is from a reference: relative to the largest position, or to the largest
-/// velocity.
-fn off(y: &[f64], reference: &[f64]) -> f64 {
-    let half = y.len() / 2;
-    let part = |a: &[f64], b: &[f64]| distance(a, b) / largest(b.iter().copied());
-    part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
-}
-
-/// The state with a perturbation of the velocities that are not small, each to a side that its
-/// number decides.
-fn perturbed(y: &[f64]) -> Vec<f64> {
-    let mut out = y.to_vec();
-    let velocities = &mut out[y.len() / 2..];
-    let size = largest(velocities.iter().copied());
-    for (i, v) in velocities.iter_mut().enumerate().filter(|(_, v)| v.abs() > 1e-3 * size) {
-        *v += if (i * i + 3 * i) % 7 < 3 { PERTURBATION } else { -PERTURBATION } * size;
-    }
-    out
-}
-
-/// How many times larger errors of velocities are at the end: those made at the start or half way,
-/// at least 1.
+/// How many times larger errors of velocities are at the end, see [`ChartStruck`].
 fn amplification(Struck { chain, y0, end }: &Struck) -> f64 {
-    let run = |y: &[f64], end: f64| run(chain, y, end, FINE).expect("a fine run ends").y;
-    let grown = |y: &[f64], end: f64| off(&run(&perturbed(y), end), &run(y, end)) / PERTURBATION;
-    grown(y0, *end).max(grown(&run(y0, 0.5 * end), 0.5 * end)).max(1.0)
+    let mut state = State::rest(chain);
+    state.as_mut_slice().copy_from_slice(y0);
+    ChartStruck::new(chain.clone(), state, *end).amplification().expect("fine runs end").0
 }
 
 fn struck() -> impl Strategy<Value = Struck> {
@@ -137,7 +116,7 @@ fn chains_at_rest_keep_loose_tolerances() {
             let outcome = run(chain, y0, *end, tol);
             prop_assert!(outcome.is_some(), "tol {tol:e} fails");
             let Outcome { y, evaluations, stiffness } = outcome.unwrap();
-            let ratio = off(&y, &reference.y) / (tol * amplification);
+            let ratio = deviation(&y, &reference.y) / (tol * amplification);
             let cost = evaluations as f64 / finer as f64;
             let worst = &mut worst.borrow_mut();
             **worst = [worst[0].max(ratio), worst[1].max(cost), worst[2].max(stiffness)];
@@ -198,7 +177,7 @@ fn a_contact_that_fades_ends() {
     let amplification = amplification(&case);
     for tol in (0..17).map(|k| 10_f64.powf(-1.0 - f64::from(k) / 8.0)) {
         let Some(outcome) = run(&case.chain, &case.y0, case.end, tol) else { panic!("tol {tol:e} does not end") };
-        let ratio = off(&outcome.y, &reference) / (tol * amplification);
+        let ratio = deviation(&outcome.y, &reference) / (tol * amplification);
         assert!(ratio < 3.0, "tol {tol:e}: {ratio} times what was asked for");
     }
 }
@@ -214,7 +193,7 @@ fn fine_runs_of_chains_at_rest_agree_with_the_regularised_run() {
         let mut state = State::rest(&chain);
         state.u_dot_mut()[100] = 1.0;
         let (y, _) = collocated(&chain, state.as_slice(), 20.0, Pace::Tolerance(FINE));
-        let error = off(&y, &truth(&chain, state.as_slice(), 20.0, 1e-14));
+        let error = deviation(&y, &truth(&chain, state.as_slice(), 20.0, 1e-14));
         println!("{alpha} {rho} {boundary:?}: {error:.1e}");
         assert!(error < 2.5e-11, "{alpha} {rho} {boundary:?}: {error:e}");
     }

@@ -1,4 +1,5 @@
-//! Contacts of chains: none is missed, none is spurious, and their logged data are correct.
+//! Contacts of chains: those that a run in small steps shows are found, none is spurious, and their
+//! logged data are correct.
 
 use crate::{
     common::{collocated, distance, largest},
@@ -58,7 +59,7 @@ fn watched(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<Contact> {
     let run = Dop853::new(Field::new(chain.clone()), y0, (0.0, end), Options::new(tol)).unwrap();
     let mut watch = Watch::new(run, Overlaps::new(chain.clone()), ContactLog::new(chain.clone()));
     drive(&mut watch, &mut Silent, &mut y0.to_vec()).unwrap();
-    watch.into_listener().contacts()
+    watch.into_listener().into_contacts().list()
 }
 
 /// The state at the end by DOP853 without treatment of events.

@@ -9,6 +9,7 @@ mod collocation;
 mod collocation_at_rest;
 mod collocation_cases;
 mod conserving;
+mod contact_times;
 mod contacts;
 mod corrected;
 mod corrected_tangent;

@@ -30,8 +30,7 @@ mod topology;
 
 pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
-pub use contacts::join;
-pub use contacts::{Contact, ContactLog, Overlaps};
+pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;

@@ -2,7 +2,7 @@
 
 use super::{Method, Run, Setting, method::start_logged};
 use crate::{
-    chain::{Contact, ContactLog, Energy, Overlaps, join, max_norm},
+    chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
     interrupt,
 };
@@ -185,7 +185,7 @@ pub struct Kept {
     /// Profiles so far.
     pub profiles: Vec<Profile>,
     /// Contacts, if a log was asked for.
-    pub contacts: Option<Vec<Contact>>,
+    pub contacts: Option<Contacts>,
     /// Work so far.
     pub stats: Stats,
     /// Wall time so far.
@@ -204,7 +204,7 @@ impl Kept {
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
-            contacts: run.contacts.then(Vec::new),
+            contacts: run.contacts.then(Contacts::default),
             stats: Stats::default(),
             wall: Duration::ZERO,
             sampling: Duration::ZERO,
@@ -248,12 +248,15 @@ impl<'a> Recorder<'a> {
     pub fn go_on(&mut self, method: Method, setting: Setting, end: f64) -> Result<std::result::Result<(), Failed>> {
         let (run, state, start) = (self.run, &self.kept.state, self.kept.t);
         let span = (start, end);
-        if self.kept.contacts.is_none() {
+        let Some(contacts) = self.kept.contacts.take() else {
             let mut stepper = method.start(run, state, span, setting)?;
             return Ok(self.leg(&mut stepper));
-        }
+        };
         let chain = &run.chain;
         let log = ContactLog::new(chain.clone());
+        // Contacts that are closed at the start of the run have no onset. Those that are closed at
+        // the start of a later leg had their onset in an earlier leg.
+        let log = if start > 0.0 { log.go_on(contacts, start) } else { log };
         let (result, log) = if let Some(run) = start_logged(method, run, state, span, setting)? {
             let mut logged = Logged { run, log };
             (self.leg(&mut logged), logged.log)
@@ -262,10 +265,7 @@ impl<'a> Recorder<'a> {
             let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), log);
             (self.leg(&mut watch), watch.into_listener())
         };
-        // Contacts that are closed at the start of the run have no onset. Those that are closed at
-        // the start of a later leg had their onset in an earlier leg.
-        let (before, after) = (self.kept.contacts.take().unwrap_or_default(), log.contacts());
-        self.kept.contacts = Some(if start > 0.0 { join(before, after, start) } else { after });
+        self.kept.contacts = Some(log.into_contacts());
         Ok(result)
     }
 
@@ -308,6 +308,7 @@ impl<'a> Recorder<'a> {
     pub fn trajectory(self, failure: Option<Failed>) -> Trajectory {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
+        let contacts = contacts.map(|contacts| contacts.list());
         let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
         Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, sampling, failure }
     }

@@ -14,7 +14,10 @@ use super::{
     sites::Bonds,
     system::{Links, Path, beside},
 };
-use crate::real::{Kernel, Real};
+use crate::{
+    events::Curve,
+    real::{Kernel, Real},
+};
 use std::ops::{Range, RangeInclusive};
 
 /// Bonds of a block, and those of its neighbours on either side that it takes along. 256 is chosen;
@@ -49,19 +52,20 @@ pub(crate) struct Left {
     pub(crate) ongoing: Option<Contact>,
 }
 
-/// What a contact did within one window.
+/// What a contact did in a part of a step; the parts of a contact come in order of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// The bond.
     pub bond: usize,
-    /// Onset in this window: time since its start, and `dg/dt` (to six digits and more).
+    /// Zero of the overlap with which the part begins: time since the start of the step, and
+    /// `dg/dt` (to six digits and more).
     pub onset: Option<(f64, f64)>,
-    /// Release in this window: time since its start, and `dg/dt`.
+    /// Zero with which it ends: time since the start of the step, and `dg/dt`.
     pub release: Option<(f64, f64)>,
     /// `int f dt`.
     pub impulse: f64,
-    /// Largest overlap.
-    pub largest: f64,
+    /// The overlap; `None` in a contact that was over before the step began.
+    pub curve: Option<Curve>,
 }
 
 /// How it went.
@@ -181,8 +185,9 @@ impl<const M: usize> Workspace<M> {
         if log && verdict.failure.is_none() {
             for (b, i) in own.zip(mine) {
                 let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
-                let piece = |contact: &Contact| bonds[i].piece_of(frame, contact, beside, b);
-                self.pieces.extend(bonds[i].contacts.found.iter().map(piece));
+                for contact in &bonds[i].contacts.found {
+                    bonds[i].pieces_of(frame, contact, beside, b, &mut self.pieces);
+                }
             }
         }
         verdict

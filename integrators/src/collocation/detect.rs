@@ -1,4 +1,5 @@
-//! Where an overlap changes its side within a window, with a certificate that nothing was missed.
+//! Where an overlap changes its side within a window, with a certificate that no change beyond the
+//! band was missed.
 
 use crate::events::root::bracketed;
 

@@ -267,14 +267,15 @@ impl<const M: usize> Bond<M> {
         slack.is_some()
     }
 
-    /// What a contact did in this window.
-    pub(crate) fn piece_of(
+    /// What a contact did in this window, panel by panel, appended.
+    pub(crate) fn pieces_of(
         &self,
         frame: &Frame<'_, M>,
         contact: &Contact,
         beside: [Beside<M>; 2],
         bond: usize,
-    ) -> Piece {
+        out: &mut Vec<Piece>,
+    ) {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
@@ -303,12 +304,14 @@ impl<const M: usize> Bond<M> {
             }
             (t, speed(t))
         };
-        Piece {
-            bond,
-            onset: begins.then(|| event(contact.onset, contact.panels.0)),
-            release: ends.then(|| event(contact.release, contact.panels.1)),
-            impulse: panels.iter().map(|panel| panel.impulse(rule)).sum(),
-            largest: panels.iter().map(|panel| panel.largest(rule)).fold(0.0, f64::max),
+        let first = out.len();
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        out.extend(panels.iter().map(|panel| piece(panel.impulse(rule), panel.curve(rule))));
+        if panels.is_empty() {
+            out.push(piece(0.0, None));
         }
+        let last = out.len() - 1;
+        out[first].onset = begins.then(|| event(contact.onset, contact.panels.0));
+        out[last].release = ends.then(|| event(contact.release, contact.panels.1));
     }
 }

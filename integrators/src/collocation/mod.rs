@@ -147,7 +147,8 @@ const MOST_PARTS: u32 = 1 << 10;
 
 /// A stepper that logs what contacts do.
 pub trait ContactStepper: Stepper<f64> {
-    /// Tells of every contact in the last step, and the time that those of a piece count from.
+    /// Tells what contacts did in the last step, part by part, and the time that times of a piece
+    /// count from.
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
 }
 
@@ -275,7 +276,7 @@ impl<C: ContactChain> Collocation<C> {
         })
     }
 
-    /// Keeps what every contact does, see [`pieces`](Self::pieces).
+    /// Keeps what contacts do, see [`pieces`](Self::pieces).
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.log = true;

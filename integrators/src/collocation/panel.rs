@@ -8,7 +8,7 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
 use super::{layout::Cuts, rule::Rule, system::Path};
-use crate::law::ContactLaw;
+use crate::{events::Curve, law::ContactLaw};
 
 /// What all bonds share in a window.
 #[derive(Clone, Debug)]
@@ -275,24 +275,13 @@ impl<const M: usize> Panel<M> {
         dot(&rule.weights, &times(&self.force, &self.rate))
     }
 
-    /// The largest overlap: of its interpolant, by golden sections about the largest of some
-    /// values.
-    pub(crate) fn largest(&self, rule: &Rule<M>) -> f64 {
-        let series = product(&rule.series, &self.overlap);
-        let at = |x: f64| {
-            let x = [x];
-            if M <= MONOMIAL { horner(&series, &x)[0] } else { clenshaw(&series, &x)[0] }
-        };
-        let grid = 4 * M as i32;
-        let point = |i: i32| (2.0 * f64::from(i) / f64::from(grid) - 1.0).clamp(-1.0, 1.0);
-        let best = (0..=grid).max_by(|&i, &j| at(point(i)).total_cmp(&at(point(j)))).unwrap_or(0);
-        let (mut a, mut b) = (point(best - 1), point(best + 1));
-        let ratio = 0.5 * (5f64.sqrt() - 1.0);
-        for _ in 0..40 {
-            let (c, d) = (b - ratio * (b - a), a + ratio * (b - a));
-            if at(c) > at(d) { b = d } else { a = c }
-        }
-        at(point(best)).max(at(0.5 * (a + b)))
+    /// The overlap, to be kept; `None` for a panel of no length.
+    pub(crate) fn curve(&self, rule: &Rule<M>) -> Option<Curve> {
+        let [start, end] = rule.ends.map(|row| dot(&row, &self.overlap));
+        let inner = rule.nodes.iter().zip(self.overlap).map(|(x, g)| (0.5 * (1.0 + x), g));
+        let points = std::iter::once((0.0, start)).chain(inner).chain([(1.0, end)]);
+        let sigma = [self.middle - self.half, self.middle + self.half];
+        (self.half != 0.0).then(|| Curve::new((self.origin, self.sign, self.q), sigma, points))
     }
 
     /// The last terms of the series of the impulses that the free part and the oscillating part

@@ -52,8 +52,8 @@ impl Site {
     }
 }
 
-/// The path of an overlap over a window of length `h`, and how far its sites are from the origin in
-/// it.
+/// The path of an overlap over a window of length `h`, and the largest value that its terms may
+/// have in it: a shift of the whole chain is in neither.
 #[inline(always)]
 pub(crate) fn overlap<C: ContactChain>(
     chain: &C,
@@ -62,16 +62,11 @@ pub(crate) fn overlap<C: ContactChain>(
     (sin, cos): (f64, f64),
     h: f64,
 ) -> (Path, f64) {
-    let largest = Cell::new(0.0);
-    let hi = chain.across(bond, |i| {
-        let [r, v, c, s] = sites[i].hi;
-        let reach = r.abs() + v.abs() * h + c.abs() + s.abs();
-        largest.set(if reach > largest.get() { reach } else { largest.get() });
-        sites[i].hi
-    });
+    let hi = chain.across(bond, |i| sites[i].hi);
     let lo = chain.across(bond, |i| sites[i].lo);
     let [r, v, c, s] = [hi[0] + lo[0], hi[1] + lo[1], hi[2] + lo[2], hi[3] + lo[3]];
-    ([chain.rest() + r, v, c * cos + s * sin, s * cos - c * sin], largest.get())
+    let largest = chain.rest() + r.abs() + v.abs() * h + c.abs() + s.abs();
+    ([chain.rest() + r, v, c * cos + s * sin, s * cos - c * sin], largest)
 }
 
 /// Whether the sites of a bond rest at the origin.

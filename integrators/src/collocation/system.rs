@@ -83,6 +83,6 @@ pub trait ContactChain: Send + Sync {
     /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its
     /// position and their rates.
     fn place(&self, parts: [f64; 4], site: usize, y: &mut [f64]);
-    /// Overlaps up to this are rounding of positions up to `largest`.
+    /// Overlaps up to this are rounding of an overlap whose terms are up to `largest`.
     fn dead_band(&self, largest: f64) -> f64;
 }

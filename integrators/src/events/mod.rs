@@ -23,12 +23,14 @@
 //! state. Without the band their changes of sign, which are rounding errors, would be events.
 
 mod bernstein;
+mod curve;
 mod linear_path;
 pub(crate) mod root;
 pub(crate) mod sides;
 mod watch;
 
 pub use bernstein::Polynomial;
+pub use curve::Curve;
 pub use linear_path::LinearPath;
 pub use watch::{Listener, Part, Watch};
 

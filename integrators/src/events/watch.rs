@@ -1,7 +1,7 @@
 //! A stepper that is searched for events.
 
 use super::{
-    Event, EventFunctions,
+    Curve, Event, EventFunctions,
     bernstein::{NODES, Polynomial},
     root::bracketed,
     sides::{Crossing, Sides},
@@ -29,8 +29,15 @@ pub struct Part<R> {
     pub span: (R, R),
     /// The function over the span, as a polynomial on `[0, 1]`.
     pub polynomial: Polynomial,
-    /// The dead band.
-    pub band: f64,
+}
+
+impl<R: Real> Part<R> {
+    /// The function over the span, to be kept.
+    pub fn curve(&self) -> Curve {
+        let span = (self.span.0.f64(), self.span.1.f64());
+        let x = |k: usize| k as f64 / (NODES - 1) as f64;
+        Curve::over(span, (0..NODES).map(|k| (x(k), self.polynomial.at(x(k)))))
+    }
 }
 
 /// A stepper whose steps are searched for events. Each step is sampled at eight times, all changes
@@ -95,8 +102,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         let start = std::mem::replace(&mut self.since[index], 0.0);
         let share = if start < 1.0 { (end - start) / (1.0 - start) } else { 1.0 };
         let polynomial = self.sides.polynomial(index).split(start).1.split(share).0;
-        let (span, band) = ((at(start), at(end)), self.sides.band(index));
-        self.listener.positive(&Part { index, span, polynomial, band });
+        self.listener.positive(&Part { index, span: (at(start), at(end)), polynomial });
     }
 
     /// The time of a crossing: a root of the sampled solution near the root of the polynomial.

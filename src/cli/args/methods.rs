@@ -57,9 +57,9 @@ pub(crate) struct RunArgs {
     /// Equally spaced times at which energy and strains are kept, up to 10^6; 0: the end only.
     #[arg(long, value_name = "K")]
     pub(crate) samples: Option<usize>,
-    /// Log every contact.
+    /// Log contacts.
     ///
-    /// Onset, release, speeds, largest overlap and impulse; totals in the summary, and with --out
+    /// Onset, release, speeds, largest overlap and its time, impulse; totals in the summary, and with --out
     /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,

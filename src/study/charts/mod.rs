@@ -13,7 +13,8 @@
 //! spring constant, another exponent, length or span. It runs over ten contact periods, at most
 //! 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`,
 //! or of tolerances. A run that would take more work than it may says so. Resonances of steps with
-//! periods, which a ladder may step over, have a chart of their own.
+//! periods, which a ladder may step over, have a chart of their own; so have long chains at rest that
+//! are struck, where contact collocation is held to loose tolerances.
 //!
 //! Measured on the built-in problem: kinetic splits lose stability where the oscillator says
 //! (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances; collocation at
@@ -26,13 +27,16 @@ mod report;
 mod measure;
 mod problem;
 mod resonances;
+mod struck;
 
 pub use measure::{BOUNDS, Limit, Measured, Trial, Verdict};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
+pub use struck::{Struck, StruckRun, StruckRuns, deviation};
 
 use super::{Changes, Study, Work, methods, scene};
 use crate::{
+    chain::Params,
     error::{Error, Result},
     output::Folder,
     run::method::{Contacts, Method, Split},
@@ -46,7 +50,7 @@ use std::time::{Duration, Instant};
 /// Length of runs in contact periods.
 const PERIODS: f64 = 10.0;
 /// The stores in the folder of results.
-const STORES: [&str; 2] = ["charts.store", "resonances.store"];
+const STORES: [&str; 3] = ["charts.store", "resonances.store", "struck.store"];
 /// Lengths of runs that may be asked for, in contact periods.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 /// Sites of the longest chain that may be asked for.
@@ -77,11 +81,15 @@ pub enum Chart {
     Time,
     /// (a) resonances of the exact linear flow, against amplitude.
     Resonances,
+    /// (f) long chains at rest that are struck: contact collocation, number of beads against
+    /// tolerance.
+    Struck,
 }
 
 impl Chart {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances];
+    pub const ALL: [Self; 7] =
+        [Self::Light, Self::Stiffness, Self::Alpha, Self::Length, Self::Time, Self::Resonances, Self::Struck];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -92,6 +100,7 @@ impl Chart {
             Self::Length => "length",
             Self::Time => "time",
             Self::Resonances => "resonances",
+            Self::Struck => "struck",
         }
     }
 
@@ -141,7 +150,7 @@ impl Chart {
                 })
                 .collect(),
             Self::Time => up_to(options.periods).map(|periods| Variant { periods: Some(periods), ..none }).collect(),
-            Self::Resonances => Vec::new(),
+            Self::Resonances | Self::Struck => Vec::new(),
         }
     }
 }
@@ -169,7 +178,7 @@ pub struct Charts {
 pub struct ChartOptions {
     /// Charts, separated by commas [default: all].
     ///
-    /// Of light, stiffness, alpha, length, time, resonances.
+    /// Of light, stiffness, alpha, length, time, resonances, struck.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
     pub charts: Vec<Chart>,
     /// Integrators, separated by commas, or all [default: all].
@@ -187,10 +196,10 @@ pub struct ChartOptions {
     pub work: f64,
     /// Number of sites.
     ///
-    /// Of the longest chain of the chart `length`, from 1 to 10^6.
+    /// Of the longest chain of the charts `length` and `struck`, from 1 to 10^6.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
     pub sites: usize,
-    /// A third of the points of light, stiffness and alpha, or fewer.
+    /// A third of the points of light, stiffness and alpha, or fewer; half of those of struck.
     #[cfg_attr(feature = "cli", arg(long))]
     pub quick: bool,
 }
@@ -267,6 +276,19 @@ pub struct ResonancePoint {
     pub resonance: Row<Option<Resonance>>,
 }
 
+/// A free chain at rest whose first bead is struck, by contact collocation.
+#[derive(Clone, Debug)]
+pub struct StruckPoint {
+    /// Number of beads.
+    pub sites: usize,
+    /// Exponent.
+    pub alpha: f64,
+    /// Mass ratio.
+    pub rho: f64,
+    /// What tolerances came to.
+    pub runs: Row<StruckRuns>,
+}
+
 /// The charts.
 #[derive(Clone, Debug)]
 pub struct ChartStudy {
@@ -282,6 +304,8 @@ pub struct ChartStudy {
     pub points: Vec<ChartPoint>,
     /// Scheme by scheme, in each multiple by multiple.
     pub resonances: Vec<ResonancePoint>,
+    /// Number of beads by number of beads.
+    pub struck: Vec<StruckPoint>,
     /// How many points were in the stores.
     pub resumed: usize,
     /// Wall time.
@@ -336,6 +360,32 @@ struct ResonancePlace<'a> {
     method: Method,
 }
 
+#[derive(Serialize)]
+struct StruckPlace {
+    sites: usize,
+    alpha: f64,
+    kappa: f64,
+    rho: f64,
+}
+
+/// The chains of the chart of struck chains, if it is asked for.
+fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) -> Vec<StruckPlace> {
+    if !options.charts().contains(&Chart::Struck) || !methods.contains(&Method::Collocation) {
+        return Vec::new();
+    }
+    let count = if options.quick { struck::SITES.len() / 2 } else { struck::SITES.len() };
+    let mut lengths: Vec<usize> = struck::SITES[..count].iter().copied().filter(|n| *n <= options.sites).collect();
+    if lengths.is_empty() {
+        lengths.push(options.sites.max(2));
+    }
+    let chains = |sites: usize| {
+        let kappa = problem.chain().kappa;
+        let of = move |alpha| struck::MASS_RATIOS.map(|rho| StruckPlace { sites, alpha, kappa, rho });
+        struck::EXPONENTS.into_iter().flat_map(of)
+    };
+    lengths.into_iter().flat_map(chains).collect()
+}
+
 /// Measures all points of the charts, on all cores. With a folder they are kept there as they are
 /// computed, and those that are there are not computed again. `progress` is told how many points
 /// are done of how many.
@@ -375,7 +425,8 @@ pub fn charts(
             }
         }
     }
-    let total = (places.len() + pressed.len()) as u64;
+    let struck = struck_places(problem, options, &tried);
+    let total = (places.len() + pressed.len() + struck.len()) as u64;
     let before = places.len() as u64;
     let swept =
         sweep(&places, open(STORES[0], "charts")?.as_mut(), &Threads, &|done, _| progress(done, total), |place| {
@@ -388,15 +439,25 @@ pub fn charts(
         &|done, _| progress(before + done, total),
         |place| resonances::resonance(problem, place.method, place.k, place.amplitude),
     )?;
-    let resumed = swept.resumed + found.resumed;
+    let before = before + pressed.len() as u64;
+    let held = sweep(
+        &struck,
+        open(STORES[2], "struck")?.as_mut(),
+        &Threads,
+        &|done, _| progress(before + done, total),
+        |&StruckPlace { sites, alpha, kappa, rho }| Struck::free(Params::new(alpha, kappa, rho)?, sites)?.measure(),
+    )?;
+    let resumed = swept.resumed + found.resumed + held.resumed;
     let point = |(Place { chart, variant, method, .. }, measured)| ChartPoint { chart, variant, method, measured };
     let resonance =
         |(ResonancePlace { method, k, amplitude, .. }, resonance)| ResonancePoint { method, k, amplitude, resonance };
+    let on_struck = |(StruckPlace { sites, alpha, rho, .. }, runs)| StruckPoint { sites, alpha, rho, runs };
     Ok(ChartStudy {
         work: options.work,
         problem: problem.clone(),
         points: places.into_iter().zip(swept.rows).map(point).collect(),
         resonances: pressed.into_iter().zip(found.rows).map(resonance).collect(),
+        struck: struck.into_iter().zip(held.rows).map(on_struck).collect(),
         resumed,
         wall: clock.elapsed(),
         charts: charted,

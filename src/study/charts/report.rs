@@ -1,8 +1,11 @@
 //! The charts of stability as people and machines read them.
 
+use super::struck::TOLERANCES;
+#[cfg(feature = "plot")]
+use super::struck::{EXPONENTS, MASS_RATIOS};
 use super::{
-    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, Trial, Variant, Verdict as ChartVerdict,
-    kick_sum,
+    BOUNDS, Chart, ChartPoint, ChartStudy, Limit, Measured, ResonancePoint, StruckPoint, Trial, Variant,
+    Verdict as ChartVerdict, kick_sum,
 };
 use crate::{
     error::Result,
@@ -25,8 +28,9 @@ impl Report for ChartStudy {
             "work": self.work,
             "points": self.points.iter().map(point_json).collect::<Vec<_>>(),
             "resonances": self.resonances.iter().map(resonance_json).collect::<Vec<_>>(),
+            "struck": self.struck.iter().map(struck_json).collect::<Vec<_>>(),
             "regimes": regimes(self).iter().map(Cheapest::json).collect::<Vec<_>>(),
-            "computed": self.points.len() + self.resonances.len() - self.resumed,
+            "computed": computed(self),
             "resumed": self.resumed,
             "wall_s": self.wall.as_secs_f64(),
             "machine": machine_json(),
@@ -48,7 +52,11 @@ impl Report for ChartStudy {
         );
         for &chart in &self.charts {
             text += &format!("\n{}\n\n", heading(chart));
-            text += &if chart == Chart::Resonances { resonances_table(self) } else { errors_table(self, chart) };
+            text += &match chart {
+                Chart::Resonances => resonances_table(self),
+                Chart::Struck => struck_table(self),
+                _ => errors_table(self, chart),
+            };
         }
         let regimes = regimes(self);
         if !regimes.is_empty() {
@@ -59,7 +67,7 @@ impl Report for ChartStudy {
         }
         text += &format!(
             "\n{} points computed, {} resumed, {:.1} s\n",
-            self.points.len() + self.resonances.len() - self.resumed,
+            computed(self),
             self.resumed,
             self.wall.as_secs_f64()
         );
@@ -84,6 +92,12 @@ impl Report for ChartStudy {
                 }
                 continue;
             }
+            if chart == Chart::Struck {
+                if !self.struck.is_empty() {
+                    pictures.push((format!("{name}.png"), crate::figures::maps(&struck_map(self))?));
+                }
+                continue;
+            }
             pictures.push((format!("{name}.png"), crate::figures::matrix(&error_matrix(self, chart))?));
             let maps: Vec<(String, String, crate::figures::CellMap)> = match chart {
                 Chart::Light => shown(self).iter().filter_map(|method| step_map(self, method)).collect(),
@@ -99,6 +113,11 @@ impl Report for ChartStudy {
         }
         Ok(pictures)
     }
+}
+
+/// How many points were not in the stores.
+fn computed(study: &ChartStudy) -> usize {
+    study.points.len() + study.resonances.len() + study.struck.len() - study.resumed
 }
 
 fn point_json(point: &ChartPoint) -> Value {
@@ -140,6 +159,24 @@ fn resonance_json(point: &ResonancePoint) -> Value {
     value
 }
 
+fn struck_json(point: &StruckPoint) -> Value {
+    let mut value = json!({"sites": point.sites, "alpha": point.alpha, "rho": point.rho});
+    match &point.runs {
+        Ok(measured) => {
+            value["until"] = json!(measured.until);
+            value["amplification"] = json!(measured.amplification);
+            let run = |run| {
+                let mut value = json!(run);
+                value["ratio"] = json!(measured.ratio(run));
+                value
+            };
+            value["runs"] = measured.runs.iter().map(run).collect();
+        }
+        Err(why) => value["refused"] = json!(why),
+    }
+    value
+}
+
 /// What a variant changes, by name.
 fn values(variant: &Variant) -> Vec<(&'static str, f64)> {
     let Variant { rho, kappa, alpha, amplitude, sites, periods } = *variant;
@@ -164,7 +201,7 @@ fn axes(chart: Chart) -> &'static [&'static str] {
         Chart::Alpha => &["alpha"],
         Chart::Length => &["sites"],
         Chart::Time => &["periods"],
-        Chart::Resonances => &[],
+        Chart::Resonances | Chart::Struck => &[],
     }
 }
 
@@ -184,6 +221,10 @@ fn csv_files(study: &ChartStudy) -> Vec<File> {
         let name = chart.name();
         if chart == Chart::Resonances {
             files.push((format!("{name}.csv"), resonances_csv(study)));
+            continue;
+        }
+        if chart == Chart::Struck {
+            files.push((format!("{name}.csv"), struck_csv(study)));
             continue;
         }
         files.push((format!("{name}.csv"), points_csv(study, chart)));
@@ -296,6 +337,60 @@ fn resonances_csv(study: &ChartStudy) -> Vec<u8> {
     text.into_bytes()
 }
 
+fn struck_csv(study: &ChartStudy) -> Vec<u8> {
+    let mut text = String::from("sites,alpha,rho,until,amplification,tol,error,ratio,windows,force_evaluations,why\n");
+    for point in &study.struck {
+        let StruckPoint { sites, alpha, rho, .. } = point;
+        match &point.runs {
+            Ok(measured) => {
+                for run in &measured.runs {
+                    let cells = [measured.until, measured.amplification, run.tol].map(|value| format!("{value:e}"));
+                    let errors = [cell(run.error), cell(measured.ratio(run))];
+                    let work = format!("{},{}", run.windows, run.force_evaluations);
+                    let why = if run.error.is_some() { "" } else { "failed" };
+                    let _ =
+                        writeln!(text, "{sites},{alpha},{rho},{},{},{work},{why}", cells.join(","), errors.join(","));
+                }
+            }
+            Err(why) => {
+                let _ = writeln!(text, "{sites},{alpha},{rho},,,,,,,,{}", why.replace(',', ";"));
+            }
+        }
+    }
+    text.into_bytes()
+}
+
+/// The cells of the chart of struck chains: number of beads, tolerance, and the largest error in
+/// units of tolerance times amplification over the chains of that length; `None` where a run
+/// failed.
+fn struck_cells(study: &ChartStudy) -> Vec<(usize, f64, Option<f64>)> {
+    let mut cells = Vec::new();
+    for points in study.struck.chunk_by(|a, b| a.sites == b.sites) {
+        for (k, &tol) in TOLERANCES.iter().enumerate() {
+            let ratio = |point: &StruckPoint| {
+                let measured = point.runs.as_ref().ok()?;
+                measured.ratio(&measured.runs[k])
+            };
+            let worst = points.iter().try_fold(0.0f64, |worst, point| Some(worst.max(ratio(point)?)));
+            cells.push((points[0].sites, tol, worst));
+        }
+    }
+    cells
+}
+
+fn struck_table(study: &ChartStudy) -> String {
+    let cells = struck_cells(study);
+    let names: Vec<String> = TOLERANCES.iter().map(|tol| format!("tol {tol:e}")).collect();
+    let head: Vec<&str> = ["N"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let word = |ratio: Option<f64>| ratio.map_or_else(|| "failed".to_owned(), |ratio| format!("{ratio:.0e}"));
+    let row = |cells: &[(usize, f64, Option<f64>)]| {
+        [cells[0].0.to_string()].into_iter().chain(cells.iter().map(|cell| word(cell.2))).collect()
+    };
+    let rows: Vec<Vec<String>> = cells.chunk_by(|a, b| a.0 == b.0).map(row).collect();
+    table(&head, &rows)
+        + "The largest error over all exponents and mass ratios, in units of tolerance times amplification: how many times larger the motion makes an error.\n"
+}
+
 /// Which method, at which step, for a variant.
 struct Cheapest {
     chart: Chart,
@@ -367,6 +462,9 @@ fn heading(chart: Chart) -> &'static str {
         }
         Chart::Resonances => {
             "resonances of schemes on the exact linear flow, one bead pressed between walls: width in h omega and growth a step"
+        }
+        Chart::Struck => {
+            "struck: error of collocation on free chains at rest whose first bead is struck, against the number of beads and the tolerance"
         }
     }
 }
@@ -555,7 +653,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         Chart::Alpha => ("Exponent of the contact force", "exponent α"),
         Chart::Length => ("Length of the chain", "number of sites N"),
         Chart::Time => ("Length of the run", "contact periods"),
-        Chart::Resonances => ("", ""),
+        Chart::Resonances | Chart::Struck => ("", ""),
     };
     crate::figures::Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
@@ -683,6 +781,37 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         caption: format!(
             "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the width in hω; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
             provenance(study)
+        ),
+    }
+}
+
+#[cfg(feature = "plot")]
+fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
+    let cells = struck_cells(study);
+    let mut x: Vec<f64> = cells.iter().map(|cell| cell.0 as f64).collect();
+    x.dedup();
+    let y: Vec<f64> = TOLERANCES.iter().rev().copied().collect();
+    let of = |sites: f64, tol: f64| cells.iter().find(|cell| cell.0 as f64 == sites && cell.1 == tol);
+    let (mut values, mut notes) = (Vec::new(), Vec::new());
+    for &tol in &y {
+        for &sites in &x {
+            let ratio = of(sites, tol).and_then(|cell| cell.2);
+            values.push(ratio.unwrap_or(0.0).max(if ratio.is_some() { f64::MIN_POSITIVE } else { 0.0 }));
+            notes.push(ratio.map_or_else(|| "failed".to_owned(), |ratio| format!("{ratio:.0e}").replace('-', "−")));
+        }
+    }
+    let label = ["number of beads N", "tolerance", "error/(tolerance × amplification)"].map(str::to_owned);
+    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    crate::figures::Maps {
+        title: "collocation: free chains at rest whose first bead is struck".to_owned(),
+        maps: vec![crate::figures::CellMap { labels: label, x, y, values, notes, lines: Vec::new() }],
+        caption: format!(
+            "The largest over α = {} and ρ = {}, κ = {}, until t = N/5; error of the state relative to its largest position or velocity, against tolerance 10⁻¹². \
+             Amplification: how many times larger the motion makes an error of velocities, made at the start or half way. hertzchain {}.",
+            list(&EXPONENTS),
+            list(&MASS_RATIOS),
+            study.problem.chain().kappa,
+            env!("CARGO_PKG_VERSION")
         ),
     }
 }

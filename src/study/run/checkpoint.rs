@@ -16,7 +16,7 @@
 //! Every member is checked by its CRC-32.
 
 use crate::{
-    chain::{Contact, Energy},
+    chain::{Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Array, Folder, npz_with, to_json},
     run::method::{Method, Setting},
@@ -34,7 +34,7 @@ use std::{
 pub(super) const FILE: &str = "checkpoint.npz";
 const SETTINGS: &str = "settings.json";
 const FORMAT: &str = "hertzchain checkpoint";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 const PROGRAM: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;
@@ -81,6 +81,8 @@ struct Settings {
     profiles: u64,
     /// `null` if they are not kept.
     contacts: Option<u64>,
+    /// Numbers that say what contacts that have not ended have done so far.
+    open_contacts: u64,
     steps: u64,
     rejected: u64,
     force_evaluations: u64,
@@ -187,6 +189,7 @@ impl LongRun {
         let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
             self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
+        let open = contacts.as_ref().map(Contacts::store_open).unwrap_or_default();
         let settings = Settings {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -201,7 +204,8 @@ impl LongRun {
             taken,
             samples: samples.len() as u64,
             profiles: profiles.len() as u64,
-            contacts: contacts.as_ref().map(|contacts| contacts.len() as u64),
+            contacts: contacts.as_ref().map(|contacts| contacts.ended.len() as u64),
+            open_contacts: open.len() as u64,
             steps,
             rejected,
             force_evaluations,
@@ -215,7 +219,8 @@ impl LongRun {
         let energies: Vec<f64> = energies.flatten().collect();
         let shape = [profiles.len() as u64, state.len() as u64];
         let states = profiles.iter().flat_map(|profile| &profile.state).copied();
-        let rows: Vec<_> = contacts.iter().flatten().map(Contact::numbers).collect();
+        let ended = contacts.iter().flat_map(|contacts| &contacts.ended);
+        let rows: Vec<_> = ended.map(Contact::numbers).collect();
         let arrays = [
             Array::vector("state", state.clone()),
             Array::vector("largest", vec![largest]),
@@ -224,6 +229,7 @@ impl LongRun {
             Array::vector("profile_t", profiles.iter().map(|profile| profile.t).collect()),
             Array { name: "profiles", shape: shape.to_vec(), values: states.collect() },
             Array { name: "contacts", shape: vec![rows.len() as u64, Contact::NUMBERS as u64], values: rows.concat() },
+            Array::vector("open_contacts", open),
         ];
         npz_with(SETTINGS, &to_json(&settings), &arrays)
     }
@@ -335,7 +341,10 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
             let rule = || format!("row {k}: a bond that can close, and times, speeds, overlap and impulse that can be");
             row.and_then(Contact::of_numbers).ok_or_else(|| file.refused("contacts", rule()))
         };
-        numbers.chunks_exact(Contact::NUMBERS).enumerate().map(contact).collect()
+        let ended = numbers.chunks_exact(Contact::NUMBERS).enumerate().map(contact).collect::<Result<_>>()?;
+        let open = file.array("open_contacts", &[settings.open_contacts])?;
+        let rule = "each is a bond that can close, and what its overlap has done";
+        Contacts::restore(chain, ended, &open).ok_or_else(|| file.refused("open_contacts", rule.to_owned()))
     });
     let profile_t = finite("profile_t", &[profiles])?;
     let states = finite("profiles", &[profiles, dim as u64])?;

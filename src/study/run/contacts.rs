@@ -8,8 +8,18 @@ use crate::{
 use serde::Serialize;
 
 /// The columns of the tables: the fields of a [`Contact`].
-const COLUMNS: [&str; Contact::NUMBERS] =
-    ["bond", "onset", "release", "approach", "separation", "largest_overlap", "impulse"];
+const COLUMNS: [&str; Contact::NUMBERS] = [
+    "bond",
+    "onset",
+    "release",
+    "approach",
+    "separation",
+    "largest_overlap",
+    "impulse",
+    "t_largest",
+    "onset_overlap",
+    "release_overlap",
+];
 
 /// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release
 /// after the end.
@@ -148,9 +158,14 @@ mod tests {
             separation: Some(0.3),
             largest_overlap: 2e-5,
             impulse: 0.25,
+            t_largest: 0.2,
+            onset_overlap: Some(0.0),
+            release_overlap: Some(2e-8),
         };
         let early = Contact { bond: 3, onset: None, approach: None, release: Some(7.0), impulse: 0.5, ..whole };
+        let early = Contact { onset_overlap: None, ..early };
         let late = Contact { release: None, separation: None, largest_overlap: 5e-5, ..whole };
+        let late = Contact { release_overlap: None, ..late };
         [early, whole, late]
     }
 
@@ -158,8 +173,9 @@ mod tests {
     fn the_csv_reads_back() {
         let text = String::from_utf8(contacts_csv(&three())).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "bond,onset,release,approach,separation,largest_overlap,impulse");
-        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1");
+        let columns = "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest";
+        assert_eq!(lines[0], format!("{columns},onset_overlap,release_overlap"));
+        assert_eq!(lines[1], "3,nan,7e0,nan,3e-1,2e-5,5e-1,2e-1,nan,2e-8");
         assert_eq!(lines.len(), 4);
         for (line, contact) in lines[1..].iter().zip(&three()) {
             let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();

@@ -4,7 +4,7 @@ use super::{
     bonds::{BondFlow, Correction},
     graze::Graze,
 };
-use crate::collocation::Piece;
+use crate::{collocation::Piece, events::Curve};
 
 /// One bond on its way.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,6 +13,8 @@ struct Entry {
     overlap: f64,
     rate: f64,
     force: f64,
+    /// Acceleration by the forces of that kick.
+    acceleration: f64,
     /// The sum of kicks with half of the last one, and corrections.
     sum: f64,
     /// The part of it that pieces have told.
@@ -28,8 +30,8 @@ struct Entry {
 ///
 /// The impulse of a contact is the sum of its kicks and corrections: the quadrature that moves the
 /// chain. Of one that goes on, half of the last kick counts, less `(h^2/12) f'`, the term of Euler
-/// and Maclaurin. The largest overlap is that of the cubics through overlaps and rates at the
-/// kicks.
+/// and Maclaurin. Between kicks the overlap is the cubic through overlaps and rates at both: times
+/// of largest overlaps have an error of order three.
 #[derive(Clone, Debug)]
 pub(super) struct Log {
     entries: Vec<Entry>,
@@ -69,6 +71,7 @@ impl Log {
         let entry = &mut self.entries[bond];
         entry.force = force + if force > 0.0 { self.alpha * force / path.overlap * moved } else { 0.0 };
         (entry.overlap, entry.rate) = (path.overlap + moved, path.rate - 0.5 * kick * acceleration);
+        entry.acceleration = acceleration;
     }
 
     pub(super) fn event(&mut self, bond: usize, onset: bool, correction: Option<Correction>) {
@@ -91,7 +94,8 @@ impl Log {
         }
     }
 
-    /// After a kick at `time`.
+    /// After a kick at `time`. Not inlined: runs without a log are not to carry it along.
+    #[inline(never)]
     pub(super) fn step<S: BondFlow>(&mut self, flow: &S, time: f64) {
         self.pieces.clear();
         for bond in 0..self.entries.len() {
@@ -108,16 +112,20 @@ impl Log {
             } else {
                 0.0
             };
-            let hidden = std::mem::take(&mut entry.hidden);
-            let largest = hidden.max(cubic_maximum((before.overlap, before.rate), (entry.overlap, entry.rate), self.h));
             let at = |event: Option<(f64, f64)>| event.map(|(at, rate)| (time + at, rate));
-            self.pieces.push(Piece {
-                bond,
-                onset: at(entry.onset.take()),
-                release: at(entry.release.take()),
-                largest,
-                impulse: entry.sum - end - entry.told,
-            });
+            let (onset, release) = (at(entry.onset.take()), at(entry.release.take()));
+            let curve = match (std::mem::take(&mut entry.hidden), onset, release) {
+                (hidden, Some((from, _)), Some((to, _))) if hidden > 0.0 => {
+                    Curve::over((from, to), [(0.0, 0.0), (0.5, hidden), (1.0, 0.0)])
+                }
+                _ => {
+                    // Processing moves rates by -(h^2/12) times the rate of the acceleration.
+                    let moved = self.h / 12.0 * (entry.acceleration - before.acceleration);
+                    let [start, end] = [before, *entry].map(|entry| (entry.overlap, entry.rate - moved));
+                    cubic(start, end, (time - self.h, time))
+                }
+            };
+            self.pieces.push(Piece { bond, onset, release, impulse: entry.sum - end - entry.told, curve: Some(curve) });
             entry.told = entry.sum - end;
             if !closed {
                 (entry.sum, entry.told) = (0.0, 0.0);
@@ -126,16 +134,10 @@ impl Log {
     }
 }
 
-/// The largest value, at least zero, on an interval of length `h` of the cubic with these values
-/// and slopes at its ends.
-fn cubic_maximum((g0, r0): (f64, f64), (g1, r1): (f64, f64), h: f64) -> f64 {
-    let ends = g0.max(g1).max(0.0);
-    if !(r0 > 0.0 && r1 < 0.0) {
-        return ends;
-    }
-    let (r0, r1, rise) = (r0 * h, r1 * h, g1 - g0);
-    let (b, c) = (3.0 * rise - 2.0 * r0 - r1, r0 + r1 - 2.0 * rise);
-    // The zero of r0 + 2 b s + 3 c s^2 between two slopes of different sign.
-    let s = r0 / (-b + (b * b - 3.0 * c * r0).max(0.0).sqrt());
-    if (0.0..=1.0).contains(&s) { ends.max(g0 + s * (r0 + s * (b + s * c))) } else { ends }
+/// The cubic with these values and slopes at the ends of a span.
+fn cubic((g0, r0): (f64, f64), (g1, r1): (f64, f64), (from, to): (f64, f64)) -> Curve {
+    let (h, rise) = (to - from, g1 - g0);
+    let (b, c) = (3.0 * rise - h * (2.0 * r0 + r1), h * (r0 + r1) - 2.0 * rise);
+    let at = |x: f64| (x, g0 + x * (h * r0 + x * (b + x * c)));
+    Curve::over((from, to), [(0.0, g0), at(1.0 / 3.0), at(2.0 / 3.0), (1.0, g1)])
 }

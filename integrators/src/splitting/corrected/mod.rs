@@ -277,8 +277,7 @@ impl<S: BondFlow> Corrected<S> {
         Ok(new)
     }
 
-    /// Keeps what every contact does, for [`ContactStepper::tell`]. To be called before the first
-    /// step.
+    /// Keeps what contacts do, for [`ContactStepper::tell`]. To be called before the first step.
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.log = Some(Log::new(&self.flow, self.h.value()));

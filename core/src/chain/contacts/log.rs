@@ -1,0 +1,181 @@
+//! The listener that turns events into contacts.
+
+use super::{
+    super::{
+        Chain, ContactLaw,
+        gauss::{self, gauss},
+    },
+    Contact, Overlaps, ROUNDING, in_order,
+    pending::Pending,
+};
+use hertzchain_integrators::{
+    Event, EventFunctions,
+    collocation::Piece,
+    events::{Curve, Listener, Part},
+    regularised::{TimeMap, power},
+};
+use std::ops::ControlFlow;
+
+/// A part whose overlap at an end is below this share of its largest one ends with an event.
+/// Chosen, not measured.
+const SINGULAR: f64 = 1e-6;
+
+/// The contacts of a run so far: those that have ended, and those under way with what is needed to
+/// go on in a later leg of the run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// Those that have ended, in the order in which they did.
+    pub ended: Vec<Contact>,
+    open: Vec<Pending>,
+}
+
+impl Contacts {
+    /// All contacts in the order of their onsets; those that were there at the start come first, by
+    /// bond. Contacts that are roundings of the largest one are left out.
+    pub fn list(&self) -> Vec<Contact> {
+        let open = self.open.iter().map(|contact| contact.finish(None));
+        let all: Vec<Contact> = self.ended.iter().copied().chain(open).collect();
+        let largest = all.iter().fold(0.0f64, |largest, contact| largest.max(contact.largest_overlap));
+        in_order(all.into_iter().filter(|contact| contact.largest_overlap > ROUNDING * largest).collect())
+    }
+
+    /// Those that have not ended, as numbers.
+    pub fn store_open(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.open.iter().for_each(|contact| contact.store(&mut numbers));
+        numbers
+    }
+
+    /// The contacts of a chain of which some have ended, and others are stored as numbers; `None`
+    /// for numbers that are not those of contacts.
+    pub fn restore(chain: &Chain<f64>, ended: Vec<Contact>, open: &[f64]) -> Option<Self> {
+        let (mut numbers, touching) = (open.iter().copied().peekable(), chain.touching());
+        let mut contacts = Self { ended, open: Vec::new() };
+        while numbers.peek().is_some() {
+            let contact = Pending::read(&mut numbers, true).filter(|contact| touching.contains(&contact.bond))?;
+            contacts.open.push(contact);
+        }
+        Some(contacts)
+    }
+}
+
+/// The listener that turns events into contacts.
+#[derive(Clone, Debug)]
+pub struct ContactLog {
+    overlaps: Overlaps<f64>,
+    law: ContactLaw<f64>,
+    q: u32,
+    rates: Vec<f64>,
+    /// The contact that each bond is in.
+    open: Vec<Option<Pending>>,
+    ended: Vec<Contact>,
+    /// When the leg began; `None` for the first of a run.
+    leg: Option<f64>,
+}
+
+impl ContactLog {
+    /// An empty log of a chain.
+    pub fn new(chain: Chain<f64>) -> Self {
+        let (law, overlaps) = (chain.law, Overlaps::new(chain));
+        let count = overlaps.count();
+        let q = power(law.alpha(), gauss::ORDER);
+        Self { overlaps, law, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new(), leg: None }
+    }
+
+    /// The log of a leg that goes on at time `t` where `contacts` end.
+    #[must_use]
+    pub fn go_on(mut self, contacts: Contacts, t: f64) -> Self {
+        let first = self.overlaps.bond(0);
+        for mut contact in contacts.open {
+            contact.seen = false;
+            let index = contact.bond - first;
+            self.open[index] = Some(contact);
+        }
+        (self.ended, self.leg) = (contacts.ended, Some(t));
+        self
+    }
+
+    /// Takes what a method says of a contact in a step that began at `start`: it needs no search.
+    pub fn take(&mut self, piece: &Piece, start: f64) {
+        if let Some((t, rate)) = piece.onset {
+            self.close(piece.bond, (start + t, rate));
+        }
+        if let Some(curve) = &piece.curve {
+            self.press(piece.bond, &curve.later(start), piece.impulse);
+        }
+        if let Some((t, rate)) = piece.release {
+            self.part(piece.bond, (start + t, rate));
+        }
+    }
+
+    /// The contacts at the end of a leg.
+    pub fn into_contacts(mut self) -> Contacts {
+        // One that only the leg before has seen is on the surface between the two, but for
+        // rounding, and ends there with no speed.
+        if let Some(t) = self.leg {
+            for index in 0..self.open.len() {
+                if self.open[index].as_ref().is_some_and(|contact| !contact.seen) {
+                    self.part(index, (t, 0.0));
+                }
+            }
+        }
+        Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect() }
+    }
+
+    /// A bond closes; one that a step before has told of without an event has done so now.
+    fn close(&mut self, index: usize, zero: (f64, f64)) {
+        match (&mut self.open[index], self.leg) {
+            (Some(contact), Some(t)) if !contact.seen => self.part(index, (t, 0.0)),
+            (Some(contact), _) => return contact.begin(zero),
+            (None, _) => {}
+        }
+        self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
+    }
+
+    /// A bond is closed.
+    fn press(&mut self, index: usize, curve: &Curve, impulse: f64) {
+        // One that no event began was there at the start, or is on the surface between two legs.
+        let (bond, leg) = (self.overlaps.bond(index), self.leg);
+        let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
+        self.ended.extend(contact.press(curve, impulse));
+    }
+
+    /// A bond opens.
+    fn part(&mut self, index: usize, zero: (f64, f64)) {
+        if let Some(contact) = self.open[index].take() {
+            self.ended.push(contact.finish(Some(zero)));
+        }
+    }
+
+    /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g`
+    /// vanishes.
+    fn impulse(&self, part: &Part<f64>, largest: f64) -> f64 {
+        let (polynomial, small) = (&part.polynomial, SINGULAR * largest);
+        let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
+        let share = TimeMap::new(1.0, end(0.0), end(1.0));
+        let force = |s: f64| share.rate(s) * self.law.force(polynomial.at(share.at(s)));
+        let [mean] = gauss(|s| [force(s)], 0.0, 1.0);
+        mean * (part.span.1 - part.span.0)
+    }
+}
+
+impl Listener<f64> for ContactLog {
+    fn positive(&mut self, part: &Part<f64>) {
+        let curve = part.curve();
+        let impulse = self.impulse(part, curve.range().1);
+        self.press(part.index, &curve, impulse);
+    }
+
+    fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
+        let mut rates = std::mem::take(&mut self.rates);
+        self.overlaps.rates(event.t, y, &[], &mut rates);
+        let zero = (event.t, rates[event.index]);
+        self.rates = rates;
+        if event.rising {
+            self.close(event.index, zero)
+        } else {
+            self.part(event.index, zero)
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,150 @@
+//! Contacts as events: when they begin and end, and what they did.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `g_n` | overlap of bond `n`, which lies to the left of site `n` |
+//! | `f_n` | contact force `(g_n)_+^alpha` |
+//! | `G` | the largest overlap of a contact |
+//! | onset, release | where a contact begins and ends, see [`Contact`] |
+//!
+//! Beads that touch at rest have no gap from which a contact could begin: ahead of a wave their
+//! overlap falls like a double exponential and is zero nowhere. What a method finds as its zero
+//! there is where its rounding, or its tolerance, ends. Onsets and releases are therefore zeros of
+//! the overlap only where it comes through zero, and crossings of a share of `G` elsewhere: the
+//! same for every method that is more accurate than that share.
+
+mod log;
+mod pending;
+
+pub use log::{ContactLog, Contacts};
+
+use super::Chain;
+use hertzchain_integrators::{EventFunctions, Real};
+
+/// Share of the largest overlap of a contact up to which its beads only touch. Chosen: errors of a
+/// method, in units of that overlap, come back a thousand times larger in times at which beads that
+/// touch begin to press.
+pub const TOUCH: f64 = 1e-3;
+
+/// Share of the mean rate up to [`TOUCH`] of its largest value that the overlap has at least at a
+/// zero through which it comes. Chosen: times of such zeros are then at most ten times as sensitive
+/// as those of that value.
+const STEEP: f64 = 0.1;
+
+/// Contacts whose largest overlap is below this share of the largest of the log are roundings.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The overlaps of all bonds that can close, as event functions.
+#[derive(Clone, Debug)]
+pub struct Overlaps<R> {
+    chain: Chain<R>,
+}
+
+impl<R: Real> Overlaps<R> {
+    /// The overlaps of a chain.
+    pub fn new(chain: Chain<R>) -> Self {
+        Self { chain }
+    }
+
+    /// The bond that function `index` stands for: the outer bonds of a free chain never close and
+    /// have none.
+    pub fn bond(&self, index: usize) -> usize {
+        self.chain.touching().start + index
+    }
+}
+
+impl<R: Real> EventFunctions<R> for Overlaps<R> {
+    fn count(&self) -> usize {
+        self.chain.touching().len()
+    }
+
+    fn values(&self, _t: R, y: &[R], g: &mut [R]) {
+        let u = self.chain.layout.u(y);
+        self.chain.across_bonds(self.chain.precompression, |i| u[i], g);
+    }
+
+    fn rates(&self, _t: R, y: &[R], _dy: &[R], rates: &mut [R]) {
+        let u_dot = self.chain.layout.u_dot(y);
+        self.chain.across_bonds(R::zero(), |i| u_dot[i], rates);
+    }
+
+    fn band(&self, y: &[R]) -> R {
+        self.chain.dead_band(self.chain.layout.u(y).iter().copied())
+    }
+}
+
+/// One contact of one bond, from onset to release.
+///
+/// With `G` the largest overlap, follow the overlap from there back to the last time `t` at which it
+/// has the value [`TOUCH`]` G`, and on to its zero at `t_0`. The onset is `t_0` if the overlap comes
+/// through zero: if its rate there is at least a tenth of the mean rate from `t_0` to `t`. Else the
+/// beads touched before they pressed, and the onset is `t`. The release is the same in time
+/// reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts if its
+/// least value between them is below [`TOUCH`] of the smaller of their largest ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The bond: `n` lies to the left of site `n`.
+    pub bond: usize,
+    /// When it began; `None` if it was there at the start.
+    pub onset: Option<f64>,
+    /// When it ended; `None` if it lasted to the end.
+    pub release: Option<f64>,
+    /// `dg/dt` at the onset.
+    pub approach: Option<f64>,
+    /// `-dg/dt` at the release.
+    pub separation: Option<f64>,
+    /// The largest overlap.
+    pub largest_overlap: f64,
+    /// The impulse, `int f dt`; what beads that touch press before the onset counts too.
+    pub impulse: f64,
+    /// When the overlap was largest.
+    pub t_largest: f64,
+    /// The overlap at the onset: zero, or [`TOUCH`] of the largest for beads that touched before.
+    pub onset_overlap: Option<f64>,
+    /// The overlap at the release: zero, or [`TOUCH`] of the largest for beads that touch after it.
+    pub release_overlap: Option<f64>,
+}
+
+impl Contact {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 10;
+
+    /// All of it, in the order of the fields; NaN for what there is not.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, .. } = *self;
+        let number = |number: Option<f64>| number.unwrap_or(f64::NAN);
+        let [onset, release, approach, separation] = [onset, release, approach, separation].map(number);
+        let [start, end] = [self.onset_overlap, self.release_overlap].map(number);
+        [bond as f64, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end]
+    }
+
+    /// The contact of these numbers; `None` if there is none.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
+        let [bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end] = *numbers;
+        let sound = bond.fract() == 0.0 && bond >= 0.0;
+        let finite = [largest_overlap, impulse, t_largest].iter().all(|number| number.is_finite());
+        let may_lack = [onset, release, approach, separation, start, end];
+        let known = may_lack.iter().all(|number| !number.is_infinite());
+        let [onset, release, approach, separation, onset_overlap, release_overlap] =
+            may_lack.map(|number| (!number.is_nan()).then_some(number));
+        (sound && finite && known).then_some(Self {
+            bond: bond as usize,
+            onset,
+            release,
+            approach,
+            separation,
+            largest_overlap,
+            impulse,
+            t_largest,
+            onset_overlap,
+            release_overlap,
+        })
+    }
+}
+
+/// By onset; those that were there at the start come first, by bond.
+fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
+    let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
+    contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));
+    contacts
+}

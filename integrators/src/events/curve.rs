@@ -1,0 +1,302 @@
+//! An overlap over a stretch of time, kept after the step that it comes from.
+
+use super::root::bracketed;
+
+/// Most nodes of a curve: those of a panel of contact collocation, and its two ends.
+const MOST: usize = 14;
+
+/// A function of time on a stretch: the polynomial in `x`, from 0 at its start to 1 at its end,
+/// through its values at some nodes. Time is `t = origin + sign sigma^q`, with a `sigma` that is
+/// linear in `x`.
+///
+/// The first node is the start, the last one the end. Levels are looked for between neighbouring
+/// nodes: what crosses a level twice between two of them does not cross it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    origin: f64,
+    sign: f64,
+    q: u32,
+    /// `sigma` at the start, and its change to the end.
+    sigma: [f64; 2],
+    count: usize,
+    x: [f64; MOST],
+    values: [f64; MOST],
+}
+
+impl Curve {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 6 + 2 * MOST;
+
+    /// The curve through points `(x, value)`, `x` ascending from 0 to 1, with the map of time
+    /// `(origin, sign, q)` and `sigma` at both ends.
+    ///
+    /// # Panics
+    /// Fewer than two points, or more than 14.
+    pub fn new(
+        (origin, sign, q): (f64, f64, u32),
+        [from, to]: [f64; 2],
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let (mut x, mut values, mut count) = ([0.0; MOST], [0.0; MOST], 0);
+        for point in points {
+            (x[count], values[count]) = point;
+            count += 1;
+        }
+        assert!(count > 1, "a curve has a start and an end");
+        Self { origin, sign, q, sigma: [from, to - from], count, x, values }
+    }
+
+    /// The curve over a stretch of time itself, through points `(x, value)`.
+    pub fn over((from, to): (f64, f64), points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new((from, 1.0, 1), [0.0, to - from], points)
+    }
+
+    /// The same, later by `by`.
+    #[must_use]
+    pub fn later(mut self, by: f64) -> Self {
+        self.origin += by;
+        self
+    }
+
+    fn x(&self) -> &[f64] {
+        &self.x[..self.count]
+    }
+
+    /// The values at the nodes.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.count]
+    }
+
+    /// Smallest and largest value at a node.
+    pub fn range(&self) -> (f64, f64) {
+        self.values().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+    }
+
+    /// The last value.
+    pub fn last(&self) -> f64 {
+        self.values[self.count - 1]
+    }
+
+    fn time(&self, x: f64) -> f64 {
+        let sigma = self.sigma[0] + self.sigma[1] * x;
+        self.origin + self.sign * sigma.powi(self.q as i32)
+    }
+
+    /// `d/dt` from `d/dx` at `x`. At the origin of a map, where time does not change with `x`, the
+    /// rate of the chord from the node nearest to it.
+    fn per_time(&self, by_x: f64, x: f64) -> f64 {
+        let sigma = self.sigma[0] + self.sigma[1] * x;
+        let pace = self.sign * f64::from(self.q) * sigma.powi(self.q as i32 - 1) * self.sigma[1];
+        if pace > 0.0 {
+            return by_x / pace;
+        }
+        let near = if x < 0.5 { 1 } else { self.count - 2 };
+        let here = if x < 0.5 { 0 } else { self.count - 1 };
+        (self.values[near] - self.values[here]) / (self.time(self.x[near]) - self.time(self.x[here]))
+    }
+
+    /// Whether it rises from node to node and goes on to rise at its end, by the parabola through
+    /// the last three nodes; with a margin, so that it does not turn in between.
+    fn climbs(&self) -> bool {
+        let values = self.values();
+        let Some([(a, ga), (b, gb), (c, gc)]) =
+            (self.count > 2).then(|| [3, 2, 1].map(|back| (self.x[self.count - back], values[self.count - back])))
+        else {
+            return false;
+        };
+        let [before, last] = [(gb - ga) / (b - a), (gc - gb) / (c - b)];
+        let end = last + (last - before) * (c - b) / (c - a);
+        end > 0.25 * last && values.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// When it is largest, and its value there.
+    pub fn largest(&self) -> (f64, f64) {
+        if self.climbs() {
+            return (self.time(1.0), self.last());
+        }
+        let values = self.values();
+        let k = (0..values.len()).max_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
+        let here = (self.time(self.x[k]), values[k]);
+        let rule = Barycentric::new(self.x());
+        let slopes = rule.slopes(values);
+        let next = if slopes[k] > 0.0 { k + 1 } else { k.wrapping_sub(1) };
+        if next >= values.len() || slopes[next] * slopes[k] >= 0.0 {
+            return here;
+        }
+        let ends = [k, next].map(|i| (self.x[i], slopes[i]));
+        let [a, b] = if next > k { ends } else { [ends[1], ends[0]] };
+        let x = bracketed(|x| rule.at(&slopes[..values.len()], x), a, b);
+        (self.time(x), rule.at(values, x).max(here.1))
+    }
+
+    /// When it first reaches a level from below, and its rate there; the start if it is above all
+    /// along.
+    pub fn rises_to(&self, level: f64) -> Option<(f64, f64)> {
+        let values = self.values();
+        match values.windows(2).position(|pair| pair[0] < level && pair[1] >= level) {
+            Some(k) => Some(self.crossing(level, k, k + 1)),
+            None => (values[0] >= level).then(|| self.crossing(level, 0, 0)),
+        }
+    }
+
+    /// When it last falls below a level, and its rate there; `None` if it does not end below.
+    pub fn falls_to(&self, level: f64) -> Option<(f64, f64)> {
+        let values = self.values();
+        if self.last() >= level {
+            return None;
+        }
+        let k = values.windows(2).rposition(|pair| pair[0] >= level && pair[1] < level)?;
+        Some(self.crossing(level, k, k + 1))
+    }
+
+    /// When it starts.
+    pub fn start(&self) -> f64 {
+        self.time(0.0)
+    }
+
+    /// Time, value and rate at its end; the rate is that of the chord from the node before.
+    pub fn end(&self) -> [f64; 3] {
+        let [(x, value), (_, last)] = [self.count - 2, self.count - 1].map(|k| (self.x[k], self.values[k]));
+        let t = self.time(1.0);
+        [t, last, (last - value) / (t - self.time(x))]
+    }
+
+    /// Time and rate where it has a level between two nodes, or at a node that is both.
+    fn crossing(&self, level: f64, from: usize, to: usize) -> (f64, f64) {
+        let (values, rule) = (self.values(), Barycentric::new(self.x()));
+        let value = |x: f64| rule.at(values, x) - level;
+        let ends = [from, to].map(|k| (self.x[k], values[k] - level));
+        let x = if from == to { self.x[from] } else { bracketed(value, ends[0], ends[1]) };
+        let slopes = rule.slopes(values);
+        (self.time(x), self.per_time(rule.at(&slopes[..values.len()], x), x))
+    }
+
+    /// All of it as numbers.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let mut numbers = [0.0; Self::NUMBERS];
+        let head = [self.origin, self.sign, f64::from(self.q), self.sigma[0], self.sigma[1], self.count as f64];
+        let (start, rest) = numbers.split_at_mut(head.len());
+        start.copy_from_slice(&head);
+        rest[..MOST].copy_from_slice(&self.x);
+        rest[MOST..].copy_from_slice(&self.values);
+        numbers
+    }
+
+    /// The curve of these numbers; `None` if there is none.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
+        let [origin, sign, q, from, by, count, rest @ ..] = *numbers;
+        let sound = numbers.iter().all(|number| number.is_finite())
+            && sign.abs() == 1.0
+            && q.fract() == 0.0
+            && (1.0..=64.0).contains(&q)
+            && count.fract() == 0.0
+            && (2.0..=MOST as f64).contains(&count)
+            && by != 0.0;
+        let (mut x, mut values) = ([0.0; MOST], [0.0; MOST]);
+        x.copy_from_slice(&rest[..MOST]);
+        values.copy_from_slice(&rest[MOST..]);
+        let curve = Self { origin, sign, q: q as u32, sigma: [from, by], count: count as usize, x, values };
+        (sound && curve.x().windows(2).all(|pair| pair[0] < pair[1])).then_some(curve)
+    }
+}
+
+/// Interpolation of values at given nodes, in barycentric form.
+struct Barycentric<'a> {
+    nodes: &'a [f64],
+    weights: [f64; MOST],
+}
+
+impl<'a> Barycentric<'a> {
+    fn new(nodes: &'a [f64]) -> Self {
+        let mut weights = [1.0; MOST];
+        for (j, weight) in weights.iter_mut().enumerate().take(nodes.len()) {
+            for (_, node) in nodes.iter().enumerate().filter(|(k, _)| *k != j) {
+                *weight /= nodes[j] - node;
+            }
+        }
+        Self { nodes, weights }
+    }
+
+    /// The interpolant of `values` at `x`.
+    fn at(&self, values: &[f64], x: f64) -> f64 {
+        let (mut above, mut below) = (0.0, 0.0);
+        for ((node, weight), value) in self.nodes.iter().zip(self.weights).zip(values) {
+            if x == *node {
+                return *value;
+            }
+            let share = weight / (x - node);
+            above += share * value;
+            below += share;
+        }
+        above / below
+    }
+
+    /// The derivative of the interpolant of `values` at the nodes.
+    fn slopes(&self, values: &[f64]) -> [f64; MOST] {
+        let mut slopes = [0.0; MOST];
+        for i in 0..self.nodes.len() {
+            for j in (0..self.nodes.len()).filter(|&j| j != i) {
+                let chord = (values[j] - values[i]) / (self.nodes[j] - self.nodes[i]);
+                slopes[i] -= self.weights[j] / self.weights[i] * chord;
+            }
+        }
+        slopes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `g(t)` on `[from, to]` at Chebyshev points of `sigma`, `t = sigma^q`.
+    fn curve(g: impl Fn(f64) -> f64, (from, to): (f64, f64), q: u32, count: usize) -> Curve {
+        let root = |t: f64| t.powf(1.0 / f64::from(q));
+        let [a, b] = [root(from), root(to)];
+        let x = |k: usize| (std::f64::consts::FRAC_PI_2 * k as f64 / (count - 1) as f64).sin().powi(2);
+        let points = (0..count).map(|k| (x(k), g((a + (b - a) * x(k)).powi(q as i32))));
+        Curve::new((0.0, 1.0, q), [a, b], points)
+    }
+
+    #[test]
+    fn levels_and_the_largest_value_are_where_they_are() {
+        // Truth: closed form; a parabola, and a force that begins like t^{3/2} in its own variable.
+        for (q, count) in [(1, 4), (1, 8), (1, 14), (2, 5), (2, 14)] {
+            let c = curve(|t| t * (2.0 - t), (0.25, 1.9), q, count);
+            let (t, g) = c.largest();
+            assert!((t - 1.0).abs() < 3e-14 && (g - 1.0).abs() < 2e-15, "{q} {count}: {t} {g}");
+            let (t, rate) = c.rises_to(0.75).unwrap();
+            assert!((t - 0.5).abs() < 3e-15 && (rate - 1.0).abs() < 3e-14, "{q} {count}: {t} {rate}");
+            let (t, rate) = c.falls_to(0.75).unwrap();
+            assert!((t - 1.5).abs() < 3e-15 && (rate + 1.0).abs() < 3e-14, "{q} {count}: {t} {rate}");
+            assert!(c.falls_to(0.1).is_none() && c.rises_to(1.5).is_none());
+            assert!((c.start() - 0.25).abs() < 1e-15 && (c.end()[0] - 1.9).abs() < 1e-15 && c.end()[2] < -1.0);
+            assert_eq!(Curve::of_numbers(&c.numbers()), Some(c));
+        }
+        let c = curve(|t| t - t * t.sqrt(), (0.0, 1.0), 2, 12).later(3.0);
+        assert!((c.largest().0 - 3.0 - 4.0 / 9.0).abs() < 1e-14 && (c.largest().1 - 4.0 / 27.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ends_count_as_they_are() {
+        // A function that only falls, and one that only rises.
+        let falls = curve(|t| 2.0 - t, (0.0, 1.0), 1, 6);
+        assert_eq!(falls.largest(), (0.0, 2.0));
+        assert_eq!(falls.rises_to(1.5).unwrap().0, 0.0);
+        let rises = curve(|t| t * t, (0.0, 1.0), 1, 6);
+        assert_eq!(rises.largest(), (1.0, 1.0));
+        assert!(rises.falls_to(0.5).is_none());
+        // At the origin of a map time does not move, and the rate is that of a chord.
+        let root = curve(|t| t, (0.0, 1.0), 2, 6);
+        assert!((root.rises_to(0.0).unwrap().1 - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn numbers_of_no_curve_are_refused() {
+        let good = curve(|t| t, (0.0, 1.0), 1, 4).numbers();
+        for (k, value) in [(0, f64::NAN), (1, 0.5), (2, 0.0), (2, 1.5), (4, 0.0), (5, 1.0), (5, 15.0), (7, -1.0)] {
+            let mut bad = good;
+            bad[k] = value;
+            assert!(Curve::of_numbers(&bad).is_none(), "{k} {value}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Long chains at rest that are struck, by contact collocation: what it makes of loose tolerances.
+//!
+//! Nothing in a chain at rest limits the first windows but contacts that are yet to come. An error
+//! is held against the tolerance times the *amplification*: how many times larger the motion makes
+//! an error of velocities by the end, from the start or from half way, at least 1.
+
+use crate::{
+    Run,
+    chain::{Boundary, Chain, Params, State, max_norm},
+    error::Result,
+    run::{
+        Records,
+        method::{Method, Setting},
+    },
+};
+use serde::{Deserialize, Serialize};
+
+/// Numbers of beads, and tolerances.
+pub(super) const SITES: [usize; 4] = [250, 500, 1000, 2000];
+pub(super) const TOLERANCES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+/// Exponents and mass ratios of the chains.
+pub(super) const EXPONENTS: [f64; 3] = [1.2, 1.5, 2.5];
+pub(super) const MASS_RATIOS: [f64; 2] = [0.0, 1.0];
+/// Time until which a chain of `N` beads runs, in units of `N`.
+const SPAN: f64 = 0.2;
+/// Relative size of a perturbation; runs that it is compared with are a million times finer.
+const PERTURBATION: f64 = 1e-7;
+/// The tolerance of the runs that others are held against.
+const FINE: f64 = 1e-12;
+
+/// A chain with a state that runs until a time.
+#[derive(Clone, Debug)]
+pub struct Struck {
+    run: Run,
+    end: f64,
+}
+
+/// What a tolerance came to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StruckRun {
+    /// The tolerance.
+    pub tol: f64,
+    /// The error at the end, see [`deviation`]; `None` for a run that failed.
+    pub error: Option<f64>,
+    /// Windows and force evaluations.
+    pub windows: u64,
+    /// Force evaluations.
+    pub force_evaluations: u64,
+}
+
+/// All tolerances on a chain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StruckRuns {
+    /// How long the runs are.
+    pub until: f64,
+    /// How many times larger an error is at the end.
+    pub amplification: f64,
+    /// A run for each tolerance.
+    pub runs: Vec<StruckRun>,
+}
+
+/// How far a state is from a reference: relative to the largest position, or to the largest
+/// velocity.
+pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
+    let half = y.len() / 2;
+    let part = |a: &[f64], b: &[f64]| max_norm(a.iter().zip(b).map(|(a, b)| a - b)) / max_norm(b.iter().copied());
+    part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
+}
+
+/// The state with a perturbation of the velocities that are not small, each to a side that its
+/// number decides.
+fn perturbed(state: &State<f64>) -> State<f64> {
+    let mut out = state.clone();
+    let half = state.as_slice().len() / 2;
+    let velocities = &mut out.as_mut_slice()[half..];
+    let size = max_norm(velocities.iter().copied());
+    for (i, v) in velocities.iter_mut().enumerate().filter(|(_, v)| v.abs() > 1e-3 * size) {
+        *v += if (i * i + 3 * i) % 7 < 3 { PERTURBATION } else { -PERTURBATION } * size;
+    }
+    out
+}
+
+impl Struck {
+    /// A chain with its state at rest, and some velocities, until a time.
+    pub fn new(chain: Chain<f64>, state: State<f64>, end: f64) -> Self {
+        Self { run: Run::new(chain, state).method(Method::Collocation).records(Records::End), end }
+    }
+
+    /// A free chain of which the first bead is struck.
+    pub(super) fn free(params: Params, sites: usize) -> Result<Self> {
+        let chain = Chain::new(params, Boundary::Free, sites)?;
+        let mut state = State::rest(&chain);
+        state.u_dot_mut()[0] = 1.0;
+        Ok(Self::new(chain, state, SPAN * sites as f64))
+    }
+
+    /// The state a time after `from`.
+    fn fine(&self, from: &State<f64>, time: f64) -> Result<State<f64>> {
+        let run = Run::new(self.run.chain().clone(), from.clone()).until(time)?.method(Method::Collocation);
+        let end = run.setting(Setting::Tolerance(FINE)).records(Records::End).start()?.complete()?.state;
+        let mut state = from.clone();
+        state.as_mut_slice().copy_from_slice(&end);
+        Ok(state)
+    }
+
+    /// How many times larger errors of velocities are at the end: those made at the start or half
+    /// way, at least 1; and the state at the end.
+    ///
+    /// # Errors
+    /// A fine run that fails.
+    pub fn amplification(&self) -> Result<(f64, State<f64>)> {
+        let start = self.run.initial();
+        let half = self.fine(start, 0.5 * self.end)?;
+        let end = self.fine(&half, 0.5 * self.end)?;
+        let grown = |from: &State<f64>, time: f64| -> Result<f64> {
+            Ok(deviation(self.fine(&perturbed(from), time)?.as_slice(), end.as_slice()) / PERTURBATION)
+        };
+        Ok((grown(start, self.end)?.max(grown(&half, 0.5 * self.end)?).max(1.0), end))
+    }
+
+    /// Runs every tolerance.
+    pub(super) fn measure(&self) -> Result<StruckRuns> {
+        let (amplification, end) = self.amplification()?;
+        let run = |&tol: &f64| -> Result<StruckRun> {
+            let trajectory = self.run.clone().until(self.end)?.setting(Setting::Tolerance(tol)).start()?;
+            let stats = trajectory.stats;
+            let error = trajectory.failure.is_none().then(|| deviation(&trajectory.state, end.as_slice()));
+            Ok(StruckRun { tol, error, windows: stats.steps, force_evaluations: stats.force_evaluations })
+        };
+        let runs = TOLERANCES.iter().map(run).collect::<Result<_>>()?;
+        Ok(StruckRuns { until: self.end, amplification, runs })
+    }
+}
+
+impl StruckRuns {
+    /// The error of a run in units of its tolerance times the amplification.
+    pub fn ratio(&self, run: &StruckRun) -> Option<f64> {
+        Some(run.error? / (run.tol * self.amplification))
+    }
+}
