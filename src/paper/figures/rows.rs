@@ -79,8 +79,8 @@ pub const FIGURES: &[Figure] = &[
                 WaveRun { tag: "q45", ..run("tw-breakdown-q45", 0.0) },
             ],
             columns: &[
-                column("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", 0, &[X, Y]),
-                column("q = 4π/5, ω_tw = ω + 0.009, t = 314", 1, &[X, Y]),
+                column("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", 0, &[X, Y, Errors]),
+                column("q = 4π/5, ω_tw = ω + 0.009, t = 314", 1, &[X, Y, Errors]),
             ],
         },
     },
