@@ -376,7 +376,7 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
         branch.points.iter().min_by(near).map(|point| (one.parameter, point.extent.k_x))
     };
     let bifurcations = Line::new("bifurcation", branch.bifurcations.iter().filter_map(at));
-    let panel = |kind, label: &str, lines| Panel::new(kind, [parameter.name(), label], lines);
+    let panel = |kind, label: &str, lines| Panel::new(kind, [parameter.symbol(), label], lines);
     let moduli = branch.points.iter().map(|point| (place(point), point.spectrum.largest()));
     let moduli = vec![Line::new("largest |λ|", moduli)];
     let amplitudes = vec![marks("stable", false), marks("unstable", true), bifurcations];
@@ -393,5 +393,5 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
         branch.points.len(),
         env!("CARGO_PKG_VERSION")
     );
-    Ok(panels(&Panels::column(format!("Branch of periodic orbits in {}", parameter.name()), plots, caption))?)
+    Ok(panels(&Panels::column(format!("Branch of periodic orbits in {}", parameter.symbol()), plots, caption))?)
 }

@@ -200,7 +200,7 @@ pub fn run_pictures(
     outcome: &Trajectory,
 ) -> Result<Vec<(&'static str, Vec<u8>)>> {
     use crate::figures;
-    let how = format!("Integrator {integrator}, {setting}.");
+    let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
