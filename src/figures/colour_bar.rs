@@ -67,9 +67,9 @@ impl ColourBar {
         }
         canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
         let middle = (strip.y0 + strip.y1) / 2.0;
-        for (k, line) in self.label.iter().rev().enumerate() {
-            let at = edge - 0.25 * LABEL - LINE * k as f64;
-            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 1.0))?;
+        for (k, line) in self.label.iter().enumerate() {
+            let at = strip.x1 + 16.0 + self.axis.label_width() + LINE * k as f64;
+            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 0.0))?;
         }
         Ok(())
     }

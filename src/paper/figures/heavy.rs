@@ -100,7 +100,7 @@ pub(super) fn bright_caption(study: &BrightStudy) -> String {
     );
     format!(
         "u(0) = 2ε a², v(0) = 0, at rest (ini_num); {}. T = 2π/ω₀ = {:.4}, T ε^(1−α) = {:.3}, T_b = {:.4}. Squares, stars, crosses: t = 0, 30 T_b = {:.2}, 80 T = {:.1}. \
-         Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), (diff_v_l1norm) at multiples of T_b. At 30 T_b: {}. Where the curves end, at {:.1}: {}. Between multiples of T_b they are higher: at most {} up to T ε^(1−α); at 80 T {}. {left}. \
+         Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), (diff_v_l1norm) at multiples of T_b. At 30 T_b: {}. Where the curves end, at {:.1}: {}. Other times are other phases: at most {} up to T ε^(1−α); at 80 T {}. {left}. \
          Integrator {}. {}.",
         chain_words(&study.scene, breather.epsilon()),
         breather.slow_period(),

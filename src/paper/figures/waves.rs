@@ -4,7 +4,7 @@ use super::INTEGRATOR;
 use crate::{
     chain::Params,
     error::Result,
-    number::written,
+    number::{of_pi, written},
     run::method::Method,
     scene::Scene,
     study::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
@@ -141,10 +141,10 @@ pub(super) fn waves_caption(columns: &[WaveColumn], runs: &[(&WaveRun, WaveStudy
 fn run_words(run: &WaveRun, study: &WaveStudy) -> String {
     let (wave, scene) = (&study.wave, &study.scene);
     let mut text = format!(
-        "{}: ρ = {}, q = {} π, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw; E_x, E_y {}. ",
+        "{}: ρ = {}, q = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw; E_x, E_y {}. ",
         run.scene,
         written(wave.params().rho),
-        shown(wave.shape().q / PI),
+        of_pi(wave.shape().q),
         shown(wave.epsilon()),
         decimals(wave.omega_tw()),
         decimals(wave.params().omega()),

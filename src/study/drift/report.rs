@@ -120,8 +120,9 @@ fn picture(study: &DriftStudy) -> Result<Vec<u8>> {
     };
     let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
                the curves say how large errors get, not by which law they grow.";
+    let periods = if study.periods < 1e4 { study.periods.to_string() } else { format!("{:e}", study.periods) };
     let figure = WorkPrecision {
-        title: format!("{}: error of the energy over {:e} periods", study.scene.name(), study.periods),
+        title: format!("{}: error of the energy over {} periods", study.scene.name(), periods),
         work_label: format!("time t (dimensionless; a period is {:.4})", study.scene.period()),
         error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
         curves: study.rows.iter().enumerate().map(curve).collect(),
