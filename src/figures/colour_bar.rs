@@ -57,7 +57,8 @@ impl ColourBar {
         canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, &pixels)?;
         canvas.border(&strip, INK)?;
         if self.beyond {
-            let tip = [(strip.x0, strip.y0 - 1.0), (strip.x1, strip.y0 - 1.0), (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP)];
+            let tip =
+                [(strip.x0, strip.y0 - 1.0), (strip.x1, strip.y0 - 1.0), (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP)];
             canvas.polygon(&tip, BEYOND)?;
         }
         for (place, label) in &self.axis.ticks {

@@ -159,7 +159,10 @@ mod tests {
             ("ρ ε^(2(α−1)) and |λ|^m", "ρ ε[2(α−1)] and |λ|[m]"),
             ("x^-2", "x[−2]"),
             ("tol 1e-9, 2.5e7; 2.494e0", "tol 10[−9], 2.5·10[7]; 2.494"),
-            ("fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b", "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b"),
+            (
+                "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b",
+                "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b",
+            ),
             ("a_, ^, e^(2, 3e, 0.1.0e5, v2e3, T_long", "a_, ^, e^(2, 3e, 0.1.0e5, v2e3, T_long"),
             ("", ""),
         ] {

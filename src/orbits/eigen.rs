@@ -277,7 +277,9 @@ mod tests {
                 b[(k, k)] += delta * (re + spread);
                 b[(k + 1, k + 1)] += delta * (re - spread);
                 (b[(k, k + 1)], b[(k + 1, k)]) = (delta * im, -delta * im);
-                truth.extend([1.0, -1.0].map(|sign| Complex::new(1.0 + delta * (re + sign * spread), delta * sign * im)));
+                truth.extend(
+                    [1.0, -1.0].map(|sign| Complex::new(1.0 + delta * (re + sign * spread), delta * sign * im)),
+                );
             }
             let a = &turn * b * &turn;
             let off = apart(eigenvalues(&a).unwrap(), &truth);

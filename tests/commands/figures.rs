@@ -560,7 +560,7 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
         let figure = SpaceTime { signed: false, most, ..map(vec![0.0, 0.2, 0.4, 1.0], 2) };
         let (pixels, _) = decode(&space_time(&figure).unwrap());
         let places = (0..pixels.len()).filter(|&k| pixels[k] == [BEYOND.0, BEYOND.1, BEYOND.2]);
-        places.partition::<Vec<usize>, _>(|k| k % (SIZE.0 as usize) < 1000)
+        places.partition::<Vec<usize>, _>(|k| k % (SIZE.0 as usize) < 1070)
     };
     let (on_map, on_bar) = marked(Some(0.5));
     // A quarter of the map, and a triangle of 22 by 12 pixels.

@@ -381,10 +381,14 @@ mod pictures {
         let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());
         let contour = |x: f64| {
             let epsilons = (0..=400).map(|k| first * (last / first).powf(f64::from(k) / 400.0));
-            line(format!("x = {x}"), epsilons.map(|epsilon| (epsilon, x * RhoLaw::Heavy.rho(study.options.alpha, epsilon))))
+            line(
+                format!("x = {x}"),
+                epsilons.map(|epsilon| (epsilon, x * RhoLaw::Heavy.rho(study.options.alpha, epsilon))),
+            )
         };
         let fate = |point: &LifetimePoint| point.life.as_ref().ok().map(|life| life.fate);
-        let cells = |wanted: &dyn Fn(&LifetimePoint) -> bool| (0..points.len()).filter(|&k| wanted(points[k])).collect();
+        let cells =
+            |wanted: &dyn Fn(&LifetimePoint) -> bool| (0..points.len()).filter(|&k| wanted(points[k])).collect();
         let decoupled = |point: &LifetimePoint| fate(point) == Some(Fate::Decouples);
         let longer = |point: &LifetimePoint| !decoupled(point) && lifetime(study, point).is_some_and(|(_, open)| open);
         let apart: Vec<(String, Vec<usize>)> = vec![

@@ -289,7 +289,8 @@ mod pictures {
         let range = study.t.iter().zip(spreads).map(|(&t, spread)| (t, 100.0 * spread.low, 100.0 * spread.high));
         let period = study.scene.period();
         let whole = |t: f64| (t / period - (t / period).round()).abs() < 1e-6;
-        let band = Band { name: format!("range of {count} seeds"), points: range.filter(|point| whole(point.0)).collect() };
+        let band =
+            Band { name: format!("range of {count} seeds"), points: range.filter(|point| whole(point.0)).collect() };
         let mut lines = vec![own, line("median", percents(study, &median))];
         lines.iter_mut().for_each(|line| line.points.retain(|point| whole(point.0)));
         Panel { bands: vec![band], ..in_time(name, lines) }

@@ -501,7 +501,8 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
         ("amplitude", "A", study.problem.amplitude()),
     ];
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
-    let words: Vec<String> = fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
+    let words: Vec<String> =
+        fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
     format!("Scene {}: {}. hertzchain {}.", study.problem.name(), words.join(", "), env!("CARGO_PKG_VERSION"))
 }
 
@@ -536,8 +537,7 @@ fn note(point: &ChartPoint) -> String {
 fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
-        let words: Vec<String> =
-            place(chart, variant).into_iter().map(plain).collect();
+        let words: Vec<String> = place(chart, variant).into_iter().map(plain).collect();
         words.join(", ")
     };
     let (mut values, mut notes) = (Vec::new(), Vec::new());
@@ -667,18 +667,12 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         study.resonances.iter().filter(|point| Some(&point.method) == methods.first()).collect();
     let found = |point: &ResonancePoint| point.resonance.as_ref().ok().cloned().flatten();
     let note = |point: &ResonancePoint| {
-        found(point).map_or_else(
-            || "–".to_owned(),
-            |found| format!("{:.1}", found.growth.log10()).replace('-', "−"),
-        )
+        found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
     crate::figures::Matrix {
         title: "Resonances of the exact linear flow near hω = kπ: growth a step".to_owned(),
         rows: methods.iter().map(Method::name).collect(),
-        columns: first
-            .iter()
-            .map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude)))
-            .collect(),
+        columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
         labels: ["multiple k of π and static overlap A".to_owned(), "growth a step, ln |λ|".to_owned()],
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),

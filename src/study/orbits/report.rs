@@ -292,7 +292,11 @@ fn branch_table(branch: &Branch) -> String {
 fn gaps(branch: &Branch) -> String {
     let places: Vec<String> = branch.gaps.iter().map(|p| format!("{p:.8}")).collect();
     let name = branch.continuation.parameter.name();
-    if places.is_empty() { String::new() } else { format!("orbits without multipliers at {name} = {}\n", places.join(", ")) }
+    if places.is_empty() {
+        String::new()
+    } else {
+        format!("orbits without multipliers at {name} = {}\n", places.join(", "))
+    }
 }
 
 /// `branch.csv`: every point with its leading moduli.

@@ -205,7 +205,8 @@ pub fn run_pictures(
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
-        let clipped = if clips { format!("; magenta: gaps beyond {}", crate::number::shown(range)) } else { String::new() };
+        let clipped =
+            if clips { format!("; magenta: gaps beyond {}", crate::number::shown(range)) } else { String::new() };
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),

@@ -4,8 +4,8 @@ use super::{DoublingData, FloquetData, MassRatioData, OrbitData, ProfileData};
 use crate::{
     chain::max_norm,
     dps::Center,
-    orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     number::written,
+    orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
     study::{Branch, Evolution, OrbitStudy, branch_csv, center_word, evolution_csv, shown, swing_csv},
@@ -328,7 +328,7 @@ fn mass_ratios_words(all: &[MassRatioData]) -> String {
             strongest_words(&last.spectrum)
         )
     };
-    "Moduli of all multipliers; a branch begins where ω = ω_b/1.004, since no dark breather has a frequency below ω. ".to_owned()
+    "Moduli of all multipliers; number and size of the quartets depend on the length of the ring. A branch begins where ω = ω_b/1.004, since no dark breather has a frequency below ω. ".to_owned()
         + &all.iter().map(words).collect::<Vec<_>>().join("; ")
 }
 
