@@ -25,8 +25,8 @@ pub struct SpaceTime {
     pub first_site: f64,
     /// Times of the first and of the last row; the others are evenly spaced between them.
     pub times: (f64, f64),
-    /// Largest value on the scale of colours, if there is one; larger values have one colour, that
-    /// of the tip above the colour bar.
+    /// Upper end of the scale of colours, if it is given; larger values have one colour, that of the
+    /// tip above the colour bar.
     pub most: Option<f64>,
     /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
     /// colours run from dark to light.
@@ -86,7 +86,8 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
 /// The values at the ends of the colour bar.
 fn range(figure: &SpaceTime) -> (f64, f64) {
     let most = figure.most.unwrap_or(f64::INFINITY);
-    let (lo, hi) = range_with_zero(figure.values.iter().filter(|value| usable(**value)).map(|value| value.min(most)));
+    let within = figure.values.iter().copied().filter(|&value| usable(value) && value <= most);
+    let (lo, hi) = range_with_zero(within.chain(figure.most));
     if figure.signed {
         let most = hi.max(-lo);
         (-most, most)

@@ -85,8 +85,11 @@ fn script(letters: &[char], at: usize) -> Option<(Level, String, usize)> {
         (Level::Super, '(') => enclosed('(', ')'),
         (Level::Super, first) => {
             let sign = usize::from("-−+".contains(*first));
-            let length = word(sign);
-            (length > 0).then(|| (level, signed(&rest[..sign + length]), at + 1 + sign + length))
+            let mut end = sign + word(sign);
+            if rest.get(end) == Some(&'.') && end > sign {
+                end += if word(end + 1) > 0 { 1 + word(end + 1) } else { 0 };
+            }
+            (end > sign).then(|| (level, signed(&rest[..end]), at + 1 + end))
         }
         _ => {
             let length = word(0);
@@ -157,7 +160,7 @@ mod tests {
             ("t = 10 T_tw.", "t = 10 T<tw>."),
             ("a_{n+1}^2", "a<n+1>[2]"),
             ("ρ ε^(2(α−1)) and |λ|^m", "ρ ε[2(α−1)] and |λ|[m]"),
-            ("x^-2", "x[−2]"),
+            ("x^-2 ε^1.5 10^6.", "x[−2] ε[1.5] 10[6]."),
             ("tol 1e-9, 2.5e7; 2.494e0", "tol 10[−9], 2.5·10[7]; 2.494"),
             (
                 "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b",

@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// The largest distance of an eigenvalue from the nearest of `truth`, each of which counts once.
+    /// The largest distance of an entry of `truth` from the nearest eigenvalue; each counts once.
     fn apart(mut found: Vec<Complex<f64>>, truth: &[Complex<f64>]) -> f64 {
         assert_eq!(found.len(), truth.len());
         let nearest = |value: &Complex<f64>| {
