@@ -213,6 +213,15 @@ fn profiles_words(all: &[ProfileData]) -> String {
     seed.to_owned() + &all.iter().map(words).collect::<Vec<_>>().join(". ")
 }
 
+/// The number of orbits of a branch, such as “110 orbits”.
+fn orbits_word(branch: &Branch) -> String {
+    let gaps = match branch.gaps.len() {
+        0 => String::new(),
+        gaps => format!(" and {gaps} without multipliers, which are left out"),
+    };
+    format!("{} orbits{gaps}", branch.points.len())
+}
+
 fn bifurcation_words(all: &[Bifurcation]) -> String {
     let word = |kind| match kind {
         BifurcationKind::PeriodDoubling => "through −1",
@@ -234,9 +243,9 @@ fn floquet_words(all: &[FloquetData], zoom: Option<f64>) -> String {
     let words = |one: &FloquetData| {
         let points = &one.branch.points;
         format!(
-            "{}: {} orbits, K_x from {} to {}; at the one frequency largest |λ| {}, symplectic defect {}{}",
+            "{}: {}, K_x from {} to {}; at the one frequency largest |λ| {}, symplectic defect {}{}",
             family(one.center),
-            points.len(),
+            orbits_word(&one.branch),
             shown(points[0].extent.k_x),
             shown(points[points.len() - 1].extent.k_x),
             strongest_words(&one.one.spectrum),
@@ -319,10 +328,10 @@ fn mass_ratios_words(all: &[MassRatioData]) -> String {
         let points = &one.branch.points;
         let last = &points[points.len() - 1];
         format!(
-            "ω_b = {}, {}: {} orbits, ρ from {} to {}, there {}",
+            "ω_b = {}, {}: {}, ρ from {} to {}, there {}",
             one.omega_b,
             center_word(one.center),
-            points.len(),
+            orbits_word(&one.branch),
             shown(points[0].orbit.setting.get(Parameter::Rho)),
             shown(last.orbit.setting.get(Parameter::Rho)),
             strongest_words(&last.spectrum)
