@@ -31,6 +31,22 @@ pub(crate) fn written(x: f64) -> String {
     fraction.unwrap_or_else(|| shown(x))
 }
 
+/// An angle as a multiple of pi, as a fraction where it is one to rounding: `4π/5`, `0.3183 π`.
+pub(crate) fn of_pi(angle: f64) -> String {
+    let share = angle / std::f64::consts::PI;
+    let fraction = (1..=12).map(f64::from).find_map(|q| {
+        let p = (share * q).round();
+        ((p / q - share).abs() < 1e-14 && p != 0.0).then_some((p, q))
+    });
+    match fraction {
+        None => format!("{} π", shown(share)),
+        Some((p, q)) => {
+            let p = if p.abs() == 1.0 { p.to_string().replace('1', "") } else { p.to_string() };
+            if q == 1.0 { format!("{p}π") } else { format!("{p}π/{q}") }
+        }
+    }
+}
+
 /// A number to four digits, with a power of ten where it is very large or small.
 pub(crate) fn shown(x: f64) -> String {
     if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) {
@@ -68,6 +84,15 @@ pub(crate) fn signed(text: &str) -> Result<i64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_are_fractions_of_pi() {
+        use std::f64::consts::PI;
+        let cases = [(0.2 * PI, "π/5"), (0.8 * PI, "4π/5"), (-PI, "-π"), (2.0 * PI, "2π"), (1.0, "0.3183 π")];
+        for (angle, text) in cases {
+            assert_eq!(of_pi(angle), text);
+        }
+    }
 
     #[test]
     fn parameters_are_written_as_people_write_them() {

@@ -38,6 +38,23 @@ pub(super) fn short(value: f64) -> String {
     format!("{}·{}", mantissa.replace('-', "−"), power_of_ten(exponent.parse().unwrap_or(0)))
 }
 
+/// A digit times a power of ten.
+fn decimal(digit: i32, exponent: i32) -> String {
+    match exponent {
+        -3..=3 => fixed(f64::from(digit) * 10_f64.powi(exponent), -exponent),
+        _ if digit == 1 => power_of_ten(exponent),
+        _ => format!("{digit}·{}", power_of_ten(exponent)),
+    }
+}
+
+/// A positive number of one digit, such as 0.03 or 10⁻⁸.
+fn one_digit(value: f64) -> Option<String> {
+    let exponent = value.log10().floor() as i32;
+    let digit = (value / 10_f64.powi(exponent)).round();
+    let exact = (value / (digit * 10_f64.powi(exponent)) - 1.0).abs() < 1e-9;
+    exact.then(|| decimal(digit as i32, exponent))
+}
+
 fn decade(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
@@ -52,6 +69,8 @@ pub(super) struct Axis {
     /// Positions, from 0 to 1 along the axis, and their labels.
     pub(super) ticks: Vec<(f64, String)>,
     minor: Vec<f64>,
+    /// Values with ticks, on a logarithmic axis of cells; otherwise empty.
+    cells: Vec<f64>,
     /// Factor and offset of the labels, as text: the value is label times factor plus offset.
     pub(super) factor: String,
 }
@@ -66,7 +85,7 @@ impl Axis {
             () => 0.0,
         };
         let (lo, hi) = (lo - pad, hi + pad);
-        Self { log, whole, lo, hi, ticks: Vec::new(), minor: Vec::new(), factor: String::new() }
+        Self { log, whole, lo, hi, ticks: Vec::new(), minor: Vec::new(), cells: Vec::new(), factor: String::new() }
     }
 
     /// A linear axis over all usable values, with a margin at both ends as a share of their range.
@@ -91,6 +110,13 @@ impl Axis {
     /// A logarithmic axis with the given ends.
     pub(super) fn exact_log(lo: f64, hi: f64) -> Self {
         Self::new(true, false, lo.log10(), hi.log10())
+    }
+
+    /// A logarithmic axis with the given ends, over cells around some values: ticks are at these
+    /// values if all of them are short numbers, else as on any axis.
+    pub(super) fn of_cells(lo: f64, hi: f64, values: &[f64]) -> Self {
+        let all_short = values.iter().all(|&value| one_digit(value).is_some());
+        Self { cells: if all_short { values.to_vec() } else { Vec::new() }, ..Self::exact_log(lo, hi) }
     }
 
     /// A logarithmic axis over all usable positive values, extended to the next 1, 2 or 5 of a
@@ -197,6 +223,12 @@ impl Axis {
     }
 
     fn log_ticks(&mut self, count: usize) {
+        if !self.cells.is_empty() {
+            let every = self.cells.len().div_ceil(count);
+            let tick = |&value: &f64| Some((self.place(value)?, one_digit(value)?));
+            self.ticks = self.cells.iter().step_by(every).filter_map(tick).collect();
+            return;
+        }
         let near = 1e-9;
         let decades = (self.lo - near).ceil() as i32..=(self.hi + near).floor() as i32;
         let number = decades.clone().count();
@@ -204,17 +236,13 @@ impl Axis {
         let stride = strides.into_iter().find(|&s| number <= s as usize * count).unwrap_or(500);
         let inside = |place: &f64| (-near..=1.0 + near).contains(place);
         let within: Vec<i32> = (self.lo.floor() as i32..=self.hi.floor() as i32).collect();
-        if number < 2 {
+        // Few decades have ticks at 2 and 5 as well, if there is room.
+        if number < 2 || (number == 2 && count > 3) {
             let steps: &[i32] = if count > 4 && self.hi - self.lo < 0.75 { &[1, 2, 3, 4, 5, 6, 8] } else { &[1, 2, 5] };
-            let label = |d: i32, m: i32| match d {
-                -3..=3 => fixed(f64::from(m) * 10_f64.powi(d), -d),
-                _ if m == 1 => power_of_ten(d),
-                _ => format!("{m}·{}", power_of_ten(d)),
-            };
             self.ticks = within
                 .iter()
                 .flat_map(|&d| steps.iter().map(move |&m| (d, m)))
-                .map(|(d, m)| (self.fraction(f64::from(d) + f64::from(m).log10()), label(d, m)))
+                .map(|(d, m)| (self.fraction(f64::from(d) + f64::from(m).log10()), decimal(m, d)))
                 .filter(|(place, _)| inside(place))
                 .collect();
         } else {
@@ -347,7 +375,7 @@ impl Axes {
             canvas.text(line, (middle_x, label_top + LINE * k as f64), LABEL, INK, (0.5, 0.0))?;
         }
         for (k, line) in y_lines.iter().enumerate() {
-            let at = frame.x0 - left.max(least) + LINE * k as f64;
+            let at = frame.x0 - left + LINE * k as f64;
             canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0))?;
         }
         axes.close(canvas)?;

@@ -14,6 +14,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::Error;
 use super::palette::Rgb;
+use super::text::runs;
 
 /// Size of the title, in pixels per em.
 pub(super) const TITLE: f64 = 20.0;
@@ -64,16 +65,19 @@ impl Rect {
 /// The glyphs of a text on a baseline from the origin, and the width of the text, in fine pixels.
 fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
     let em = size as f32 * FINE as f32;
-    let font = FONT.as_scaled(em * FONT.height_unscaled() / FONT.units_per_em().unwrap_or(2048.0));
     let (mut glyphs, mut x) = (Vec::<Glyph>::new(), 0.0);
-    for c in text.chars() {
-        let mut glyph = font.scaled_glyph(c);
-        if let Some(last) = glyphs.last() {
-            x += font.kern(last.id, glyph.id);
+    for (level, run) in runs(text) {
+        let (scale, drop) = level.scale_and_drop();
+        let font = FONT.as_scaled(em * scale as f32 * FONT.height_unscaled() / FONT.units_per_em().unwrap_or(2048.0));
+        let mut before = None;
+        for c in run.chars() {
+            let mut glyph = font.scaled_glyph(c);
+            x += before.map_or(0.0, |before| font.kern(before, glyph.id));
+            before = Some(glyph.id);
+            glyph.position = point(x, drop as f32 * em);
+            x += font.h_advance(glyph.id);
+            glyphs.push(glyph);
         }
-        glyph.position = point(x, 0.0);
-        x += font.h_advance(glyph.id);
-        glyphs.push(glyph);
     }
     (glyphs, x)
 }

@@ -2,16 +2,20 @@
 
 use super::axes::{Axis, LINE};
 use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
-use super::palette::{INK, Rgb};
+use super::palette::{BEYOND, INK, Rgb};
 use super::{Error, usable};
 
 /// Width of the bar, in pixels.
 const WIDTH: usize = 22;
+/// Height of the tip for values beyond the bar, in pixels.
+const TIP: f64 = 13.0;
 
 /// A colour bar to the right of the axes.
 pub(super) struct ColourBar {
     axis: Axis,
     label: Vec<String>,
+    /// Whether some values lie beyond the upper end.
+    beyond: bool,
 }
 
 impl ColourBar {
@@ -22,7 +26,12 @@ impl ColourBar {
 
     pub(super) fn along(mut axis: Axis, label: &str, height: f64) -> Self {
         axis.tick(height - 80.0, true);
-        Self { axis, label: wrap(label, LABEL, height - 120.0) }
+        Self { axis, label: wrap(label, LABEL, height - 120.0), beyond: false }
+    }
+
+    /// The bar with a tip for values beyond its upper end, if there are some.
+    pub(super) fn tipped(self, beyond: bool) -> Self {
+        Self { beyond, ..self }
     }
 
     /// The rest of an area beside the bar; at the top it leaves room for the factor of the ticks.
@@ -47,6 +56,11 @@ impl ColourBar {
         let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); WIDTH]).collect();
         canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, &pixels)?;
         canvas.border(&strip, INK)?;
+        if self.beyond {
+            let tip =
+                [(strip.x0, strip.y0 - 1.0), (strip.x1, strip.y0 - 1.0), (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP)];
+            canvas.polygon(&tip, BEYOND)?;
+        }
         for (place, label) in &self.axis.ticks {
             let y = strip.y1 - place * strip.height();
             canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[])?;
@@ -54,9 +68,9 @@ impl ColourBar {
         }
         canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;
         let middle = (strip.y0 + strip.y1) / 2.0;
-        for (k, line) in self.label.iter().rev().enumerate() {
-            let at = edge - 0.25 * LABEL - LINE * k as f64;
-            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 1.0))?;
+        for (k, line) in self.label.iter().enumerate() {
+            let at = strip.x1 + 16.0 + self.axis.label_width() + LINE * k as f64;
+            canvas.text_upwards(line, (at, middle), LABEL, INK, (0.5, 0.0))?;
         }
         Ok(())
     }

@@ -40,6 +40,9 @@ pub struct CellMap {
     pub notes: Vec<String>,
     /// Lines over the map, each with its own dashes.
     pub lines: Vec<Line>,
+    /// Kinds of cells off the scale of colours, at most two: name in the legend, and the indices of
+    /// the cells.
+    pub apart: Vec<(String, Vec<usize>)>,
 }
 
 /// Draws maps side by side, each with its colour bar.
@@ -67,19 +70,26 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
         return Err(Error(format!("{} values and {} notes for {cells} cells", map.values.len(), map.notes.len())));
     }
     let (x_edges, y_edges) = (edges(&map.x)?, edges(&map.y)?);
-    let positive = map.values.iter().copied().filter(|&value| usable(value) && value > 0.0);
+    let kind = |k: usize| map.apart.iter().position(|(_, cells)| cells.contains(&k));
+    let on_scale = (0..cells).filter(|&k| kind(k).is_none()).map(|k| map.values[k]);
+    let positive = on_scale.filter(|&value| usable(value) && value > 0.0);
     let (lo, hi) = positive.fold((f64::INFINITY, 0.0_f64), |(lo, hi), value| (lo.min(value), hi.max(value)));
     let scale = || if lo <= hi { Axis::exact_log(lo, hi) } else { Axis::exact_log(1.0, 10.0) };
     let shades = scale();
     let colour = |value: f64| shades.place(value).map_or(palette::ABSENT, palette::magnitude);
+    let of_kind = |nth: usize| palette::APART[nth % palette::APART.len()];
 
     let style = |nth: usize| Style { colour: INK, ..Style::plain(nth) };
-    let entries: Vec<_> = map.lines.iter().enumerate().map(|(nth, line)| Entry::line(&line.name, style(nth))).collect();
+    let lines = map.lines.iter().enumerate().map(|(nth, line)| Entry::line(&line.name, style(nth)));
+    let kinds = map.apart.iter().enumerate().filter(|(_, (_, cells))| !cells.is_empty());
+    let kinds = kinds.map(|(nth, (name, _))| Entry::band(name, of_kind(nth)));
+    let entries: Vec<_> = lines.chain(kinds).collect();
     let area = legend::above(canvas, area, &entries)?;
     let [x_label, y_label, value_label] = &map.labels;
     let bar = ColourBar::along(scale(), value_label, area.height());
-    let axis = |edges: &[f64]| Axis::exact_log(edges[0], edges[edges.len() - 1]);
-    let axes = Axes::draw(canvas, bar.beside(area), (axis(&x_edges), x_label), (axis(&y_edges), y_label), false)?;
+    let axis = |edges: &[f64], values: &[f64]| Axis::of_cells(edges[0], edges[edges.len() - 1], values);
+    let (x, y) = (axis(&x_edges, &map.x), axis(&y_edges, &map.y));
+    let axes = Axes::draw(canvas, bar.beside(area), (x, x_label), (y, y_label), false)?;
     // Lines pass through the middle of cells.
     let note_at = if map.lines.is_empty() { 0.5 } else { NOTE };
     let mut places = Vec::with_capacity(cells);
@@ -88,8 +98,9 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
         let corners =
             axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
         let Some(((x0, y1), (x1, y0))) = corners else { continue };
-        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(value))?;
-        places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour(value), note));
+        let colour = kind(k).map_or_else(|| colour(value), of_kind);
+        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour)?;
+        places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour, note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
         let Rect { x0, x1, y0, y1 } = axes.frame;

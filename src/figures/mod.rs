@@ -14,6 +14,8 @@
 //! | positive numbers for named rows and columns, in cells | [`matrix()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
+//! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
+//!
 //! The caption is drawn below the axes. The file also holds the whole caption as the text chunk
 //! `Description`, so that a picture without its page says how it was made.
 
@@ -29,6 +31,7 @@ pub mod palette;
 pub mod panels;
 pub mod raster;
 pub mod space_time;
+mod text;
 pub mod work_precision;
 
 use canvas::{Canvas, Rect};

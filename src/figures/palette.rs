@@ -19,6 +19,10 @@ pub const GREY: Rgb = (95, 95, 95);
 pub const GRID: Rgb = (226, 226, 226);
 /// Cells and pixels without a value.
 pub const ABSENT: Rgb = (160, 160, 160);
+/// Values beyond the end of a scale; on no scale of colours.
+pub const BEYOND: Rgb = (214, 0, 147);
+/// Kinds of cells that have no place on the scale of colours.
+pub const APART: [Rgb; 2] = [(222, 222, 222), (246, 196, 206)];
 
 /// The colours of Okabe and Ito without yellow, which is hard to see on white.
 const FAMILIES: [Rgb; 7] =

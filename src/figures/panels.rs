@@ -2,7 +2,7 @@
 //! also hold maps.
 
 use super::axes::{Axes, Axis, LEFT, mark, mark_of};
-use super::canvas::{Canvas, LABEL, Rect};
+use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
 use super::palette::{self, GREY, INK, PAPER, Style};
 use super::space_time::{self, SpaceTime};
@@ -68,9 +68,11 @@ impl From<SpaceTime> for Plot {
     }
 }
 
-/// A pair of axes, with the legend above it.
+/// A pair of axes, with its title and the legend above it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
+    /// Title above the legend; may be empty.
+    pub title: String,
     /// The kind of the axes.
     pub kind: Kind,
     /// Label of the abscissa, such as “site n”.
@@ -299,6 +301,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     };
     // A cloud without points has no entry in the legend.
     let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
+    let area = titled(canvas, area, &panel.title)?;
     let mut entries: Vec<_> = named.map(entry).collect();
     entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));
     let area = legend::above(canvas, area, &entries)?;
@@ -324,6 +327,15 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     }
     axes.close(canvas)?;
     panel.inset.as_ref().map_or(Ok(()), |inset| draw_inset(canvas, &axes.frame, panel, inset))
+}
+
+/// Draws a title over axes, and returns the rest of the area.
+fn titled(canvas: &mut Canvas, area: Rect, title: &str) -> Result<Rect, Error> {
+    if title.is_empty() {
+        return Ok(area);
+    }
+    canvas.text(title, (0.5 * (area.x0 + LEFT + area.x1), area.y0), SMALL, INK, (0.5, 0.0))?;
+    Ok(Rect { y0: area.y0 + 1.5 * SMALL, ..area })
 }
 
 fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -> Result<(), Error> {

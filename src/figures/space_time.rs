@@ -25,6 +25,9 @@ pub struct SpaceTime {
     pub first_site: f64,
     /// Times of the first and of the last row; the others are evenly spaced between them.
     pub times: (f64, f64),
+    /// Upper end of the scale of colours, if it is given; larger values have one colour, that of the
+    /// tip above the colour bar.
+    pub most: Option<f64>,
     /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
     /// colours run from dark to light.
     pub signed: bool,
@@ -59,11 +62,13 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
     let (lo, hi) = range(figure);
     let colour = |value: f64| match () {
         () if !usable(value) => palette::ABSENT,
+        () if value > hi => palette::BEYOND,
         () if figure.signed => palette::signed(value / hi),
         () => palette::magnitude((value - lo) / (hi - lo)),
     };
 
-    let bar = ColourBar::new((lo, hi), &figure.value_label, area.height());
+    let beyond = figure.values.iter().any(|&value| value > hi);
+    let bar = ColourBar::new((lo, hi), &figure.value_label, area.height()).tipped(beyond);
 
     // A row covers the time from half a step before it to half a step after it.
     let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };
@@ -80,7 +85,9 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
 
 /// The values at the ends of the colour bar.
 fn range(figure: &SpaceTime) -> (f64, f64) {
-    let (lo, hi) = range_with_zero(figure.values.iter().copied());
+    let most = figure.most.unwrap_or(f64::INFINITY);
+    let within = figure.values.iter().copied().filter(|&value| usable(value) && value <= most);
+    let (lo, hi) = range_with_zero(within.chain(figure.most));
     if figure.signed {
         let most = hi.max(-lo);
         (-most, most)

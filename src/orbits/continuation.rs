@@ -55,8 +55,21 @@ pub enum End {
     TurnedBack,
     /// No orbit was found with the shortest step.
     Lost,
-    /// The eigenvalues of the next orbit did not converge.
+    /// The multipliers of the last orbit are not known.
     NoMultipliers,
+}
+
+impl End {
+    /// The reason in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reached => "the parameter has its final value",
+            Self::MostPoints => "it has the largest number of points",
+            Self::TurnedBack => "it turned back and passed its first value",
+            Self::Lost => "no orbit was found with the shortest step",
+            Self::NoMultipliers => "the multipliers of its last orbit are not known",
+        }
+    }
 }
 
 /// Largest `ds`: strains may change by half their size from point to point.

@@ -19,7 +19,7 @@
 //! signature of `e^{i theta}`, `0 < theta < pi`, is the sign of `-z^T G C z / sin theta`. Pairs of
 //! the same signature stay on the circle when they meet; pairs of opposite signature can leave it.
 
-use super::eigen::{Eigenpair, eigen, schur};
+use super::eigen::{Eigenpair, eigen, eigenvalues};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
@@ -329,7 +329,7 @@ fn symplectic_defect(chain: &Chain<f64>, monodromy: &DMatrix<f64>) -> f64 {
 
 /// See [`Quality::pairing`].
 fn pairing(monodromy: &DMatrix<f64>, multipliers: &[Multiplier]) -> f64 {
-    let Some(whole) = schur(monodromy).map(|schur| schur.complex_eigenvalues()) else { return f64::NAN };
+    let Some(whole) = eigenvalues(monodromy) else { return f64::NAN };
     let nearest = |m: &Multiplier| {
         let lambda = Complex::new(m.re, m.im);
         whole.iter().map(|other| (other - lambda).norm() / lambda.norm()).fold(f64::INFINITY, f64::min)

@@ -34,6 +34,17 @@ impl Parameter {
         ("c_x", Self::Cx),
     ];
 
+    /// The symbol in pictures.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::OmegaB => "ω_b",
+            Self::Rho => "ρ",
+            Self::Kappa => "κ",
+            Self::Alpha => "α",
+            Self::Cx => "C_x",
+        }
+    }
+
     /// The name in files and on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, parameter)| *parameter == self).map_or("", |(name, _)| name)

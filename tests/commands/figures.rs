@@ -1,7 +1,10 @@
 //! Figures: the same bytes for the same numbers, every letter drawn, and no input that breaks them.
 #![cfg(feature = "plot")]
 
-use hertzchain::figures::*;
+use hertzchain::figures::{
+    palette::{APART, BEYOND},
+    *,
+};
 
 const CAPTION: &str = "N = 64, κ = 1, ρ = ½, α = 3/2; τ = 10⁻³, Störmer–Verlet, hertzchain 0.1.0";
 
@@ -53,6 +56,7 @@ fn map(values: Vec<f64>, sites: usize) -> SpaceTime {
         sites,
         first_site: 1.0,
         times: (0.0, 10.0),
+        most: None,
         signed: true,
         caption: CAPTION.into(),
     }
@@ -500,7 +504,7 @@ fn cells(values: &[f64], columns: usize) -> Maps {
         y: ascending(values.len() / columns.max(1)),
         values: values.to_vec(),
         notes: vec![String::new(); values.len()],
-        lines: vec![],
+        ..CellMap::default()
     };
     Maps { title: "Lifetimes".into(), maps: vec![map], caption: CAPTION.into() }
 }
@@ -536,6 +540,44 @@ fn a_map_of_cells_has_its_first_row_at_the_bottom_and_a_word_in_every_cell() {
     assert!(changed(&|map| map.x.reverse()).is_err());
     assert!(changed(&|map| map.y[0] = 0.0).is_err());
     assert!(maps(&cells(&[], 0)).is_err() && maps(&Maps::default()).is_err());
+}
+
+#[test]
+fn kinds_of_cells_off_the_scale_have_colours_of_their_own() {
+    let mut figure = cells(&[1.0, 1e9, 10.0, 1e9], 2);
+    figure.maps[0].apart = vec![("open".into(), vec![1]), ("none".into(), vec![3])];
+    let picture = inside(&maps(&figure).unwrap());
+    for (at, colour) in [((0.75, 0.25), APART[0]), ((0.75, 0.75), APART[1])] {
+        assert!(has(&picture, at, 3, |p| (p[0], p[1], p[2]) == colour), "{at:?}");
+    }
+    // The scale ends at the largest of the others.
+    assert!(has(&picture, (0.25, 0.75), 3, |p| p[0] > 240 && p[1] > 220 && p[2] < 60));
+}
+
+#[test]
+fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
+    let marked = |most: Option<f64>| {
+        let figure = SpaceTime { signed: false, most, ..map(vec![0.0, 0.2, 0.4, 1.0], 2) };
+        let (pixels, _) = decode(&space_time(&figure).unwrap());
+        let places = (0..pixels.len()).filter(|&k| pixels[k] == [BEYOND.0, BEYOND.1, BEYOND.2]);
+        places.partition::<Vec<usize>, _>(|k| k % (SIZE.0 as usize) < 1070)
+    };
+    let (on_map, on_bar) = marked(Some(0.5));
+    // A quarter of the map, and a triangle of 22 by 12 pixels.
+    assert!((100_000..160_000).contains(&on_map.len()), "{}", on_map.len());
+    assert!((60..140).contains(&on_bar.len()), "{}", on_bar.len());
+    assert!(marked(None).0.is_empty() && marked(Some(2.0)).1.is_empty());
+}
+
+// Measured: 7 pixels at most. A label at the edge of the page would be 40 away.
+#[test]
+fn the_label_of_the_ordinate_stands_beside_its_numbers() {
+    let (pixels, _) = decode(&panels(&chain(&[0.0, 1.0, 2.0])).unwrap());
+    let dark = |x: usize| (100..600).any(|y| pixels[y * SIZE.0 as usize + x][0] < 128);
+    // The frame is at 120.
+    let inked: Vec<usize> = (0..118).filter(|&x| dark(x)).collect();
+    let gaps: Vec<usize> = inked.windows(2).map(|two| two[1] - two[0]).collect();
+    assert!(inked.len() > 20 && gaps.iter().all(|&gap| gap < 14), "{inked:?}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use hertzchain::{
     chain::Params,
     dps::Center,
     orbits::Shooting,
-    paper::{Data, Figure, OrbitData, OrbitRecipe, Recipe},
-    study::evolve,
+    paper::{Data, FIGURES, Figure, OrbitData, OrbitRecipe, Recipe},
+    study::{Branch, evolve},
 };
 use serde_json::Value;
 use std::{
@@ -81,8 +81,8 @@ fn each_figure_has_its_picture_and_its_tables_and_the_same_bytes_twice() {
         "N = 50",
         "α = 1.5",
         "κ = 1",
-        "ρ = 0.3333",
-        "q = 0.2 π",
+        "ρ = 1/3",
+        "q = π/5",
         "a = 1",
         "b = 1",
         "collocation, tol 1e-10",
@@ -468,6 +468,67 @@ fn figures_of_orbits_have_the_numbers_of_their_commands() {
         let apart = direct.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1.5e-15, "{apart:e}");
     }
+}
+
+/// The branches of a figure, each with the value at which its recipe ends it.
+fn branches(recipe: &OrbitRecipe, data: OrbitData) -> Vec<(Branch, f64)> {
+    let omega = |rho: f64| Params::new(1.5, 1.0, rho).unwrap().omega();
+    match (recipe, data) {
+        (OrbitRecipe::Floquet { rho, above, .. }, OrbitData::Floquet(all, _)) => {
+            all.into_iter().map(|one| (one.branch, omega(*rho) + above[1])).collect()
+        }
+        (OrbitRecipe::ReturnErrors { omega_b, .. }, OrbitData::ReturnErrors(branch, ..)) => vec![(branch, omega_b[1])],
+        (OrbitRecipe::Doubled { to, .. }, OrbitData::Doubled(_, _, doubled)) => vec![(doubled.branch, *to)],
+        (OrbitRecipe::MassRatios { to, .. }, OrbitData::MassRatios(all)) => {
+            all.into_iter().map(|one| (one.branch, *to)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Every point of the branches has multipliers, and the last is where the recipe says.
+fn reach_their_ends(recipe: &OrbitRecipe, data: OrbitData) {
+    let all = branches(recipe, data);
+    assert!(!all.is_empty(), "{recipe:?}");
+    for (branch, end) in all {
+        let parameter = branch.continuation.parameter;
+        let last = branch.points.last().unwrap().orbit.setting.get(parameter);
+        assert!(last == end && branch.gaps.is_empty(), "{recipe:?}: {last} for {end}, {:?}", branch.gaps);
+    }
+}
+
+#[test]
+fn short_branches_of_figures_reach_their_ends() {
+    let floquet = || OrbitRecipe::Floquet {
+        rho: 10.0,
+        above: [0.001, 0.0011],
+        points: 2,
+        at: 1.2,
+        zoom: None,
+        bifurcations: false,
+    };
+    let doubled = || OrbitRecipe::Doubled { omega_b: 1.032, to: 1.0322 };
+    reach_their_ends(&floquet(), orbit_data(floquet()));
+    reach_their_ends(&doubled(), orbit_data(doubled()));
+}
+
+#[test]
+#[ignore = "nightly: all branches of all figures, minutes"]
+fn branches_of_figures_reach_their_ends() {
+    let mut count = 0;
+    for figure in FIGURES {
+        let Recipe::Orbits(recipe) = &figure.recipe else { continue };
+        let shown = !matches!(
+            recipe,
+            OrbitRecipe::Profiles { .. } | OrbitRecipe::Evolutions { .. } | OrbitRecipe::Doubling { .. }
+        );
+        if shown {
+            let Ok(Data::Orbits(data)) = figure.data(&|_| {}) else { panic!("{}: no data", figure.name) };
+            reach_their_ends(recipe, *data);
+            count += 1;
+        }
+    }
+    assert_eq!(count, 6);
 }
 
 // Truth: what the paper says of Fig. r3evol, and the symmetry of the mode about the bond between

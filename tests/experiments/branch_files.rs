@@ -166,14 +166,23 @@ fn whatever_byte_is_cut_or_altered_there_is_an_error_or_the_same_branch() {
 }
 
 #[test]
-fn orbits_are_kept_where_multipliers_fail() {
+fn orbits_without_multipliers_are_gaps() {
     let mut broken = trail(continuation(Parameter::OmegaB, 2.04, 8e-3));
     let count = broken.orbits.len();
     // An orbit in the middle that no chain has: its flow fails.
     broken.orbits[2].setting.turns = 7;
+    let gap = broken.orbits[2].setting.omega_b;
     let branch = study(broken.clone(), &|_, _| {}).unwrap();
-    assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (2, End::NoMultipliers, count));
-    broken.orbits[0].setting.turns = 7;
+    assert_eq!((branch.points.len(), branch.end, branch.trail.orbits.len()), (count - 1, End::Reached, count));
+    assert_eq!(branch.gaps, [gap]);
+    assert!(branch.text().contains(&format!("orbits without multipliers at omega_b = {gap:.8}")) && branch.succeeded());
+    broken.orbits[count - 1].setting.turns = 7;
+    let branch = study(broken.clone(), &|_, _| {}).unwrap();
+    assert_eq!((branch.points.len(), branch.end), (count - 2, End::NoMultipliers));
+    assert!(!branch.succeeded());
+    let why = branch.reached().unwrap_err().to_string();
+    assert!(why.contains("ended at omega_b = 2.0") && why.contains("not at 2.04: the multipliers"), "{why}");
+    broken.orbits.iter_mut().for_each(|orbit| orbit.setting.turns = 7);
     assert!(study(broken, &|_, _| {}).is_err());
 }
 

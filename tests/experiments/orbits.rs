@@ -6,8 +6,8 @@ use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
     dps::Center,
     integrators::{Real, Regularised, Stepper, collocation::Pace, dop853::Options, regularised::power},
-    orbits::{Bifurcation, BifurcationKind, Continuation, End, Formulation, Kind, Orbit, Parameter, Shooting},
-    study::{Kick, evolve},
+    orbits::{Bifurcation, BifurcationKind, Continuation, End, Formulation, Kind, Orbit, Parameter, Shooting, Trail},
+    study::{BranchPoint, Kick, evolve, study},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use twofloat::TwoFloat;
@@ -207,6 +207,29 @@ fn heavier_resonators_have_orbits_and_multipliers_as_good() {
             // Measured: 5.6e-13, 5.4e-13.
             assert!(quality.eigen_residual < 1.2e-12 && quality.pairing < 1.1e-12 && !fine.is_empty());
         }
+    }
+}
+
+// The first points of the branch of figure `rho10-floquet`: all tau are near 1. The eigenvalues of
+// the fifth did not converge as long as they were those of `nalgebra`.
+#[test]
+fn orbits_of_small_amplitude_have_multipliers() {
+    let shooting = Shooting::default();
+    let omega = 1.1_f64.sqrt();
+    let (from, to) = (omega + 0.001, omega + 0.2);
+    let start = of_mass(10.0, Center::Bond, from).orbit(&shooting).unwrap();
+    let (parameter, step) = (Parameter::OmegaB, (to - from) / 100.0);
+    let continuation = Continuation { parameter, to, step, most_points: 6, natural: false, shooting };
+    let mut trail = Trail::new(continuation, start).unwrap();
+    trail.extend(|_| {}).unwrap();
+    let branch = study(trail, &|_, _| {}).unwrap();
+    assert_eq!((branch.points.len(), branch.gaps.len()), (6, 0));
+    for BranchPoint { spectrum, .. } in &branch.points {
+        // Measured: 2.5e-15, 2.0e-13.
+        let (residual, pairing) = (spectrum.quality.eigen_residual, spectrum.quality.pairing);
+        println!("{residual:e} {pairing:e}");
+        assert!(residual < 5e-15 && pairing < 1e-10, "{residual:e} {pairing:e}");
+        assert_eq!(spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real && one.modulus > 1.0).count(), 1);
     }
 }
 

@@ -95,12 +95,12 @@ pub(super) fn bright_caption(study: &BrightStudy) -> String {
     let four = |norms: [f64; 4]| norms.map(shown).join(", ");
     let at = |sample: Option<&BrightSample>| sample.map_or_else(|| "–".to_owned(), |sample| four(sample.norms.all()));
     let left = study.tenth_left.map_or_else(
-        || "less than a tenth of the energy leaves the core".to_owned(),
-        |t| format!("a tenth of the energy has left the core at t = {t:.1}"),
+        || "Less than a tenth of the energy leaves the core".to_owned(),
+        |t| format!("A tenth of the energy has left the core at t = {t:.1}"),
     );
     format!(
         "u(0) = 2ε a², v(0) = 0, at rest (ini_num); {}. T = 2π/ω₀ = {:.4}, T ε^(1−α) = {:.3}, T_b = {:.4}. Squares, stars, crosses: t = 0, 30 T_b = {:.2}, 80 T = {:.1}. \
-         Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), (diff_v_l1norm) at multiples of T_b. At 30 T_b: {}. Largest of all times up to T ε^(1−α): {}. At 80 T: {}; {left}. \
+         Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), (diff_v_l1norm) at multiples of T_b. At 30 T_b: {}. Where the curves end, at {:.1}: {}. Other times are other phases: at most {} up to T ε^(1−α); at 80 T {}. {left}. \
          Integrator {}. {}.",
         chain_words(&study.scene, breather.epsilon()),
         breather.slow_period(),
@@ -109,6 +109,8 @@ pub(super) fn bright_caption(study: &BrightStudy) -> String {
         study.shown_time(),
         study.scene.end(),
         at(study.at(study.shown_time())),
+        study.periods().last().map_or(f64::NAN, |sample| sample.t),
+        at(study.periods().last()),
         four(study.largest(0.0, breather.horizon()).all()),
         at(study.samples.last()),
         study.setting,
@@ -223,8 +225,8 @@ pub(super) fn lifetimes_caption(study: &LifetimeStudy) -> String {
     let options = &study.options;
     format!(
         "u(0) = 2ε a² about a bond, at rest; α = {}, κ = 1. Lifetime: until the core has less than 0.9 of the energy; followed to t = {} (the command study lifetimes goes on to 25 T ε^(1−α) \
-         and to ρ = 10⁵), and > says that it is more. ◦: gaps have opened between the central sites, so what lives on there is no breather of the ansatz but beads that swing alone. \
-         The theorem asks for x = ρ ε^(2(α−1)) bounded from below. Chains so long that nothing comes back from their ends. Integrator {}, tol {:e}. {}.",
+         and to ρ = 10⁵), and > says that it is more. No breather: gaps have opened between the central sites, and what lives on is not the ansatz but beads that swing alone. \
+         Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. Chains so long that nothing comes back from their ends. Integrator {}, tol {:e}. {}.",
         options.alpha,
         options.until.unwrap_or(f64::INFINITY),
         options.method.name(),
@@ -243,6 +245,9 @@ mod pictures {
         Line { name: name.into(), points: points.collect() }
     }
 
+    /// Values of `x = rho epsilon^(2(alpha-1))` with a contour on the map of lifetimes.
+    const CONTOURS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
+
     fn law_words(study: &TheoremStudy) -> &'static str {
         if study.options.rho_law == RhoLaw::Heavy { HEAVY } else { LIGHT }
     }
@@ -254,15 +259,12 @@ mod pictures {
         Some(life.lifetime(study.options.criterion).map_or((life.end, true), |lifetime| (lifetime, false)))
     }
 
-    /// The note in the cell of a point: the value, with `>` if the life is longer and a ring if the
-    /// breather has decoupled.
+    /// The note in the cell of a point: the value, with `>` if the life is longer.
     fn note(study: &LifetimeStudy, point: &LifetimePoint, scale: f64) -> String {
         let Some((time, open)) = lifetime(study, point) else { return "failed".to_owned() };
         let value = time / scale;
         let digits = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
-        let fate = point.life.as_ref().map(|life| life.fate);
-        let ring = if fate == Ok(Fate::Decouples) { "◦" } else { "" };
-        format!("{}{value:.digits$}{ring}", if open { "> " } else { "" })
+        format!("{}{value:.digits$}", if open { "> " } else { "" })
     }
 
     pub(in super::super) fn bright_panels(title: &str, study: &BrightStudy, caption: String) -> Panels {
@@ -303,7 +305,6 @@ mod pictures {
                 value_label: label.into(),
                 values: values.to_vec(),
                 sites: history.breather.sites(),
-                first_site: 0.0,
                 times: (t[0], t[t.len() - 1]),
                 signed,
                 ..SpaceTime::default()
@@ -378,8 +379,22 @@ mod pictures {
         let points: Vec<&LifetimePoint> =
             (0..x.len() * y.len()).map(|k| &study.points[(k % x.len()) * y.len() + k / x.len()]).collect();
         let (first, last) = (x[0] / 3_f64.sqrt(), x[x.len() - 1] * 3_f64.sqrt());
-        let border = (0..=400).map(|k| first * (last / first).powf(f64::from(k) / 400.0));
-        let border: Vec<_> = border.map(|epsilon| (epsilon, RhoLaw::Heavy.rho(study.options.alpha, epsilon))).collect();
+        let contour = |x: f64| {
+            let epsilons = (0..=400).map(|k| first * (last / first).powf(f64::from(k) / 400.0));
+            line(
+                format!("x = {x}"),
+                epsilons.map(|epsilon| (epsilon, x * RhoLaw::Heavy.rho(study.options.alpha, epsilon))),
+            )
+        };
+        let fate = |point: &LifetimePoint| point.life.as_ref().ok().map(|life| life.fate);
+        let cells =
+            |wanted: &dyn Fn(&LifetimePoint) -> bool| (0..points.len()).filter(|&k| wanted(points[k])).collect();
+        let decoupled = |point: &LifetimePoint| fate(point) == Some(Fate::Decouples);
+        let longer = |point: &LifetimePoint| !decoupled(point) && lifetime(study, point).is_some_and(|(_, open)| open);
+        let apart: Vec<(String, Vec<usize>)> = vec![
+            ("longer than the run".to_owned(), cells(&longer)),
+            ("gaps open: no breather".to_owned(), cells(&decoupled)),
+        ];
         let map = |label: &str, scale: &dyn Fn(&LifetimePoint) -> f64| CellMap {
             labels: ["size ε", "mass ratio ρ", label].map(String::from),
             x: x.clone(),
@@ -389,7 +404,8 @@ mod pictures {
                 .map(|point| lifetime(study, point).map_or(f64::NAN, |(t, _)| t / scale(point)))
                 .collect(),
             notes: points.iter().map(|point| note(study, point, scale(point))).collect(),
-            lines: vec![line(HEAVY, border.iter().copied())],
+            lines: CONTOURS.map(contour).into(),
+            apart: apart.clone(),
         };
         let maps = vec![map("lifetime", &|_| 1.0), map("lifetime / (T ε^(1−α))", &|point| point.horizon)];
         Maps { title: title.into(), maps, caption }

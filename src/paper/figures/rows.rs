@@ -71,7 +71,7 @@ pub const FIGURES: &[Figure] = &[
         name: "tw-breakdown",
         source: "Sec. 4.1, fig:tw_r03_breakdown",
         title: "Where the ansatz fails",
-        claim: "The long wave, nine times as high as in tw-q15, leaves its ansatz at once; the short one departs from its own within a hundred periods, though it is lower \
+        claim: "The long wave, nine times as high as in tw-q15, has left its ansatz after ten periods; the short one departs from its own within a hundred, though it is lower \
                 than the long one of tw-q15.",
         recipe: Recipe::Waves {
             runs: &[
@@ -79,8 +79,8 @@ pub const FIGURES: &[Figure] = &[
                 WaveRun { tag: "q45", ..run("tw-breakdown-q45", 0.0) },
             ],
             columns: &[
-                column("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", 0, &[X, Y]),
-                column("q = 4π/5, ω_tw = ω + 0.009, t = 314", 1, &[X, Y]),
+                column("q = π/5, ω_tw = ω + 0.003, t = 10 T_tw", 0, &[X, Y, Errors]),
+                column("q = 4π/5, ω_tw = ω + 0.009, t = 314", 1, &[X, Y, Errors]),
             ],
         },
     },
@@ -142,7 +142,7 @@ pub const FIGURES: &[Figure] = &[
         name: "lifetime-map",
         source: "Sec. 5, which has no such figure",
         title: "How long bright breathers live, over their size and the mass ratio",
-        claim: "Above the line, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they are gone before, or come apart into beads that swing alone.",
+        claim: "Above x = 1, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they are gone before, or come apart into beads that swing alone.",
         recipe: Recipe::Lifetimes {
             epsilons: &[1e-3, 3e-3, 1e-2, 3e-2, 1e-1],
             rhos: &[1e1, 1e2, 1e3, 1e4],

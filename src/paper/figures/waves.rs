@@ -4,6 +4,7 @@ use super::INTEGRATOR;
 use crate::{
     chain::Params,
     error::Result,
+    number::{of_pi, written},
     run::method::Method,
     scene::Scene,
     study::{StabilityOptions, StabilityStudy, WaveOptions, WaveStudy, shown, stability, wave},
@@ -99,6 +100,11 @@ pub(super) fn growth(rho: f64, epsilons: &[f64], progress: &(dyn Fn(f64) + Sync)
     stability(&options, &|share, _| progress(share))
 }
 
+/// A number to six decimals, without zeros at the end.
+fn decimals(value: f64) -> String {
+    format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// A share as text in percent, with three digits.
 fn percent(share: f64) -> String {
     let value = 100.0 * share;
@@ -123,6 +129,9 @@ pub(super) fn waves_caption(columns: &[WaveColumn], runs: &[(&WaveRun, WaveStudy
     for (run, study) in runs {
         text += &run_words(run, study);
     }
+    if shows(&[WavePanel::SpreadX, WavePanel::SpreadY]) {
+        text += "Ẽ_x, Ẽ_y are drawn at multiples of T_tw. ";
+    }
     let mut common: Vec<String> = runs.iter().map(|(_, study)| common_words(study)).collect();
     common.dedup();
     text + &common.join("; ") + &format!(". hertzchain {}.", env!("CARGO_PKG_VERSION"))
@@ -132,13 +141,13 @@ pub(super) fn waves_caption(columns: &[WaveColumn], runs: &[(&WaveRun, WaveStudy
 fn run_words(run: &WaveRun, study: &WaveStudy) -> String {
     let (wave, scene) = (&study.wave, &study.scene);
     let mut text = format!(
-        "{}: ρ = {}, q = {} π, ε = {}, ω_tw = {:.6}, ω = {:.6}, t = {} = {} T_tw; E_x, E_y {}. ",
+        "{}: ρ = {}, q = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw; E_x, E_y {}. ",
         run.scene,
-        shown(wave.params().rho),
-        shown(wave.shape().q / PI),
+        written(wave.params().rho),
+        of_pi(wave.shape().q),
         shown(wave.epsilon()),
-        wave.omega_tw(),
-        wave.params().omega(),
+        decimals(wave.omega_tw()),
+        decimals(wave.params().omega()),
         shown(scene.end()),
         shown(scene.end() / scene.period()),
         ends(&study.errors.x, &study.errors.y),
@@ -270,15 +279,20 @@ mod pictures {
         in_time(label, lines.into())
     }
 
-    /// The difference of the one perturbed wave, and median and range over all seeds.
+    /// The difference of the one perturbed wave, and median and range over all seeds, at multiples
+    /// of the period: in between they oscillate.
     fn spread(study: &WaveStudy, name: &str, of: fn(&Errors) -> &Vec<f64>, spreads: &[Spread]) -> Panel {
         let Some(run) = &study.perturbed else { return in_time(name, vec![]) };
         let count = study.ensemble.as_ref().map_or(0, |ensemble| ensemble.members.len());
         let own = line(&format!("seed {}", run.wave.seed()), percents(study, of(&run.difference)));
         let median: Vec<f64> = spreads.iter().map(|spread| spread.median).collect();
         let range = study.t.iter().zip(spreads).map(|(&t, spread)| (t, 100.0 * spread.low, 100.0 * spread.high));
-        let band = Band { name: format!("range of {count} seeds"), points: range.collect() };
-        let lines = vec![own, line("median", percents(study, &median))];
+        let period = study.scene.period();
+        let whole = |t: f64| (t / period - (t / period).round()).abs() < 1e-6;
+        let band =
+            Band { name: format!("range of {count} seeds"), points: range.filter(|point| whole(point.0)).collect() };
+        let mut lines = vec![own, line("median", percents(study, &median))];
+        lines.iter_mut().for_each(|line| line.points.retain(|point| whole(point.0)));
         Panel { bands: vec![band], ..in_time(name, lines) }
     }
 }

@@ -45,7 +45,9 @@ const LEAST_LIGHT: f64 = 0.1;
 pub enum Verdict {
     /// The energy error has a bound.
     Stable,
-    /// It has a trend: a line through it rises by more than four of its residuals.
+    /// It has a trend: a line through it rises by more than four of its residuals. An error below
+    /// 10^-12 is rounding and has none; nor has one of contact collocation below its tolerance,
+    /// which bounds the error of the whole run.
     Drifting,
     /// It is above 1, or the run failed.
     Lost,
@@ -268,13 +270,14 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
         trial.step = t / stats.steps as f64;
         (trial.cost, trial.wall) = (evaluations / t, clock.elapsed().as_secs_f64() / t);
     }
+    let bounded = if method == Method::Collocation { knob } else { 0.0 };
     trial.blown = look.largest > BLOWN;
     let lost = trial.failure.is_some() || look.largest > 1.0;
     trial.error = (!trial.blown && trial.failure.is_none()).then_some(look.largest);
     trial.verdict = match () {
         () if lost => Verdict::Lost,
         () if !run.done() => Verdict::Dear,
-        () if look.largest > ROUNDING && look.drifts() => Verdict::Drifting,
+        () if look.largest > ROUNDING.max(bounded) && look.drifts() => Verdict::Drifting,
         () => Verdict::Stable,
     };
     Ok(trial)

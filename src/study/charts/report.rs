@@ -106,8 +106,8 @@ impl Report for ChartStudy {
             };
             for (title, caption, map) in maps {
                 let file = format!("{name}-{}.png", title.split(':').next().unwrap_or_default());
-                let figure =
-                    crate::figures::Maps { title, maps: vec![map], caption: format!("{} {caption}", provenance(self)) };
+                let caption = format!("{} {caption}", provenance(self, chart));
+                let figure = crate::figures::Maps { title, maps: vec![map], caption };
                 pictures.push((file, crate::figures::maps(&figure)?));
             }
         }
@@ -201,7 +201,8 @@ fn axes(chart: Chart) -> &'static [&'static str] {
         Chart::Alpha => &["alpha"],
         Chart::Length => &["sites"],
         Chart::Time => &["periods"],
-        Chart::Resonances | Chart::Struck => &[],
+        Chart::Resonances => &["sites", "amplitude"],
+        Chart::Struck => &[],
     }
 }
 
@@ -528,7 +529,7 @@ fn errors_table(study: &ChartStudy, chart: Chart) -> String {
         })
         .collect();
     table(&head, &rows)
-        + "d: drifting. lost: above 1, or failed. dear: not finished within twenty times the work of a run.\n"
+        + "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not finished within twenty times the work of a run.\n"
 }
 
 fn resonances_table(study: &ChartStudy) -> String {
@@ -587,19 +588,21 @@ fn shown(study: &ChartStudy) -> Vec<Method> {
     if known.is_empty() { methods.iter().copied().take(3).collect() } else { known }
 }
 
+/// The parameters that a chart does not vary.
 #[cfg(feature = "plot")]
-fn provenance(study: &ChartStudy) -> String {
+fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let chain = study.problem.chain();
-    format!(
-        "Scene {}: N = {}, α = {}, κ = {}, ρ = {:.4}, amplitude {}, unless the chart says otherwise. hertzchain {}.",
-        study.problem.name(),
-        chain.sites,
-        chain.alpha,
-        chain.kappa,
-        chain.rho,
-        study.problem.amplitude(),
-        env!("CARGO_PKG_VERSION")
-    )
+    let all = [
+        ("sites", "N", chain.sites as f64),
+        ("alpha", "α", chain.alpha),
+        ("kappa", "κ", chain.kappa),
+        ("rho", "ρ", chain.rho),
+        ("amplitude", "A", study.problem.amplitude()),
+    ];
+    let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
+    let words: Vec<String> =
+        fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::written(*value))).collect();
+    format!("Scene {}: {}. hertzchain {}.", study.problem.name(), words.join(", "), env!("CARGO_PKG_VERSION"))
 }
 
 /// The error as a colour: rounding and what is lost at the ends of the scale, 0 (grey) for what was
@@ -633,8 +636,7 @@ fn note(point: &ChartPoint) -> String {
 fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
-        let words: Vec<String> =
-            place(chart, variant).into_iter().map(|value| plain(value).replace('-', "−")).collect();
+        let words: Vec<String> = place(chart, variant).into_iter().map(plain).collect();
         words.join(", ")
     };
     let (mut values, mut notes) = (Vec::new(), Vec::new());
@@ -663,8 +665,8 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
         values,
         notes,
         caption: format!(
-            "{} In cells: −log₁₀ of the error; d: drifting; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
-            provenance(study)
+            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance, which is for the whole run; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
+            provenance(study, chart)
         ),
     }
 }
@@ -709,6 +711,7 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<(String, String, crat
         lines,
         x,
         values,
+        apart: Vec::new(),
     };
     let caption =
         "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.".to_owned();
@@ -736,7 +739,8 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
             values.push(measured.map_or(0.0, |measured| shade(&measured.usual)));
             let cost = |measured: &Measured| {
                 let trial = measured.limits.get(1)?.trial.as_ref()?;
-                Some(format!("{:.0e}", trial.cost * std::f64::consts::TAU / measured.contact))
+                let a_period = trial.cost * std::f64::consts::TAU / measured.contact;
+                Some(if a_period < 1e4 { format!("{a_period:.0}") } else { format!("{a_period:.0e}") })
             };
             notes.push(measured.and_then(cost).unwrap_or_else(|| "–".to_owned()));
         }
@@ -747,7 +751,7 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> (String, String, crate:
         y,
         values,
         notes,
-        lines: Vec::new(),
+        ..crate::figures::CellMap::default()
     };
     let title = format!("{}: energy error over amplitude and spring constant, and what 10⁻⁶ costs", method.name());
     let caption = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period \
@@ -763,24 +767,18 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
         study.resonances.iter().filter(|point| Some(&point.method) == methods.first()).collect();
     let found = |point: &ResonancePoint| point.resonance.as_ref().ok().cloned().flatten();
     let note = |point: &ResonancePoint| {
-        found(point).map_or_else(
-            || "–".to_owned(),
-            |found| format!("{:.1}", (found.edges[1] - found.edges[0]).log10()).replace('-', "−"),
-        )
+        found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
     };
     crate::figures::Matrix {
         title: "Resonances of the exact linear flow near hω = kπ: growth a step".to_owned(),
         rows: methods.iter().map(Method::name).collect(),
-        columns: first
-            .iter()
-            .map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude).replace('-', "−")))
-            .collect(),
+        columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
         labels: ["multiple k of π and static overlap A".to_owned(), "growth a step, ln |λ|".to_owned()],
         values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
         notes: study.resonances.iter().map(note).collect(),
         caption: format!(
-            "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the width in hω; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
-            provenance(study)
+            "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the growth; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
+            provenance(study, Chart::Resonances)
         ),
     }
 }

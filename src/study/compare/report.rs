@@ -146,11 +146,33 @@ fn fastest(comparison: &Comparison) -> String {
     table(&["error", "integrator", "setting", "wall time"], &rows)
 }
 
+/// The methods in the picture if there are many: more curves would hide each other.
+#[cfg(feature = "plot")]
+const PICTURED: [&str; 12] = [
+    "verlet",
+    "yoshida4",
+    "aba864",
+    "srkn14-6",
+    "strang-linear",
+    "yoshida4-linear",
+    "aba1064-linear",
+    "srkn14-6-linear",
+    "aba1064-linear-landed",
+    "corrected",
+    "dop853-regularised",
+    "collocation",
+];
+
 /// The work-precision diagram.
 #[cfg(feature = "plot")]
 fn picture(comparison: &Comparison) -> Result<Vec<u8>> {
     use crate::figures::{Curve, Point, WorkPrecision, work_precision};
-    let methods = comparison.methods();
+    let mut methods = comparison.methods();
+    let all = methods.len();
+    if all > PICTURED.len() {
+        methods.retain(|method| PICTURED.contains(&method.name().as_str()));
+    }
+    let chosen = if methods.len() < all { format!("{} of {all} methods. ", methods.len()) } else { String::new() };
     let (families, family_of) = crate::study::families(&methods);
     let curves = methods
         .iter()
@@ -164,7 +186,7 @@ fn picture(comparison: &Comparison) -> Result<Vec<u8>> {
         .collect();
     let scene = &comparison.scene;
     let how = format!(
-        "t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
+        "{chosen}t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
         scene.end(),
         comparison.reference.method,
         comparison.reference.error_estimate,

@@ -110,29 +110,26 @@ fn picture(study: &DriftStudy) -> Result<Vec<u8>> {
     let methods: Vec<_> = study.rows.iter().map(|row| row.method).collect();
     let (families, family_of) = crate::study::families(&methods);
     let curve = |(nth, row): (usize, &DriftRow)| {
-        let slope = match (&row.failure, row.slope) {
-            (Some(_), _) => ": failed".to_owned(),
-            (None, Some(slope)) => format!(": slope {slope:.2}").replace('-', "−"),
-            (None, None) => String::new(),
-        };
+        let failed = if row.failure.is_some() { ": failed" } else { "" };
         Curve {
-            name: format!("{}, {}{slope}", row.method.name(), row.setting),
+            name: format!("{}, {}{failed}", row.method.name(), row.setting),
             family: family_of[nth],
             points: points(row),
             slope: None,
         }
     };
-    let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. Slopes are those of the last \
-               two decades; a walk of errors without a rule to their sign has slope ½ (dashed).";
+    let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
+               the curves say how large errors get, not by which law they grow.";
+    let periods = if study.periods < 1e4 { study.periods.to_string() } else { format!("{:e}", study.periods) };
     let figure = WorkPrecision {
-        title: format!("{}: error of the energy over {} periods", study.scene.name(), study.periods),
+        title: format!("{}: error of the energy over {} periods", study.scene.name(), periods),
         work_label: format!("time t (dimensionless; a period is {:.4})", study.scene.period()),
         error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
         curves: study.rows.iter().enumerate().map(curve).collect(),
         caption: crate::study::provenance(&study.scene, how),
         floor: None,
         families,
-        guides: vec![(-0.5, "slope ½".to_owned())],
+        guides: Vec::new(),
     };
     Ok(work_precision(&figure)?)
 }

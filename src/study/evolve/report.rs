@@ -110,8 +110,8 @@ pub(crate) fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
     vec![("x.csv", matrix("x", &study.swing.x)), ("y.csv", matrix("y", &study.swing.y))]
 }
 
-/// Largest strains over space and time, beads and resonators; values end at twice the largest of
-/// the first row, so that what was before a break-up is seen.
+/// Largest strains over space and time, beads and resonators; the scale of colours ends at twice
+/// the largest of the first row, so that what was before a break-up is seen.
 #[cfg(feature = "plot")]
 pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     let sites = study.orbit.setting.sites;
@@ -122,7 +122,8 @@ pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
             site_label: "site n".into(),
             time_label: "time t".into(),
             value_label: format!("largest |{symbol}|"),
-            values: values.iter().map(|value| value.min(most)).collect(),
+            values: values.to_vec(),
+            most: Some(most),
             sites,
             first_site: -((sites / 2) as f64),
             times: (0.5 * span, ((values.len() / sites) as f64 - 0.5) * span),
@@ -149,7 +150,7 @@ fn picture(study: &Evolution) -> Result<Vec<u8>> {
         format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
     });
     let caption = format!(
-        "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit. Roundings grow by {:.1e} in this run if \
+        "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit; magenta: beyond. Roundings grow by {:.1e} in this run if \
          they stay small. hertzchain {}.",
         setting.omega_b,
         crate::study::params_words(setting.params),

@@ -219,7 +219,7 @@ fn picture(study: &LifetimeStudy) -> Result<Vec<u8>> {
         criterion_words(options.criterion).0,
         env!("CARGO_PKG_VERSION")
     );
-    let map = CellMap { labels, x, y, values, notes, lines: Vec::new() };
+    let map = CellMap { labels, x, y, values, notes, ..CellMap::default() };
     Ok(maps(&Maps { title: "Lifetimes of bright breathers".to_owned(), maps: vec![map], caption })?)
 }
 

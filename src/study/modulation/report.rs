@@ -260,8 +260,8 @@ pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures:
     let Shape { q, b, .. } = options.shape;
     Growth {
         title: format!(
-            "Growth of modulations of a travelling wave, q = {} π, b = {}, ρ = {}",
-            shown(q / PI),
+            "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
+            crate::number::of_pi(q),
             shown(b),
             crate::number::written(options.params.rho)
         ),
@@ -289,9 +289,9 @@ pub(crate) fn caption(study: &StabilityStudy) -> String {
         .map(|chart| chart_words(chart).replace("rho", "ρ").replace("^(-3/2)", "^(−3/2)").replace(" x ", " × ") + " ");
     format!(
         "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
-             q = {} π, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {}. {how}{}hertzchain {}.",
+             q = {}, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {}. {how}{}hertzchain {}.",
         crate::study::params_words(params),
-        shown(q / PI),
+        crate::number::of_pi(q),
         options.sites,
         shown(modulation.slow_frequency()),
         shown(modulation.slope()).replace('-', "−"),

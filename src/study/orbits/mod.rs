@@ -386,6 +386,8 @@ pub struct Branch {
     pub continuation: Continuation,
     /// Its points, in their order along it.
     pub points: Vec<BranchPoint>,
+    /// Values of the parameter of orbits whose multipliers are not known; these are no points.
+    pub gaps: Vec<f64>,
     /// What happens between them.
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
@@ -393,6 +395,27 @@ pub struct Branch {
     /// All of its orbits, with what it takes to go on; more than points, where one has no
     /// multipliers.
     pub trail: Trail,
+}
+
+impl Branch {
+    /// The branch, if it reached its end.
+    ///
+    /// # Errors
+    /// [`Error::Point`] otherwise, with the reason.
+    pub fn reached(self) -> Result<Self> {
+        match self.shortfall() {
+            None => Ok(self),
+            Some(why) => Err(Error::Point { point: "branch of orbits".to_owned(), why }),
+        }
+    }
+
+    /// Where and why the branch ended before its end.
+    fn shortfall(&self) -> Option<String> {
+        let Continuation { parameter, to, .. } = self.continuation;
+        let last = self.points.last()?.orbit.setting.get(parameter);
+        let words = || format!("ended at {} = {last}, not at {to}: {}", parameter.name(), self.end.words());
+        (self.end != End::Reached).then(words)
+    }
 }
 
 /// Given what there is of a branch after every point, to keep it.
@@ -441,8 +464,7 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
 /// Follows a branch on, unless it has ended, and studies it.
 ///
 /// # Errors
-/// Numbers outside their rules, and no multipliers at its first point; `keep` was then given its
-/// orbits.
+/// Numbers outside their rules, and no point with multipliers; `keep` was then given its orbits.
 pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
     if let (Some(first), None) = (trail.orbits.first(), trail.end) {
         let Continuation { parameter, to, .. } = trail.continuation;
@@ -463,37 +485,43 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
 /// Multipliers, extents and bifurcations of a branch that was followed.
 ///
 /// # Errors
-/// No multipliers at its first point.
+/// No point with multipliers.
 pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
     let (continuation, orbits) = (trail.continuation, &trail.orbits);
     let shooting = &continuation.shooting;
-    let mut end = trail.end.unwrap_or(End::MostPoints);
     progress(ORBITS, "multipliers");
-    // A point without multipliers costs what comes after it, not the branch.
-    let mut spectra = Vec::with_capacity(orbits.len());
     let spectrum = |orbit: &Orbit| {
         let stopped =
             || Error::Stopped { kept: format!("all {} points of the branch, not yet its multipliers", orbits.len()) };
         if interrupt::asked() { Err(stopped()) } else { orbit.spectrum(shooting) }
     };
-    for spectrum in map(orbits, spectrum) {
+    // A point without multipliers is a gap in the branch.
+    let (mut known, mut spectra, mut gaps, mut failure) = (Vec::new(), Vec::new(), Vec::new(), None);
+    for (orbit, spectrum) in orbits.iter().zip(map(orbits, spectrum)) {
         match spectrum {
             Err(stopped @ Error::Stopped { .. }) => return Err(stopped),
-            Ok(spectrum) => spectra.push(spectrum),
-            Err(error) if spectra.is_empty() => return Err(error),
-            Err(_) => {
-                end = End::NoMultipliers;
-                break;
+            Ok(spectrum) => {
+                known.push(orbit.clone());
+                spectra.push(spectrum);
+            }
+            Err(error) => {
+                gaps.push(orbit.setting.get(continuation.parameter));
+                failure = Some(error);
             }
         }
     }
-    let orbits = &orbits[..spectra.len()];
-    let extents = map(orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
+    if let (true, Some(error)) = (spectra.is_empty(), failure) {
+        return Err(error);
+    }
+    let whole = known.last().map(|orbit| &orbit.z) == orbits.last().map(|orbit| &orbit.z);
+    let end = if whole { trail.end.unwrap_or(End::MostPoints) } else { End::NoMultipliers };
+    let orbits = known;
+    let extents = map(&orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
     progress(0.5 * (1.0 + ORBITS), "bifurcations");
-    let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(orbits, &spectra, weak));
-    let points = orbits.iter().cloned().zip(spectra).zip(extents);
+    let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
+    let points = orbits.into_iter().zip(spectra).zip(extents);
     let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
-    Ok(Branch { continuation, points, bifurcations, end, trail })
+    Ok(Branch { continuation, points, gaps, bifurcations, end, trail })
 }
 
 /// The branch of doubled period: where it is born, and its points.

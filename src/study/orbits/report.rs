@@ -55,6 +55,11 @@ impl Report for Branch {
         Ok(named([("branch.png", branch_picture(self)?)]))
     }
 
+    /// That the branch did not reach its end.
+    fn remark(&self) -> Option<String> {
+        self.shortfall().map(|why| format!("error: the branch {why}"))
+    }
+
     /// What there is of a branch is written, but one that did not get there is a failure.
     fn succeeded(&self) -> bool {
         self.end == End::Reached
@@ -84,6 +89,10 @@ impl Report for DoubledStudy {
     #[cfg(feature = "plot")]
     fn pictures(&self) -> Result<Vec<File>> {
         self.doubled.branch.pictures()
+    }
+
+    fn remark(&self) -> Option<String> {
+        self.doubled.branch.remark()
     }
 
     fn succeeded(&self) -> bool {
@@ -216,6 +225,7 @@ fn branch_value(branch: &Branch) -> Value {
     json!({
         "parameter": parameter.name(),
         "end": branch.end,
+        "gaps": branch.gaps,
         "points": points,
         "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<_>>(),
         "settings": branch.trail.settings().ok(),
@@ -274,7 +284,19 @@ fn branch_table(branch: &Branch) -> String {
     table(&head, &rows)
         + "\n"
         + &bifurcations
-        + &format!("\n{} points; the branch ended: {}\n", rows.len(), word(&branch.end))
+        + &format!("\n{} points; the branch ended: {}\n", rows.len(), branch.end.words())
+        + &gaps(branch)
+}
+
+/// The orbits without multipliers, in a line; empty if there is none.
+fn gaps(branch: &Branch) -> String {
+    let places: Vec<String> = branch.gaps.iter().map(|p| format!("{p:.8}")).collect();
+    let name = branch.continuation.parameter.name();
+    if places.is_empty() {
+        String::new()
+    } else {
+        format!("orbits without multipliers at {name} = {}\n", places.join(", "))
+    }
 }
 
 /// `branch.csv`: every point with its leading moduli.
@@ -358,7 +380,7 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
         branch.points.iter().min_by(near).map(|point| (one.parameter, point.extent.k_x))
     };
     let bifurcations = Line::new("bifurcation", branch.bifurcations.iter().filter_map(at));
-    let panel = |kind, label: &str, lines| Panel::new(kind, [parameter.name(), label], lines);
+    let panel = |kind, label: &str, lines| Panel::new(kind, [parameter.symbol(), label], lines);
     let moduli = branch.points.iter().map(|point| (place(point), point.spectrum.largest()));
     let moduli = vec![Line::new("largest |λ|", moduli)];
     let amplitudes = vec![marks("stable", false), marks("unstable", true), bifurcations];
@@ -375,5 +397,5 @@ fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
         branch.points.len(),
         env!("CARGO_PKG_VERSION")
     );
-    Ok(panels(&Panels::column(format!("Branch of periodic orbits in {}", parameter.name()), plots, caption))?)
+    Ok(panels(&Panels::column(format!("Branch of periodic orbits in {}", parameter.symbol()), plots, caption))?)
 }

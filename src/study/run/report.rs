@@ -251,18 +251,20 @@ pub fn run_pictures(
     outcome: &Trajectory,
 ) -> Result<Vec<(&'static str, Vec<u8>)>> {
     use crate::figures;
-    let how = format!("Integrator {integrator}, {setting}.");
+    let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
     let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
-        let clipped = if clips { format!("; gaps beyond {range:.3e} have the darkest red") } else { String::new() };
+        let clipped =
+            if clips { format!("; magenta: gaps beyond {}", crate::number::shown(range)) } else { String::new() };
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
             time_label: "time t".to_owned(),
             value_label: "strain xₙ".to_owned(),
-            values: outcome.profiles.iter().flat_map(|profile| &profile.x).map(|x| x.clamp(-range, range)).collect(),
+            values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
+            most: Some(range),
             sites: last.x.len(),
             first_site: first_bond(scene),
             times: (0.0, last.t),
@@ -293,13 +295,13 @@ fn first_bond(scene: &Scene) -> f64 {
     Overlaps::new(scene.chain().clone()).bond(0) as f64
 }
 
-/// The range of colours, and whether it clips: all strains, but gaps only up to three times the
-/// largest overlap, so that contacts stay visible.
+/// The range of colours, and whether gaps go beyond it: up to the largest overlap, so that contacts
+/// take half of the colours.
 #[cfg(feature = "plot")]
 fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
-    let range = if overlap > 0.0 { overlap.max(gap.min(3.0 * overlap)) } else { gap.max(f64::MIN_POSITIVE) };
+    let range = if overlap > 0.0 { overlap } else { gap.max(f64::MIN_POSITIVE) };
     (range, gap > range)
 }
 

@@ -42,7 +42,7 @@ pub struct ScalingOptions {
     #[cfg_attr(
         feature = "cli",
         arg(
-            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "500", "5000", "50000"]
+            long, value_name = "A,B,..", value_delimiter = ',', default_values = ["50", "100", "200", "500", "1000", "5000", "50000"]
         )
     )]
     pub sites: Vec<usize>,

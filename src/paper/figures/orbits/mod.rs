@@ -12,7 +12,7 @@ use crate::{
     chain::Params,
     dps::Center,
     error::{Error, Result},
-    orbits::{Bifurcation, BifurcationKind, Continuation, End, Orbit, Parameter, Setting, Shooting, Trail},
+    orbits::{Bifurcation, BifurcationKind, Continuation, Orbit, Parameter, Setting, Shooting, Trail},
     study::{Branch, DoubledBranch, Evolution, Kick, OrbitStudy, doubled_from, evolve, go_on, orbit_study},
     sweep::Tally,
 };
@@ -199,9 +199,9 @@ fn each<T: Sync, U: Send>(
     Tally::new(items.len(), &tell).map(items, work).into_iter().collect()
 }
 
-/// The branch from an orbit on; bifurcations are located if `weak` is given.
+/// The branch from an orbit on to its end; bifurcations are located if `weak` is given.
 fn follow(start: Orbit, continuation: &Continuation, weak: Option<f64>) -> Result<Branch> {
-    go_on(Trail { weak, ..Trail::new(*continuation, start)? }, &mut |_| {}, &|_, _| {})
+    go_on(Trail { weak, ..Trail::new(*continuation, start)? }, &mut |_| {}, &|_, _| {})?.reached()
 }
 
 /// The branch of a family between two frequencies; bifurcations are located if `bifurcations`.
@@ -222,11 +222,11 @@ fn mass_ratios(center: Center, omega_b: f64, to: f64, points: [u32; 2], shooting
     };
     let mut branch = leg(start, from, near, points[0])?;
     // The last point of the first part is the first point of the second part.
-    if let (End::Reached, Some(last)) = (branch.end, branch.points.last().cloned()) {
-        branch.points.pop();
+    if let Some(last) = branch.points.pop() {
         let rest = leg(last.orbit, near, to, points[1])?;
         branch.points.extend(rest.points);
-        (branch.continuation, branch.end) = (rest.continuation, rest.end);
+        branch.gaps.extend(rest.gaps);
+        branch.continuation = rest.continuation;
     }
     Ok(branch)
 }
@@ -274,8 +274,9 @@ impl OrbitRecipe {
                 let main = about_doubling()?;
                 let study = orbit_study(doubling(&main, omega_b, &shooting)?.orbit, &shooting)?;
                 let later = [strains_at(&study.orbit, 0.5)?, strains_at(&study.orbit, 1.0)?];
-                let branch = doubled_from(&main, to, 1e-3, &mut |_| {}, &|share, _| progress(share))?;
-                Ok(OrbitData::Doubled(Box::new(study), later, Box::new(branch)))
+                let doubled = doubled_from(&main, to, 1e-3, &mut |_| {}, &|share, _| progress(share))?;
+                let doubled = DoubledBranch { branch: doubled.branch.reached()?, ..doubled };
+                Ok(OrbitData::Doubled(Box::new(study), later, Box::new(doubled)))
             }
             Self::MassRatios { omega_b, to, points } => {
                 let pairs: Vec<(f64, Center)> = omega_b.iter().flat_map(|&w| BOTH.map(|center| (w, center))).collect();

@@ -4,6 +4,7 @@ use super::{DoublingData, FloquetData, MassRatioData, OrbitData, ProfileData};
 use crate::{
     chain::max_norm,
     dps::Center,
+    number::written,
     orbits::{Bifurcation, BifurcationKind, Kind, Multiplier, Orbit, Parameter, Spectrum},
     output::csv,
     paper::figures::{Tables, heavy::version},
@@ -180,7 +181,7 @@ pub(in super::super) fn orbit_caption(data: &OrbitData) -> String {
     };
     let rho = match data {
         OrbitData::MassRatios(_) => String::new(),
-        _ => format!(", ρ = {}", shown(orbit.setting.params.rho)),
+        _ => format!(", ρ = {}", written(orbit.setting.params.rho)),
     };
     format!("{words}. {}{rho}. {}.", ring(orbit), version())
 }
@@ -212,6 +213,15 @@ fn profiles_words(all: &[ProfileData]) -> String {
     seed.to_owned() + &all.iter().map(words).collect::<Vec<_>>().join(". ")
 }
 
+/// The number of orbits of a branch, such as “110 orbits”.
+fn orbits_word(branch: &Branch) -> String {
+    let gaps = match branch.gaps.len() {
+        0 => String::new(),
+        gaps => format!(" and {gaps} without multipliers, which are left out"),
+    };
+    format!("{} orbits{gaps}", branch.points.len())
+}
+
 fn bifurcation_words(all: &[Bifurcation]) -> String {
     let word = |kind| match kind {
         BifurcationKind::PeriodDoubling => "through −1",
@@ -233,9 +243,9 @@ fn floquet_words(all: &[FloquetData], zoom: Option<f64>) -> String {
     let words = |one: &FloquetData| {
         let points = &one.branch.points;
         format!(
-            "{}: {} orbits, K_x from {} to {}; at the one frequency largest |λ| {}, symplectic defect {}{}",
+            "{}: {}, K_x from {} to {}; at the one frequency largest |λ| {}, symplectic defect {}{}",
             family(one.center),
-            points.len(),
+            orbits_word(&one.branch),
             shown(points[0].extent.k_x),
             shown(points[points.len() - 1].extent.k_x),
             strongest_words(&one.one.spectrum),
@@ -245,7 +255,7 @@ fn floquet_words(all: &[FloquetData], zoom: Option<f64>) -> String {
     };
     let zoomed = zoom.map_or(String::new(), |_| " Below: the site-centred family near ω, enlarged.".to_owned());
     format!(
-        "Left: moduli of all multipliers off the circle; right: all multipliers at ω_b = {}.{zoomed} {}. Number and size of the weak quartets depend on the length of the ring",
+        "Left: moduli of all multipliers; right: all multipliers at ω_b = {}.{zoomed} {}. Number and size of the weak quartets depend on the length of the ring",
         all[0].one.orbit.setting.omega_b,
         all.iter().map(words).collect::<Vec<_>>().join(". ")
     )
@@ -296,7 +306,7 @@ fn evolutions_words(all: &[(Center, Evolution)], profiles: bool) -> String {
     };
     let shows = if profiles { "Above: xₙ and yₙ at the start and after the last whole period. " } else { "" };
     format!(
-        "{shows}Colours: largest strain of each period, beads above, resonators below; they end at twice the largest strain of the orbit. {}. Integrator collocation, tol 1e−13",
+        "{shows}Colours: largest strain of each period, beads above, resonators below; the scale ends at twice the largest strain of the orbit, and magenta is beyond it. {}. Integrator collocation, tol 1e-13",
         all.iter().map(words).collect::<Vec<_>>().join(". ")
     )
 }
@@ -318,16 +328,16 @@ fn mass_ratios_words(all: &[MassRatioData]) -> String {
         let points = &one.branch.points;
         let last = &points[points.len() - 1];
         format!(
-            "ω_b = {}, {}: {} orbits, ρ from {} to {}, there {}",
+            "ω_b = {}, {}: {}, ρ from {} to {}, there {}",
             one.omega_b,
             center_word(one.center),
-            points.len(),
+            orbits_word(&one.branch),
             shown(points[0].orbit.setting.get(Parameter::Rho)),
             shown(last.orbit.setting.get(Parameter::Rho)),
             strongest_words(&last.spectrum)
         )
     };
-    "Moduli of all multipliers off the circle; a branch begins where ω = ω_b/1.004, since no dark breather has a frequency below ω. ".to_owned()
+    "Moduli of all multipliers; number and size of the quartets depend on the length of the ring. A branch begins where ω = ω_b/1.004, since no dark breather has a frequency below ω. ".to_owned()
         + &all.iter().map(words).collect::<Vec<_>>().join("; ")
 }
 
@@ -365,7 +375,8 @@ mod pictures {
                     lines: vec![line("E_b", points.zip(errors.iter().copied())), line("10⁻¹⁶ |λ|^m", rounding)],
                     ..Panel::default()
                 };
-                vec![Column::new("", [moduli(branch, |_| true)]), Column::new("", [e_b])]
+                let moduli = Panel { title: "moduli along the branch".into(), ..moduli(branch, |_| true) };
+                vec![Column::new("", [moduli]), Column::new("", [e_b])]
             }
             OrbitData::Evolutions(all, profile) => {
                 let column = |(center, run): &(Center, Evolution)| {
@@ -384,11 +395,13 @@ mod pictures {
                 vec![mode, Column::new(format!("ω_b = {}", one.orbit.setting.omega_b), profiles(&one.orbit, &lines))]
             }
             OrbitData::Doubled(one, [half, whole], family) => {
-                let beads =
-                    |name: &str, z: &Vec<f64>| profiles(&one.orbit, &[("at t = 0", &one.orbit.z), (name, z)]).remove(0);
+                let above = |name: &str, z: &Vec<f64>| profiles(&one.orbit, &[("at t = 0", &one.orbit.z), (name, z)]);
+                let below = |panel: Panel, title: String| [Panel { title, ..panel }];
+                let branch = below(moduli(&family.branch, |_| true), "moduli along the branch".to_owned());
+                let at = format!("multipliers at ω_b = {}", one.orbit.setting.omega_b);
                 vec![
-                    Column::new("", [beads("at t = T/2", half), moduli(&family.branch, |_| true)]),
-                    Column::new("", [beads("at t = T", whole), plane(one)]),
+                    Column::new("", above("at t = T/2", half).into_iter().chain(branch)),
+                    Column::new("", above("at t = T", whole).into_iter().chain(below(plane(one), at))),
                 ]
             }
             OrbitData::MassRatios(all) => {
@@ -465,22 +478,19 @@ mod pictures {
     /// Branches at the left and spectra at the right, with an enlarged part of the site-centred
     /// family below.
     fn floquet(all: &[FloquetData], zoom: Option<f64>) -> Vec<Column> {
-        let labelled = |one: &FloquetData, panel: Panel| Panel {
-            y_label: format!("|λ|, {}-centred", center_word(one.center)),
+        let titled = |one: &FloquetData, words: &str, panel: Panel| Panel {
+            title: format!("{}-centred: {words}", center_word(one.center)),
             ..panel
         };
-        let mut left: Vec<Panel> = all.iter().map(|one| labelled(one, moduli(&one.branch, |_| true))).collect();
-        let right: Vec<Panel> = all.iter().map(|one| plane(&one.one)).collect();
-        let heading = format!("ω_b = {}", all[0].one.orbit.setting.omega_b);
-        let mut columns = vec![Column::new("", right)];
-        columns[0].heading = heading;
+        let whole = |one: &FloquetData| titled(one, "moduli along the branch", moduli(&one.branch, |_| true));
+        let at = |one: &FloquetData| format!("multipliers at ω_b = {}", one.one.orbit.setting.omega_b);
+        let mut left: Vec<Panel> = all.iter().map(whole).collect();
         if let (Some(zoom), Some(site)) = (zoom, all.iter().find(|one| one.center == Center::Site)) {
-            left.push(Panel {
-                x_label: "frequency ω_b, enlarged".into(),
-                ..labelled(site, moduli(&site.branch, |p| p <= zoom))
-            });
+            let enlarged = titled(site, "near ω, enlarged", moduli(&site.branch, |p| p <= zoom));
+            // With the same label it would have the range of the panel above.
+            left.push(Panel { x_label: "frequency ω_b near ω".into(), ..enlarged });
         }
-        columns.insert(0, Column::new("", left));
-        columns
+        let right: Vec<Panel> = all.iter().map(|one| titled(one, &at(one), plane(&one.one))).collect();
+        vec![Column::new("", left), Column::new("", right)]
     }
 }
