@@ -78,11 +78,11 @@ impl<C: ContactChain> Modal<C> {
                 return Err(change);
             }
         }
-        for i in 0..sites.len() {
+        for (i, site) in sites.iter_mut().enumerate() {
             let push = self.push(i, phi);
-            let [r, r_dot, p, p_dot] = sites[i];
+            let [r, r_dot, p, p_dot] = *site;
             let p_new = (p * (1.0 - quarter) + h * p_dot + 0.5 * h * h * self.mu * push) / (1.0 + quarter);
-            sites[i] = [
+            *site = [
                 r + h * (r_dot + 0.5 * h * self.m * push),
                 r_dot + h * self.m * push,
                 p_new,

@@ -802,7 +802,15 @@ fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
     let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     crate::figures::Maps {
         title: "collocation: free chains at rest whose first bead is struck".to_owned(),
-        maps: vec![crate::figures::CellMap { labels: label, x, y, values, notes, lines: Vec::new() }],
+        maps: vec![crate::figures::CellMap {
+            labels: label,
+            x,
+            y,
+            values,
+            notes,
+            lines: Vec::new(),
+            apart: Vec::new(),
+        }],
         caption: format!(
             "The largest over α = {} and ρ = {}, κ = {}, until t = N/5; error of the state relative to its largest position or velocity, against tolerance 10⁻¹². \
              Amplification: how many times larger the motion makes an error of velocities, made at the start or half way. hertzchain {}.",
