@@ -57,7 +57,7 @@ fn generic_scene(name: &str, rho: f64, boundary: &str, end: f64) -> Scene {
 }
 
 #[test]
-fn the_error_is_what_was_asked_for_over_six_decades() {
+fn the_error_is_no_more_than_was_asked_for_over_six_decades() {
     // Truth: regularised DOP853 at a tenth of a rounding a step. Measured: at most 0.87 of the
     // tolerance.
     let scenes = [
@@ -70,7 +70,7 @@ fn the_error_is_what_was_asked_for_over_six_decades() {
     for scene in &scenes {
         for (error, tol) in errors(scene, &tolerances).into_iter().zip(tolerances) {
             println!("{} tol {tol:e}: {error:.2e}, {:.2}", scene.name(), error / tol);
-            assert!(error < 2.6 * tol, "{} at {tol:e}: {error:e}", scene.name());
+            assert!(error < 1.8 * tol, "{} at {tol:e}: {error:e}", scene.name());
         }
     }
 }
@@ -132,7 +132,8 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
 fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
     // Truth: the regularised run. Bounds at 60, 120, 240 windows of 10 nodes, twice the measured
     // errors. At rho = 1e-6 a window holds at least 32 periods of a resonator, which equal windows
-    // do not resolve; runs with a tolerance do, see below.
+    // do not resolve: a prototype with the same nodes had 3.4e-9, 2.7e-10 and 1.2e-9 there, which
+    // this method misses. Runs with a tolerance resolve it, see below.
     let third = 1.0 / 3.0;
     let cases: [(f64, f64, [f64; 3]); 13] = [
         (0.7, third, [1.2e-10, 2.4e-11, 2.4e-11]),

@@ -66,7 +66,7 @@ fn assert_compositions_fall(study: &OrderStudy) -> usize {
 
 #[test]
 fn compositions_of_order_four_and_more_fall_to_two_and_a_half() {
-    assert_eq!(assert_compositions_fall(&SPHERES), 2 * 8);
+    assert_eq!(assert_compositions_fall(&SPHERES), 2 * 9);
 }
 
 #[test]

@@ -257,7 +257,7 @@ fn norm_is_kept_to_rounding_and_energy_does_not_drift() {
 }
 
 #[test]
-#[ignore = "minutes: 1e5 slow periods"]
+#[ignore = "nightly: minutes, 1e5 slow periods"]
 fn norm_and_energy_over_a_hundred_thousand_periods() {
     let (dps, y, period) = long_run(RING, Constraint::Force(averages_by_midpoints(1.0, 0.3, 1.0).0));
     let [norm, energy, first, last] = conservation(dps, &y, period, 100_000, 16);
