@@ -65,11 +65,11 @@ fn a_run_that_is_interrupted_has_the_bits_of_one_that_is_not() {
 #[test]
 fn contacts_are_joined_over_legs() {
     let scene = cradle();
-    // Measured: half of this.
+    // Measured: half of this; times of contacts that are 1e-7 and smaller.
     for (name, setting, bound) in [
-        ("strang-linear", Setting::Steps(3200), 3.5e-13),
-        ("dop853-regularised", Setting::Tolerance(1e-12), 1.5e-10),
-        ("collocation", Setting::Tolerance(1e-12), 5e-9),
+        ("strang-linear", Setting::Steps(3200), 6e-12),
+        ("dop853-regularised", Setting::Tolerance(1e-12), 8e-9),
+        ("collocation", Setting::Tolerance(1e-12), 3e-8),
     ] {
         let felt = |contacts: Option<Vec<Contact>>| {
             contacts.unwrap().into_iter().filter(|contact| contact.largest_overlap > 1e-9).collect::<Vec<_>>()
