@@ -102,13 +102,16 @@ fn a_contact_log_is_written_and_summed_up() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let totals = &serde_json::from_str::<Value>(&stdout(&run)).unwrap()["contacts"];
     let csv = std::fs::read_to_string(folder.path().join("contacts.csv")).unwrap();
-    assert_eq!(csv.lines().next().unwrap(), "bond,onset,release,approach,separation,largest_overlap,impulse");
+    assert_eq!(
+        csv.lines().next().unwrap(),
+        "bond,onset,release,approach,separation,largest_overlap,impulse,t_largest,onset_overlap,release_overlap"
+    );
     assert_eq!(totals["contacts"].as_u64().unwrap() as usize, csv.lines().count() - 1);
     // The first contact: struck with speed one, at once.
     let first: Vec<f64> = csv.lines().nth(1).unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
     assert_eq!((first[0], first[1], first[3]), (1.0, 0.0, 1.0));
     let file = std::fs::File::open(folder.path().join("contacts.npz")).unwrap();
-    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 7, "a member a column");
+    assert_eq!(zip::ZipArchive::new(file).unwrap().len(), 10, "a member a column");
     assert!(folder.path().join("contacts.png").exists() == cfg!(feature = "plot"));
     // Nobody asked, nobody gets.
     let silent = json(&["run", "impact", "--until", "10", "--json"]);
@@ -183,7 +186,7 @@ fn scenes_and_integrators_are_listed() {
         assert!(stdout(&hertzchain(&["run", name, "--plan"])).contains("left out"));
     }
     let integrators = json(&["integrators", "--json"]);
-    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 32);
+    assert_eq!(integrators["integrators"].as_array().unwrap().len(), 34);
 }
 
 #[test]

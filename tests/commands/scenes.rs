@@ -238,7 +238,7 @@ fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
         names
     };
     let (telling, all) = (names(&[]), names(&["--integrators", "all"]));
-    assert_eq!((telling.len(), all.len()), (13, 32));
+    assert_eq!((telling.len(), all.len()), (13, 34));
     assert!(telling.iter().all(|name| all.contains(name)));
     for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
         assert!(telling.iter().any(|telling| telling == name), "{name}");

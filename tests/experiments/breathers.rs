@@ -326,7 +326,7 @@ fn a_scene_file_says_amplitudes_phases_and_positions_in_any_way() {
     let bell = breather("center = 1.0\namplitude = 0.2\ndecay = 1.0\ngap = 0.25");
     assert!((bell.slack(1) - 0.25).abs() < 1e-15 && bell.means().iter().sum::<f64>().abs() < 1e-15);
     for (text, rule) in [
-        ("amplitudes = [0.1, 0.3]", "amplitudes = 2 numbers is not valid: one number a site"),
+        ("amplitudes = [0.1, 0.3]", "amplitudes = 2 numbers for 3 sites is not valid: one number a site"),
         ("amplitudes = [0.1, 0.3, 0.2]\nphases = [0.0]", "phases = 1 numbers"),
         ("amplitudes = [0.1, 0.3, 0.2]\ncenter = 1.0", "give either `amplitudes` or"),
         ("center = 1.0\namplitude = 0.1", "give either `amplitudes` or"),

@@ -3,7 +3,7 @@
 
 use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Resonators, Site, State};
 use hertzchain::integrators::{
-    SplitFlow, Splitting, Stepper, Twofold, VectorField,
+    Rotation, SplitFlow, Splitting, Stepper, Twofold, VectorField,
     splitting::{First, tables},
 };
 use std::{f64::consts::SQRT_2, num::FpCategory};
@@ -313,7 +313,7 @@ struct LinearReference {
     m: f64,
     mu: f64,
     omega: Twofold<f64>,
-    theta: Twofold<f64>,
+    phase: Rotation<f64>,
     tau: Twofold<f64>,
     kicks: u32,
 }
@@ -333,13 +333,12 @@ impl LinearReference {
             let s = if mu == 0.0 { 0.0 } else { mu * (u_dot - v_dot) / omega.value() };
             Modes { r0: m * u + mu * v, v: m * u_dot + mu * v_dot, c: mu * (u - v), s }
         };
-        let zero = Twofold::zero();
         let sites = (0..chain.sites()).map(site).collect();
-        Self { chain: chain.clone(), sites, m, mu, omega, theta: zero, tau: zero, kicks: 0 }
+        Self { chain: chain.clone(), sites, m, mu, omega, phase: Rotation::none(), tau: Twofold::zero(), kicks: 0 }
     }
 
     fn kick_drift(&mut self, kick: f64, dt: Twofold<f64>) {
-        let (sin, cos) = self.theta.sin_cos();
+        let (sin, cos) = self.phase.sin_cos();
         if self.kicks == 64 {
             let tau = self.tau.value();
             self.sites.iter_mut().for_each(|site| site.r0 += site.v * tau);
@@ -356,12 +355,12 @@ impl LinearReference {
             site.c -= per_omega * sin * force;
             site.s += per_omega * cos * force;
         }
-        self.theta = (self.theta + self.omega * dt).reduced(Twofold::two_pi());
+        self.phase = self.phase.then(&Rotation::by(self.omega * dt));
         self.tau = self.tau + dt;
     }
 
     fn store(&self) -> Vec<f64> {
-        let ((sin, cos), tau, omega) = (self.theta.sin_cos(), self.tau.value(), self.omega.value());
+        let ((sin, cos), tau, omega) = (self.phase.sin_cos(), self.tau.value(), self.omega.value());
         let rho = self.chain.params().rho;
         let centre = |s: &Modes| [s.r0 + s.v * tau, s.v];
         let oscillation = |s: &Modes| [s.c * cos + s.s * sin, omega * (s.s * cos - s.c * sin)];
