@@ -186,6 +186,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         (self.tau, self.kicks) = (other.tau, other.kicks);
     }
 
+    #[inline]
     fn drift(&mut self, dt: Twofold<R>) {
         self.phase.advance(dt);
         self.tau += dt.value();
@@ -207,6 +208,7 @@ type Now<R> = ((R, R), R);
 struct Step;
 
 impl<R: Real> Visit<R> for Step {
+    #[inline(always)]
     fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
         sweep(chain, sites);
     }
@@ -214,11 +216,13 @@ impl<R: Real> Visit<R> for Step {
 
 impl<R: Real> LinearFlow<R> {
     /// What positions and kicks depend on.
+    #[inline]
     pub(super) fn now(&self) -> Now<R> {
         (self.phase.sin_cos(), self.tau)
     }
 
     /// Hands over the sites as they are at some time, for a kick over `kick` then.
+    #[inline(always)]
     pub(super) fn visit(&mut self, ((sin, cos), tau): Now<R>, kick: R, work: impl Visit<R>) {
         let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;

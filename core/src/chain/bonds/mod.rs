@@ -274,6 +274,7 @@ impl<F: SiteFlow> Bonded<F> {
 struct Survey<'a>(Forces<'a>);
 
 impl Visit<f64> for Survey<'_> {
+    #[inline(always)]
     fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
         self.0.survey(chain, sites);
     }
@@ -283,6 +284,7 @@ impl Visit<f64> for Survey<'_> {
 struct Kick<'a>(Modified<'a>);
 
 impl Visit<f64> for Kick<'_> {
+    #[inline(always)]
     fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
         self.0.kick(chain.topology(), sites);
     }
