@@ -1,13 +1,13 @@
 //! The phase `theta = omega t` of all resonators, and its sine and cosine.
 //!
 //! A run repeats a few drifts over and over. Sine and cosine are then moved on by a rotation with
-//! twice the working precision, at a third of the cost of computing them anew. `k` rotations leave
-//! an error of about `k 10^-32`: below a rounding for 10^15 of them.
+//! twice the working precision. `k` rotations leave an error of about `k 10^-32`: below a rounding
+//! for 10^15 of them.
 
 use hertzchain_integrators::{Kernel, Real, Rotation, Twofold};
 
-/// Drifts whose rotations are kept. The scheme with most has eleven different ones; a run that
-/// lands on contacts has ever new ones, whose sine and cosine are computed.
+/// Drifts whose rotations are kept: those that a scheme repeats. A run that lands on contacts has
+/// ever new ones; beyond these, sine and cosine are computed.
 const KEPT: usize = 16;
 
 /// The phase of a chain.
