@@ -1,9 +1,9 @@
 //! Error against run time beside the loops that anybody would write: for each decade of error the
 //! fastest plain loop, the fastest method of hertzchain, and the ratio of their times.
 //!
-//! Plain loops are velocity Verlet, and the exact rotation of resonators with kicks of the contacts,
-//! each as Strang's scheme and as Yoshida's of order four: a loop over bonds, a loop over sites,
-//! compiled for the same vector instructions as the library. DOP853 across contacts stands for the
+//! Plain loops are velocity Verlet, and the exact rotation of resonators with kicks of the
+//! contacts, each as Strang's scheme and as Yoshida's of order four: a loop over bonds, loops over
+//! sites, compiled for the same vector instructions as the library. DOP853 across contacts stands for the
 //! solver that anybody would call; it is ours, as the published crates bring another `nalgebra`.
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of `compare`: strains

@@ -243,7 +243,7 @@ mod tests {
             let part = Rotation::by(Twofold::<f64>::two_pi().over(Twofold::new(f64::from(turns))));
             let whole = (0..turns).fold(Rotation::none(), |whole, _| whole.then(&part));
             let gap = whole.cos - Twofold::new(1.0);
-            assert!(whole.sin.hi.abs() < 1e-30 && gap.hi.abs() < 1e-30, "{turns}: {whole:?}");
+            assert!(whole.sin.hi.abs() < 5e-31 && gap.hi.abs() < 5e-31, "{turns}: {whole:?}");
         }
     }
 

@@ -6,9 +6,6 @@
 
 use crate::{Real, Twofold, Vector};
 
-/// Number of overlaps that a vectorised loop takes together.
-pub const LANES: usize = 8;
-
 /// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.

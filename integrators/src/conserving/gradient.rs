@@ -53,7 +53,7 @@ impl<C: ContactChain> DiscreteGradient<C> {
 impl<C: ContactChain> Modal<C> {
     /// One step from `sites`, with a first guess for the forces. Returns the sweeps that it took,
     /// or the last change of a force if they do not settle.
-    pub(super) fn discrete_gradient(&self, sites: &mut Sites, phi: &mut [f64], h: f64) -> Result<u32, f64> {
+    pub(super) fn discrete_gradient(&mut self, sites: &mut Sites, phi: &mut [f64], h: f64) -> Result<u32, f64> {
         let quarter = 0.25 * h * h * self.stiffness;
         let free = |i: usize| {
             let [r, r_dot, p, p_dot] = sites[i];
@@ -61,28 +61,14 @@ impl<C: ContactChain> Modal<C> {
         };
         // A unit force moves a bead so far.
         let reach = 0.5 * h * h * (self.m + self.mu / (1.0 + quarter));
-        let before: Vec<f64> = (0..phi.len()).map(|b| self.overlap(b, |i| sites[i][0] + sites[i][2])).collect();
-        let loose: Vec<f64> = (0..phi.len()).map(|b| self.overlap(b, free)).collect();
-        let (mut sweeps, mut last) = (0, f64::INFINITY);
-        loop {
-            let (mut change, mut largest) = (0.0f64, 0.0f64);
-            for b in 0..phi.len() {
-                let others = |i: usize| self.chain.push(i, |c| path(if c == b { 0.0 } else { phi[c] }));
-                let aim = loose[b] + reach * self.chain.across(b, others)[0];
-                let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
-                (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
-                phi[b] = new;
-            }
-            sweeps += 1;
-            // Changes that no longer shrink are roundings.
-            if change <= 4.0 * f64::EPSILON * largest || (last <= change && change <= ROUNDING * largest) {
-                break;
-            }
-            last = change;
-            if sweeps == SWEEPS {
-                return Err(change);
-            }
+        let [mut before, mut loose] = std::mem::take(&mut self.overlaps);
+        for b in 0..phi.len() {
+            before[b] = self.overlap(b, |i| sites[i][0] + sites[i][2]);
+            loose[b] = self.overlap(b, free);
         }
+        let sweeps = self.sweeps(phi, [&before, &loose], reach);
+        self.overlaps = [before, loose];
+        let sweeps = sweeps?;
         for (i, site) in sites.iter_mut().enumerate() {
             let push = self.push(i, phi);
             let [r, r_dot, p, p_dot] = *site;
@@ -96,6 +82,29 @@ impl<C: ContactChain> Modal<C> {
             ];
         }
         Ok(sweeps)
+    }
+
+    /// Solves for the forces of a step, from overlaps at its start and those at its end where
+    /// nothing presses; a unit force moves a bead by `reach`. As
+    /// [`discrete_gradient`](Self::discrete_gradient).
+    fn sweeps(&self, phi: &mut [f64], [before, loose]: [&[f64]; 2], reach: f64) -> Result<u32, f64> {
+        let mut last = f64::INFINITY;
+        for sweep in 1..=SWEEPS {
+            let (mut change, mut largest) = (0.0f64, 0.0f64);
+            for b in 0..phi.len() {
+                let others = |i: usize| self.chain.push(i, |c| path(if c == b { 0.0 } else { phi[c] }));
+                let aim = loose[b] + reach * self.chain.across(b, others)[0];
+                let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
+                (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
+                phi[b] = new;
+            }
+            // Changes that no longer shrink are roundings.
+            if change <= 4.0 * f64::EPSILON * largest || (last <= change && change <= ROUNDING * largest) {
+                return Ok(sweep);
+            }
+            last = change;
+        }
+        Err(last)
     }
 }
 
@@ -162,13 +171,7 @@ impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
 
     /// Times inside the last step are reached by a shorter one of the same scheme.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let by = self.steps.since(t);
-        let mut sites = self.sites.clone();
-        if by != 0.0 {
-            // A shorter step settles where the last one did.
-            let _ = self.chain.discrete_gradient(&mut sites, &mut self.phi.clone(), by);
-        }
-        self.chain.store(&sites, y);
+        self.chain.sample(self.sites.clone(), &self.phi, self.steps.since(t), y);
     }
 
     fn stats(&self) -> Stats {

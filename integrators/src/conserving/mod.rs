@@ -42,6 +42,8 @@ struct Modal<C> {
     stiffness: f64,
     /// How strongly the force of each bond opens it.
     recoil: Vec<f64>,
+    /// Overlaps at the start of a step, and where nothing presses at its end.
+    overlaps: [Vec<f64>; 2],
 }
 
 impl<C: ContactChain> Modal<C> {
@@ -49,8 +51,10 @@ impl<C: ContactChain> Modal<C> {
         let response = chain.response();
         let omega = response.omega.value();
         let recoil = |b| -chain.across(b, |i| chain.push(i, |c| path(f64::from(u8::from(c == b)))))[0];
+        let zeros = || vec![0.0; chain.bonds()];
         Self {
             recoil: (0..chain.bonds()).map(recoil).collect(),
+            overlaps: [zeros(), zeros()],
             law: chain.law(),
             m: response.m,
             mu: response.mu,
@@ -69,7 +73,13 @@ impl<C: ContactChain> Modal<C> {
         (0..self.chain.sites()).map(site).collect()
     }
 
-    fn store(&self, sites: &Sites, y: &mut [f64]) {
+    /// The state of sites, led on by a part of a step with a step of the discrete gradient.
+    fn sample(&mut self, mut sites: Sites, phi: &[f64], by: f64, y: &mut [f64]) {
+        if by != 0.0 && self.discrete_gradient(&mut sites, &mut phi.to_vec(), by).is_err() {
+            // No state is better than a wrong one.
+            y.fill(f64::NAN);
+            return;
+        }
         sites.iter().enumerate().for_each(|(i, &site)| self.chain.place(site, i, y));
     }
 

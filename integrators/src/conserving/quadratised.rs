@@ -27,8 +27,9 @@ pub struct Quadratised<C> {
     /// The velocities half a step ago, `[r', p']`.
     before: Vec<[f64; 2]>,
     psi: f64,
-    /// Buffer for the forces of bonds.
+    /// Forces of bonds, and what they do to sites over `(2V)^{1/2}`: `-gamma`.
     force: Vec<f64>,
+    pushes: Vec<f64>,
     steps: Steps,
 }
 
@@ -41,7 +42,8 @@ impl<C: ContactChain> Quadratised<C> {
         let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
         let (sites, force) = (chain.load(y0), vec![0.0; chain.recoil.len()]);
         let before = sites.iter().map(|&[_, r_dot, _, p_dot]| [r_dot, p_dot]).collect();
-        let mut new = Self { chain, sites, before, psi: 0.0, force, steps };
+        let pushes = vec![0.0; sites.len()];
+        let mut new = Self { chain, sites, before, psi: 0.0, force, pushes, steps };
         new.begin();
         Ok(new)
     }
@@ -108,20 +110,18 @@ impl<C: ContactChain> Stepper<f64> for Quadratised<C> {
             *p += h * *p_dot;
         }
         let potential = self.forces();
-        // gamma = -push/(2V)^{1/2}.
         let scale = if potential > 0.0 { 1.0 / (2.0 * potential).sqrt() } else { 0.0 };
-        let Self { chain, sites, before, psi, force, .. } = self;
-        let pushes: Vec<f64> = (0..sites.len()).map(|i| scale * chain.push(i, force)).collect();
-        let mut work = 0.0;
-        let mut size = 0.0;
-        for (&[_, r_dot, p, p_dot], push) in sites.iter().zip(&pushes) {
-            work -= push * (2.0 * (r_dot + p_dot) - h * chain.stiffness * p);
-            size += push * push;
+        let Self { chain, sites, before, psi, force, pushes, .. } = self;
+        let (mut work, mut size) = (0.0, 0.0);
+        for (i, (&[_, r_dot, p, p_dot], push)) in sites.iter().zip(&mut *pushes).enumerate() {
+            *push = scale * chain.push(i, force);
+            work -= *push * (2.0 * (r_dot + p_dot) - h * chain.stiffness * p);
+            size += *push * *push;
         }
         let rise = 0.5 * h * (work - h * size * *psi) / (1.0 + 0.25 * h * h * size);
         let mean = *psi + 0.5 * rise;
         *psi += rise;
-        for (([_, r_dot, p, p_dot], push), before) in sites.iter_mut().zip(&pushes).zip(before) {
+        for (([_, r_dot, p, p_dot], push), before) in sites.iter_mut().zip(&*pushes).zip(before) {
             *before = [*r_dot, *p_dot];
             *r_dot += h * chain.m * mean * push;
             *p_dot += h * (chain.mu * mean * push - chain.stiffness * *p);
@@ -138,12 +138,8 @@ impl<C: ContactChain> Stepper<f64> for Quadratised<C> {
             *r_dot = 0.5 * (*r_dot + r_before);
             *p_dot = 0.5 * (*p_dot + p_before);
         }
-        let by = self.steps.since(t);
-        if by != 0.0 {
-            // Where that does not settle, the steps are far too long for their contacts anyway.
-            let _ = self.chain.discrete_gradient(&mut sites, &mut vec![0.0; self.force.len()], by);
-        }
-        self.chain.store(&sites, y);
+        let phi = vec![0.0; self.force.len()];
+        self.chain.sample(sites, &phi, self.steps.since(t), y);
     }
 
     fn stats(&self) -> Stats {

@@ -3,8 +3,8 @@
 use super::{Contact, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
-/// What follows a contact without a gap is another one only above this share of its largest overlap:
-/// positions are rounded too, and may be larger than overlaps. Chosen.
+/// What follows a contact without a gap is another one only above this share of its largest
+/// overlap: positions are rounded too, and may be larger than overlaps. Chosen.
 const RIPPLE: f64 = 16.0 * ROUNDING;
 
 /// A time and the rate of the overlap then.
