@@ -5,7 +5,7 @@ use crate::{
     breathers::{self, TrivialBreather},
     error::{Error, Result},
     output::{Folder, to_json},
-    run::{Method, Records, Regime, Setting, Trajectory, regime},
+    run::{Method, Records, Regime, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::Scene,
     study::{self, LongRun, folder_of},
 };
@@ -232,7 +232,7 @@ fn setting(args: &RunArgs, method: Method, scene: &Scene) -> Result<(Setting, St
         return Ok((Setting::Tolerance(tol), in_words(scene, Setting::Tolerance(tol))));
     }
     if let Some(tol) = args.tol {
-        return Err(Error::parameter("tol", tol, "splitting schemes take --steps-per-period or --step"));
+        return Err(Error::parameter("tol", tol, NO_TOLERANCE));
     }
     let steps = match args.step {
         Some(step) => scene.end() / positive("step", step)?,

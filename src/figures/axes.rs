@@ -47,8 +47,11 @@ fn decimal(digit: i32, exponent: i32) -> String {
     }
 }
 
-/// A positive number of one digit, such as 0.03 or 10⁻⁸.
-fn one_digit(value: f64) -> Option<String> {
+/// A positive number that is short: of one digit, such as 0.03 or 10⁻⁸, or whole and of up to four.
+fn short_number(value: f64) -> Option<String> {
+    if value.fract() == 0.0 && (1.0..1e4).contains(&value) {
+        return Some(value.to_string());
+    }
     let exponent = value.log10().floor() as i32;
     let digit = (value / 10_f64.powi(exponent)).round();
     let exact = (value / (digit * 10_f64.powi(exponent)) - 1.0).abs() < 1e-9;
@@ -115,7 +118,7 @@ impl Axis {
     /// A logarithmic axis with the given ends, over cells around some values: ticks are at these
     /// values if all of them are short numbers, else as on any axis.
     pub(super) fn of_cells(lo: f64, hi: f64, values: &[f64]) -> Self {
-        let all_short = values.iter().all(|&value| one_digit(value).is_some());
+        let all_short = values.iter().all(|&value| short_number(value).is_some());
         Self { cells: if all_short { values.to_vec() } else { Vec::new() }, ..Self::exact_log(lo, hi) }
     }
 
@@ -225,7 +228,7 @@ impl Axis {
     fn log_ticks(&mut self, count: usize) {
         if !self.cells.is_empty() {
             let every = self.cells.len().div_ceil(count);
-            let tick = |&value: &f64| Some((self.place(value)?, one_digit(value)?));
+            let tick = |&value: &f64| Some((self.place(value)?, short_number(value)?));
             self.ticks = self.cells.iter().step_by(every).filter_map(tick).collect();
             return;
         }

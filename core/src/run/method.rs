@@ -131,6 +131,9 @@ const TELLING: [&str; 13] = [
     "collocation",
 ];
 
+/// What is said to somebody who gives a tolerance to a method that takes none.
+pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
+
 /// Smallest tolerance that collocation accepts.
 const LEAST_TOLERANCE: f64 = 1e-15;
 
@@ -346,7 +349,7 @@ impl Method {
             (
                 Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..) | Self::Conserving(_),
                 Setting::Tolerance(tol),
-            ) => Err(Error::parameter("tol", tol, "a method with equal steps takes --step or --steps-per-period")),
+            ) => Err(Error::parameter("tol", tol, NO_TOLERANCE)),
             (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {
                 Err(Error::parameter("steps", steps, "an adaptive method chooses its steps: give it --tol"))
             }

@@ -783,6 +783,12 @@ fn resonance_matrix(study: &ChartStudy) -> crate::figures::Matrix {
     }
 }
 
+/// A number to two digits.
+#[cfg(feature = "plot")]
+fn two_digits(x: f64) -> String {
+    crate::number::shown(format!("{x:.1e}").parse().unwrap_or(x))
+}
+
 #[cfg(feature = "plot")]
 fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
     let cells = struck_cells(study);
@@ -795,7 +801,7 @@ fn struck_map(study: &ChartStudy) -> crate::figures::Maps {
         for &sites in &x {
             let ratio = of(sites, tol).and_then(|cell| cell.2);
             values.push(ratio.unwrap_or(0.0).max(if ratio.is_some() { f64::MIN_POSITIVE } else { 0.0 }));
-            notes.push(ratio.map_or_else(|| "failed".to_owned(), |ratio| format!("{ratio:.0e}").replace('-', "−")));
+            notes.push(ratio.map_or_else(|| "failed".to_owned(), two_digits));
         }
     }
     let label = ["number of beads N", "tolerance", "error/(tolerance × amplification)"].map(str::to_owned);
