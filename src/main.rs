@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hertzchain::cli::main()
+    hertzchain::cli::main(std::env::args_os()).into()
 }

@@ -1,19 +1,77 @@
-//! A flag that asks this process to end. Runs, sweeps and branches check the flag, stop, and keep
-//! what they have computed.
+//! Flags that ask work to end. Runs, sweeps and branches look at them, stop, and keep what they have
+//! computed.
+//!
+//! There is one flag of the process, which a signal handler sets, and a thread may have one of its
+//! own while it does a piece of work, so that one piece can be stopped without the others.
 
-use std::sync::{
-    Arc, OnceLock,
-    atomic::{AtomicBool, Ordering},
+use std::{
+    cell::RefCell,
+    sync::{
+        Arc, OnceLock,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Registers the flag, which a signal handler sets. Only the first call has an effect.
+thread_local! {
+    static OWN: RefCell<Token> = const { RefCell::new(Token(None)) };
+}
+
+/// Registers the flag of the process, which a signal handler sets. Only the first call has an
+/// effect.
 pub fn watch(flag: Arc<AtomicBool>) {
     let _ = FLAG.set(flag);
 }
 
-/// Whether the flag is registered and set.
+/// Whether this piece of work is asked to end: by the flag of its thread or that of the process.
 pub fn asked() -> bool {
-    FLAG.get().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    token().asked()
+}
+
+/// The flag of the piece of work that this thread does, to look at it often, or to hand it to
+/// threads that take part in the work.
+pub fn token() -> Token {
+    OWN.with_borrow(Clone::clone)
+}
+
+/// A flag that asks a piece of work to end; by default there is only that of the process.
+#[derive(Clone, Debug, Default)]
+pub struct Token(Option<Arc<AtomicBool>>);
+
+impl Token {
+    /// A flag of its own, not set.
+    ///
+    /// ```
+    /// use hertzchain_core::interrupt::{Token, asked};
+    /// let (one, other) = (Token::new(), Token::new());
+    /// one.ask();
+    /// assert_eq!((one.within(asked), other.within(asked), asked()), (true, false, false));
+    /// ```
+    pub fn new() -> Self {
+        Self(Some(Arc::default()))
+    }
+
+    /// Sets the flag, if it is not that of the process.
+    pub fn ask(&self) {
+        self.0.iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
+    }
+
+    /// Whether this flag or that of the process is set.
+    pub fn asked(&self) -> bool {
+        self.0.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Does a piece of work that looks at this flag, on this thread.
+    pub fn within<T>(&self, work: impl FnOnce() -> T) -> T {
+        /// Gives the thread its flag back, also if the work panics.
+        struct Before(Token);
+        impl Drop for Before {
+            fn drop(&mut self) {
+                OWN.set(std::mem::take(&mut self.0));
+            }
+        }
+        let _before = Before(OWN.replace(self.clone()));
+        work()
+    }
 }

@@ -1,12 +1,12 @@
 //! `hertzchain paper figures`.
 
-use super::{Exit, args::FiguresArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, say};
 use crate::{
     error::Result,
     output::Folder,
     paper::{Drawn, FIGURES, Figure, figures_json, figures_table},
 };
-use std::{process::ExitCode, time::Instant};
+use std::time::Instant;
 
 pub(super) fn main(args: &FiguresArgs) -> Exit {
     let chosen = chosen(&args.only)?;
@@ -21,11 +21,11 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
     let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
     bar.finish_and_clear();
     let printed = print(&if args.json { figures_json(&drawn) + "\n" } else { figures_table(&drawn) });
-    let mut code = ExitCode::SUCCESS;
+    let mut code = DONE;
     for Drawn { figure, outcome, .. } in &drawn {
         if let Err(error) = outcome {
             say(&format!("error: figure {}: {error}", figure.name));
-            code = ExitCode::FAILURE;
+            code = FAILED;
         }
     }
     say(&format!("written to {}", folder.path().display()));

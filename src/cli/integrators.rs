@@ -1,9 +1,8 @@
 //! `hertzchain integrators`.
 
-use super::{Exit, args::IntegratorsArgs, print};
+use super::{DONE, Exit, args::IntegratorsArgs, print};
 use crate::{output::to_json, present::table, run::Method};
 use serde_json::json;
-use std::process::ExitCode;
 
 pub(super) fn main(args: &IntegratorsArgs) -> Exit {
     let all = Method::all();
@@ -20,7 +19,7 @@ pub(super) fn main(args: &IntegratorsArgs) -> Exit {
                 })
             })
             .collect();
-        return print(&(to_json(&json!({"integrators": list})) + "\n")).map(|()| ExitCode::SUCCESS);
+        return print(&(to_json(&json!({"integrators": list})) + "\n")).map(|()| DONE);
     }
     let rows: Vec<_> = all
         .iter()
@@ -34,5 +33,5 @@ pub(super) fn main(args: &IntegratorsArgs) -> Exit {
             ]
         })
         .collect();
-    print(&table(&["integrator", "order", "stages", "family", "source"], &rows)).map(|()| ExitCode::SUCCESS)
+    print(&table(&["integrator", "order", "stages", "family", "source"], &rows)).map(|()| DONE)
 }

@@ -24,22 +24,27 @@ use clap::{
     value_parser,
 };
 use hertzchain_integrators::Error as Failure;
-use std::process::ExitCode;
+use std::ffi::OsString;
 use terminal::{print, print_help, progress_bar};
 
 /// Exit code of what cannot be done as it was asked: a command line that is not understood, as clap
 /// has it, and a value, a name or an input file that breaks its rule.
 const REFUSED: u8 = 2;
+/// Exit code of a command that failed.
+const FAILED: u8 = 1;
+const DONE: u8 = 0;
 
-/// Reads the arguments, runs the command, says what went wrong.
-pub fn main() -> ExitCode {
+/// Reads the arguments, the name of the program first, runs the command, says what went wrong, and
+/// returns the exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
     let ended = numbers_checked(Cli::command())
-        .try_get_matches()
+        .try_get_matches_from(&arguments)
         .and_then(|matches| Cli::from_arg_matches(&matches))
-        .map_or_else(|error| not_begun(&error), |cli| begun(&cli));
+        .map_or_else(|error| not_begun(&error, &arguments), |cli| begun(&cli));
     ended.unwrap_or_else(|error| {
         say(&format!("error: {error}"));
-        ExitCode::from(code(&error))
+        code(&error)
     })
 }
 
@@ -53,24 +58,24 @@ fn begun(cli: &Cli) -> Exit {
     match signals::exit_code() {
         Some(code) => {
             outcome.err().into_iter().for_each(|error| say(&format!("error: {error}")));
-            Ok(ExitCode::from(code))
+            Ok(code)
         }
         None => outcome,
     }
 }
 
 /// Help, the version, or what is wrong with the command line.
-fn not_begun(error: &clap::Error) -> Exit {
+fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
     if !error.use_stderr() {
-        return print_help(error).map(|()| ExitCode::SUCCESS);
+        return print_help(error).map(|()| DONE);
     }
-    match (refusal(error), moved(error)) {
+    match (refusal(error), moved(error, arguments)) {
         (Some(refusal), _) => say(&format!("error: {refusal}")),
         (None, Some(words)) => say(&format!("error: {words}")),
         // Nobody is left to hear that standard error cannot be written.
         (None, None) => drop(error.print()),
     }
-    Ok(ExitCode::from(REFUSED))
+    Ok(REFUSED)
 }
 
 /// The exit code of an error: whether what was asked for was refused, or failed.
@@ -78,7 +83,7 @@ fn code(error: &Error) -> u8 {
     match error {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
         Error::Integration(Failure::Argument { .. }) => REFUSED,
-        _ => 1,
+        _ => FAILED,
     }
 }
 
@@ -127,12 +132,12 @@ fn refusal(error: &clap::Error) -> Option<&Error> {
 }
 
 /// Where a command has gone that is no longer there, if that is the error.
-fn moved(error: &clap::Error) -> Option<String> {
+fn moved(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
     let name = error.get(ContextKind::InvalidSubcommand)?.to_string();
-    let given: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let given: Vec<String> = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let above = given.iter().position(|word| *word == name)?.checked_sub(1).map(|k| given[k].as_str());
     let now = args::moved(above, &name)?;
     let above = above.filter(|above| *above == "dps").map(|above| format!("{above} ")).unwrap_or_default();
@@ -162,4 +167,5 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
     command.mut_subcommands(numbers_checked)
 }
 
-type Exit = Result<ExitCode>;
+/// An exit code, or the error that ended the command.
+type Exit = Result<u8>;

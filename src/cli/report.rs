@@ -1,6 +1,6 @@
 //! `hertzchain paper report`.
 
-use super::{Exit, args::ReportArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -12,7 +12,7 @@ use crate::{
         theorem,
     },
 };
-use std::{process::ExitCode, time::Instant};
+use std::time::Instant;
 
 /// Told of the share of a part that is done.
 type Tell<'a> = &'a (dyn Fn(f64) + Sync);
@@ -102,11 +102,11 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
     folder.write("report.json", json.as_bytes())?;
     let printed = print(&if args.json { json } else { page.table() });
     say(&format!("written to {}", folder.path().join("report.html").display()));
-    let mut code = ExitCode::SUCCESS;
+    let mut code = DONE;
     for section in &page.sections {
         for why in section.failures() {
             say(&format!("error: {}: {why}", section.name));
-            code = ExitCode::FAILURE;
+            code = FAILED;
         }
     }
     printed.map(|()| code)

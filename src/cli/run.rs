@@ -1,6 +1,6 @@
 //! `hertzchain run`.
 
-use super::{Exit, args::RunArgs, print, progress_bar, say, signals};
+use super::{DONE, Exit, args::RunArgs, print, progress_bar, say, signals};
 use crate::{
     breathers::{self, TrivialBreather},
     error::{Error, Result},
@@ -9,7 +9,7 @@ use crate::{
     scene::Scene,
     study::{self, LongRun, folder_of},
 };
-use std::{path::Path, process::ExitCode};
+use std::path::Path;
 
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
@@ -43,7 +43,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
             format!("{}, {name}, {wording}\n  {}\n", scene.name(), plan.join("\n  "))
         };
         say_why();
-        return print(&text).map(|()| ExitCode::SUCCESS);
+        return print(&text).map(|()| DONE);
     }
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval)?;
@@ -90,7 +90,7 @@ fn report(
         }
         say(&format!("written to {}", folder.path().display()));
     }
-    outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| ExitCode::SUCCESS)
+    outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| DONE)
 }
 
 /// Goes on from a checkpoint.

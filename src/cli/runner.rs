@@ -1,14 +1,14 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{Exit, print, progress_bar, say, signals};
+use super::{DONE, Exit, FAILED, print, progress_bar, say, signals};
 use crate::{
     error::Result,
     output::{Folder, to_json},
     study::{Report, Study, Work},
 };
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
-use std::{path::PathBuf, process::ExitCode};
+use std::path::PathBuf;
 
 /// What `--out` says everywhere.
 const OUT: &str = "Write the results to this folder; without it, no file is written";
@@ -82,7 +82,7 @@ fn carry_out(work: Work<'_>, folder: Option<Folder>, json: bool, left: &[String]
         folder.remove(left.iter().map(String::as_str))?;
         write(&folder, &*report, &text)?;
     }
-    printed.map(|()| if report.succeeded() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    printed.map(|()| if report.succeeded() { DONE } else { FAILED })
 }
 
 fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {

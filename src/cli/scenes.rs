@@ -1,13 +1,12 @@
 //! `hertzchain scenes`.
 
 use super::{
-    Exit,
+    DONE, Exit,
     args::{ScenesAction, ScenesArgs},
     print,
 };
 use crate::{output::to_json, present::table, scene::Scene, study::scene_json};
 use serde_json::json;
-use std::process::ExitCode;
 
 pub(super) fn main(args: &ScenesArgs) -> Exit {
     let text = match &args.action {
@@ -31,5 +30,5 @@ pub(super) fn main(args: &ScenesArgs) -> Exit {
             table(&["scene", "what it is"], &rows)
         }
     };
-    print(&text).map(|()| ExitCode::SUCCESS)
+    print(&text).map(|()| DONE)
 }

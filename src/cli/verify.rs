@@ -1,11 +1,10 @@
 //! `hertzchain paper verify`.
 
-use super::{Exit, args::VerifyArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, say};
 use crate::{
     output::Folder,
     paper::{verify, verify_csv, verify_json, verify_table},
 };
-use std::process::ExitCode;
 
 pub(super) fn main(args: &VerifyArgs) -> Exit {
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
@@ -24,8 +23,8 @@ pub(super) fn main(args: &VerifyArgs) -> Exit {
     printed?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
     if unexpected.is_empty() {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     say(&format!("not as known: {}", unexpected.join(", ")));
-    Ok(ExitCode::FAILURE)
+    Ok(FAILED)
 }

@@ -1,7 +1,7 @@
 //! Computation on the threads of this process, or on one thread without the feature `parallel`.
 
 use super::Backend;
-use crate::error::Result;
+use crate::{error::Result, interrupt};
 
 /// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,7 +16,8 @@ impl Backend for Threads {
         done: &(dyn Fn(usize, String) -> Result<()> + Sync),
     ) -> Result<()> {
         use rayon::prelude::*;
-        todo.par_iter().with_max_len(1).try_for_each(|&k| done(k, work(k)))
+        let token = interrupt::token();
+        todo.par_iter().with_max_len(1).try_for_each(|&k| token.within(|| done(k, work(k))))
     }
 
     #[cfg(not(feature = "parallel"))]
@@ -34,7 +35,8 @@ impl Backend for Threads {
 #[cfg(feature = "parallel")]
 pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
     use rayon::prelude::*;
-    items.par_iter().map(f).collect()
+    let token = interrupt::token();
+    items.par_iter().map(|item| token.within(|| f(item))).collect()
 }
 
 /// The results of `f`, in the order of the items.

@@ -62,8 +62,36 @@ pub struct Run {
     method: Option<Method>,
     setting: Option<Setting>,
     records: Records,
-    samples: usize,
+    sampling: Sampling,
     contacts: bool,
+}
+
+/// The times of samples.
+#[derive(Clone, Debug)]
+enum Sampling {
+    /// The start, and so many equal parts of the span; none at all for zero.
+    Equal(usize),
+    /// These.
+    At(Vec<f64>),
+}
+
+impl Sampling {
+    /// Number of samples.
+    fn count(&self) -> usize {
+        match self {
+            Self::Equal(0) => 0,
+            Self::Equal(samples) => samples + 1,
+            Self::At(times) => times.len(),
+        }
+    }
+
+    /// Time of the sample after `taken` of them, in a run up to `end`.
+    fn time(&self, taken: usize, end: f64) -> Option<f64> {
+        match self {
+            Self::Equal(samples) => (taken < self.count()).then(|| end * (taken as f64 / *samples as f64)),
+            Self::At(times) => times.get(taken).copied(),
+        }
+    }
 }
 
 impl Run {
@@ -81,7 +109,7 @@ impl Run {
             method: None,
             setting: None,
             records: Records::Energy,
-            samples: SAMPLES,
+            sampling: Sampling::Equal(SAMPLES),
             contacts: false,
         }
     }
@@ -155,8 +183,34 @@ impl Run {
         if samples > MOST_SAMPLES {
             return Err(Error::parameter("samples", samples, "at most 10^6"));
         }
-        self.samples = samples;
+        self.sampling = Sampling::Equal(samples);
         Ok(self)
+    }
+
+    /// Sets the times of the samples: ascending, and none after the end of the run.
+    ///
+    /// # Errors
+    /// Times that break these rules; more than 10^6 + 1 of them; no end given before.
+    pub fn samples_at(mut self, times: &[f64]) -> Result<Self> {
+        self.checked_times(times)?;
+        if times.len() > MOST_SAMPLES + 1 {
+            return Err(Error::parameter("times", times.len(), "at most 10^6 + 1"));
+        }
+        let end = self.end()?;
+        self.sampling = Sampling::At(times.iter().map(|t| t.min(end)).collect());
+        Ok(self)
+    }
+
+    /// Refuses times that do not ascend, or are not on the span; by rounding they may be beyond it.
+    fn checked_times(&self, times: &[f64]) -> Result<()> {
+        let last = self.end()? * (1.0 + 4.0 * f64::EPSILON);
+        if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
+            return Err(Error::parameter("times", wrong, "from zero to the end of the run"));
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
+            return Err(Error::parameter("times", pair[1], "in ascending order"));
+        }
+        Ok(())
     }
 
     /// Asks for a log of all contacts.
@@ -188,9 +242,12 @@ impl Run {
         self.period
     }
 
-    /// Number of samples, not counting the initial state.
+    /// Number of equal parts of the span, at whose ends samples are taken; 0 if at other times.
     pub fn sample_count(&self) -> usize {
-        self.samples
+        match self.sampling {
+            Sampling::Equal(samples) => samples,
+            Sampling::At(_) => 0,
+        }
     }
 
     /// The end time.
@@ -256,8 +313,30 @@ impl Run {
     /// # Errors
     /// As [`start`](Self::start).
     pub fn start_with(&self, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
+        self.start_seen(&mut |t, _| progress(t))
+    }
+
+    /// As [`start`](Self::start), and calls `seen` with the time of every sample and the state
+    /// there, in the layout of the chain.
+    ///
+    /// ```
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
+    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 5)?;
+    /// # let mut state = State::rest(&chain);
+    /// state.u_dot_mut().copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let run = Run::new(chain, state).until(2.0)?.samples_at(&[0.5, 0.7, 2.0])?;
+    /// let mut momenta = Vec::new();
+    /// run.start_seen(&mut |_, y| momenta.push(y[5..].iter().sum::<f64>()))?;
+    /// assert_eq!(momenta.len(), 3);
+    /// assert!(momenta.iter().all(|momentum| (momentum - 1.0).abs() < 1e-12));
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_seen(&self, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
-        let mut recorder = Recorder::new(self, Kept::new(self), progress);
+        let mut recorder = Recorder::new(self, Kept::new(self), seen);
         let failure = recorder.go_on(method, setting, end)?.err();
         Ok(recorder.trajectory(failure))
     }
@@ -269,7 +348,8 @@ impl Run {
     /// No end, or a state of another chain.
     pub fn start_by(&self, stepper: &mut impl Stepper<f64>, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
         self.span()?;
-        let mut recorder = Recorder::new(self, Kept::new(self), progress);
+        let mut seen = |t, _: &[f64]| progress(t);
+        let mut recorder = Recorder::new(self, Kept::new(self), &mut seen);
         let failure = recorder.leg(stepper).err();
         Ok(recorder.trajectory(failure))
     }

@@ -215,7 +215,8 @@ impl Kept {
 /// The observer of a run. It records the samples and stops runs that are unstable.
 pub struct Recorder<'a> {
     run: &'a Run,
-    progress: &'a mut dyn FnMut(f64),
+    seen: &'a mut dyn FnMut(f64, &[f64]),
+    token: interrupt::Token,
     /// Number of samples from one profile to the next.
     stride: usize,
     has_energy: bool,
@@ -226,14 +227,16 @@ pub struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// Continues a run from `kept`; `progress` is called with the time of every sample.
-    pub fn new(run: &'a Run, kept: Kept, progress: &'a mut dyn FnMut(f64)) -> Self {
+    /// Continues a run from `kept`; `seen` is called with the time of every sample and the state
+    /// there.
+    pub fn new(run: &'a Run, kept: Kept, seen: &'a mut dyn FnMut(f64, &[f64])) -> Self {
         let y = run.initial.as_slice();
         let has_energy = run.chain.has_energy(y);
         Self {
             run,
-            progress,
-            stride: (y.len() * (run.samples + 1)).div_ceil(MOST_NUMBERS),
+            seen,
+            token: interrupt::token(),
+            stride: (y.len() * run.sampling.count()).div_ceil(MOST_NUMBERS),
             has_energy,
             initial_energy: has_energy.then(|| run.chain.energy(y).total()),
             initial_size: max_norm(y.iter().copied()),
@@ -344,9 +347,7 @@ impl<'a> Recorder<'a> {
 
 impl Observer<f64> for Recorder<'_> {
     fn next(&self) -> Option<f64> {
-        let (samples, taken) = (self.run.samples, self.kept.taken);
-        let wanted = self.run.records != Records::End && samples > 0 && taken <= samples;
-        wanted.then(|| self.run.end * (taken as f64 / samples as f64))
+        if self.run.records == Records::End { None } else { self.run.sampling.time(self.kept.taken, self.run.end) }
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
@@ -357,12 +358,12 @@ impl Observer<f64> for Recorder<'_> {
         if self.run.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
             self.kept.profiles.push(Profile { t, x: self.run.chain.strains(y), state: y.to_vec() });
         }
-        (self.progress)(t);
+        (self.seen)(t, y);
         self.kept.sampling += clock.elapsed();
         Ok(ControlFlow::Continue(()))
     }
 
     fn stop(&self) -> bool {
-        interrupt::asked()
+        self.token.asked()
     }
 }

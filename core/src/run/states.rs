@@ -1,11 +1,7 @@
 //! The states of a run at given times.
 
 use super::Run;
-use crate::{
-    chain::State,
-    error::{Error, Result},
-    interrupt,
-};
+use crate::{chain::State, error::Result, interrupt};
 use hertzchain_integrators::{Error as Failure, Stats, Stepper};
 
 /// An iterator over the states of a run at given times, from [`Run::at`].
@@ -18,15 +14,7 @@ pub struct States {
 
 impl States {
     pub(super) fn new(run: &Run, times: &[f64]) -> Result<Self> {
-        let end = run.end()?;
-        // Accepts times that exceed the end by rounding.
-        let last = end * (1.0 + 4.0 * f64::EPSILON);
-        if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
-            return Err(Error::parameter("times", wrong, "from zero to the end of the run"));
-        }
-        if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
-            return Err(Error::parameter("times", pair[1], "in ascending order"));
-        }
+        run.checked_times(times)?;
         Ok(Self { stepper: run.stepper()?, times: Vec::from(times).into_iter(), state: run.initial().clone() })
     }
 

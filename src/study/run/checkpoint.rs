@@ -166,10 +166,11 @@ impl LongRun {
     /// # Errors
     /// A checkpoint that cannot be written: the last one is then as it was.
     pub fn run(mut self, folder: &Folder, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
+        let mut seen = |t, _: &[f64]| progress(t);
         while self.done < self.legs() {
             let (from, to) = (self.time(), self.start_of(self.done + 1));
             let setting = self.setting.of_leg(self.method, (to - from) / self.scene.end());
-            let mut recorder = Recorder::new(&self.run, self.kept, progress);
+            let mut recorder = Recorder::new(&self.run, self.kept, &mut seen);
             let failure = recorder.go_on(self.method, setting, to)?.err();
             if failure.is_some() {
                 return Ok(recorder.trajectory(failure));
@@ -178,7 +179,7 @@ impl LongRun {
             self.done += 1;
             folder.write(FILE, &self.npz()?)?;
         }
-        Ok(Recorder::new(&self.run, self.kept, progress).trajectory(None))
+        Ok(Recorder::new(&self.run, self.kept, &mut seen).trajectory(None))
     }
 
     /// The bytes of its checkpoint.
