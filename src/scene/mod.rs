@@ -235,6 +235,17 @@ impl Scene {
         Self::build(file)
     }
 
+    /// The scene from another state, array by array; an array left out is zero.
+    ///
+    /// # Errors
+    /// Arrays of another length than the chain; a number that is not finite; no moving resonators,
+    /// but arrays of them.
+    pub fn from_state(&self, u: Vec<f64>, v: Vec<f64>, u_dot: Vec<f64>, v_dot: Vec<f64>) -> Result<Self> {
+        let span = Span { periods: None, until: Some(self.end), period: self.file.span.period };
+        let initial = Initial::State { u, v, u_dot, v_dot };
+        Self::build(SceneFile { initial, span, ..self.file.clone() })
+    }
+
     /// The travelling wave of the scene, without its perturbation.
     ///
     /// # Errors

@@ -341,15 +341,14 @@ impl Run {
         Ok(recorder.trajectory(failure))
     }
 
-    /// As [`start_with`](Self::start_with), by a given stepper in place of a method. Contacts are
+    /// As [`start_seen`](Self::start_seen), by a given stepper in place of a method. Contacts are
     /// not logged.
     ///
     /// # Errors
     /// No end, or a state of another chain.
-    pub fn start_by(&self, stepper: &mut impl Stepper<f64>, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
+    pub fn start_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         self.span()?;
-        let mut seen = |t, _: &[f64]| progress(t);
-        let mut recorder = Recorder::new(self, Kept::new(self), &mut seen);
+        let mut recorder = Recorder::new(self, Kept::new(self), seen);
         let failure = recorder.leg(stepper).err();
         Ok(recorder.trajectory(failure))
     }

@@ -111,11 +111,28 @@ impl Study for Dark {
     const FILES: &'static str = "Files: dark-breather.json and dark-breather.png.";
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (breather, shooting) = (self.ring.breather(self.center, self.omega_b, ONE)?, self.ring.shooting());
-        Ok(Box::new(move |_, _| {
-            let study = orbit_study(breather.orbit(&shooting)?, &shooting)?;
-            Ok(Box::new(DarkStudy { center: breather.center, study }))
-        }))
+        let breather = self.breather()?;
+        Ok(Box::new(move |_, _| Ok(Box::new(self.study(&breather)?))))
+    }
+}
+
+impl Dark {
+    /// The breather that is asked for.
+    ///
+    /// # Errors
+    /// Parameters of the chain outside their rules.
+    pub fn breather(&self) -> Result<DarkBreather> {
+        self.ring.breather(self.center, self.omega_b, ONE)
+    }
+
+    /// Its orbit and what is asked of it.
+    ///
+    /// # Errors
+    /// As [`DarkBreather::orbit`] and [`orbit_study`].
+    pub fn study(&self, breather: &DarkBreather) -> Result<DarkStudy> {
+        let shooting = self.ring.shooting();
+        let study = orbit_study(breather.orbit(&shooting)?, &shooting)?;
+        Ok(DarkStudy { center: breather.center, study })
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
 use serde::Serialize;
 
 /// The columns of the tables: the fields of a [`Contact`].
-const COLUMNS: [&str; Contact::NUMBERS] = [
+pub const CONTACT_COLUMNS: [&str; Contact::NUMBERS] = [
     "bond",
     "onset",
     "release",
@@ -25,7 +25,7 @@ const COLUMNS: [&str; Contact::NUMBERS] = [
 /// after the end.
 pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
-    let mut text = COLUMNS.join(",") + "\n";
+    let mut text = CONTACT_COLUMNS.join(",") + "\n";
     for contact in contacts {
         let numbers: Vec<String> = contact.numbers()[1..].iter().map(number).collect();
         text += &format!("{},{}\n", contact.bond, numbers.join(","));
@@ -40,7 +40,8 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
 /// What the archive writer says.
 pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
     let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
-    let arrays: Vec<Array<'_>> = COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
+    let arrays: Vec<Array<'_>> =
+        CONTACT_COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
     npz(&arrays)
 }
 
@@ -188,7 +189,7 @@ mod tests {
     fn the_archive_holds_the_columns() {
         for contacts in [&three()[..], &[]] {
             let archive = Archive::from_bytes(Path::new("contacts.npz"), &contacts_npz(contacts).unwrap()).unwrap();
-            for (k, name) in COLUMNS.iter().enumerate() {
+            for (k, name) in CONTACT_COLUMNS.iter().enumerate() {
                 let column = archive.array(name, &[contacts.len() as u64]).unwrap();
                 let expected = contacts.iter().map(|contact| contact.numbers()[k].to_bits());
                 assert!(column.iter().map(|x| x.to_bits()).eq(expected), "{name}");

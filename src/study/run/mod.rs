@@ -1,13 +1,16 @@
-//! One run as people and machines read it, and long runs in legs that are kept.
+//! One run: how it is done, what people and machines read of it, and long runs in legs that are
+//! kept.
 
 mod checkpoint;
 mod contacts;
+mod how;
 mod report;
 
 pub use checkpoint::LongRun;
 #[cfg(feature = "plot")]
 pub use contacts::contacts_png;
-pub use contacts::{ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
+pub use how::{Asked, How};
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
 pub use report::{RUN_FILES, run_files, run_json, run_summary};

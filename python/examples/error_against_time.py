@@ -1,0 +1,69 @@
+"""Error against run time on one chain: hertzchain beside scipy, and REBOUND or heyoka if they are there."""
+
+import sys
+import time
+from typing import Callable
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import hertzchain as hc
+
+SITES, RHO, END = 30, 1 / 3, 20.0
+chain = hc.Chain(sites=SITES, kappa=1, rho=RHO)
+start = np.zeros((4, SITES))
+start[2, 0] = 1.0
+
+
+def slope(_: float, z: np.ndarray) -> np.ndarray:
+    u, v, pu, pv = z.reshape(4, SITES)
+    overlap = np.maximum(u[:-1] - u[1:], 0)
+    force = overlap * np.sqrt(overlap)
+    push = np.zeros(SITES)
+    push[:-1] -= force
+    push[1:] += force
+    return np.concatenate([pu, pv / RHO, push - (u - v), u - v])
+
+
+def ours(**options: object) -> np.ndarray:
+    end = hc.run(chain, y0=start.ravel(), until=END, at=[END], **options).end
+    return np.concatenate([end[name] for name in ("u", "v", "pu", "pv")])
+
+
+def scipys(method: str, tol: float) -> np.ndarray:
+    return solve_ivp(slope, (0, END), start.ravel(), method=method, rtol=tol, atol=tol, t_eval=[END]).y[:, -1]
+
+
+def timed(compute: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
+    best = np.inf
+    for _ in range(3):
+        clock = time.perf_counter()
+        state = compute()
+        best = min(best, time.perf_counter() - clock)
+    return best, state
+
+
+truth = ours(tol=1e-13)
+ladders = {
+    "collocation": [lambda tol=10.0**-k: ours(tol=tol) for k in range(3, 13, 2)],
+    "corrected": [lambda h=0.2 / 2**k: ours(method="corrected", step=h) for k in range(6)],
+    "strang-linear": [lambda h=0.2 / 2**k: ours(method="strang-linear", step=h) for k in range(8)],
+    "scipy DOP853": [lambda tol=10.0**-k: scipys("DOP853", tol) for k in range(3, 10, 2)],
+    "scipy LSODA": [lambda tol=10.0**-k: scipys("LSODA", tol) for k in range(3, 10, 2)],
+}
+curves = {}
+for name, ladder in ladders.items():
+    rows = [(seconds, abs(state - truth).max()) for seconds, state in map(timed, ladder)]
+    curves[name] = rows
+    for seconds, error in rows:
+        print(f"{name:15} {1e3 * seconds:9.3f} ms  error {error:.1e}")
+
+if len(sys.argv) > 1:
+    import matplotlib.pyplot as plt
+
+    figure, ax = plt.subplots()
+    for name, rows in curves.items():
+        ax.loglog(*zip(*rows), ".-", label=name)
+    ax.set(xlabel="run time (s)", ylabel="largest error of the state", title="A struck chain of 30 beads with resonators")
+    ax.legend()
+    figure.savefig(sys.argv[1], dpi=120)

@@ -1,0 +1,62 @@
+"""Nonlinear waves in chains of beads with one-sided contacts, each with a linear resonator.
+
+Examples
+--------
+A bead strikes a chain of twenty beads with resonators.
+
+>>> import hertzchain as hc
+>>> import numpy as np
+>>> chain = hc.Chain(sites=20, kappa=1, rho=1 / 3)
+>>> end = hc.run(chain, y0={"pu": np.eye(20)[0]}, until=40.0, tol=1e-10)
+>>> end.u.shape, end.energy_error < 1e-9
+((401, 20), True)
+"""
+
+from . import dps
+from ._chain import Chain, Scene
+from ._compare import Comparison, compare
+from ._errors import (
+    ConvergenceError,
+    Error,
+    FileError,
+    InternalError,
+    ParameterError,
+    RunError,
+    SceneError,
+    UnknownNameError,
+)
+from ._native import __version__
+from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
+from ._run import Interrupted, Trajectory, integrators, run
+from ._sweep import sweep
+from ._waves import BrightBreather, TravellingWave
+
+__all__ = [
+    "Branch",
+    "BranchPoint",
+    "BrightBreather",
+    "Chain",
+    "Comparison",
+    "ConvergenceError",
+    "DarkBreather",
+    "Error",
+    "FileError",
+    "InternalError",
+    "Interrupted",
+    "Orbit",
+    "ParameterError",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Trajectory",
+    "TravellingWave",
+    "UnknownNameError",
+    "__version__",
+    "compare",
+    "continue_branch",
+    "dps",
+    "integrators",
+    "monodromy",
+    "run",
+    "sweep",
+]

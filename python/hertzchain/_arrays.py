@@ -1,0 +1,95 @@
+"""Numbers and arrays from outside."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import ParameterError
+
+Vector = NDArray[np.float64]
+
+
+def vector(name: str, values: Any, length: int | None = None) -> Vector:
+    """Doubles in one row, without loss.
+
+    Parameters
+    ----------
+    name : str
+        What messages call it.
+    values : array_like
+        Numbers in one dimension, of any layout and of any type whose values doubles can hold.
+    length : int, optional
+        The length that it must have.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (length,), contiguous.
+    """
+    try:
+        given = np.asarray(values)
+    except ValueError as error:
+        raise ParameterError(f"{name} is not valid: an array of numbers ({error})") from None
+    if given.dtype.kind not in "fiub":
+        raise ParameterError(f"{name} of type {given.dtype} is not valid: real numbers")
+    if given.ndim != 1:
+        raise ParameterError(f"{name} of shape {given.shape} is not valid: one dimension")
+    if length is not None and given.shape[0] != length:
+        raise ParameterError(f"{name} with {given.shape[0]} numbers is not valid: {length} of them")
+    doubles = np.ascontiguousarray(given, dtype=np.float64)
+    with np.errstate(invalid="ignore"):
+        kept = given.dtype.kind == "f" and given.dtype.itemsize <= 8 or _same(doubles, given)
+    if not kept:
+        raise ParameterError(f"{name} of type {given.dtype} is not valid: doubles cannot hold it")
+    return doubles
+
+
+def _same(doubles: Vector, given: NDArray[Any]) -> bool:
+    """Whether doubles have the values of an array of another type."""
+    if given.dtype.kind == "f":
+        return bool(np.array_equal(doubles.astype(given.dtype), given, equal_nan=True))
+    if given.dtype.kind in "iu":
+        return [int(value) for value in doubles] == given.tolist() if given.dtype.itemsize == 8 else True
+    return True
+
+
+def number(name: str, value: Any) -> float:
+    """A number as a double.
+
+    Parameters
+    ----------
+    name : str
+        What messages call it.
+    value : float
+        The number, such as 1.5, 2 or ``numpy.float64(3)``.
+    """
+    if isinstance(value, (bool, str, bytes, complex)) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+        raise ParameterError(f"{name} = {value!r} is not valid: a number")
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ParameterError(f"{name} = {value!r} is not valid: a number ({error})") from None
+
+
+def optional(name: str, value: Any) -> float | None:
+    """As :func:`number`, or None."""
+    return None if value is None else number(name, value)
+
+
+def whole(name: str, value: Any) -> int:
+    """A whole number, at least zero."""
+    if isinstance(value, bool) or not hasattr(value, "__index__") or int(value) < 0:
+        raise ParameterError(f"{name} = {value!r} is not valid: a whole number, at least zero")
+    if int(value) >= 2**63:
+        raise ParameterError(f"{name} = {value!r} is not valid: below 2^63")
+    return int(value)
+
+
+def word(name: str, value: Any) -> str:
+    """A name."""
+    if not isinstance(value, str):
+        raise ParameterError(f"{name} = {value!r} is not valid: a string")
+    return value

@@ -1,0 +1,70 @@
+"""Integrators on a scene: error against run time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from . import _native
+from ._arrays import number, word
+from ._chain import Scene
+from ._errors import ParameterError
+from ._progress import Progress, shown
+
+
+class Comparison:
+    """Errors and run times of integrators on a scene.
+
+    Attributes
+    ----------
+    rows : list of dict
+        One for each run.
+    record : dict
+        All that ``hertzchain compare --json`` prints.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.record: dict[str, Any] = json.loads(text)
+        self.rows: list[dict[str, Any]] = self.record["rows"]
+
+    def __repr__(self) -> str:
+        return f"Comparison({len(self.rows)} runs)"
+
+    def plot(self, ax: Any = None) -> Any:
+        """Error against run time, by matplotlib."""
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots()[1]
+        names = dict.fromkeys(row["integrator"] for row in self.rows)
+        for name in names:
+            rows = [row for row in self.rows if row["integrator"] == name and row.get("error")]
+            ax.loglog([row["wall_s"] for row in rows], [row["error"] for row in rows], ".-", label=name)
+        ax.set(xlabel="run time (s)", ylabel="error")
+        ax.legend(fontsize="small")
+        return ax
+
+
+def compare(
+    scene: Scene, methods: Sequence[str] | None = None, *, max_time: float = 60.0, progress: Progress = False
+) -> Comparison:
+    """Run integrators on a scene over a ladder of steps or tolerances.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    methods : sequence of str, optional
+        Integrators; by default the telling ones.
+    max_time : float
+        Wall time for all runs, in seconds; what would not fit is left out.
+    progress : bool or callable
+        As in :func:`run`.
+    """
+    if not isinstance(scene, Scene):
+        raise ParameterError(f"scene = {scene!r} is not valid: a Scene")
+    if isinstance(methods, str):
+        raise ParameterError(f"methods = {methods!r} is not valid: a list of names")
+    names = [word("methods", name) for name in methods or ()]
+    with shown(progress, "compare") as tell:
+        return Comparison(_native.compare_json(scene._scene, names, number("max_time", max_time), tell))

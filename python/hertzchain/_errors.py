@@ -1,0 +1,35 @@
+"""Errors, with the text of the program."""
+
+from __future__ import annotations
+
+
+class Error(Exception):
+    """What hertzchain refuses, or what went wrong. The message names the value and the rule."""
+
+
+class ParameterError(Error, ValueError):
+    """A value outside its rule."""
+
+
+class UnknownNameError(Error, ValueError):
+    """A name that is not known; the message has the nearest one."""
+
+
+class SceneError(Error, ValueError):
+    """A scene with a missing or wrong entry; the message has the key and the rule."""
+
+
+class RunError(Error, RuntimeError):
+    """An integration that could not go on."""
+
+
+class ConvergenceError(Error, RuntimeError):
+    """A search for a periodic orbit that did not converge."""
+
+
+class FileError(Error, OSError):
+    """A file that cannot be read or written, or whose content is not valid."""
+
+
+class InternalError(Error, RuntimeError):
+    """A bug of hertzchain."""

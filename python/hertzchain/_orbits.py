@@ -1,0 +1,340 @@
+"""Dark breathers as exact periodic orbits, with multipliers and branches."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._arrays import Vector, number, optional, whole, word
+from ._chain import STRAIN_RING, Chain, Scene
+from ._errors import ParameterError
+from ._progress import Progress, shown
+from ._run import scene_of
+
+PARAMETERS = ("omega_b", "rho", "kappa", "alpha", "c_x")
+
+
+@dataclass(frozen=True)
+class DarkBreather:
+    """A dark breather on a ring of strains; :meth:`solve` computes its orbit.
+
+    Parameters
+    ----------
+    center : {"site", "bond"}
+        What the profile is symmetric about.
+    omega_b : float, optional
+        Frequency, above ``omega = sqrt(kappa (1 + 1/rho))``; by default 1.025 of it.
+    rho, kappa, alpha : float
+        The chain.
+    sites : int
+        Sites of the ring, an odd number.
+    c_x : float
+        Vertical centre of the background.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> orbit = hc.DarkBreather("site", omega_b=2.05, sites=11).solve()
+    >>> orbit.residual < 1e-12, orbit.x.shape, bool(abs(orbit.multipliers).max() > 1)
+    (True, (11,), True)
+    """
+
+    center: str = "site"
+    omega_b: float | None = None
+    rho: float = 1 / 3
+    sites: int = 41
+    alpha: float = 1.5
+    kappa: float = 1.0
+    c_x: float = 0.0
+    tol: float = 1e-13
+
+    def __post_init__(self) -> None:
+        word("center", self.center)
+        object.__setattr__(self, "sites", whole("sites", self.sites))
+        object.__setattr__(self, "omega_b", optional("omega_b", self.omega_b))
+        for name in ("rho", "alpha", "kappa", "c_x", "tol"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def solve(self) -> Orbit:
+        """The orbit, by Newton's method from the profile of the DpS equations.
+
+        Raises
+        ------
+        ConvergenceError
+            If Newton's method does not converge.
+        """
+        text, directions = _native.dark(self)
+        return Orbit(self, json.loads(text), directions)
+
+
+class Orbit:
+    """A periodic orbit with its Floquet multipliers.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (sites,)
+        Strains of contacts and resonators at ``t = 0``, where all rates are zero.
+    multipliers : complex ndarray, shape (4 sites,)
+        The multipliers, the largest modulus first.
+    krein : int ndarray, shape (4 sites,)
+        Krein signatures of multipliers on the unit circle; 0 elsewhere.
+    kinds : list of str
+        Where each one is: trivial, linear, circle, real, negative, quartet.
+    errors : ndarray, shape (4 sites,)
+        Estimated errors of the moduli.
+    modes : ndarray, shape (4 sites, 4 sites)
+        A direction ``[x, y, x', y']`` for each multiplier, a row each: the real part of its
+        eigenvector, with the largest entry 1.
+    quality : dict
+        Measured errors of the multipliers.
+    residual, period, omega_b, e_b : float
+        Residual of Newton's method, period, frequency, error of periodicity.
+    record : dict
+        All that ``hertzchain breather dark --json`` prints.
+    """
+
+    def __init__(self, breather: DarkBreather, record: dict[str, Any], directions: Vector) -> None:
+        self.record = record
+        self.breather = replace(breather, omega_b=record["omega_b"])
+        self.x: Vector = np.array(record["x"], dtype=np.float64)
+        self.y: Vector = np.array(record["y"], dtype=np.float64)
+        rows = record["multipliers"]
+        self.multipliers: NDArray[np.complex128] = np.array([complex(row["re"], row["im"]) for row in rows])
+        self.krein = np.array([row["krein"] for row in rows], dtype=np.int64)
+        self.kinds: list[str] = [row["kind"] for row in rows]
+        self.errors: Vector = np.array([row["error"] for row in rows], dtype=np.float64)
+        self.modes: Vector = directions
+        self.quality: dict[str, Any] = record["quality"]
+        self.residual: float = record["residual"]
+        self.period: float = record["period"]
+        self.omega_b: float = record["omega_b"]
+        self.e_b: float = record["e_b"]
+
+    def __repr__(self) -> str:
+        return f"Orbit(omega_b={self.omega_b:g}, sites={len(self.x)}, largest |lambda|={abs(self.multipliers).max():.9f})"
+
+    @property
+    def y0(self) -> dict[str, Vector]:
+        """The state at ``t = 0``, for :func:`run`."""
+        return {"x": self.x, "y": self.y}
+
+    @property
+    def chain(self) -> Chain:
+        """The ring of strains."""
+        of = self.breather
+        return Chain(of.sites, of.alpha, of.kappa, of.rho, STRAIN_RING)
+
+    def scene(self, periods: float = 1.0) -> Scene:
+        """The ring from this state, for so many periods."""
+        return self.chain.scene(self.y0, number("periods", periods) * self.period)
+
+    def plot(self, ax: Any = None) -> Any:
+        """The multipliers and the unit circle, by matplotlib."""
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots()[1]
+        angle = np.linspace(0, 2 * np.pi, 400)
+        ax.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
+        ax.plot(self.multipliers.real, self.multipliers.imag, ".")
+        ax.set(xlabel="Re λ", ylabel="Im λ", aspect="equal")
+        return ax
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A point of a branch: its parameter, measures of the orbit, and the largest modulus."""
+
+    parameter: float
+    omega_b: float
+    rho: float
+    k_x: float
+    k_y: float
+    c_x: float
+    c_y: float
+    residual: float
+    max_modulus: float
+    symplectic_defect: float
+    leading: tuple[complex, ...]
+
+
+class Branch:
+    """A branch of dark breathers in one parameter.
+
+    It can be iterated, indexed and sliced; its items are :class:`BranchPoint`.
+
+    Attributes
+    ----------
+    parameter : str
+        What varies.
+    end : str
+        Why the branch ended.
+    bifurcations : list of dict
+        ``kind``, ``parameter``, and more, of each.
+    gaps : list of float
+        Parameters of orbits whose multipliers are not known.
+    record : dict
+        All that ``hertzchain breather continue --json`` prints.
+    """
+
+    def __init__(self, text: str, archive: bytes) -> None:
+        self.record: dict[str, Any] = json.loads(text)
+        self._archive = archive
+        self.parameter: str = self.record["parameter"]
+        self.end: str = self.record["end"]
+        self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
+        self.gaps: list[float] = self.record["gaps"]
+        self._points = [_point(row) for row in self.record["points"]]
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Branch:
+        """The branch in a file ``branch.npz`` of :meth:`save` or of the program.
+
+        Multipliers and bifurcations are computed anew.
+        """
+        return Branch(*_native.load_branch(os.fspath(path)))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write ``branch.npz``, whole or not at all."""
+        file = Path(path)
+        part = file.with_name(file.name + ".part")
+        part.write_bytes(self._archive)
+        part.replace(file)
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __iter__(self) -> Iterator[BranchPoint]:
+        return iter(self._points)
+
+    @overload
+    def __getitem__(self, k: int) -> BranchPoint: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[BranchPoint]: ...
+    def __getitem__(self, k: int | slice) -> BranchPoint | list[BranchPoint]:
+        return self._points[k]
+
+    def column(self, name: str) -> Vector:
+        """A number of all points, such as ``"k_x"`` or ``"max_modulus"``, shape (points,)."""
+        return np.array([getattr(point, name) for point in self._points], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return f"Branch({self.parameter}, {len(self)} points, {len(self.bifurcations)} bifurcations, {self.end})"
+
+    def plot(self, ax: Any = None, y: str = "k_x") -> Any:
+        """A number of the points over the parameter, dashed where orbits are unstable."""
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots()[1]
+        p, values = self.column("parameter"), self.column(y)
+        unstable = self.column("max_modulus") > 1 + 1e-6
+        ax.plot(p, np.where(unstable, np.nan, values), "-", color="C0", label="stable")
+        ax.plot(p, np.where(unstable, values, np.nan), "--", color="C3", label="unstable")
+        for one in self.bifurcations:
+            ax.axvline(one["parameter"], color="0.8", linewidth=0.8)
+        ax.set(xlabel=self.parameter, ylabel=y)
+        ax.legend()
+        return ax
+
+
+def _point(row: dict[str, Any]) -> BranchPoint:
+    leading = tuple(complex(one["re"], one["im"]) for one in row["leading"])
+    return BranchPoint(**{**row, "leading": leading})
+
+
+def continue_branch(
+    orbit: Orbit | DarkBreather,
+    parameter: str = "omega_b",
+    *,
+    to: float,
+    step: float | None = None,
+    points: int = 1000,
+    natural: bool = False,
+    weak: float = 0.01,
+    progress: Progress = False,
+) -> Branch:
+    """Follow a branch of dark breathers from an orbit.
+
+    Parameters
+    ----------
+    orbit : Orbit or DarkBreather
+        Where it begins.
+    parameter : {"omega_b", "rho", "kappa", "alpha", "c_x"}
+        What varies.
+    to : float
+        Where it ends.
+    step : float, optional
+        Largest change from point to point; by default a hundredth of the range.
+    points : int
+        Most points.
+    natural : bool
+        Count the way by the parameter and not by the arclength.
+    weak : float
+        Collisions of multipliers that stay below ``1 + weak`` are not located.
+    progress : bool or callable
+        As in :func:`run`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> branch = hc.continue_branch(hc.DarkBreather("bond", 2.02, sites=11), to=2.04, step=0.01)
+    >>> branch.end, bool((branch.column("k_x")[1:] > branch.column("k_x")[:-1]).all())
+    ('reached', True)
+    """
+    breather = orbit.breather if isinstance(orbit, Orbit) else orbit
+    if not isinstance(breather, DarkBreather):
+        raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit or a DarkBreather")
+    if parameter not in PARAMETERS:
+        raise ParameterError(f"parameter = {parameter!r} is not valid: one of {', '.join(PARAMETERS)}")
+    start = getattr(breather, parameter)
+    if start is None:
+        raise ParameterError("omega_b = None is not valid: a branch in omega_b needs its first value")
+    with shown(progress, "branch") as tell:
+        return Branch(
+            *_native.continue_branch(
+                breather,
+                parameter=parameter,
+                from_=start,
+                to=number("to", to),
+                step=optional("step", step),
+                points=whole("points", points),
+                natural=natural,
+                weak=number("weak", weak),
+                progress=tell,
+            )
+        )
+
+
+def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = None, tol: float = 1e-10) -> Vector:
+    """The tangent map: the derivative of the state at the end by the state at the start.
+
+    Parameters
+    ----------
+    scene, y0, until
+        As in :func:`run`.
+    tol : float
+        Tolerance of the run.
+
+    Returns
+    -------
+    ndarray, shape (dim, dim)
+        For states ``[u, v, u', v']`` (``[u, u']`` without moving resonators).
+
+    Examples
+    --------
+    Without contact, the tangent map of beads in flight is ``[[1, t], [0, 1]]``.
+
+    >>> import hertzchain as hc, numpy as np
+    >>> chain = hc.Chain(sites=2)
+    >>> map = hc.monodromy(chain, y0={"u": [0, 1], "pu": [0, 1]}, until=3.0)
+    >>> bool(np.abs(map - np.kron([[1, 3], [0, 1]], np.eye(2))).max() < 1e-14)
+    True
+    """
+    return _native.monodromy(scene_of(scene, y0, until)._scene, number("tol", tol))

@@ -1,0 +1,43 @@
+"""Progress of long work: tqdm if it is installed, else a line on a terminal."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+Progress = bool | Callable[[float], Any]
+"""Whether to show progress, or a function that is called with the share that is done."""
+
+
+@contextlib.contextmanager
+def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | None]:
+    """The function that is told the share that is done, or None."""
+    if callable(progress):
+        yield progress
+        return
+    if not progress:
+        yield None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield _line(what) if sys.stderr.isatty() else None
+        if sys.stderr.isatty():
+            sys.stderr.write("\r\x1b[K")
+        return
+    with tqdm(total=1000, desc=what, bar_format="{desc}: {percentage:3.0f} %|{bar}| {elapsed}") as bar:
+
+        def tell(share: float) -> None:
+            bar.update(int(1000 * min(share, 1.0)) - bar.n)
+
+        yield tell
+
+
+def _line(what: str) -> Callable[[float], None]:
+    def tell(share: float) -> None:
+        sys.stderr.write(f"\r{what}: {100 * min(share, 1.0):3.0f} %")
+        sys.stderr.flush()
+
+    return tell

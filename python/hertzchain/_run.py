@@ -1,0 +1,304 @@
+"""Runs and their results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import Vector, number, optional, vector, word
+from ._chain import STRAIN_RING, Chain, Scene, names, velocities
+from ._errors import ParameterError
+from ._progress import Progress, shown
+
+ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
+CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
+DEFAULT_SAMPLES = 400
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run; `partial` is what the run had recorded.
+
+    Attributes
+    ----------
+    partial : Trajectory
+    """
+
+    def __init__(self, partial: Trajectory) -> None:
+        super().__init__(f"stopped at t = {partial.t_end:g}")
+        self.partial = partial
+
+
+class Trajectory:
+    """What a run has recorded.
+
+    Attributes
+    ----------
+    t : ndarray, shape (times,)
+        Sample times.
+    u, v, pu, pv : ndarray, shape (times, sites), or None
+        Displacements of beads and resonators, and their momenta ``pu = u'``, ``pv = rho v'``. ``v``
+        and ``pv`` are None if no resonator moves. On a strain ring these are ``x, y, vx, vy``:
+        strains and their rates.
+    energy : ndarray, shape (times,), or None
+        Energy at the sample times; None for states of a strain ring that have none.
+    energies : structured ndarray or None
+        The energy by kind: ``beads``, ``resonators``, ``springs``, ``contacts``.
+    contacts : structured ndarray or None
+        The log of contacts, if it was asked for: ``bond``, ``onset``, ``release``, and so on. NaN
+        stands for what a contact does not have.
+    stats : dict
+        ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
+    energy_error : float or None
+        Largest sampled ``|E(t) - E(0)| / |E(0)|``.
+    failure : str or None
+        Why the run stopped before its end, if it did.
+    t_end : float
+        Time reached.
+    end : dict
+        State at this time; it can be the ``y0`` of another run.
+    integrator, setting, reason : str
+        The method, its accuracy, and why it was chosen if nobody named one.
+    """
+
+    def __init__(self, chain: Chain, record: dict[str, Any]) -> None:
+        self.chain = chain
+        strains = chain.boundary == STRAIN_RING
+        self._names = names(strains)
+        self.t: Vector = record["t"]
+        self._states = dict(zip(self._names, record.get("states") or (None,) * 4))
+        self._has_states = "states" in record
+        self._energies: Vector | None = record.get("energies")
+        self._contacts: Vector | None = record.get("contacts")
+        self.stats = {name: record[name] for name in ("steps", "rejected", "force_evaluations", "wall_s")}
+        self.energy_error: float | None = record["energy_error"]
+        self.failure: str | None = record["failure"]
+        self.t_end: float = record["t_end"]
+        self.end: dict[str, Vector] = {
+            name: array[0] for name, array in zip(self._names, record["end"]) if array is not None
+        }
+        self.integrator: str = record["integrator"]
+        self.setting: str = record["setting"]
+        self.reason: str | None = record["reason"]
+
+    @property
+    def energy(self) -> Vector | None:
+        """Energy at the sample times."""
+        return None if self._energies is None else np.asarray(self._energies.sum(axis=1))
+
+    @property
+    def energies(self) -> NDArray[Any] | None:
+        """Energy at the sample times by kind."""
+        return None if self._energies is None else self._energies.view(ENERGIES)[:, 0]
+
+    @cached_property
+    def contacts(self) -> NDArray[Any] | None:
+        """The log of contacts."""
+        if self._contacts is None:
+            return None
+        table = np.zeros(len(self._contacts), CONTACTS)
+        for k, name in enumerate(_native.CONTACT_COLUMNS):
+            table[name] = self._contacts[:, k]
+        return table
+
+    def __getattr__(self, name: str) -> Any:
+        states = self.__dict__.get("_states", {})
+        if name in states:
+            if not self._has_states:
+                raise AttributeError(f"no states were kept: call run(..., states=True) for {name!r}")
+            return states[name]
+        if name in ("u", "v", "pu", "pv", "x", "y", "vx", "vy"):
+            raise AttributeError(f"{name!r} is not of this chain: its arrays are {', '.join(self._names)}")
+        raise AttributeError(name)
+
+    def __repr__(self) -> str:
+        failed = f", failure={self.failure!r}" if self.failure else ""
+        return f"Trajectory({len(self.t)} times up to t={self.t_end:g}, {self.integrator}, {self.setting}{failed})"
+
+    def strains(self) -> Vector:
+        """Strains of the contacts, ``u_n - u_{n-1}``, or ``x`` on a strain ring.
+
+        Returns
+        -------
+        ndarray, shape (times, contacts)
+            Negative where beads press each other. On a ring the first contact is that of the last
+            site with the first.
+        """
+        if self.chain.boundary == STRAIN_RING:
+            strains: Vector = self.x
+            return strains
+        u = self.u
+        if self.chain.boundary == "ring":
+            return np.asarray(u - np.roll(u, 1, axis=1))
+        if self.chain.boundary == "fixed":
+            wall = np.zeros((len(u), 1))
+            return np.diff(np.hstack([wall, u, wall]), axis=1)
+        return np.diff(u, axis=1)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Strain over space and time, by matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            Where to draw; by default a new figure.
+
+        Returns
+        -------
+        matplotlib axes
+        """
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots()[1]
+        strains = self.strains()
+        size = float(np.abs(strains).max()) or 1.0
+        picture = ax.pcolormesh(
+            np.arange(strains.shape[1]), self.t, strains, cmap="RdBu_r", vmin=-size, vmax=size, shading="nearest"
+        )
+        ax.set(xlabel="contact n", ylabel="time t")
+        ax.figure.colorbar(picture, ax=ax, label="strain; contacts are closed where it is negative")
+        return ax
+
+
+def scene_of(what: Scene | Chain, y0: Any, until: float | None) -> Scene:
+    """The scene to run."""
+    if isinstance(what, Chain):
+        if y0 is None or until is None:
+            missing = "y0" if y0 is None else "until"
+            raise ParameterError(f"{missing} = None is not valid: a chain needs y0 and until")
+        return what.scene(y0, until)
+    if not isinstance(what, Scene):
+        raise ParameterError(f"scene = {what!r} is not valid: a Scene or a Chain")
+    if until is None and y0 is None:
+        return what
+    native = what._scene if until is None else what._scene.until(number("until", until))
+    if y0 is not None:
+        chain = what.chain
+        strains = chain.boundary == STRAIN_RING
+        native = native.from_state(velocities(y0, chain.sites, chain.resonators, chain.rho, strains))
+    return Scene(native)
+
+
+def run(
+    scene: Scene | Chain,
+    *,
+    y0: Any = None,
+    until: float | None = None,
+    method: str | None = None,
+    tol: float | None = None,
+    step: float | None = None,
+    steps_per_period: float | None = None,
+    at: ArrayLike | int | None = None,
+    states: bool = True,
+    events: bool = False,
+    progress: Progress = False,
+    on_sample: Callable[[float, Vector], Any] | None = None,
+) -> Trajectory:
+    """Run a scene, or a chain from a state.
+
+    Results have the same bits as those of the program. The interpreter's lock is released, so that
+    runs on several Python threads use several cores.
+
+    Parameters
+    ----------
+    scene : Scene or Chain
+        What to run; a chain needs `y0` and `until`.
+    y0 : mapping or array_like, optional
+        The initial state: a mapping with some of ``u, v, pu, pv`` (``x, y, vx, vy`` on a strain
+        ring; what is left out is zero), or all of them in this order in one array, without ``v``
+        and ``pv`` if no resonator moves.
+    until : float, optional
+        End time; the run begins at zero.
+    method : str, optional
+        An integrator by name, see :func:`integrators`. Without one, it follows from `tol` (contact
+        collocation), else from the scene.
+    tol : float, optional
+        Tolerance, from 1e-15 to 0.1; for collocation it is one of the whole run.
+    step, steps_per_period : float, optional
+        Step of a method with equal steps, slightly reduced so that a whole number fits.
+    at : array_like or int, optional
+        Times of the samples, ascending, or a number of equal parts of the span. By default as the
+        scene says; 400 parts for a chain.
+    states : bool
+        Whether states are kept at these times; energies always are.
+    events : bool
+        Whether to log all contacts.
+    progress : bool or callable
+        Whether to show progress; or a function that is called with the share that is done.
+    on_sample : callable, optional
+        Called with the time of every sample and the state there, ``[u, v, u', v']``.
+
+    Returns
+    -------
+    Trajectory
+        With its `failure`, if the run could not go on.
+
+    Raises
+    ------
+    Error
+        What is refused before the run begins.
+    Interrupted
+        Ctrl-C; it has the partial trajectory.
+
+    Examples
+    --------
+    A bead strikes a chain of ten; momentum is conserved.
+
+    >>> import hertzchain as hc, numpy as np
+    >>> chain = hc.Chain(sites=10)
+    >>> end = hc.run(chain, y0={"pu": np.eye(10)[0]}, until=20.0, tol=1e-10, events=True)
+    >>> bool(np.abs(end.pu.sum(axis=1) - 1).max() < 1e-12)
+    True
+    >>> bool((end.contacts["onset"][1:] > 0).all())
+    True
+    """
+    if on_sample is not None and not callable(on_sample):
+        raise ParameterError(f"on_sample = {on_sample!r} is not valid: a function of t and the state")
+    whole = scene_of(scene, y0, until)
+    if at is None and isinstance(scene, Chain):
+        at = DEFAULT_SAMPLES
+    with shown(progress, whole.name) as tell:
+        record, raised = _native.run(
+            whole._scene,
+            integrator=None if method is None else word("method", method),
+            tol=optional("tol", tol),
+            step=optional("step", step),
+            steps_per_period=optional("steps_per_period", steps_per_period),
+            times=None if at is None else times_of(at, whole.end),
+            states=states,
+            events=events,
+            progress=tell,
+            seen=on_sample,
+        )
+    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record)
+    if isinstance(raised, KeyboardInterrupt):
+        raise Interrupted(trajectory) from None
+    if raised is not None:
+        raised.partial = trajectory  # type: ignore[attr-defined]
+        raise raised
+    return trajectory
+
+
+def times_of(at: ArrayLike | int, end: float) -> Vector:
+    """Sample times."""
+    if isinstance(at, (int, np.integer)) and not isinstance(at, bool):
+        if not 1 <= at <= 1_000_000:
+            raise ParameterError(f"at = {at} is not valid: from 1 to 10^6 equal parts, or times")
+        return np.asarray(end * (np.arange(int(at) + 1) / int(at)))
+    return vector("at", at)
+
+
+def integrators() -> list[str]:
+    """Names of all integrators.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> "collocation" in hc.integrators()
+    True
+    """
+    return _native.integrators()

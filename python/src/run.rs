@@ -1,0 +1,151 @@
+//! Runs: states at the sample times go straight into the arrays that Python gets.
+
+use crate::{
+    error::OrRaise,
+    scene::Scene,
+    work::{Watched, brief, watched},
+};
+use hertzchain::{
+    Setting, Trajectory,
+    chain::{Boundary, Contact, Energy, Layout},
+    run::Records,
+    study::{Asked, How},
+};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
+use pyo3::{prelude::*, types::PyDict};
+
+/// Steps times sites of a run that takes less than a millisecond.
+const SHORT: u64 = 10_000;
+
+/// Rows of states, array by array: `u`, `v`, and the momenta `p_u = u'`, `p_v = rho v'`, or the
+/// rates of strains.
+struct Rows {
+    layout: Layout,
+    /// What velocities of resonators are multiplied by.
+    mass: f64,
+    t: Vec<f64>,
+    arrays: [Vec<f64>; 4],
+}
+
+impl Rows {
+    fn new(scene: &hertzchain::Scene, rows: usize, states: bool) -> Self {
+        let chain = scene.chain();
+        let strains = chain.boundary() == Boundary::StrainRing;
+        let mass = if strains { 1.0 } else { chain.params().rho };
+        let (layout, sites) = (chain.layout(), if states { rows * chain.sites() } else { 0 });
+        let beside = if layout.resonators() { sites } else { 0 };
+        let arrays = [sites, beside, sites, beside].map(Vec::with_capacity);
+        Self { layout, mass, t: Vec::with_capacity(rows), arrays }
+    }
+
+    fn add(&mut self, y: &[f64]) {
+        let Self { layout, mass, .. } = *self;
+        let [u, v, p_u, p_v] = &mut self.arrays;
+        u.extend_from_slice(layout.u(y));
+        v.extend_from_slice(layout.v(y).unwrap_or_default());
+        p_u.extend_from_slice(layout.u_dot(y));
+        p_v.extend(layout.v_dot(y).unwrap_or_default().iter().map(|velocity| mass * velocity));
+    }
+
+    /// The arrays for Python, `rows x sites`; `None` for resonators that do not move.
+    fn arrays(self, py: Python<'_>, rows: usize) -> PyResult<[Option<Bound<'_, PyArray2<f64>>>; 4]> {
+        let sites = self.layout.sites();
+        let table = |values: Vec<f64>| PyArray1::from_vec(py, values).reshape([rows, sites]);
+        let [u, v, p_u, p_v] = self.arrays;
+        let beside = |values: Vec<f64>| self.layout.resonators().then(|| table(values)).transpose();
+        Ok([Some(table(u)?), beside(v)?, Some(table(p_u)?), beside(p_v)?])
+    }
+}
+
+/// Runs a scene. The result is what was recorded, and the exception that stopped the run, if one
+/// did.
+#[pyfunction]
+#[pyo3(signature = (
+    scene, *, integrator, tol, step, steps_per_period, times, states, events, progress, seen
+))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn run<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    integrator: Option<String>,
+    tol: Option<f64>,
+    step: Option<f64>,
+    steps_per_period: Option<f64>,
+    times: Option<PyReadonlyArray1<'py, f64>>,
+    states: bool,
+    events: bool,
+    progress: Option<Bound<'py, PyAny>>,
+    seen: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
+    let scene = &scene.0;
+    let asked = Asked { integrator, tol, step, steps_per_period, ..Asked::default() };
+    let how = How::new(&asked, scene).or_raise(py)?;
+    let run = scene.run().records(Records::Energy);
+    let (run, count) = match &times {
+        Some(times) => {
+            let times = times.as_array().to_vec();
+            (run.samples_at(&times).or_raise(py)?, times.len())
+        }
+        None => (run, scene.samples() + 1),
+    };
+    let run = if events { run.contacts() } else { run };
+    let mut rows = Rows::new(scene, count, states);
+    let end = scene.end();
+    let work = |watched: &Watched| {
+        let mut thrown = None;
+        let outcome = how.start(run, &mut |t, y| {
+            watched.tell(t / end);
+            rows.t.push(t);
+            if states {
+                rows.add(y);
+            }
+            if let (Some(seen), true) = (&seen, thrown.is_none()) {
+                let called = Python::attach(|py| seen.call1(py, (t, PyArray1::from_slice(py, y))).map(|_| ()));
+                thrown = called.inspect_err(|_| watched.ask()).err();
+            }
+        });
+        (outcome, thrown, rows)
+    };
+    let short = matches!(how, How::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
+    let ((outcome, thrown, rows), raised) =
+        if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
+    let outcome = outcome.or_raise(py)?;
+    let (name, setting) = how.words();
+    let result = record(py, outcome, rows, states)?;
+    result.set_item("integrator", name)?;
+    result.set_item("setting", setting)?;
+    result.set_item("reason", how.reason())?;
+    Ok((result, thrown.or(raised)))
+}
+
+fn record<'py>(py: Python<'py>, outcome: Trajectory, mut rows: Rows, states: bool) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let kinds = |energy: Energy<f64>| [energy.beads, energy.resonators, energy.springs, energy.contacts];
+    let energies: Option<Vec<[f64; 4]>> = outcome.samples.iter().map(|sample| sample.energy.map(kinds)).collect();
+    if let Some(energies) = energies {
+        let count = energies.len();
+        result.set_item("energies", PyArray1::from_vec(py, energies.into_flattened()).reshape([count, 4])?)?;
+    }
+    if let Some(contacts) = &outcome.contacts {
+        let numbers: Vec<f64> = contacts.iter().flat_map(Contact::numbers).collect();
+        let shape = [contacts.len(), Contact::NUMBERS];
+        result.set_item("contacts", PyArray1::from_vec(py, numbers).reshape(shape)?)?;
+    }
+    let stats = outcome.stats;
+    result.set_item("steps", stats.steps)?;
+    result.set_item("rejected", stats.rejected)?;
+    result.set_item("force_evaluations", stats.force_evaluations)?;
+    result.set_item("wall_s", outcome.wall.as_secs_f64())?;
+    result.set_item("energy_error", outcome.energy_error)?;
+    result.set_item("failure", outcome.failure.map(|failure| failure.to_string()))?;
+    result.set_item("t_end", outcome.t)?;
+    let count = rows.t.len();
+    let mut last = Rows { layout: rows.layout, mass: rows.mass, t: Vec::new(), arrays: Default::default() };
+    last.add(&outcome.state);
+    result.set_item("end", last.arrays(py, 1)?)?;
+    result.set_item("t", PyArray1::from_vec(py, std::mem::take(&mut rows.t)))?;
+    if states {
+        result.set_item("states", rows.arrays(py, count)?)?;
+    }
+    Ok(result)
+}

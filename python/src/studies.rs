@@ -1,0 +1,153 @@
+//! Studies by their options, with their results as JSON, as `--json` prints them.
+
+use crate::{scene::Scene, work::{Watched, finished}};
+use hertzchain::{
+    Result,
+    dps::Center,
+    orbits::{Formulation, Trail},
+    study::{self, CompareOptions, Continue, Dark, Report, Ring, Study, compare},
+};
+use numpy::{PyArray1, PyArray2, prelude::*};
+use pyo3::{prelude::*, types::PyBytes};
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// A dark breather on a ring, as Python describes it.
+#[derive(FromPyObject)]
+pub(crate) struct Breather {
+    center: String,
+    omega_b: Option<f64>,
+    sites: usize,
+    alpha: f64,
+    kappa: f64,
+    rho: f64,
+    c_x: f64,
+    tol: f64,
+}
+
+impl Breather {
+    fn ring(&self) -> Ring {
+        let &Self { sites, alpha, kappa, rho, c_x, tol, .. } = self;
+        Ring { sites, alpha, kappa, rho, c_x, formulation: Formulation::HalfPeriod, tol }
+    }
+}
+
+/// The symmetry with this name.
+pub(crate) fn center(name: &str) -> Result<Center> {
+    match name {
+        "site" => Ok(Center::Site),
+        "bond" => Ok(Center::Bond),
+        _ => Err(hertzchain::Error::unknown("center", name, ["site", "bond"])),
+    }
+}
+
+fn done(study: &impl Study, watched: &Watched) -> Result<Box<dyn Report>> {
+    study.begin()?(None, &|share, _| watched.tell(share))
+}
+
+fn text(value: &Value) -> String {
+    value.to_string()
+}
+
+/// The orbit of a dark breather, with its multipliers, and the direction of each of them, a row
+/// each.
+#[pyfunction]
+pub(crate) fn dark(py: Python<'_>, breather: Breather) -> PyResult<(String, Bound<'_, PyArray2<f64>>)> {
+    let (json, directions, count) = finished(py, None, |_| {
+        let study = Dark { center: center(&breather.center)?, omega_b: breather.omega_b, ring: breather.ring() };
+        let found = study.study(&study.breather()?)?;
+        let spectrum = &found.study.spectrum;
+        let count = spectrum.multipliers.len();
+        let directions: Vec<f64> = (0..count).flat_map(|k| spectrum.direction(k)).collect();
+        Ok((text(&found.json()), directions, count))
+    })?;
+    let length = directions.len() / count.max(1);
+    Ok((json, PyArray1::from_vec(py, directions).reshape([count, length])?))
+}
+
+/// A branch: as JSON, and the bytes of `branch.npz`.
+type BranchBytes<'py> = (String, Bound<'py, PyBytes>);
+
+fn branch_bytes<'py>(py: Python<'py>, (json, npz): (String, Vec<u8>)) -> BranchBytes<'py> {
+    (json, PyBytes::new(py, &npz))
+}
+
+fn of_branch(report: &dyn Report) -> Result<(String, Vec<u8>)> {
+    let json = text(&report.json());
+    let npz = report.files(&json)?.into_iter().find(|(name, _)| name == "branch.npz");
+    Ok((json, npz.map(|(_, bytes)| bytes).unwrap_or_default()))
+}
+
+/// A branch of dark breathers in a parameter.
+#[pyfunction]
+#[pyo3(signature = (breather, *, parameter, from_, to, step, points, natural, weak, progress))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn continue_branch<'py>(
+    py: Python<'py>,
+    breather: Breather,
+    parameter: String,
+    from_: f64,
+    to: f64,
+    step: Option<f64>,
+    points: usize,
+    natural: bool,
+    weak: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<BranchBytes<'py>> {
+    let work = |watched: &Watched| {
+        let study = Continue {
+            center: center(&breather.center)?,
+            omega_b: if parameter == "omega_b" { None } else { breather.omega_b },
+            parameter,
+            from: Some(from_),
+            to: Some(to),
+            step,
+            points,
+            natural,
+            weak,
+            resume: None,
+            ring: breather.ring(),
+        };
+        of_branch(&*done(&study, watched)?)
+    };
+    finished(py, progress.as_ref(), work).map(|branch| branch_bytes(py, branch))
+}
+
+/// The branch in a file, with its multipliers.
+#[pyfunction]
+pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes<'_>> {
+    let work = |watched: &Watched| {
+        let branch = study::study(Trail::load(&path)?, &|share, _| watched.tell(share))?;
+        of_branch(&branch)
+    };
+    finished(py, None, work).map(|branch| branch_bytes(py, branch))
+}
+
+/// Integrators on a scene: error against run time.
+#[pyfunction]
+pub(crate) fn compare_json<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    integrators: Vec<String>,
+    max_time: f64,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<String> {
+    let options = CompareOptions { integrators, max_time };
+    let work = |watched: &Watched| {
+        let comparison = compare(&scene.0, &options, &|share, _| watched.tell(share))?;
+        Ok(text(&comparison.json()))
+    };
+    finished(py, progress.as_ref(), work)
+}
+
+/// The tangent map of a chain over a time, from the state at the start of the scene.
+#[pyfunction]
+pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    use hertzchain::integrators::collocation::Pace;
+    let scene = &scene.0;
+    let start = scene.initial().as_slice();
+    let span = (0.0, scene.end());
+    let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, Pace::Tolerance(tol))?))?;
+    // It comes column by column.
+    PyArray1::from_vec(py, map).reshape([start.len(), start.len()])?.transpose()
+}

@@ -1,0 +1,118 @@
+"""Orbits, branches, waves, modulation theory: the bits of the program, and independent truths."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+
+def test_dark_breather_has_the_bits_of_the_program(program: Any) -> None:
+    orbit = hc.DarkBreather("bond", omega_b=2.04, rho=0.5, sites=13, kappa=1.0).solve()
+    flags = ["--center", "bond", "--omega-b", "2.04", "--rho", "0.5", "--sites", "13"]
+    printed = program("breather", "dark", *flags)
+    assert orbit.record == printed
+    assert orbit.multipliers.shape == (52,) and orbit.modes.shape == (52, 52)
+
+
+def test_orbit_returns_and_its_multipliers_are_those_of_the_monodromy() -> None:
+    orbit = hc.DarkBreather("site", omega_b=2.05, sites=11).solve()
+    scene = orbit.scene()
+    run = hc.run(scene, tol=1e-13)
+    assert np.abs(run.x[-1] - orbit.x).max() < 1e-12
+    matrix = hc.monodromy(scene, tol=1e-13)
+    assert abs(max(abs(np.linalg.eigvals(matrix))) - abs(orbit.multipliers).max()) < 1e-7
+    # The real part d of an eigenvector: (M - lambda)(M - conj lambda) d = 0.
+    d, value = orbit.modes[0], orbit.multipliers[0]
+    twice = matrix @ (matrix @ d) - 2 * value.real * (matrix @ d) + abs(value) ** 2 * d
+    assert np.abs(twice).max() < 1e-8
+
+
+def test_branch_has_the_bits_of_the_program_and_comes_back_from_its_file(program: Any, tmp_path: Path) -> None:
+    told: list[float] = []
+    start = hc.DarkBreather("bond", omega_b=2.02, sites=11).solve()
+    branch = hc.continue_branch(start, "omega_b", to=2.04, step=0.005, progress=told.append)
+    printed = program(
+        "breather", "continue", "--center", "bond", "--sites", "11", "--from", "2.02", "--to", "2.04", "--step", "0.005"
+    )
+    assert branch.record["points"] == printed["points"]
+    branch.save(tmp_path / "branch.npz")
+    again = hc.Branch.load(tmp_path / "branch.npz")
+    assert again.record["points"] == branch.record["points"] and again.end == "reached"
+    assert len(branch[1:3]) == 2 and branch[-1].omega_b == 2.04
+    assert [point.k_x for point in branch] == branch.column("k_x").tolist()
+
+
+def test_waves_and_breathers_are_those_of_scenes() -> None:
+    scene = hc.Scene.load("tw-q15")
+    wave = hc.TravellingWave.of(scene)
+    assert wave.omega_tw == pytest.approx(2 * math.pi / scene.period, rel=1e-15)
+    assert np.allclose(wave.at(0.0, 50)["x"], scene.y0["x"], rtol=0, atol=1e-15)
+    breather = hc.BrightBreather("bond", epsilon=0.01, sites=40, rho=1000.0)
+    run = hc.run(breather.scene(periods=3), tol=1e-10)
+    size = np.abs(run.u).max()
+    assert np.abs(run.u[-1] - breather.at(run.t[-1])["u"]).max() < 0.02 * size
+
+
+def test_averages_against_a_sum_over_a_period() -> None:
+    b, r, alpha, kappa = -0.3, 0.7, 1.5, 1.3
+    # The trapezoidal rule; its error falls with the number of nodes to the power 5/2.
+    angle = 2 * np.pi * (np.arange(1 << 20) + 0.5) / (1 << 20)
+    force = np.maximum(-(b - 2 * kappa * r * np.cos(angle)), 0) ** alpha
+    assert float(hc.dps.g(b, r, alpha, kappa)) == pytest.approx(force.mean(), abs=1e-12)
+    harmonic = (force * np.cos(angle)).mean() / r
+    assert float(hc.dps.h(b, r, alpha, kappa)) == pytest.approx(abs(harmonic), abs=1e-11)
+
+
+def test_homoclinic_and_dark_profiles_solve_their_equations() -> None:
+    n, a = hc.dps.homoclinic("site", alpha=1.5)
+    strain = np.diff(a)
+    force = np.sqrt(abs(strain)) * strain
+    middle = slice(1, -1)
+    assert np.abs(a[middle] + force[1:] - force[:-1]).max() < 1e-14
+    profile = hc.dps.dark_profile("bond", sites=21)
+    assert profile.residual < 1e-13
+    assert profile.a[profile.n == 1] == profile.a[profile.n == 0]
+
+
+def test_sweep_resumes_and_collects_shards(tmp_path: Path) -> None:
+    calls: list[int] = []
+
+    def square(x: int) -> int:
+        calls.append(x)
+        return x * x
+
+    store = tmp_path / "squares.jsonl"
+    points = list(range(10))
+    assert hc.sweep(square, points[:4], store=tmp_path / "few.jsonl") == [0, 1, 4, 9]
+    assert hc.sweep(square, points, store=store, shard=(0, 3)) == [0, 9, 36, 81]
+    assert hc.sweep(square, points, store=store, shard=(2, 3)) == [4, 25, 64]
+    calls.clear()
+    assert hc.sweep(square, points, store=store) == [x * x for x in points]
+    assert sorted(calls) == [1, 4, 7]
+    # A torn line is computed again, and nothing else is.
+    store.write_bytes(store.read_bytes()[:-4])
+    calls.clear()
+    assert hc.sweep(square, points, store=store) == [x * x for x in points]
+    assert len(calls) == 1
+    with pytest.raises(hc.FileError, match="not of this sweep"):
+        hc.sweep(square, [100], store=store)
+
+
+def test_compare_has_rows_for_each_method() -> None:
+    scene = hc.Scene.load("tw-q15").until(3.0)
+    comparison = hc.compare(scene, ["verlet", "collocation"], max_time=5.0)
+    assert {row["integrator"] for row in comparison.rows} >= {"verlet", "collocation"}
+
+
+def test_pictures() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    for one in (hc.run(hc.Scene.load("impact").until(5.0)), hc.DarkBreather(sites=7, omega_b=2.05).solve()):
+        figure = one.plot().figure
+        figure.canvas.draw()

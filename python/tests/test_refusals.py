@@ -1,0 +1,153 @@
+"""Wrong inputs: each is refused with a message that names the value and the rule."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+NAN, INF = float("nan"), float("inf")
+CHAIN = hc.Chain(sites=3)
+HEAVY = hc.Chain(sites=3, kappa=1.0, rho=1.0)
+RING = hc.Chain(sites=4, kappa=1.0, rho=1.0, boundary="strain-ring")
+WAVE = hc.Scene.load("tw-q15")
+REST = {"u": np.zeros(3)}
+
+
+def run(**options: Any) -> Any:
+    return hc.run(CHAIN, **{"y0": REST, "until": 1.0, **options})
+
+
+def wave(**numbers: Any) -> Any:
+    return hc.TravellingWave(**{"q": 0.5, "a": 1.0, "b": 0.0, "epsilon": 0.01, **numbers})
+
+
+CASES: list[tuple[Callable[[], Any], str]] = [
+    # Chains.
+    (lambda: hc.Chain(sites=0), "sites"),
+    (lambda: hc.Chain(sites=-1), "sites = -1"),
+    (lambda: hc.Chain(sites=2.5), "sites = 2.5"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=True), "sites = True"),
+    (lambda: hc.Chain(sites=2**70), "below 2\\^63"),
+    (lambda: hc.Chain(sites=3, alpha=0.0), "alpha"),
+    (lambda: hc.Chain(sites=3, alpha=NAN), "alpha = NaN"),
+    (lambda: hc.Chain(sites=3, alpha="1.5"), "alpha = '1.5'"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=3, kappa=-1.0), "kappa = -1"),
+    (lambda: hc.Chain(sites=3, kappa=1j), "kappa"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=3, rho=-2.0), "rho = -2"),
+    (lambda: hc.Chain(sites=3, boundary="rng"), "did you mean \"ring\""),
+    (lambda: hc.Chain(sites=3, boundary=3), "boundary = 3"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=3, precompression=NAN), "precompression"),
+    # Scenes.
+    (lambda: hc.Scene.load("tw-q16"), "did you mean"),
+    (lambda: hc.Scene.load("no/such/file.toml"), "no/such/file.toml"),
+    (lambda: hc.Scene.load("tw-q15", {"chain.rhoo": 1}), "rhoo"),
+    (lambda: hc.Scene.load("tw-q15", {"chain.rho": -1}), "rho = -1"),
+    (lambda: hc.Scene.load("tw-q15", {"chain.rho": None}), "change = None"),
+    (lambda: hc.Scene.from_toml("chain = 3"), "chain"),
+    (lambda: hc.Scene.from_toml(3), "text = 3"),  # type: ignore[arg-type]
+    (lambda: WAVE.until(-1.0), "until = -1"),
+    (lambda: WAVE.until(NAN), "until = NaN"),
+    # States.
+    (lambda: hc.run(CHAIN, until=1.0), "y0 = None"),
+    (lambda: hc.run(CHAIN, y0=REST), "until = None"),
+    (lambda: run(y0={"w": np.zeros(3)}), "'w'"),
+    (lambda: run(y0={"x": np.zeros(3)}), "keys are u, v, pu, pv"),
+    (lambda: hc.run(RING, y0={"u": np.zeros(4)}, until=1.0), "keys are x, y, vx, vy"),
+    (lambda: run(y0={"u": np.zeros(2)}), "u with 2 numbers is not valid: 3"),
+    (lambda: run(y0={"u": np.zeros((3, 1))}), "shape \\(3, 1\\)"),
+    (lambda: run(y0={"u": [0, NAN, 0]}), "u = NaN"),
+    (lambda: run(y0={"pu": [0, INF, 0]}), "u_dot = inf"),
+    (lambda: run(y0={"u": ["a", "b", "c"]}), "u of type"),
+    (lambda: run(y0={"u": [1j, 0, 0]}), "u of type complex128"),
+    (lambda: run(y0={"u": [2**53 + 1, 0, 0]}), "doubles cannot hold"),
+    (lambda: run(y0={"u": np.array([1, 2, None])}), "u of type object"),
+    (lambda: run(y0={"u": [[1], [2, 3], [4]]}), "u is not valid"),
+    (lambda: run(y0={"v": np.zeros(3)}), "v"),
+    (lambda: run(y0=np.zeros(7)), "y0 with 7 numbers is not valid: 6"),
+    (lambda: hc.run(HEAVY, y0=np.zeros(6), until=1.0), "12 of them"),
+    # Runs.
+    (lambda: hc.run("tw-q15"), "a Scene or a Chain"),  # type: ignore[arg-type]
+    (lambda: run(until=0.0), "until = 0"),
+    (lambda: run(until="1"), "until = '1'"),
+    (lambda: run(method="verlett"), "did you mean \"verlet\""),
+    (lambda: run(method=4), "method = 4"),
+    (lambda: run(tol=0.0), "tol"),
+    (lambda: run(tol=1.0), "tol"),
+    (lambda: run(tol=NAN), "tol"),
+    (lambda: run(method="verlet", tol=1e-9), "equal steps"),
+    (lambda: run(method="verlet", step=-0.1), "step = -0.1"),
+    (lambda: run(method="verlet", step=1e-30), "steps"),
+    (lambda: run(method="dop853", step=0.1), "--tol"),
+    (lambda: run(at=[0.5, 0.2]), "ascending"),
+    (lambda: run(at=[2.0]), "from zero to the end"),
+    (lambda: run(at=[NAN]), "times = NaN"),
+    (lambda: run(at=0), "at = 0"),
+    (lambda: run(on_sample=3), "on_sample = 3"),
+    # Waves, breathers, orbits.
+    (lambda: wave(epsilon=None), "epsilon and detuning"),
+    (lambda: wave(detuning=0.1), "epsilon and detuning"),
+    (lambda: wave(a=-1.0), "a = -1"),
+    (lambda: wave(rho=0.0), "rho = 0"),
+    (lambda: hc.TravellingWave.of(hc.Scene.load("impact")), "travelling-wave"),
+    (lambda: hc.BrightBreather("side", 0.01, 40), "did you mean \"site\""),
+    (lambda: hc.BrightBreather("site", 0.01, 3), "sites = 3"),
+    (lambda: hc.BrightBreather("site", 0.01, 41).scene(1, boundary="strain-ring"), "strain-ring"),
+    (lambda: hc.DarkBreather("middle").solve(), "unknown center"),
+    (lambda: hc.DarkBreather(sites=10).solve(), "sites = 10"),
+    (lambda: hc.DarkBreather(omega_b=1.9).solve(), "omega_b = 1.9"),
+    (lambda: hc.continue_branch(hc.DarkBreather(), to=2.1), "omega_b = None"),
+    (lambda: hc.continue_branch(hc.DarkBreather(omega_b=2.05), "q", to=2.1), "parameter = 'q'"),
+    (lambda: hc.continue_branch(hc.DarkBreather(omega_b=2.05), to=1.0), "to = 1"),
+    (lambda: hc.continue_branch(3, to=1.0), "orbit = 3"),  # type: ignore[arg-type]
+    (lambda: hc.Branch.load("no-such-branch.npz"), "no-such-branch.npz"),
+    (lambda: hc.compare(WAVE, "verlet"), "a list of names"),
+    (lambda: hc.compare(WAVE, ["verlett"]), "did you mean"),
+    (lambda: hc.monodromy(CHAIN, y0=REST, until=1.0, tol=0.0), "tol"),
+    # Modulation theory.
+    (lambda: hc.dps.g(NAN, 1.0), "b"),
+    (lambda: hc.dps.g(0.0, -1.0), "r"),
+    (lambda: hc.dps.g(0.0, 1.0, alpha=0.0), "alpha"),
+    (lambda: hc.dps.homoclinic("site", alpha=1.0), "alpha = 1"),
+    (lambda: hc.dps.dark_profile(sites=4), "sites = 4"),
+    (lambda: hc.dps.flow([1, 2], [0.0, 1.0]), "force"),
+    (lambda: hc.dps.flow([1, 2], [1.0, 0.0], force=1.0), "ascending"),
+    (lambda: hc.dps.flow([1, NAN], [1.0], force=1.0), "start = NaN"),
+    (lambda: hc.dps.flow([1, 2], [1.0], force=1.0, ends="fixed"), "ends = 'fixed'"),
+    # Sweeps.
+    (lambda: hc.sweep(abs, [1], shard=(0, 2)), "a shard needs a store"),
+    (lambda: hc.sweep(abs, [1], shard=(2, 2), store="s"), "0 <= k < n"),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), CASES)
+def test_wrong_input_is_refused(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(hc.Error, match=message) as caught:
+        call()
+    assert not isinstance(caught.value, hc.InternalError)
+
+
+def test_layouts_and_types_that_convert_without_loss() -> None:
+    want = run(y0={"pu": [1.0, 0.0, 0.0]}).end["pu"]
+    wide = np.zeros((3, 2))
+    wide[0, 1] = 1.0
+    for array in (
+        [1, 0, 0],
+        np.array([1, 0, 0], dtype=np.int8),
+        np.array([1, 0, 0], dtype=np.float16),
+        np.array([True, False, False]),
+        np.array([1, 0, 0], dtype=">f8"),
+        wide[:, 1],
+        np.array([0.0, 0.0, 1.0])[::-1],
+    ):
+        assert np.array_equal(run(y0={"pu": array}).end["pu"], want)
+
+
+def test_values_that_json_cannot_keep_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(hc.ParameterError, match="a store keeps JSON"):
+        hc.sweep(lambda x: 1j, [1], store=tmp_path / "s")

@@ -1,0 +1,185 @@
+//! Which integrator runs a scene, and with which accuracy: what somebody asked for, else what the
+//! scene says, else what suits its chain.
+
+use super::LongRun;
+use crate::{
+    breathers::{self, TrivialBreather},
+    error::{Error, Result},
+    run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
+    scene::Scene,
+};
+
+const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
+const DEFAULT_TOLERANCE: f64 = 1e-10;
+const DEFAULT_NODES: usize = 10;
+/// More steps than a run of years takes.
+const MOST_STEPS: f64 = 1e15;
+
+/// What somebody asks for the accuracy of a run; of what is not asked for, the rest follows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// Name of the integrator.
+    pub integrator: Option<String>,
+    /// Tolerance, for an integrator that takes one.
+    pub tol: Option<f64>,
+    /// Step, or slightly less so that a whole number of them fits the span.
+    pub step: Option<f64>,
+    /// Steps per period of the scene.
+    pub steps_per_period: Option<f64>,
+    /// Windows of collocation per period of the scene, in place of a tolerance.
+    pub windows_per_period: Option<f64>,
+    /// Nodes of such a window.
+    pub nodes: Option<usize>,
+}
+
+/// How a scene runs.
+#[derive(Clone, Debug)]
+pub enum How {
+    /// By an integrator, with the setting in words, and why it is this one where nobody asked for
+    /// it.
+    Integrated(Method, Setting, String, Option<String>),
+    /// By its exact solution.
+    ClosedForm(TrivialBreather),
+}
+
+impl How {
+    /// An integrator where one is named or a flag asks for its accuracy; else the exact solution,
+    /// if one is known, else what the regime asks for.
+    ///
+    /// # Errors
+    /// An unknown integrator; a setting that it does not take or that is outside its rule.
+    pub fn new(args: &Asked, scene: &Scene) -> Result<Self> {
+        // A tolerance asks for the method that keeps it best.
+        let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
+        let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
+        if let (Some((method, setting)), false) = (scene.choice(), asked) {
+            let wording = in_words(scene, setting);
+            return Ok(Self::Integrated(method, setting, wording, Some("the scene names it".to_owned())));
+        }
+        if let (Some(exact), false) = (scene.exact(), asked) {
+            return Ok(Self::ClosedForm(exact.clone()));
+        }
+        if !asked {
+            let Regime { method, setting, wording, reason } = regime(&scene.run())?;
+            return Ok(Self::Integrated(method, setting, wording, Some(reason)));
+        }
+        let default = if adaptive { "collocation" } else { "strang-linear" };
+        let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
+        let (setting, wording) = setting(args, method, scene)?;
+        Ok(Self::Integrated(method, setting, wording, None))
+    }
+
+    /// Name and setting.
+    pub fn words(&self) -> (String, String) {
+        match self {
+            Self::Integrated(method, _, wording, _) => (method.name(), wording.clone()),
+            Self::ClosedForm(_) => ("closed-form".to_owned(), "exact solution (uncpl), no integrator".to_owned()),
+        }
+    }
+
+    /// Why an integrator that nobody named was chosen.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Self::Integrated(.., reason) => reason.as_deref(),
+            Self::ClosedForm(_) => None,
+        }
+    }
+
+    /// The same in legs that are kept.
+    ///
+    /// # Errors
+    /// A closed form, which needs none; what [`LongRun::new`] refuses.
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64) -> Result<LongRun> {
+        match self {
+            Self::Integrated(method, setting, wording, _) => {
+                let wording = format!("{wording}, in legs of {interval}");
+                let long = LongRun::new(scene, method, setting, wording, interval)?;
+                Ok(if events { long.with_contacts() } else { long })
+            }
+            Self::ClosedForm(_) => {
+                let rule =
+                    "an exact solution is evaluated at once and needs none: name an --integrator to run it in legs";
+                Err(Error::parameter("checkpoint", interval, rule))
+            }
+        }
+    }
+
+    /// What the run computes and what it leaves out, in words.
+    ///
+    /// # Errors
+    /// What the run would refuse.
+    pub fn plan(&self, scene: &Scene, events: bool) -> Result<Vec<String>> {
+        match self {
+            Self::Integrated(method, setting, ..) => {
+                scene.run().method(*method).setting(*setting).stepper()?;
+                Ok(scene.plan(events))
+            }
+            Self::ClosedForm(_) => Ok(scene.plan_in_closed_form()),
+        }
+    }
+
+    /// Does the run of a scene, as it is recorded by `run`, which is of this scene; `seen` is called
+    /// with the time of every sample and the state there.
+    ///
+    /// # Errors
+    /// A run that cannot start; one that fails later keeps what it has.
+    pub fn start(&self, run: Run, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
+        match self {
+            Self::Integrated(method, setting, ..) => run.method(*method).setting(*setting).start_seen(seen),
+            Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
+        }
+    }
+}
+
+/// What was asked for means this for the method on this scene, and in words.
+fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, String)> {
+    let positive = |name, value: f64| {
+        let good = value.is_finite() && value > 0.0;
+        if good { Ok(value) } else { Err(Error::parameter(name, value, "finite and positive")) }
+    };
+    if let Some(per_period) = args.windows_per_period {
+        if method != Method::Collocation {
+            return Err(Error::parameter("windows-per-period", per_period, "only collocation takes windows"));
+        }
+        let nodes = args.nodes.unwrap_or(DEFAULT_NODES);
+        let windows = (scene.end() / scene.period() * positive("windows-per-period", per_period)?).ceil().max(1.0);
+        if windows > MOST_STEPS {
+            return Err(Error::parameter("windows", windows, "at most 1e15 windows"));
+        }
+        let setting = Setting::Windows(windows as u64, nodes);
+        return Ok((setting, in_words(scene, setting)));
+    }
+    if method.adaptive() || method.tolerant() && args.tol.is_some() {
+        if let Some(value) = args.step.or(args.steps_per_period) {
+            return Err(Error::parameter("step", value, "an adaptive method chooses its steps: give it --tol"));
+        }
+        let tol = positive("tol", args.tol.unwrap_or(DEFAULT_TOLERANCE))?;
+        return Ok((Setting::Tolerance(tol), in_words(scene, Setting::Tolerance(tol))));
+    }
+    if let Some(tol) = args.tol {
+        return Err(Error::parameter("tol", tol, NO_TOLERANCE));
+    }
+    let steps = match args.step {
+        Some(step) => scene.end() / positive("step", step)?,
+        None => {
+            let per_period = args.steps_per_period.unwrap_or(DEFAULT_STEPS_PER_PERIOD);
+            scene.end() / scene.period() * positive("steps-per-period", per_period)?
+        }
+    };
+    let setting = Setting::steps(steps)?;
+    Ok((setting, in_words(scene, setting)))
+}
+
+fn in_words(scene: &Scene, setting: Setting) -> String {
+    let (end, period) = (scene.end(), scene.period());
+    let per_period = |count: u64| count as f64 * period / end;
+    match setting {
+        Setting::Tolerance(tol) => format!("tol {tol:e}"),
+        Setting::Steps(steps) => {
+            format!("{steps} steps of {:e} ({:.6} a period)", end / steps as f64, per_period(steps))
+        }
+        Setting::Windows(windows, nodes) => {
+            format!("{windows} windows ({:.6} a period), {nodes} nodes", per_period(windows))
+        }
+    }
+}
