@@ -61,7 +61,7 @@ for name, ladder in ladders.items():
 if len(sys.argv) > 1:
     import matplotlib.pyplot as plt
 
-    figure, ax = plt.subplots()
+    figure, ax = plt.subplots(layout="constrained")
     for name, rows in curves.items():
         ax.loglog(*zip(*rows), ".-", label=name)
     ax.set(xlabel="run time (s)", ylabel="largest error of the state", title="A struck chain of 30 beads with resonators")

@@ -25,10 +25,10 @@ assert np.ptp(ratios) < 1e-4
 if len(sys.argv) > 1:
     import matplotlib.pyplot as plt
 
-    figure, ax = plt.subplots()
-    ax.loglog(*zip(*rows), "o")
-    force = np.geomspace(rows[0][0], rows[-1][0])
-    ax.loglog(force, ratios[0] * force ** (1 / 6), label=f"{ratios[0]:.5f} force$^{{1/6}}$")
+    figure, ax = plt.subplots(layout="constrained")
+    ax.plot(*zip(*rows), "o")
+    force = np.geomspace(rows[0][0], rows[-1][0], 100)
+    ax.plot(force, ratios[0] * force ** (1 / 6), label=f"{ratios[0]:.5f} force$^{{1/6}}$")
     ax.set(xlabel="largest force", ylabel="speed (sites per unit of time)")
     ax.legend()
     figure.savefig(sys.argv[1], dpi=120)

@@ -26,7 +26,7 @@ for rho, value in zip(grid, values):
 if len(sys.argv) > 1:
     import matplotlib.pyplot as plt
 
-    figure, ax = plt.subplots()
+    figure, ax = plt.subplots(layout="constrained")
     ax.semilogx(grid, values, "o-")
     ax.set(xlabel="mass ratio rho", ylabel="momentum of the struck bead at t = 5")
     figure.savefig(sys.argv[1], dpi=120)

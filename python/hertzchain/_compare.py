@@ -35,7 +35,7 @@ class Comparison:
         """Error against run time, by matplotlib."""
         import matplotlib.pyplot as plt
 
-        ax = ax if ax is not None else plt.subplots()[1]
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
         names = dict.fromkeys(row["integrator"] for row in self.rows)
         for name in names:
             rows = [row for row in self.rows if row["integrator"] == name and row.get("error")]

@@ -140,7 +140,7 @@ class Orbit:
         """The multipliers and the unit circle, by matplotlib."""
         import matplotlib.pyplot as plt
 
-        ax = ax if ax is not None else plt.subplots()[1]
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
         angle = np.linspace(0, 2 * np.pi, 400)
         ax.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
         ax.plot(self.multipliers.real, self.multipliers.imag, ".")
@@ -232,11 +232,12 @@ class Branch:
         """A number of the points over the parameter, dashed where orbits are unstable."""
         import matplotlib.pyplot as plt
 
-        ax = ax if ax is not None else plt.subplots()[1]
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
         p, values = self.column("parameter"), self.column(y)
         unstable = self.column("max_modulus") > 1 + 1e-6
-        ax.plot(p, np.where(unstable, np.nan, values), "-", color="C0", label="stable")
-        ax.plot(p, np.where(unstable, values, np.nan), "--", color="C3", label="unstable")
+        for which, line, color, label in ((~unstable, "-", "C0", "stable"), (unstable, "--", "C3", "unstable")):
+            if which.any():
+                ax.plot(p, np.where(which, values, np.nan), line, color=color, label=label)
         for one in self.bifurcations:
             ax.axvline(one["parameter"], color="0.8", linewidth=0.8)
         ax.set(xlabel=self.parameter, ylabel=y)

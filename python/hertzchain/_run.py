@@ -153,14 +153,15 @@ class Trajectory:
         """
         import matplotlib.pyplot as plt
 
-        ax = ax if ax is not None else plt.subplots()[1]
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
         strains = self.strains()
-        size = float(np.abs(strains).max()) or 1.0
+        # Gaps are often far wider than overlaps: colours end at the largest overlap, if there is one.
+        size = float(-strains.min()) if strains.min() < 0 else float(np.abs(strains).max()) or 1.0
         picture = ax.pcolormesh(
             np.arange(strains.shape[1]), self.t, strains, cmap="RdBu_r", vmin=-size, vmax=size, shading="nearest"
         )
         ax.set(xlabel="contact n", ylabel="time t")
-        ax.figure.colorbar(picture, ax=ax, label="strain; contacts are closed where it is negative")
+        ax.figure.colorbar(picture, ax=ax, label="strain, negative in contacts", extend="max")
         return ax
 
 
