@@ -14,7 +14,10 @@ const SET: [(&str, &str); 21] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
-    ("compare", "compare impact --integrators verlet,strang-linear,corrected,collocation --set span.until=4"),
+    (
+        "compare",
+        "compare impact --integrators verlet,strang-linear,corrected,collocation --set span.until=4 --max-time 600",
+    ),
     ("integrators", "integrators"),
     ("scenes", "scenes"),
     ("wave", "wave tw-q45 --until 30"),
