@@ -66,7 +66,7 @@ fn changes(name: &str, now: &Value) -> Vec<String> {
 
 /// Whether a value under this key depends on the machine or the version.
 fn varies(key: &str) -> bool {
-    ["version", "wall", "machine", "sampling_s", "runs"].iter().any(|word| key.contains(word))
+    ["version", "wall", "machine", "sampling_s", "runs", "step_cost"].iter().any(|word| key.contains(word))
 }
 
 /// Paths at which `now` differs from what was stored; new keys are no difference.

@@ -88,6 +88,24 @@ fn both_have_order_two_through_contacts() {
 }
 
 #[test]
+fn quadratisation_loses_its_order_where_all_contacts_open() {
+    // Truth: collocation at 1e-12. At V = 0 the scheme divides by psi, which is like the overlap to
+    // the (alpha + 1)/2: its error there is h to this power, 1.25 for spheres. Two beads that fly at
+    // each other touch once. Discrete gradients keep order two.
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
+    let y0 = [0.0, 0.5, 0.6, -0.4];
+    let truth = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
+    let orders = |run: &dyn Fn(u64) -> f64| (run(4_000) / run(64_000)).log2() / 4.0;
+    let gradient =
+        |steps| distance(&end(DiscreteGradient::new(chain.clone(), &y0, (0.0, END), steps).unwrap()), &truth);
+    let quadratised = |steps| distance(&end(Quadratised::new(chain.clone(), &y0, (0.0, END), steps).unwrap()), &truth);
+    let (gradient, quadratised) = (orders(&gradient), orders(&quadratised));
+    println!("orders {gradient:.2} and {quadratised:.2}");
+    assert!((1.8..2.2).contains(&gradient), "{gradient}");
+    assert!((1.0..1.5).contains(&quadratised), "{quadratised}");
+}
+
+#[test]
 fn a_sample_inside_a_step_is_as_good_as_the_run() {
     // Truth: collocation. Samples at thirds of steps err as the ends do.
     let (chain, y0) = chain(1.5, 0.5);

@@ -216,9 +216,12 @@ impl Comparison {
         entrants
     }
 
-    /// Wall time of a step of a row, in steps of plain Verlet (those of its longest run).
+    /// Wall time of a step of a row, in steps of plain Verlet: of its row of the same rung, which was
+    /// timed just after, or of its last.
     pub fn step_cost(&self, row: &Row) -> Option<f64> {
-        let verlet = self.rows_of(&Entrant::Plain(Loop::VERLET)).into_iter().filter_map(Row::wall_of_step).last()?;
+        let rung = self.rows_of(&row.entrant).iter().position(|other| std::ptr::eq(*other, row))?;
+        let verlet = self.rows_of(&Entrant::Plain(Loop::VERLET));
+        let verlet = verlet.get(rung).or(verlet.last())?.wall_of_step()?;
         row.wall_of_step().map(|wall| wall / verlet)
     }
 
