@@ -19,6 +19,7 @@
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
+//! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
 
 // What a program prints goes through one place, which knows of full disks and closed pipes.
@@ -40,7 +41,7 @@ pub mod study;
 pub mod sweep;
 pub mod waves;
 
-pub use hertzchain_core::{chain, dps, error, interrupt, run};
+pub use hertzchain_core::{chain, dps, error, interrupt, plain, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

@@ -54,6 +54,8 @@ pub struct WorkPrecision {
     pub caption: String,
     /// The names of the families, by index.
     pub families: Vec<String>,
+    /// The family that is a yardstick and drawn in grey, by index.
+    pub grey: Option<usize>,
     /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
     /// the points.
     pub guides: Vec<(f64, String)>,
@@ -80,11 +82,12 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     let mut entries = Vec::new();
     let mut styled = Vec::new();
     for family in families {
+        let colour = if figure.grey == Some(family) { palette::GREY } else { palette::family(family) };
         if let Some(name) = figure.families.get(family) {
-            entries.push(Entry::heading(name, palette::family(family)));
+            entries.push(Entry::heading(name, colour));
         }
         for (nth, curve) in figure.curves.iter().filter(|curve| curve.family == family).enumerate() {
-            let style = Style::of_family(family, nth);
+            let style = Style { colour, ..Style::of_family(family, nth) };
             let note = match curve.slope {
                 _ if !curve.points.iter().any(Point::drawable) => ", no point".into(),
                 Some(slope) if slope.is_finite() => format!(", order {slope:.1}").replace('-', "−"),

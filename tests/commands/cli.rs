@@ -131,9 +131,13 @@ fn compare_json_keeps_its_contract_and_writes_nothing_unasked() {
         assert!(!value[key].is_null(), "{key}");
     }
     assert!(value["reference"]["method"].is_string() && value["reference"]["error_estimate"].is_f64());
-    for key in ["integrator", "setting", "step", "error", "energy_error", "wall_s", "force_evaluations"] {
+    for key in ["integrator", "setting", "step", "error", "energy_error", "wall_s", "force_evaluations", "step_cost"] {
         assert!(!value["rows"][0][key].is_null(), "{key}");
     }
+    assert!(value["stopped"].is_object());
+    // The plain loops come last; those of a chain with resonators are two.
+    let names: Vec<&str> = value["slopes"].as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(names, ["verlet", "srkn11-6-linear", "plain Verlet", "plain rotation + kick"]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

@@ -28,6 +28,7 @@ fn diagram(curves: usize) -> WorkPrecision {
         floor: Some(2e-13),
         caption: CAPTION.into(),
         families: ["Splittings", "Runge–Kutta", "Exponential", "Event-aware"].map(String::from).into(),
+        grey: None,
         guides: vec![],
     }
 }

@@ -14,7 +14,10 @@ const SET: [(&str, &str); 21] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
-    ("compare", "compare impact --integrators verlet,strang-linear,corrected,collocation --set span.until=4"),
+    (
+        "compare",
+        "compare impact --integrators verlet,strang-linear,corrected,collocation --set span.until=4 --max-time 600",
+    ),
     ("integrators", "integrators"),
     ("scenes", "scenes"),
     ("wave", "wave tw-q45 --until 30"),
@@ -63,7 +66,7 @@ fn changes(name: &str, now: &Value) -> Vec<String> {
 
 /// Whether a value under this key depends on the machine or the version.
 fn varies(key: &str) -> bool {
-    ["version", "wall", "machine", "sampling_s", "runs"].iter().any(|word| key.contains(word))
+    ["version", "wall", "machine", "sampling_s", "runs", "step_cost"].iter().any(|word| key.contains(word))
 }
 
 /// Paths at which `now` differs from what was stored; new keys are no difference.

@@ -15,6 +15,7 @@ mod corrected;
 mod corrected_tangent;
 mod main_job;
 mod order;
+mod plain;
 mod run;
 mod splitting;
 mod tangent;

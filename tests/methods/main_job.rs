@@ -1,10 +1,11 @@
 //! The paper's chain: errors, orders and theory of the built-in scenes.
 
 use hertzchain::{
+    plain::Loop,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::{Scene, Theory},
-    study::{CompareOptions, compare},
+    study::{CompareOptions, Entrant, compare},
 };
 
 fn scene(name: &str) -> Scene {
@@ -155,22 +156,69 @@ fn compare_marks_what_it_cannot_judge_and_keeps_what_failed() {
         &|_, _| (),
     )
     .unwrap();
-    assert_eq!(comparison.methods(), methods);
+    let entrants =
+        methods.iter().copied().map(Entrant::Method).chain([Loop::VERLET, Loop::ROTATION].map(Entrant::Plain));
+    let entrants: Vec<Entrant> = entrants.collect();
+    assert_eq!(comparison.entrants(), entrants);
     assert!(comparison.reference.error_estimate < 1e-9);
     // Yoshida's scheme of order 8 is unstable with one step a period: its row holds the reason and
     // no error.
-    let failed = comparison.rows_of(&methods[2])[0];
+    let failed = comparison.rows_of(&entrants[2])[0];
     assert!(failed.error.is_none() && failed.wall.is_none() && failed.failure.is_some(), "{failed:?}");
     // Truth for the slopes: order 2.
-    for method in &methods[..2] {
-        let slope = comparison.slope(method).unwrap();
-        assert!((1.8..2.4).contains(&slope), "{}: {slope}", method.name());
+    for of in [0, 1, 4, 5] {
+        let slope = comparison.slope(&entrants[of]).unwrap();
+        assert!((1.8..2.4).contains(&slope), "{}: {slope}", entrants[of].name());
+    }
+    // The plain loops are Verlet and Strang's scheme on the exact linear flow, so errors agree but
+    // for rounding.
+    for (ours, plain) in [(0, 4), (1, 5)] {
+        let (ours, plain) = (comparison.rows_of(&entrants[ours]), comparison.rows_of(&entrants[plain]));
+        for (ours, plain) in ours.iter().zip(plain).filter(|(ours, _)| !ours.below_reference) {
+            assert_eq!(ours.setting, plain.setting);
+            let (ours, plain) = (ours.error.unwrap(), plain.error.unwrap());
+            assert!((ours - plain).abs() < 1e-9 + 1e-6 * ours, "{ours:e}, {plain:e}");
+        }
     }
     for row in &comparison.rows {
         let error = row.error.unwrap_or(1.0);
         assert_eq!(row.below_reference, error < 3.0 * comparison.reference.error_estimate, "{row:?}");
     }
     assert!(comparison.rows.iter().filter(|row| row.failure.is_none()).all(|row| row.wall.unwrap() > 0.0));
+}
+
+#[test]
+fn a_ladder_is_whole_or_says_why_not() {
+    let rungs = 11;
+    let scene = Scene::load_with("impact", &["span.until=4".into()]).unwrap();
+    let integrators = ["verlet", "aba1064-linear-landed", "collocation"].map(str::to_owned).to_vec();
+    for (max_time, all) in [(600.0, true), (0.02, false)] {
+        let comparison =
+            compare(&scene, &CompareOptions { integrators: integrators.clone(), max_time }, &|_, _| ()).unwrap();
+        assert_eq!(comparison.stopped.is_empty(), all, "{:?}", comparison.stopped);
+        for entrant in comparison.entrants() {
+            let reason = comparison.stopped.iter().find(|(stopped, _)| *stopped == entrant);
+            assert_eq!(comparison.rows_of(&entrant).len() < rungs, reason.is_some(), "{} {reason:?}", entrant.name());
+        }
+    }
+}
+
+#[test]
+fn a_scene_without_a_stored_reference_has_one_computed() {
+    // Truth: the two runs, by methods of two families, agree. On long chains the second goes by
+    // steps; measured 1e-14 and 2e-13.
+    let integrators = vec!["verlet".to_owned()];
+    for (sites, check) in [(40, "dop853-regularised"), (120, "corrected")] {
+        let changes = [format!("chain.sites={sites}"), "span.until=4".into()];
+        let scene = Scene::load_with("impact", &changes).unwrap();
+        let options = CompareOptions { integrators: integrators.clone(), max_time: 5.0 };
+        let reference = compare(&scene, &options, &|_, _| ()).unwrap().reference;
+        assert!(
+            reference.method.starts_with(&format!("collocation at tol 1e-14, checked by {check}")),
+            "{reference:?}"
+        );
+        assert!(reference.error_estimate < 1e-12, "{reference:?}");
+    }
 }
 
 #[test]

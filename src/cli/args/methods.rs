@@ -8,7 +8,7 @@ pub(super) const COMPARE_EXAMPLES: &str = "\
 Examples:
   hertzchain compare tw-q15 --out out/compare
   hertzchain compare cradle --integrators verlet,corrected,collocation
-  hertzchain compare impact --integrators all --max-time 120";
+  hertzchain compare impact --integrators all --max-time 60";
 
 #[derive(Args)]
 pub(crate) struct RunArgs {

@@ -1,6 +1,6 @@
 //! A comparison as people and machines read it.
 
-use super::{Comparison, Row};
+use super::{Comparison, Entrant, Row};
 use crate::{
     error::Result,
     present::{machine_json, rows_csv, table},
@@ -9,8 +9,7 @@ use crate::{
 use serde_json::{Value, json};
 
 /// Columns of the CSV: keys of the rows.
-const COLUMNS: &str =
-    "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure";
+const COLUMNS: &str = "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure,step_cost";
 
 /// What stands for a number or words that there are not.
 fn missing(key: &str) -> &'static str {
@@ -24,7 +23,9 @@ fn missing(key: &str) -> &'static str {
 impl Report for Comparison {
     fn json(&self) -> Value {
         let slopes: serde_json::Map<String, Value> =
-            self.methods().iter().map(|method| (method.name(), json!(self.slope(method)))).collect();
+            self.entrants().iter().map(|entrant| (entrant.name(), json!(self.slope(entrant)))).collect();
+        let stopped: serde_json::Map<String, Value> =
+            self.stopped.iter().map(|(entrant, why)| (entrant.name(), json!(why))).collect();
         json!({
             "scene": self.scene.name(),
             "period": self.scene.period(),
@@ -35,54 +36,20 @@ impl Report for Comparison {
             },
             "rows": rows(self),
             "slopes": slopes,
+            "stopped": stopped,
             "scene_file": scene_json(&self.scene),
             "machine": machine_json(),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
 
-    /// All rows, and the fastest method for each of a few errors.
+    /// All rows, why ladders ended, and the fastest method for each of a few errors.
     fn text(&self) -> String {
-        let number =
-            |value: Option<f64>, digits: usize| value.map(|value| format!("{value:.digits$e}")).unwrap_or_default();
-        let mut rows = Vec::new();
-        for method in self.methods() {
-            let slope = self.slope(&method);
-            for (i, row) in self.rows_of(&method).into_iter().enumerate() {
-                let error = match (&row.failure, row.below_reference) {
-                    (Some(_), _) => "failed".to_owned(),
-                    (None, below) => number(row.error, 1) + if below { " *" } else { "" },
-                };
-                rows.push(vec![
-                    if i == 0 { method.name() } else { String::new() },
-                    row.setting.clone(),
-                    format!("{:.3e}", row.step),
-                    error,
-                    number(row.energy_error, 1),
-                    number(row.wall, 2),
-                    row.stats.force_evaluations.to_string(),
-                    row.stats.rejected.to_string(),
-                    slope.filter(|_| i == 0).map(|slope| format!("{slope:.2}")).unwrap_or_default(),
-                    row.failure.clone().unwrap_or_default(),
-                ]);
-            }
-        }
-        let head = [
-            "integrator",
-            "setting",
-            "step",
-            "error",
-            "energy error",
-            "wall s",
-            "forces",
-            "rejected",
-            "order",
-            "failure",
-        ];
-        let mut text = table(&head, &rows);
-        let Comparison { scene, amplitude, reference, rungs, .. } = self;
+        let Comparison { scene, amplitude, reference, .. } = self;
+        let mut text = listed(self);
         text += &format!(
-            "\nscene {}: {}\nerror = max |x - x_ref| / {amplitude:.6e} at t = {}; reference {}, good to {:.1e}.\n",
+            "\nscene {}: {}\nerror = max |x - x_ref| / {amplitude:.6e} at t = {}; reference {}, good to {:.1e}.\n\
+             cost = wall time of a step, in steps of plain Verlet.\n",
             scene.name(),
             scene.file().summary,
             scene.end(),
@@ -92,8 +59,10 @@ impl Report for Comparison {
         if self.rows.iter().any(|row| row.below_reference) {
             text += "* nearer to the reference than 3 times its own error estimate: an upper bound at best.\n";
         }
-        if rungs.0 < rungs.1 {
-            text += &format!("the time allowed {} of {} rungs; --max-time gives it more.\n", rungs.0, rungs.1);
+        if !self.stopped.is_empty() {
+            text += "\nladders that ended early (--max-time makes them longer):\n";
+            let rows: Vec<_> = self.stopped.iter().map(|(entrant, why)| vec![entrant.name(), why.clone()]).collect();
+            text += &table(&["integrator", "why"], &rows);
         }
         text += "\nfastest to reach an error (its own and that of the reference together):\n";
         text += &fastest(self);
@@ -113,7 +82,7 @@ impl Report for Comparison {
 fn rows(comparison: &Comparison) -> Vec<Value> {
     let row = |row: &Row| {
         json!({
-            "integrator": row.method.name(),
+            "integrator": row.entrant.name(),
             "setting": row.setting,
             "step": row.step,
             "error": row.error,
@@ -125,25 +94,77 @@ fn rows(comparison: &Comparison) -> Vec<Value> {
             "rejected": row.stats.rejected,
             "below_reference": row.below_reference,
             "failure": row.failure,
+            "step_cost": comparison.step_cost(row),
         })
     };
     comparison.rows.iter().map(row).collect()
 }
 
+/// A line a row.
+fn listed(comparison: &Comparison) -> String {
+    let number =
+        |value: Option<f64>, digits: usize| value.map(|value| format!("{value:.digits$e}")).unwrap_or_default();
+    let mut rows = Vec::new();
+    for entrant in comparison.entrants() {
+        let slope = comparison.slope(&entrant);
+        for (i, row) in comparison.rows_of(&entrant).into_iter().enumerate() {
+            let error = match (&row.failure, row.below_reference) {
+                (Some(_), _) => "failed".to_owned(),
+                (None, below) => number(row.error, 1) + if below { " *" } else { "" },
+            };
+            rows.push(vec![
+                if i == 0 { entrant.name() } else { String::new() },
+                row.setting.clone(),
+                format!("{:.3e}", row.step),
+                error,
+                number(row.energy_error, 1),
+                number(row.wall, 2),
+                comparison.step_cost(row).map(|cost| format!("{cost:.1}")).unwrap_or_default(),
+                row.stats.force_evaluations.to_string(),
+                row.stats.rejected.to_string(),
+                slope.filter(|_| i == 0).map(|slope| format!("{slope:.2}")).unwrap_or_default(),
+                row.failure.clone().unwrap_or_default(),
+            ]);
+        }
+    }
+    let head = [
+        "integrator",
+        "setting",
+        "step",
+        "error",
+        "energy error",
+        "wall s",
+        "cost",
+        "forces",
+        "rejected",
+        "order",
+        "failure",
+    ];
+    table(&head, &rows)
+}
+
+/// The fastest method for an error, and the fastest plain loop beside it.
 fn fastest(comparison: &Comparison) -> String {
+    let ms = |wall: Option<f64>| wall.map(|wall| format!("{:.3} ms", 1e3 * wall)).unwrap_or_default();
     let line = |error: f64, row: &Row| {
+        let plain = comparison.fastest_plain(error);
+        let wall = plain.and_then(|plain| plain.wall);
+        let ratio = wall.zip(row.wall).map(|(plain, ours)| format!("{:.1}", plain / ours));
         vec![
             format!("{error:.0e}"),
-            row.method.name(),
+            row.entrant.name(),
             row.setting.clone(),
-            row.wall.map(|wall| format!("{:.3} ms", 1e3 * wall)).unwrap_or_default(),
+            ms(row.wall),
+            plain.map_or_else(|| "-".to_owned(), |plain| plain.entrant.name()),
+            ms(wall),
+            ratio.unwrap_or_default(),
         ]
     };
     let rows: Vec<_> = (1..=14)
         .map(|digits| 10f64.powi(-digits))
         .filter_map(|error| comparison.fastest(error).map(|row| line(error, row)))
         .collect();
-    table(&["error", "integrator", "setting", "wall time"], &rows)
+    table(&["error", "integrator", "setting", "wall time", "plain loop", "its time", "ratio"], &rows)
 }
 
 /// The methods in the picture if there are many: more curves would hide each other.
@@ -167,21 +188,32 @@ const PICTURED: [&str; 12] = [
 #[cfg(feature = "plot")]
 fn picture(comparison: &Comparison) -> Result<Vec<u8>> {
     use crate::figures::{Curve, Point, WorkPrecision, work_precision};
-    let mut methods = comparison.methods();
+    let (mut methods, mut loops) = (Vec::new(), Vec::new());
+    for entrant in comparison.entrants() {
+        match entrant {
+            Entrant::Method(method) => methods.push(method),
+            Entrant::Plain(_) => loops.push(entrant),
+        }
+    }
     let all = methods.len();
     if all > PICTURED.len() {
         methods.retain(|method| PICTURED.contains(&method.name().as_str()));
     }
     let chosen = if methods.len() < all { format!("{} of {all} methods. ", methods.len()) } else { String::new() };
-    let (families, family_of) = crate::study::families(&methods);
+    let (mut families, mut family_of) = crate::study::families(&methods);
+    let grey = families.len();
+    families.push("plain loops".to_owned());
+    family_of.resize(methods.len() + loops.len(), grey);
     let curves = methods
-        .iter()
+        .into_iter()
+        .map(Entrant::Method)
+        .chain(loops)
         .zip(family_of)
-        .map(|(method, family)| {
-            let points = comparison.rows_of(method).into_iter().filter_map(|row| {
+        .map(|(entrant, family)| {
+            let points = comparison.rows_of(&entrant).into_iter().filter_map(|row| {
                 Some(Point { work: row.wall?, error: row.error?, below_reference: row.below_reference })
             });
-            Curve { name: method.name(), family, points: points.collect(), slope: comparison.slope(method) }
+            Curve { name: entrant.name(), family, points: points.collect(), slope: comparison.slope(&entrant) }
         })
         .collect();
     let scene = &comparison.scene;
@@ -199,6 +231,7 @@ fn picture(comparison: &Comparison) -> Result<Vec<u8>> {
         floor: Some(comparison.reference.error_estimate),
         caption: crate::study::provenance(scene, &how),
         families,
+        grey: Some(grey),
         guides: Vec::new(),
     };
     Ok(work_precision(&figure)?)

@@ -129,6 +129,7 @@ fn picture(study: &DriftStudy) -> Result<Vec<u8>> {
         caption: crate::study::provenance(&study.scene, how),
         floor: None,
         families,
+        grey: None,
         guides: Vec::new(),
     };
     Ok(work_precision(&figure)?)

@@ -155,6 +155,7 @@ fn picture(study: &OrderStudy, (quantity, floor): (Quantity, f64)) -> Result<Vec
             env!("CARGO_PKG_VERSION")
         ),
         families: Mode::ALL.map(|mode| mode.name().to_owned()).into(),
+        grey: None,
         guides: vec![(limit, format!("order {limit}"))],
     };
     Ok(work_precision(&figure)?)

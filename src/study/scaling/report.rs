@@ -129,6 +129,7 @@ fn picture(study: &ScalingStudy) -> Result<Vec<u8>> {
         ),
         floor: None,
         families,
+        grey: None,
         guides: vec![(-1.0, "grows like N".to_owned())],
     };
     Ok(work_precision(&figure)?)

@@ -1,0 +1,349 @@
+//! Ladders of settings, climbed rung by rung by all methods together.
+//!
+//! Rungs go in factors of two for steps and of ten for tolerances. A ladder ends early for one of
+//! three reasons: the reference resolves no smaller error; the time is up; or a run of the next rung
+//! takes more than a 400th of all time and is expected to be dominated: some row of another method
+//! has an error that is not larger in a time that is not longer. What is expected is the better of
+//! the last two gains of the ladder (the nominal one while there are fewer) at the time of the last
+//! rung, so a rung that is left out would have had to do better than its ladder has lately done.
+
+use super::{
+    Entrant, Progress, Row,
+    reference::{TRUSTED, Truth},
+};
+use crate::{
+    error::Result,
+    interrupt,
+    plain::{Loop, Sites},
+    run::{
+        Trajectory,
+        method::{Method, Setting},
+    },
+    scene::Scene,
+    sweep::map,
+};
+use hertzchain_integrators::{Silent, Stats, drive};
+use std::time::Instant;
+
+/// Contact kicks a period on the first rung of a method with fixed steps: the same work for every
+/// scheme. Each rung has twice those of the one before.
+const KICKS: f64 = 16.0;
+/// Tolerances on the rungs of an adaptive method; every ladder has as many rungs.
+const TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
+/// A rung whose run takes a smaller share of the time than this is never left out.
+const CHEAP: f64 = 1.0 / 400.0;
+/// Runs that a rung costs, about: one for its error, and those that are timed.
+const RUNS: f64 = 4.0;
+/// Growth of the cost from rung to rung, at most.
+const GROWTH: f64 = 2.0;
+/// Gains that an expectation looks back upon.
+const GAINS: usize = 2;
+
+/// A rung of a ladder.
+#[derive(Clone, Copy)]
+pub(super) struct Rung(usize);
+
+impl Rung {
+    fn kicks(self) -> f64 {
+        KICKS * (self.0 as f64).exp2()
+    }
+
+    fn tolerance(self) -> f64 {
+        TOLERANCES[self.0]
+    }
+
+    fn setting(self, scene: &Scene, method: &Method) -> Setting {
+        if method.adaptive() {
+            Setting::Tolerance(self.tolerance())
+        } else {
+            Setting::Steps(steps_for_kicks(scene, method, self.kicks()))
+        }
+    }
+
+    fn words(self, entrant: &Entrant) -> String {
+        if entrant.adaptive() {
+            format!("tol {:e}", self.tolerance())
+        } else {
+            format!("{} kicks/period", self.kicks())
+        }
+    }
+}
+
+/// The number of steps over the span that makes about this many kicks a period.
+pub(in crate::study) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
+    steps(scene, method.stages(), kicks)
+}
+
+fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
+    let steps = kicks * scene.end() / scene.period() / stages as f64;
+    (steps.round() as u64).max(1)
+}
+
+/// Median wall time of runs that record nothing, their number, and their work.
+pub(in crate::study) fn time(
+    scene: &Scene,
+    method: Method,
+    setting: Setting,
+    left: f64,
+) -> Result<(f64, usize, Stats)> {
+    let mut y = scene.initial().as_slice().to_vec();
+    median(left, || {
+        // What a method does before its first step is part of its run: of a tolerance, that may be
+        // runs of its own.
+        let mut stepper = scene.run().method(method).setting(setting).stepper()?;
+        drive(&mut *stepper, &mut Silent, &mut y)?;
+        Ok(stepper.stats())
+    })
+}
+
+fn median(left: f64, mut run: impl FnMut() -> Result<Stats>) -> Result<(f64, usize, Stats)> {
+    let mut walls = Vec::new();
+    loop {
+        let clock = Instant::now();
+        let stats = run()?;
+        walls.push(clock.elapsed().as_secs_f64());
+        let total: f64 = walls.iter().sum();
+        let wanted = if total > 0.05 { 3 } else { 7 };
+        if walls.len() >= wanted || total + walls[0] > 0.1 * left.max(0.0) {
+            walls.sort_by(f64::total_cmp);
+            return Ok((walls[walls.len() / 2], walls.len(), stats));
+        }
+    }
+}
+
+/// A run of a plain loop: the state at the end, and the work.
+fn plain(scene: &Scene, plain: Loop, rung: Rung) -> (Vec<f64>, Stats) {
+    let steps = steps(scene, plain.kicks(), rung.kicks());
+    let mut sites = Sites::new(scene.chain(), scene.initial().as_slice());
+    plain.run(&mut sites, scene.end() / steps as f64, steps);
+    (sites.state(), Stats { steps, force_evaluations: plain.evaluations(steps), rejected: 0 })
+}
+
+/// The ladder of a method or loop.
+struct Ladder {
+    entrant: Entrant,
+    rows: Vec<Row>,
+    stopped: Option<String>,
+}
+
+impl Ladder {
+    fn new(entrant: Entrant) -> Self {
+        Self { entrant, rows: Vec::new(), stopped: None }
+    }
+
+    /// The smallest error that the next rung is expected to have.
+    fn expected(&self) -> Option<f64> {
+        let last = self.rows.last()?.error?;
+        let nominal = match self.entrant {
+            Entrant::Method(method) if method.adaptive() => 0.1,
+            Entrant::Method(method) => 0.5f64.powi(method.order() as i32),
+            Entrant::Plain(_) => 0.25,
+        };
+        let gains: Vec<f64> =
+            self.rows.windows(2).rev().take(GAINS).filter_map(|pair| Some(pair[1].error? / pair[0].error?)).collect();
+        let nominal = (gains.len() < GAINS).then_some(nominal);
+        Some(last * gains.into_iter().chain(nominal).fold(1.0, f64::min))
+    }
+
+    fn last_wall(&self) -> Option<f64> {
+        self.rows.last()?.wall
+    }
+}
+
+/// All ladders on their way up.
+pub(super) struct Climb<'a> {
+    scene: &'a Scene,
+    ladders: Vec<Ladder>,
+    budget: f64,
+    clock: Instant,
+    progress: Progress<'a>,
+}
+
+impl<'a> Climb<'a> {
+    /// The clock of the budget starts here.
+    pub(super) fn new(scene: &'a Scene, entrants: Vec<Entrant>, budget: f64, progress: Progress<'a>) -> Self {
+        let ladders = entrants.into_iter().map(Ladder::new).collect();
+        Self { scene, ladders, budget, clock: Instant::now(), progress }
+    }
+
+    fn spent(&self) -> f64 {
+        self.clock.elapsed().as_secs_f64()
+    }
+
+    pub(super) fn run(&mut self, truth: &Truth) {
+        for rung in (0..TOLERANCES.len()).map(Rung) {
+            let going = self.going(truth);
+            if going.is_empty() || (rung.0 > 0 && interrupt::asked()) {
+                break;
+            }
+            let entrants: Vec<Entrant> = going.iter().map(|&index| self.ladders[index].entrant).collect();
+            let rows = map(&entrants, |entrant| truth.row(self.scene, *entrant, rung));
+            for (index, row) in going.into_iter().zip(rows) {
+                (self.progress)(self.spent() / self.budget, &format!("{} at {}", row.entrant.name(), row.setting));
+                let row = self.timed(row, rung);
+                self.ladders[index].rows.push(row);
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> (Vec<Row>, Vec<(Entrant, String)>) {
+        let stopped = |ladder: &Ladder| Some((ladder.entrant, ladder.stopped.clone()?));
+        let stopped = self.ladders.iter().filter_map(stopped).collect();
+        (self.ladders.into_iter().flat_map(|ladder| ladder.rows).collect(), stopped)
+    }
+
+    /// The ladders that have a next rung; the others are told why not.
+    fn going(&mut self, truth: &Truth) -> Vec<usize> {
+        let mut left = self.budget - self.spent();
+        let mut going = Vec::new();
+        for index in 0..self.ladders.len() {
+            if self.ladders[index].stopped.is_some() {
+                continue;
+            }
+            let cost = RUNS * GROWTH * self.ladders[index].last_wall().unwrap_or(0.0);
+            let stopped = self.dominated(index, truth).or_else(|| {
+                let over = !self.ladders[index].rows.is_empty() && cost > left;
+                over.then(|| "--max-time leaves no time for the next rung".to_owned())
+            });
+            if stopped.is_none() {
+                left -= cost;
+                going.push(index);
+            }
+            self.ladders[index].stopped = stopped;
+        }
+        going
+    }
+
+    /// Why the next rung of a ladder would show nothing, if it takes long.
+    fn dominated(&self, index: usize, truth: &Truth) -> Option<String> {
+        let ladder = &self.ladders[index];
+        let (expected, wall) = (ladder.expected()?, ladder.last_wall()?);
+        if GROWTH * wall < CHEAP * self.budget {
+            return None;
+        }
+        if ladder.rows.last()?.below_reference {
+            return Some("the reference resolves no smaller error".to_owned());
+        }
+        let floor = TRUSTED * truth.error_estimate;
+        let better = |row: &&Row| {
+            row.error.is_some_and(|error| error.max(floor) <= expected.max(floor))
+                && row.wall.is_some_and(|other| other <= wall)
+        };
+        let others = self.ladders.iter().filter(|other| other.entrant != ladder.entrant);
+        let best =
+            others.flat_map(|other| &other.rows).filter(better).min_by(|a, b| a.wall.partial_cmp(&b.wall).unwrap())?;
+        Some(format!(
+            "the next rung, {expected:.1e} at best, is dominated by {} at {}",
+            best.entrant.name(),
+            best.setting
+        ))
+    }
+
+    fn timed(&self, mut row: Row, rung: Rung) -> Row {
+        if row.failure.is_none() && interrupt::asked() {
+            row.failure = Some("stopped by a signal before it was timed".to_owned());
+        }
+        if row.failure.is_some() {
+            return row;
+        }
+        let (scene, left) = (self.scene, self.budget - self.spent());
+        let timed = match row.entrant {
+            Entrant::Method(method) => time(scene, method, rung.setting(scene, &method), left),
+            Entrant::Plain(of) => median(left, || Ok(plain(scene, of, rung).1)),
+        };
+        match timed {
+            Ok((wall, repeats, stats)) => Row { wall: Some(wall), repeats, stats, ..row },
+            Err(why) => Row { failure: Some(why.to_string()), error: None, energy_error: None, ..row },
+        }
+    }
+}
+
+impl Truth {
+    /// The row of a method or loop, also of one that cannot even start; not yet timed.
+    fn row(&self, scene: &Scene, entrant: Entrant, rung: Rung) -> Row {
+        match entrant {
+            Entrant::Method(method) => self.row_of_method(scene, method, rung),
+            Entrant::Plain(of) => {
+                let (state, stats) = plain(scene, of, rung);
+                let row = Row::failed(entrant, rung.words(&entrant), String::new());
+                let row = Row { step: scene.end() / stats.steps as f64, stats, ..row };
+                if state.iter().all(|value| value.is_finite()) {
+                    self.judged(row, self.error(scene, &entrant, &state))
+                } else {
+                    Row { failure: Some("the state is not finite: the step is too long".to_owned()), ..row }
+                }
+            }
+        }
+    }
+
+    fn row_of_method(&self, scene: &Scene, method: Method, rung: Rung) -> Row {
+        let entrant = Entrant::Method(method);
+        let run = scene.run().method(method).setting(rung.setting(scene, &method));
+        let outcome = match run.start() {
+            Ok(outcome) => outcome,
+            Err(why) => return Row::failed(entrant, rung.words(&entrant), why.to_string()),
+        };
+        let Trajectory { t, state, energy_error, stats, failure, .. } = outcome;
+        let words = failure.as_ref().map(ToString::to_string).unwrap_or_default();
+        let row =
+            Row { step: t / stats.steps.max(1) as f64, stats, ..Row::failed(entrant, rung.words(&entrant), words) };
+        if failure.is_some() {
+            return row;
+        }
+        self.judged(Row { energy_error, ..row }, self.error(scene, &entrant, &state))
+    }
+
+    fn judged(&self, row: Row, error: f64) -> Row {
+        Row { error: Some(error), below_reference: error < TRUSTED * self.error_estimate, failure: None, ..row }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ladder with rungs of these errors, each of which took as many seconds as its number.
+    fn ladder(name: &str, errors: &[f64]) -> Ladder {
+        let entrant = Entrant::Method(Method::named(name).unwrap());
+        let row = |(i, &error): (usize, &f64)| Row {
+            error: Some(error),
+            wall: Some((i + 1) as f64),
+            failure: None,
+            ..Row::failed(entrant, String::new(), String::new())
+        };
+        Ladder { entrant, rows: errors.iter().enumerate().map(row).collect(), stopped: None }
+    }
+
+    #[test]
+    fn a_ladder_promises_the_better_of_its_last_gains_and_the_nominal_one_at_first() {
+        let promised = |name: &str, errors: &[f64]| ladder(name, errors).expected();
+        let near = |promised: Option<f64>, error: f64| assert!((promised.unwrap() / error - 1.0).abs() < 1e-12);
+        assert!(promised("verlet", &[]).is_none());
+        // Order two, then what was seen, if that is more.
+        near(promised("verlet", &[1.0]), 0.25);
+        near(promised("verlet", &[1.0, 0.5]), 0.125);
+        near(promised("verlet", &[1.0, 0.1]), 0.01);
+        near(promised("verlet", &[8.0, 1.0, 0.5]), 0.0625);
+        // A gain from before that is forgotten; an error that grew promises no growth.
+        near(promised("verlet", &[80.0, 1.0, 0.5, 0.25]), 0.125);
+        near(promised("verlet", &[1.0, 2.0, 3.0]), 3.0);
+        near(promised("dop853", &[1.0]), 0.1);
+    }
+
+    #[test]
+    fn a_rung_is_left_out_if_another_method_is_as_exact_in_less_time() {
+        let scene = Scene::load("impact").unwrap();
+        let truth = Truth::find(&scene, 1.0, &|_| ()).unwrap();
+        let reason = |budget: f64, other: &[f64]| {
+            let mut climb = Climb::new(&scene, Vec::new(), budget, &|_, _| ());
+            climb.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];
+            climb.dominated(0, &truth)
+        };
+        // The next rung promises 1.6e-2 after at least 3 s.
+        assert!(reason(10.0, &[0.1, 0.02]).is_none());
+        assert!(reason(10.0, &[0.1, 0.01]).unwrap().contains("dominated by corrected"));
+        assert!(reason(10.0, &[0.1, 0.1, 0.1, 0.01]).is_none(), "a slower one");
+        // A rung that costs next to nothing is never left out.
+        assert!(reason(1e4, &[0.1, 0.01]).is_none());
+    }
+}
