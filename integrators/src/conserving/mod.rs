@@ -85,7 +85,12 @@ impl<C: ContactChain> Modal<C> {
 
     /// The overlap of a bond where sites are at given positions.
     fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
-        self.chain.rest() + self.chain.across(b, |i| path(position(i)))[0]
+        self.chain.rest() + self.rate(b, position)
+    }
+
+    /// The rate of an overlap where sites have given velocities.
+    fn rate(&self, b: usize, velocity: impl Fn(usize) -> f64) -> f64 {
+        self.chain.across(b, |i| path(velocity(i)))[0]
     }
 
     /// The contact force on a site, from those of bonds.

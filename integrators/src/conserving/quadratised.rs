@@ -79,7 +79,8 @@ impl<C: ContactChain> Quadratised<C> {
         potential
     }
 
-    /// The energy that the scheme conserves; before the first step and after each.
+    /// The energy that the scheme conserves, of a chain of displacements; before the first step and
+    /// after each.
     pub fn conserved(&self) -> f64 {
         let (h, Modal { m, mu, stiffness, .. }) = (self.steps.h.value(), &self.chain);
         let over = |square: f64, share: f64| if share > 0.0 { square / share } else { 0.0 };
@@ -112,11 +113,15 @@ impl<C: ContactChain> Stepper<f64> for Quadratised<C> {
         let potential = self.forces();
         let scale = if potential > 0.0 { 1.0 / (2.0 * potential).sqrt() } else { 0.0 };
         let Self { chain, sites, before, psi, force, pushes, .. } = self;
-        let (mut work, mut size) = (0.0, 0.0);
-        for (i, (&[_, r_dot, p, p_dot], push)) in sites.iter().zip(&mut *pushes).enumerate() {
+        for (i, push) in pushes.iter_mut().enumerate() {
             *push = scale * chain.push(i, force);
-            work -= *push * (2.0 * (r_dot + p_dot) - h * chain.stiffness * p);
-            size += *push * *push;
+        }
+        // `gamma` times a velocity, by bonds: on a ring of strains sites have no momenta of their own.
+        let free = |i: usize| 2.0 * (sites[i][1] + sites[i][3]) - h * chain.stiffness * sites[i][2];
+        let (mut work, mut size) = (0.0, 0.0);
+        for (b, force) in force.iter().enumerate().filter(|(_, force)| **force > 0.0) {
+            work += scale * force * chain.rate(b, free);
+            size -= scale * force * (chain.m + chain.mu) * chain.rate(b, |i| pushes[i]);
         }
         let rise = 0.5 * h * (work - h * size * *psi) / (1.0 + 0.25 * h * h * size);
         let mean = *psi + 0.5 * rise;
