@@ -11,5 +11,6 @@ mod machines;
 mod paper_figures;
 mod provenance;
 mod scenes;
+mod shards;
 mod stored;
 mod studies;
