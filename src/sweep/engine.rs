@@ -136,6 +136,31 @@ impl Engine {
         collected(rows, resumed)
     }
 
+    /// Computes the points of a grid that is not in memory: `count` of them, each given by its
+    /// number. `take` is handed all rows, which stay in the store; what it gives, and the number of
+    /// rows that were there.
+    ///
+    /// # Errors
+    /// As [`sweep`](Self::sweep); what `take` says.
+    pub(crate) fn each<T, U, R>(
+        &self,
+        grid: &Grid,
+        count: usize,
+        point: &(dyn Fn(usize) -> T + Sync),
+        progress: &(dyn Fn(u64, u64) + Sync),
+        work: &(dyn Fn(T) -> Result<U> + Sync),
+        take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
+    ) -> Result<(R, usize)>
+    where
+        T: Serialize,
+        U: Serialize + DeserializeOwned,
+    {
+        let mut store = self.open(grid)?;
+        let (mut rows, resumed) = self.rows(grid, &Points { count, point }, store.as_mut(), progress, work)?;
+        rows.settle()?;
+        Ok((take(&mut rows)?, resumed))
+    }
+
     /// The store of the whole grid, with what shards have kept.
     fn open(&self, grid: &Grid) -> Result<Option<Store>> {
         if self.shard.is_some() || self.backend.serves() {

@@ -211,7 +211,7 @@ impl<T: Serialize> Points<'_, T> {
 }
 
 /// The rows of a grid: in a store, or in memory.
-struct Rows<'s> {
+pub(crate) struct Rows<'s> {
     store: Option<&'s mut Store>,
     /// The rows as text, without a store.
     texts: Vec<String>,
@@ -260,7 +260,10 @@ impl<'s> Rows<'s> {
     }
 
     /// Hands out the rows in the order of the grid; how many are missing.
-    fn each<U: DeserializeOwned>(&mut self, take: &mut dyn FnMut(usize, Row<U>) -> Result<()>) -> Result<usize> {
+    pub(crate) fn each<U: DeserializeOwned>(
+        &mut self,
+        take: &mut dyn FnMut(usize, Row<U>) -> Result<()>,
+    ) -> Result<usize> {
         let mut missing = 0;
         for (k, place) in self.places.iter().enumerate() {
             let row = match (place, &mut self.store) {

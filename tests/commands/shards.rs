@@ -65,6 +65,99 @@ fn a_map_in_three_shards_has_the_files_of_one_process() {
     in_shards(LIFETIMES);
 }
 
+const PLAN: &str = r#"
+scene = "impact"
+set = ["span.until=0.4", "record.samples=1", "method.integrator=verlet", "method.step=0.1"]
+keep = ["energy_error", "u[0]", "pu", "contacts.impulse"]
+picture = "u[0]"
+
+[[axis]]
+key = "chain.sites"
+values = [4, 0, 6]
+
+[[axis]]
+key = "chain.alpha"
+from = 1.5
+to = 3.0
+count = COUNT
+"#;
+
+fn plan(folder: &Path, count: usize) -> String {
+    let path = folder.join("plan.toml");
+    fs::write(&path, PLAN.replace("COUNT", &count.to_string())).unwrap();
+    format!("sweep {}", path.display())
+}
+
+#[test]
+fn a_plan_in_three_shards_has_the_files_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    in_shards(&plan(folder.path(), 10));
+}
+
+#[test]
+#[ignore = "nightly: ten thousand points"]
+fn a_plan_of_ten_thousand_points_in_three_shards_has_the_files_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    in_shards(&plan(folder.path(), 3334));
+}
+
+// Truth: `run` of the scene with the changes of a point.
+#[test]
+fn a_plan_has_the_numbers_of_its_runs_and_the_reasons_of_its_failures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let study = output(&plan(folder.path(), 4), &out, &["--json"]);
+    let study: serde_json::Value = serde_json::from_slice(&study.stdout).unwrap();
+    assert_eq!((&study["points"], &study["failures"]), (&12.into(), &4.into()));
+    let set = ["chain.sites=6", "chain.alpha=2.5", "span.until=0.4", "record.samples=1"];
+    let set = set.iter().flat_map(|one| ["--set", one]);
+    let args = ["run", "impact", "--integrator", "verlet", "--step", "0.1", "--events", "--json"];
+    let run = Command::new(PROGRAM).args(args.into_iter().chain(set)).output().unwrap();
+    let run: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    // The third value of 1.5, 2, 2.5, 3 on the third row.
+    let columns = &study["columns"];
+    assert_eq!((&columns["chain.sites"][10], &columns["chain.alpha"][10]), (&6.0.into(), &2.5.into()));
+    assert_eq!(columns["energy_error"][10], run["energy_error"]);
+    assert_eq!(columns["u[0]"][10], run["u"][0]);
+    assert_eq!(columns["pu"][10], run["pu"]);
+    assert_eq!(columns["contacts.impulse"][10], run["contacts"]["impulse"]);
+    assert!(run["contacts"]["impulse"].as_f64().unwrap() > 0.0);
+    // Rows with fewer sites end with what is no number.
+    assert!(columns["pu"][0][3].is_number() && columns["pu"][0][4].is_null());
+    assert!(study["failed"][0]["failure"].as_str().unwrap().contains("--set chain.sites=0: `chain.sites`"), "{study}");
+
+    let csv = fs::read_to_string(out.join("sweep.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "chain.sites,chain.alpha,energy_error,u[0],pu,contacts.impulse,failure");
+    assert_eq!((lines.len(), lines[11].split(',').nth(4)), (13, Some("6 numbers")));
+    assert!(lines.iter().all(|line| line.split(',').count() == 7), "{csv}");
+    let rows = fs::read_to_string(out.join("sweep.ndjson")).unwrap();
+    let rows: Vec<serde_json::Value> = rows.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(rows[10]["point"]["chain.alpha"], 2.5);
+    assert_eq!((&rows[10]["values"][2], rows[4]["failure"].is_string()), (&run["pu"], true));
+    let archive = hertzchain::output::Archive::from_bytes(&out, &fs::read(out.join("sweep.npz")).unwrap()).unwrap();
+    assert_eq!(archive.array("u[0]", &[12]).unwrap()[10], run["u"][0].as_f64().unwrap());
+    assert_eq!(archive.array("pu", &[12, 6]).unwrap()[65], run["pu"][5].as_f64().unwrap());
+    assert!(!cfg!(feature = "plot") || fs::read(out.join("sweep.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.toml");
+    fs::write(&path, "scene = \"impact\"\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1, -1]\n").unwrap();
+    let refused = output(&format!("sweep {}", path.display()), &folder.path().join("out"), &[]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    let words = "error: scene impact: --set chain.rho=-1: `chain.rho`: rho = -1 is not valid";
+    assert!(refused.status.code() == Some(2) && said.starts_with(words), "{said}");
+    assert!(!folder.path().join("out").exists());
+    let missing = Command::new(PROGRAM).args(["sweep", "nothing.toml"]).output().unwrap();
+    assert!(String::from_utf8(missing.stderr).unwrap().contains("nothing.toml"));
+    let template = Command::new(PROGRAM).args(["sweep", "--template"]).output().unwrap();
+    fs::write(&path, template.stdout).unwrap();
+    assert!(output(&format!("sweep {}", path.display()), &folder.path().join("out"), &[]).status.success());
+}
+
 /// Numbers from 0 to 1, the same in every run.
 fn random() -> impl FnMut() -> f64 {
     let mut seed = 11u64;
