@@ -25,40 +25,66 @@ files as one process.";
 
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
+/// Where points are computed.
+const ENGINES: [&str; 2] = ["threads", "mpi"];
+const ENGINE: &str = "Where points are computed: threads or mpi";
+const ENGINE_LONG: &str = "\
+Where points are computed: threads or mpi.
+
+threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of the job of \
+mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store, output and progress, \
+the others print nothing. Results have the same bytes. Needs a build with the feature mpi.";
+
+/// The engine of an MPI job.
+#[cfg(feature = "mpi")]
+fn over_ranks() -> Result<Engine> {
+    Ok(Engine::new(Box::new(crate::sweep::Mpi::new()?)))
+}
+
+#[cfg(not(feature = "mpi"))]
+fn over_ranks() -> Result<Engine> {
+    let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --shard K/N";
+    Err(Error::parameter("engine", ENGINES[1], rule))
+}
+
 /// A study with where its results go.
 pub(super) struct Told<S> {
     study: S,
     out: Option<PathBuf>,
     shard: Option<Shard>,
+    mpi: bool,
     json: bool,
 }
 
 impl<S: Study> Told<S> {
     pub(super) fn run(&self) -> Exit {
+        let engine = if self.mpi { over_ranks()? } else { Engine::threads() };
+        if engine.serves() {
+            // What is to be said of it rank 0 says.
+            let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
+            return Ok(ExitCode::SUCCESS);
+        }
         let work = self.study.begin()?;
         let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
         if S::STOPS {
             signals::ask()?;
         }
-        let engine = self.engine(folder.as_ref())?;
+        let engine = folder.iter().fold(engine, Engine::keeping);
+        let engine = match self.shard {
+            Some(shard) if folder.is_none() => return Err(Error::parameter("shard", shard, SHARD_NEEDS)),
+            Some(shard) => engine.shard(shard),
+            None => engine,
+        };
         carry_out(work, &engine, self.json, &S::sometimes())
-    }
-
-    fn engine(&self, folder: Option<&Folder>) -> Result<Engine> {
-        let engine = folder.into_iter().fold(Engine::threads(), Engine::keeping);
-        match self.shard {
-            Some(shard) if folder.is_none() => Err(Error::parameter("shard", shard, SHARD_NEEDS)),
-            Some(shard) => Ok(engine.shard(shard)),
-            None => Ok(engine),
-        }
     }
 }
 
 impl<S: Study + Args> Args for Told<S> {
     fn augment_args(command: Command) -> Command {
         let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
-        let shard = S::SWEEPS.then(|| shard.help(SHARD).long_help(SHARD_LONG));
-        with_outputs(S::augment_args(command), S::FILES).args(shard)
+        let engine = Arg::new("engine").long("engine").value_name("E").value_parser(ENGINES).default_value(ENGINES[0]);
+        let flags = [shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)];
+        with_outputs(S::augment_args(command), S::FILES).args(flags.into_iter().filter(|_| S::SWEEPS))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -70,7 +96,9 @@ impl<S: FromArgMatches> FromArgMatches for Told<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
         let shard = matches.try_get_one("shard").ok().flatten().copied();
-        Ok(Self { study: S::from_arg_matches(matches)?, out, shard, json: matches.get_flag("json") })
+        let engine = matches.try_get_one::<String>("engine").ok().flatten();
+        let mpi = engine.is_some_and(|engine| engine == ENGINES[1]);
+        Ok(Self { study: S::from_arg_matches(matches)?, out, shard, mpi, json: matches.get_flag("json") })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {

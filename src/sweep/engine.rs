@@ -103,6 +103,11 @@ impl Engine {
         self.folder.as_ref()
     }
 
+    /// Whether this process computes points for another one, and has no results.
+    pub fn serves(&self) -> bool {
+        self.backend.serves()
+    }
+
     /// The shard.
     pub fn its_shard(&self) -> Option<Shard> {
         self.shard

@@ -16,10 +16,14 @@
 //! depend on besides; [`Engine::sweep`] does the rest.
 
 mod engine;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod shard;
 mod store;
 mod threads;
 
+#[cfg(feature = "mpi")]
+pub use self::mpi::Mpi;
 pub use engine::{Engine, Grid, Part};
 pub use shard::Shard;
 pub use store::Store;

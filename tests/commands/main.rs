@@ -8,6 +8,8 @@ mod first_use;
 mod help;
 mod long_runs;
 mod machines;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod paper_figures;
 mod provenance;
 mod scenes;

@@ -9,21 +9,22 @@ use std::{
 };
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
-const LIFETIMES: &str = "study lifetimes --epsilons 0.1,0.2,0.3,0.4,0.5 --rhos 5,10,20,40,80 --sites 20 --until 25";
-const WAVES: &str = "wave tw-q45 --zeta 0.01 --seeds 200 --until 1 --samples-per-period 4 --tol 1e-6";
+pub(crate) const LIFETIMES: &str =
+    "study lifetimes --epsilons 0.1,0.2,0.3,0.4,0.5 --rhos 5,10,20,40,80 --sites 20 --until 25";
+pub(crate) const WAVES: &str = "wave tw-q45 --zeta 0.01 --seeds 200 --until 1 --samples-per-period 4 --tol 1e-6";
 
-fn command(line: &str, out: &Path, more: &[&str]) -> Command {
+pub(crate) fn command(line: &str, out: &Path, more: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command.args(line.split(' ')).arg("--out").arg(out).args(more).env("RAYON_NUM_THREADS", "1");
     command
 }
 
-fn output(line: &str, out: &Path, more: &[&str]) -> Output {
+pub(crate) fn output(line: &str, out: &Path, more: &[&str]) -> Output {
     command(line, out, more).output().unwrap()
 }
 
 /// All files that do not tell how long something took.
-fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
     let mut files: Vec<(String, Vec<u8>)> = entries
         .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
@@ -33,7 +34,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-fn lines(store: &Path) -> usize {
+pub(crate) fn lines(store: &Path) -> usize {
     fs::read(store).map_or(0, |text| text.iter().filter(|byte| **byte == b'\n').count())
 }
 
@@ -82,7 +83,7 @@ to = 3.0
 count = COUNT
 "#;
 
-fn plan(folder: &Path, count: usize) -> String {
+pub(crate) fn plan(folder: &Path, count: usize) -> String {
     let path = folder.join("plan.toml");
     fs::write(&path, PLAN.replace("COUNT", &count.to_string())).unwrap();
     format!("sweep {}", path.display())
@@ -159,7 +160,7 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
 }
 
 /// Numbers from 0 to 1, the same in every run.
-fn random() -> impl FnMut() -> f64 {
+pub(crate) fn random() -> impl FnMut() -> f64 {
     let mut seed = 11u64;
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -246,6 +247,11 @@ fn shards_that_cannot_be_are_refused_with_what_to_do() {
     refused("wave tw-q45 --until 3", "1/2", "there is no grid to divide: leave --shard out");
     let homeless = Command::new(PROGRAM).args(LIFETIMES.split(' ')).args(["--shard", "1/3"]).output().unwrap();
     assert!(String::from_utf8(homeless.stderr).unwrap().contains("give --out DIR, the same for all shards"));
+    if cfg!(not(feature = "mpi")) {
+        let output = output(LIFETIMES, folder.path(), &["--engine", "mpi"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains("cargo build --release --features mpi"), "{said}");
+    }
     let none = Command::new(PROGRAM).args(["run", "impact", "--shard", "1/3"]).output().unwrap();
     assert_eq!(none.status.code(), Some(2));
 }

@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 use std::{
     fs,
     path::Path,
-    sync::atomic::{AtomicUsize, Ordering},
+    sync::atomic::{AtomicU64, AtomicUsize, Ordering},
+    time::{Duration, Instant},
 };
 
 #[derive(Clone, Copy, Debug, Serialize, PartialEq)]
@@ -357,4 +358,58 @@ fn shards_that_cannot_be_say_what_to_do() {
     let homeless = Engine::threads().shard("1/2".parse().unwrap());
     let why = homeless.sweep(&roots(), &grid(4), &|_, _| (), root).unwrap_err().to_string();
     assert!(why.contains("keeps its points in a folder"), "{why}");
+}
+
+/// Sweeps points of 1 ms and gives the share of the threads' time that is not in points.
+fn overhead(points: u64) -> f64 {
+    let folder = tempfile::tempdir().unwrap();
+    let (busy, grid): (_, Vec<u64>) = (AtomicU64::new(0), (0..points).collect());
+    let clock = Instant::now();
+    let swept = engine(folder.path()).sweep(&roots(), &grid, &|_, _| (), |k| {
+        let clock = Instant::now();
+        while clock.elapsed() < Duration::from_millis(1) {
+            std::hint::spin_loop();
+        }
+        busy.fetch_add(clock.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        Ok(*k)
+    });
+    assert_eq!(swept.unwrap().computed(), grid.len());
+    let threads = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
+    let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().unwrap().get());
+    1.0 - busy.into_inner() as f64 / (threads as f64 * clock.elapsed().as_nanos() as f64)
+}
+
+// Truth: the time that points say they took. Measured on two threads: see docs/sweeps.md.
+#[test]
+#[ignore = "nightly: points of 1 ms"]
+fn a_sweep_costs_less_than_a_twentieth_of_points_of_one_millisecond() {
+    let share = overhead(20_000);
+    println!("{:.2} % beside the points", 100.0 * share);
+    assert!(share < 0.05, "{share}");
+}
+
+/// The largest memory of this process so far, in MB.
+fn memory() -> Option<f64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim();
+    Some(line.strip_suffix(" kB")?.parse::<f64>().ok()? / 1024.0)
+}
+
+#[test]
+#[ignore = "nightly: a million points"]
+fn a_million_points_are_resumed_in_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid: Vec<u32> = (0..1_000_000).collect();
+    let value = |k: &u32| Ok([1, 2, 3, 5, 7, 11].map(|n| (f64::from(*k) / f64::from(n)).sqrt()));
+    let before = memory();
+    for round in ["computed", "resumed"] {
+        let clock = Instant::now();
+        let mut store = open(folder.path()).unwrap();
+        let opened = clock.elapsed();
+        println!("opened in {opened:?}, memory {:?} MB after {before:?} MB", memory());
+        let swept = sweep(&grid, Some(&mut store), &Threads, &|_, _| (), value).unwrap();
+        println!("{round} in {:?}, {} bytes, {:?} MB", clock.elapsed(), bytes(folder.path()).len(), memory());
+        assert!(opened < Duration::from_secs(60));
+        assert_eq!(swept.resumed, if round == "resumed" { grid.len() } else { 0 });
+    }
 }
