@@ -91,6 +91,7 @@ fn run_command(command: &Command) -> Exit {
     match command {
         Command::Run(args) => run::main(args),
         Command::Compare(told) => told.run(),
+        Command::Sweep(told) => told.run(),
         Command::Scenes(args) => scenes::main(args),
         Command::Integrators(args) => integrators::main(args),
         Command::Study(args) => match &args.action {

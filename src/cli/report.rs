@@ -11,6 +11,7 @@ use crate::{
         ChartOptions, CompareOptions, OrderOptions, Problem, Report, RhoLaw, TheoremOptions, charts, compare, order,
         theorem,
     },
+    sweep::Engine,
 };
 use std::time::Instant;
 
@@ -163,7 +164,7 @@ fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
     let study = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
-        let study = theorem(&options, None, &|share| tell((k as f64 + share) / laws.len() as f64))?;
+        let study = theorem(&options, &Engine::threads(), &|share| tell((k as f64 + share) / laws.len() as f64))?;
         Ok(Block::Table(study.text()))
     };
     laws.into_iter().enumerate().map(study).collect()
@@ -178,7 +179,8 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
         work: WORK,
         quick: true,
     };
-    let study = charts(&Problem::built_in(), &options, None, &|done, total| tell(done as f64 / total as f64))?;
+    let study =
+        charts(&Problem::built_in(), &options, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
     #[cfg(feature = "plot")]
     let pictures = study.pictures()?.into_iter().map(|(name, png)| {
         let title = name.trim_end_matches(".png").to_owned();

@@ -3,37 +3,88 @@
 
 use super::{DONE, Exit, FAILED, print, progress_bar, say, signals};
 use crate::{
-    error::Result,
+    error::{Error, Result},
     output::{Folder, to_json},
     study::{Report, Study, Work},
+    sweep::{Engine, Part, Shard},
 };
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use std::path::PathBuf;
 
 /// What `--out` says everywhere.
 const OUT: &str = "Write the results to this folder; without it, no file is written";
+/// What `--shard` says of every sweep.
+const SHARD: &str = "Compute only part K of N of the points; needs --out";
+const SHARD_LONG: &str = "\
+Compute only part K of N of the points; needs --out.
+
+The points are kept in a store of their own in the folder of --out. Parts may run at any time and on \
+any machine that has this folder; one that was killed is run again. Once all have ended, the same \
+command without --shard merges what they have kept, computes what is missing, and ends with the same \
+files as one process.";
+
+const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
+
+/// Where points are computed.
+const ENGINES: [&str; 2] = ["threads", "mpi"];
+const ENGINE: &str = "Where points are computed: threads or mpi";
+const ENGINE_LONG: &str = "\
+Where points are computed: threads or mpi.
+
+threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of the job of \
+mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store, output and progress, \
+the others print nothing. Results have the same bytes. Needs a build with the feature mpi.";
+
+/// The engine of an MPI job.
+#[cfg(feature = "mpi")]
+fn over_ranks() -> Result<Engine> {
+    Ok(Engine::new(Box::new(crate::sweep::Mpi::new()?)))
+}
+
+#[cfg(not(feature = "mpi"))]
+fn over_ranks() -> Result<Engine> {
+    let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --shard K/N";
+    Err(Error::parameter("engine", ENGINES[1], rule))
+}
 
 /// A study with where its results go.
 pub(super) struct Told<S> {
     study: S,
     out: Option<PathBuf>,
+    shard: Option<Shard>,
+    mpi: bool,
     json: bool,
 }
 
 impl<S: Study> Told<S> {
     pub(super) fn run(&self) -> Exit {
+        let engine = if self.mpi { over_ranks()? } else { Engine::threads() };
+        if engine.serves() {
+            // What is to be said of it rank 0 says.
+            let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
+            return Ok(ExitCode::SUCCESS);
+        }
         let work = self.study.begin()?;
         let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
         if S::STOPS {
             signals::ask()?;
         }
-        carry_out(work, folder, self.json, &S::sometimes())
+        let engine = folder.iter().fold(engine, Engine::keeping);
+        let engine = match self.shard {
+            Some(shard) if folder.is_none() => return Err(Error::parameter("shard", shard, SHARD_NEEDS)),
+            Some(shard) => engine.shard(shard),
+            None => engine,
+        };
+        carry_out(work, &engine, self.json, &S::sometimes())
     }
 }
 
 impl<S: Study + Args> Args for Told<S> {
     fn augment_args(command: Command) -> Command {
-        with_outputs(S::augment_args(command), S::FILES)
+        let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
+        let engine = Arg::new("engine").long("engine").value_name("E").value_parser(ENGINES).default_value(ENGINES[0]);
+        let flags = [shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)];
+        with_outputs(S::augment_args(command), S::FILES).args(flags.into_iter().filter(|_| S::SWEEPS))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -44,7 +95,10 @@ impl<S: Study + Args> Args for Told<S> {
 impl<S: FromArgMatches> FromArgMatches for Told<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
-        Ok(Self { study: S::from_arg_matches(matches)?, out, json: matches.get_flag("json") })
+        let shard = matches.try_get_one("shard").ok().flatten().copied();
+        let engine = matches.try_get_one::<String>("engine").ok().flatten();
+        let mpi = engine.is_some_and(|engine| engine == ENGINES[1]);
+        Ok(Self { study: S::from_arg_matches(matches)?, out, shard, mpi, json: matches.get_flag("json") })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
@@ -64,25 +118,51 @@ fn with_outputs(command: Command, files: &'static str) -> Command {
 
 /// Does the work of a study, prints what came of it and writes its files, in place of those that an
 /// earlier run may have `left`.
-fn carry_out(work: Work<'_>, folder: Option<Folder>, json: bool, left: &[String]) -> Exit {
+fn carry_out(work: Work<'_>, engine: &Engine, json: bool, left: &[String]) -> Exit {
     let bar = progress_bar();
-    let report = work(folder.as_ref(), &|share, what| {
+    let report = work(engine, &|share, what| {
         bar.set_position((1000.0 * share.min(1.0)) as u64);
         bar.set_message(what.to_owned());
     });
     bar.finish_and_clear();
-    let report = report?;
+    let report = match engine.part() {
+        Some(part) if part.kept == part.points => return print(&part_text(&part, json)).map(|()| ExitCode::SUCCESS),
+        Some(_) => report?,
+        None => whole(report?, engine)?,
+    };
     if let Some(remark) = report.remark() {
         say(&remark);
     }
     let text = to_json(&report.json());
     // What was computed is not lost if a file cannot be written, nor if it cannot be printed.
     let printed = print(&if json { format!("{text}\n") } else { report.text() });
-    if let Some(folder) = folder {
+    if let Some(folder) = engine.folder() {
         folder.remove(left.iter().map(String::as_str))?;
-        write(&folder, &*report, &text)?;
+        write(folder, &*report, &text)?;
     }
     printed.map(|()| if report.succeeded() { DONE } else { FAILED })
+}
+
+/// Refuses the report of a study that had no grid to take a shard of.
+fn whole(report: Box<dyn Report>, engine: &Engine) -> Result<Box<dyn Report>> {
+    let rule = "with these options there is no grid to divide: leave --shard out";
+    engine.its_shard().map_or(Ok(report), |shard| Err(Error::parameter("shard", shard, rule)))
+}
+
+/// What a shard has done, for people or machines.
+fn part_text(part: &Part, json: bool) -> String {
+    let Part { shard, points, kept, computed, store } = part;
+    if !json {
+        return format!("shard {shard}: {}\n", part.words());
+    }
+    let value = serde_json::json!({
+        "shard": shard.to_string(),
+        "points": points,
+        "kept": kept,
+        "computed": computed,
+        "store": store,
+    });
+    to_json(&value) + "\n"
 }
 
 fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {

@@ -16,7 +16,7 @@ pub(crate) fn rows_csv(names: &str, rows: &[Value], missing: fn(&str) -> &'stati
     text.into_bytes()
 }
 
-fn cell(value: &Value, missing: &str) -> String {
+pub(crate) fn cell(value: &Value, missing: &str) -> String {
     match value {
         Value::Null => missing.to_owned(),
         Value::Bool(holds) => u8::from(*holds).to_string(),

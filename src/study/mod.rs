@@ -15,6 +15,7 @@ mod lifetimes;
 mod modulation;
 mod orbits;
 mod order;
+mod plan;
 mod run;
 mod scaling;
 mod theorem;
@@ -46,6 +47,7 @@ pub(crate) use orbits::branch_csv;
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
+pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
 pub use run::*;
 pub use scaling::*;
 pub(crate) use theorem::theorem_csv;
@@ -57,7 +59,7 @@ pub(crate) use wave::wave_tables;
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
-use crate::{chain::Params, error::Result, number::written, output::Folder, run::Method, scene::Scene};
+use crate::{chain::Params, error::Result, number::written, run::Method, scene::Scene, sweep::Engine};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -67,9 +69,9 @@ pub type File = (String, Vec<u8>);
 /// Told of the share that is done, and of what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
-/// What is left of a study once its options were checked: given the folder for its results, if
-/// there is one.
-pub type Work<'a> = Box<dyn FnOnce(Option<&Folder>, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
+/// What is left of a study once its options were checked: given the engine for its grid, which
+/// knows the folder for the results, if there is one.
+pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
 
 /// A study by its options.
 pub trait Study {
@@ -77,6 +79,9 @@ pub trait Study {
     const FILES: &'static str;
     /// Whether it looks whether the process was asked to end, and keeps what it has.
     const STOPS: bool = false;
+
+    /// Whether it sweeps a grid, so that it takes a shard.
+    const SWEEPS: bool = false;
 
     /// Names of the files that only some runs of it write: what an earlier run has left of them in
     /// the folder is removed. All other files are written anew by every run.

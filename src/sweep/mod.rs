@@ -6,14 +6,26 @@
 //! | *row* | result of a point: a value, or the reason why there is none |
 //! | *store* | a file with a line for each computed point; see [`Store`] |
 //! | *backend* | threads or other workers that compute points; see [`Backend`] |
+//! | *shard* | a part of a grid, for a process of its own; see [`Shard`] |
+//! | *engine* | a backend, the folder of the store and the shard; see [`Engine`] |
 //!
 //! [`map`] is for points in memory whose computations end together. [`sweep`] is for points that
 //! may fail one by one or take long, in runs that may be interrupted and resumed. Results are in
-//! the order of the grid, for any order of the work, and the same for any number of threads.
+//! the order of the grid, for any order of the work, and the same for any number of threads, shards
+//! and processes. A study gives points, a function from a point to its value, and what its values
+//! depend on besides; [`Engine::sweep`] does the rest.
 
+mod engine;
+#[cfg(feature = "mpi")]
+mod mpi;
+mod shard;
 mod store;
 mod threads;
 
+#[cfg(feature = "mpi")]
+pub use self::mpi::Mpi;
+pub use engine::{Engine, Grid, Part};
+pub use shard::Shard;
 pub use store::Store;
 pub(crate) use threads::on_one_thread;
 pub use threads::{Threads, map};
@@ -25,13 +37,13 @@ use crate::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::{
     any::Any,
-    collections::HashSet,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
         Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
+use store::Place;
 
 /// The reason for the missing value of a point that was not begun, or was interrupted.
 pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
@@ -57,6 +69,12 @@ pub trait Backend {
         work: &(dyn Fn(usize) -> String + Sync),
         done: &(dyn Fn(usize, String) -> Result<()> + Sync),
     ) -> Result<()>;
+
+    /// Whether this process computes points for another one, which has the store and the results:
+    /// [`run`](Self::run) then takes points from there, and calls `done` for none.
+    fn serves(&self) -> bool {
+        false
+    }
 }
 
 /// Counts finished points, on any thread, and reports the count.
@@ -148,55 +166,166 @@ where
     T: Serialize + Sync,
     U: Serialize + DeserializeOwned + Send,
 {
-    let keys = keys(points)?;
-    let mut rows = Vec::with_capacity(points.len());
-    for key in &keys {
-        let kept = store.as_ref().and_then(|store| Some((store, store.get(key)?)));
-        rows.push(kept.map(|(store, row)| read(row).map_err(|why| store.corrupt(key, &why))).transpose()?);
-    }
-    let todo: Vec<usize> = (0..points.len()).filter(|&k| rows[k].is_none()).collect();
+    let grid = Points { count: points.len(), point: &|k| &points[k] };
+    let rows = Rows::find::<_, U>(&grid, store)?;
+    let todo = rows.missing(|_| true);
     let resumed = points.len() - todo.len();
-    let tally = Tally::new(points.len(), progress);
-    tally.add(resumed);
+    let rows = compute(&grid, rows, &todo, resumed, backend, progress, &|point| work(point))?;
+    collected(rows, resumed)
+}
 
-    let compute = |k: usize| text(attempt(|| work(&points[k])));
-    let state = Mutex::new((rows, store));
-    backend.run(&todo, &compute, &|k, text| {
-        let row: Row<U> =
-            read(&text).map_err(|_| Error::parameter("row", &text, "a backend gives back what work made"))?;
+/// All rows in memory.
+fn collected<U: DeserializeOwned>(mut rows: Rows<'_>, resumed: usize) -> Result<Swept<U>> {
+    rows.settle()?;
+    let mut all = Vec::with_capacity(rows.places.len());
+    let missing = rows.each(&mut |_, row| {
+        all.push(row);
+        Ok(())
+    })?;
+    Ok(Swept { rows: all, resumed, missing })
+}
+
+/// The points of a grid by their number, so that a large grid need not be in memory.
+struct Points<'a, T> {
+    count: usize,
+    point: &'a (dyn Fn(usize) -> T + Sync),
+}
+
+impl<T: Serialize> Points<'_, T> {
+    /// The point as JSON text, which identifies it in the store.
+    fn key(&self, k: usize) -> Result<String> {
+        let refused = |why| Error::parameter("point", why, "a point of a grid can be written as JSON");
+        serde_json::to_string(&(self.point)(k)).map_err(refused)
+    }
+
+    /// The hashes of all points.
+    fn hashes(&self) -> Result<Vec<u64>> {
+        let hashes = (0..self.count).map(|k| self.key(k).map(|key| store::hash(&key))).collect::<Result<Vec<_>>>()?;
+        let mut order: Vec<usize> = (0..self.count).collect();
+        order.sort_unstable_by_key(|&k| hashes[k]);
+        for same in order.chunk_by(|&k, &l| hashes[k] == hashes[l]).filter(|same| same.len() > 1) {
+            let mut keys = same.iter().map(|&k| self.key(k)).collect::<Result<Vec<_>>>()?;
+            keys.sort_unstable();
+            if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
+                return Err(Error::parameter("point", &twice[0], "a grid has every point once"));
+            }
+        }
+        Ok(hashes)
+    }
+}
+
+/// The rows of a grid: in a store, or in memory.
+pub(crate) struct Rows<'s> {
+    store: Option<&'s mut Store>,
+    /// The rows as text, without a store.
+    texts: Vec<String>,
+    /// Where the row of each point is: in the store, or its number in `texts`, counted from 1.
+    places: Vec<Option<Place>>,
+}
+
+impl<'s> Rows<'s> {
+    /// The rows that the store has.
+    fn find<T: Serialize, U: DeserializeOwned>(
+        points: &Points<'_, T>,
+        mut store: Option<&'s mut Store>,
+    ) -> Result<Self> {
+        let hashes = points.hashes()?;
+        let mut places = vec![None; points.count];
+        if let Some(store) = store.as_mut().filter(|store| !store.is_empty()) {
+            for (k, place) in places.iter_mut().enumerate() {
+                *place = store.find(hashes[k], &points.key(k)?)?;
+                if let Some(place) = *place {
+                    drop(read::<U>(&store.row(place)?).map_err(|why| store.corrupt(place, &why))?);
+                }
+            }
+        }
+        Ok(Self { store, texts: Vec::new(), places })
+    }
+
+    /// The numbers of the points of a part of the grid that have no row.
+    fn missing(&self, part: impl Fn(usize) -> bool) -> Vec<usize> {
+        (0..self.places.len()).filter(|&k| part(k) && self.places[k].is_none()).collect()
+    }
+
+    fn keep(&mut self, k: usize, key: &str, text: String) -> Result<()> {
+        self.places[k] = match &mut self.store {
+            Some(store) => Some(store.append(key, &text)?),
+            None => {
+                self.texts.push(text);
+                Place::new(self.texts.len() as u64)
+            }
+        };
+        Ok(())
+    }
+
+    /// Brings the store into the order of the grid.
+    fn settle(&mut self) -> Result<()> {
+        self.store.as_mut().map_or(Ok(()), |store| store.settle(&mut self.places))
+    }
+
+    /// Hands out the rows in the order of the grid; how many are missing.
+    pub(crate) fn each<U: DeserializeOwned>(
+        &mut self,
+        take: &mut dyn FnMut(usize, Row<U>) -> Result<()>,
+    ) -> Result<usize> {
+        let mut missing = 0;
+        for (k, place) in self.places.iter().enumerate() {
+            let row = match (place, &mut self.store) {
+                (None, _) => {
+                    missing += 1;
+                    Err(STOPPED.to_owned())
+                }
+                (Some(place), Some(store)) => read(&store.row(*place)?).map_err(|why| store.corrupt(*place, &why))?,
+                (Some(place), None) => read(&self.texts[place.get() as usize - 1]).map_err(changed)?,
+            };
+            take(k, row)?;
+        }
+        Ok(missing)
+    }
+}
+
+/// Computes the points `todo` of a grid and keeps their rows. `resumed` is how many were there.
+fn compute<'s, T, U>(
+    points: &Points<'_, T>,
+    rows: Rows<'s>,
+    todo: &[usize],
+    resumed: usize,
+    backend: &dyn Backend,
+    progress: &(dyn Fn(u64, u64) + Sync),
+    work: &(dyn Fn(T) -> Result<U> + Sync),
+) -> Result<Rows<'s>>
+where
+    T: Serialize,
+    U: Serialize + DeserializeOwned,
+{
+    let tally = Tally::new(resumed + todo.len(), progress);
+    tally.add(resumed);
+    let (left, stopped) = (AtomicU64::new(todo.len() as u64), AtomicBool::new(false));
+    let row = |k: usize| {
+        let row = attempt(|| work((points.point)(k)));
         // An interrupted computation has no result.
-        if row.is_err() && interrupt::asked() {
+        if row.is_err() && interrupt::asked() { String::new() } else { text(row) }
+    };
+    let rows = Mutex::new(rows);
+    backend.run(todo, &row, &|k, text| {
+        if text.is_empty() {
+            stopped.store(true, Ordering::Relaxed);
             return Ok(());
         }
-        let (rows, store) = &mut *locked(&state);
-        if let Some(store) = store {
-            store.append(&keys[k], text)?;
-        }
-        rows[k] = Some(row);
+        read::<U>(&text).map(drop).map_err(|_| changed(text.clone()))?;
+        locked(&rows).keep(k, &points.key(k)?, text)?;
+        left.fetch_sub(1, Ordering::Relaxed);
         tally.tick();
         Ok(())
     })?;
-    let (rows, store) = state.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let missing = rows.iter().filter(|row| row.is_none()).count();
-    if missing > 0 && !interrupt::asked() {
+    if left.into_inner() > 0 && !stopped.into_inner() && !interrupt::asked() && !backend.serves() {
         return Err(Error::parameter("rows", "incomplete", "a backend computes every point it is given"));
     }
-    let rows = rows.into_iter().map(|row| row.unwrap_or_else(|| Err(STOPPED.to_owned()))).collect();
-    if let Some(store) = store {
-        store.settle(&keys)?;
-    }
-    Ok(Swept { rows, resumed, missing })
+    Ok(rows.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// The points as JSON text, which identifies them in the store.
-fn keys<T: Serialize>(points: &[T]) -> Result<Vec<String>> {
-    let refused = |why: serde_json::Error| Error::parameter("point", why, "a point of a grid can be written as JSON");
-    let keys = points.iter().map(|point| serde_json::to_string(point).map_err(refused)).collect::<Result<Vec<_>>>()?;
-    let mut known = HashSet::new();
-    match keys.iter().find(|key| !known.insert(*key)) {
-        Some(twice) => Err(Error::parameter("point", twice, "a grid has every point once")),
-        None => Ok(keys),
-    }
+fn changed(text: String) -> Error {
+    Error::parameter("row", text, "a backend gives back what work made")
 }
 
 /// The row of a point, also if its work fails or panics. No work is begun after the process was

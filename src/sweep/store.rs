@@ -8,7 +8,11 @@
 //! of line: it is dropped, and its point is computed again. All other content that is not as it was
 //! written is refused and not overwritten. Lines are synced once a second, so a failure of the
 //! power costs the points of about one second. A store belongs to one run at a time.
+//!
+//! Rows stay in the file. In memory a point takes the hash of its text and the place of its line,
+//! 16 bytes; two points of the same hash are told apart by their lines.
 
+use super::shard::Shard;
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -16,9 +20,9 @@ use crate::{
 use serde::Deserialize;
 use serde_json::{Value, json, value::RawValue};
 use std::{
-    collections::{HashMap, HashSet},
     fs::{File, OpenOptions, TryLockError},
-    io::{Read, Write},
+    io::{self, BufRead, BufReader, BufWriter, Read, Write},
+    num::NonZeroU64,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -30,6 +34,9 @@ const SYNC: Duration = Duration::from_secs(1);
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 /// The prime of FNV-1a, 64 bits.
 const PRIME: u64 = 0x0000_0100_0000_01b3;
+/// Bytes that lines of another store are collected to before they are written.
+const CHUNK: usize = 1 << 20;
+const IN_USE: &str = "in use by another run: wait until it has ended";
 
 /// The computed points of one study, in a file; see the [module](super).
 #[derive(Debug)]
@@ -37,20 +44,35 @@ pub struct Store {
     folder: Folder,
     name: String,
     file: File,
+    lines: Lines,
     /// Time of the last sync to the disk.
     synced: Instant,
     /// Length of the whole lines, in bytes.
     length: u64,
     header: String,
-    lines: Vec<Line>,
-    at: HashMap<String, usize>,
+    /// The hash of the header, which the checks of all other lines continue.
+    basis: u64,
+    /// The lines by the hash of their point, in this order but for those appended last.
+    index: Vec<Entry>,
+    /// How many of the index are in order.
+    sorted: usize,
 }
 
-/// A point and its row, as text.
+/// Where a line begins, in bytes from the start of the file; no line of a point is the first.
+pub(super) type Place = NonZeroU64;
+
+/// A point of the index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry {
+    hash: u64,
+    place: Place,
+}
+
+/// Reads lines at any place of a file; one after the other without a call of the system each.
 #[derive(Debug)]
-struct Line {
-    key: String,
-    row: String,
+struct Lines {
+    reader: BufReader<File>,
+    at: u64,
 }
 
 /// The JSON of a line.
@@ -59,6 +81,7 @@ struct Line {
 struct Payload<'a> {
     #[serde(borrow)]
     point: &'a RawValue,
+    #[serde(borrow)]
     row: &'a RawValue,
 }
 
@@ -70,142 +93,286 @@ impl Store {
     /// A file that is not a store, belongs to another study, or is not as it was written, with the
     /// line; a store that another run has open; errors of the system.
     pub fn open(folder: &Folder, name: &str, study: &str, settings: &Value) -> Result<Self> {
+        let open = |path: &Path| OpenOptions::new().read(true).append(true).create(true).open(path);
+        let mut store = Self::locked(folder, name, header(study, settings), open, File::try_lock)?;
+        store.load()?;
+        store.repair()?;
+        Ok(store)
+    }
+
+    /// Opens the store for reading, beside others that read it; `None` if there is no such file.
+    pub(super) fn look(folder: &Folder, name: &str, study: &str, settings: &Value) -> Result<Option<Self>> {
+        if !folder.path().join(name).exists() {
+            return Ok(None);
+        }
+        let open = |path: &Path| File::open(path);
+        let mut store = Self::locked(folder, name, header(study, settings), open, File::try_lock_shared)?;
+        store.load().map(|()| Some(store))
+    }
+
+    /// The store of a file, locked, before anything of it was read.
+    fn locked(
+        folder: &Folder,
+        name: &str,
+        header: String,
+        open: impl Fn(&Path) -> io::Result<File>,
+        lock: fn(&File) -> std::result::Result<(), TryLockError>,
+    ) -> Result<Self> {
         let path = folder.path().join(name);
         let fail = |source| Error::File { path: path.clone(), source };
-        let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(fail)?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => return Err(refused(&path, 1, "in use by another run")),
-            // Where files cannot be locked, no check is possible.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-        }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(fail)?;
-        let program = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
-        let header = json!({"sweep": VERSION, "study": study, "program": program, "settings": settings}).to_string();
-        let mut store = Self {
+        let file = loop {
+            let file = open(&path).map_err(fail)?;
+            match lock(&file) {
+                Err(TryLockError::WouldBlock) => return Err(refused(&path, 1, IN_USE)),
+                // Where files cannot be locked, no check is possible.
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+            }
+            // Between opening and locking, another run may have put a new file in its place.
+            if is_at(&file, &path) {
+                break file;
+            }
+        };
+        Ok(Self {
             folder: folder.clone(),
             name: name.to_owned(),
             file,
+            lines: Lines::new(File::open(&path).map_err(fail)?),
             synced: Instant::now(),
             length: 0,
+            basis: fnv(BASIS, &header),
             header,
-            lines: Vec::new(),
-            at: HashMap::new(),
-        };
-        store.load(&bytes)?;
-        Ok(store)
+            index: Vec::new(),
+            sorted: 0,
+        })
     }
 
     /// Number of points in the store.
     pub fn len(&self) -> usize {
-        self.lines.len()
+        self.index.len()
     }
 
     /// Whether the store has no points.
     pub fn is_empty(&self) -> bool {
-        self.lines.is_empty()
+        self.index.is_empty()
     }
 
-    fn path(&self) -> PathBuf {
+    /// The file.
+    pub fn path(&self) -> PathBuf {
         self.folder.path().join(&self.name)
     }
 
-    fn fail(&self, source: std::io::Error) -> Error {
-        Error::File { path: self.path(), source }
+    /// Takes over what shards have kept beside this store, and removes their stores.
+    ///
+    /// A kill at any moment loses no line: the store of a shard is removed once its lines are on
+    /// the disk here, and lines that are here already are not taken again.
+    ///
+    /// # Errors
+    /// A store of a shard that is still in use, of another study, or altered; errors of the system.
+    pub(super) fn merge(&mut self, study: &str, settings: &Value) -> Result<()> {
+        for name in Shard::names(self.folder.path(), &self.name) {
+            let mut other = Self::open(&self.folder, &name, study, settings)?;
+            self.take_over(&mut other)?;
+            self.folder.remove([name.as_str()])?;
+        }
+        Ok(())
     }
 
-    /// Reads the content of the file, and removes a partial last line.
-    fn load(&mut self, bytes: &[u8]) -> Result<()> {
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-        let head = self.head();
-        if whole == 0 && !head.as_bytes().starts_with(bytes) {
+    /// Appends the lines of another store of the same study whose points are not here.
+    fn take_over(&mut self, other: &mut Self) -> Result<()> {
+        let (mut chunk, mut new) = (String::new(), Vec::new());
+        other.index.sort_unstable_by_key(|entry| entry.place);
+        for Entry { hash, place } in std::mem::take(&mut other.index) {
+            let line = other.line(place)?;
+            let (point, _) = parts(&line).map_err(|why| other.corrupt(place, &why))?;
+            if self.find(hash, point)?.is_none() {
+                new.push(Entry { hash, place: place_at(self.length + chunk.len() as u64) });
+                chunk += &line;
+            }
+            if chunk.len() > CHUNK {
+                self.write(&chunk)?;
+                chunk.clear();
+            }
+        }
+        self.write(&chunk)?;
+        self.index.extend(new);
+        self.sort();
+        self.file.sync_data().map_err(|source| self.fail(source))
+    }
+
+    /// Reads and checks the whole lines of the file.
+    fn load(&mut self) -> Result<()> {
+        let mut line = Vec::new();
+        for number in 1.. {
+            line.clear();
+            self.lines.at += self.lines.reader.read_until(b'\n', &mut line).map_err(|source| self.fail(source))? as u64;
+            if line.last() != Some(&b'\n') {
+                break;
+            }
+            self.take(number, &line).map_err(|rule| refused(&self.path(), number, rule))?;
+            self.length += line.len() as u64;
+        }
+        if self.length == 0 && !self.head().as_bytes().starts_with(&line) {
             return Err(refused(&self.path(), 1, "not the store of a sweep"));
         }
-        for (number, line) in bytes[..whole].split_inclusive(|&byte| byte == b'\n').enumerate() {
-            self.take(number + 1, line).map_err(|rule| refused(&self.path(), number + 1, rule))?;
-        }
-        self.length = whole as u64;
-        if whole < bytes.len() {
+        self.sort();
+        self.refuse_twice()
+    }
+
+    /// Removes a partial last line, and writes the first one if there is none.
+    fn repair(&mut self) -> Result<()> {
+        if self.lines.at > self.length {
             self.file.set_len(self.length).map_err(|source| self.fail(source))?;
         }
-        if whole == 0 { self.write(&head) } else { Ok(()) }
+        if self.length == 0 { self.write(&self.head()) } else { Ok(()) }
     }
 
     /// Reads the line with the given number, counted from 1.
     fn take(&mut self, number: usize, line: &[u8]) -> std::result::Result<(), String> {
         let altered = || "not as it was written: its check does not fit".to_owned();
-        let text = std::str::from_utf8(line).ok().and_then(|line| line.strip_suffix('\n')).ok_or_else(altered)?;
-        let (check, json) = text.split_once(' ').ok_or_else(altered)?;
-        let from = if number == 1 { BASIS } else { fnv(BASIS, &self.header) };
+        let text = std::str::from_utf8(line).map_err(|_| altered())?;
+        let (check, json) = text.trim_end_matches('\n').split_once(' ').ok_or_else(altered)?;
+        let from = if number == 1 { BASIS } else { self.basis };
         if check != digits(fnv(from, json)) {
             return Err(altered());
         }
         if number == 1 {
             return if json == self.header { Ok(()) } else { Err(difference(&self.header, json)) };
         }
-        let Payload { point, row } = serde_json::from_str(json).map_err(|why| format!("no point and row: {why}"))?;
-        let known = self.at.insert(point.get().to_owned(), self.lines.len());
-        self.lines.push(Line { key: point.get().to_owned(), row: row.get().to_owned() });
-        known.map_or(Ok(()), |before| Err(format!("the point of line {} again", before + 2)))
-    }
-
-    /// The row of a point, if the store has it.
-    pub(super) fn get(&self, key: &str) -> Option<&str> {
-        self.at.get(key).map(|&k| self.lines[k].row.as_str())
-    }
-
-    /// The error for a row that does not hold a value of this study.
-    pub(super) fn corrupt(&self, key: &str, why: &str) -> Error {
-        refused(&self.path(), self.at.get(key).map_or(1, |&k| k + 2), format!("no value of this study: {why}"))
-    }
-
-    pub(super) fn append(&mut self, key: &str, row: String) -> Result<()> {
-        let line = Line { key: key.to_owned(), row };
-        self.write(&self.written(&line))?;
-        self.at.insert(key.to_owned(), self.lines.len());
-        self.lines.push(line);
+        let (point, _) = parts(text)?;
+        self.index.push(Entry { hash: hash(point), place: place_at(self.length) });
         Ok(())
     }
 
-    /// Rewrites the file in the order of the grid, with points of other grids at the end.
+    /// Refuses a point that has two lines.
+    fn refuse_twice(&mut self) -> Result<()> {
+        for k in 1..self.index.len() {
+            let mut before = k;
+            // Points of the same hash are few.
+            while before > 0 && self.index[before - 1].hash == self.index[k].hash {
+                before -= 1;
+                let [first, second] = [self.index[before].place, self.index[k].place];
+                let (one, two) = (self.line(first)?, self.line(second)?);
+                let same = parts(&one).map(|both| both.0) == parts(&two).map(|both| both.0);
+                if same {
+                    let again = format!("the point of line {} again", self.number(first));
+                    return Err(refused(&self.path(), self.number(second), again));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn sort(&mut self) {
+        self.index.sort_unstable();
+        self.sorted = self.index.len();
+    }
+
+    /// The place of the line of a point, if the store has it; of those that were there when the
+    /// store was opened, merged or settled.
+    pub(super) fn find(&mut self, hash: u64, point: &str) -> Result<Option<Place>> {
+        let from = self.index[..self.sorted].partition_point(|entry| entry.hash < hash);
+        for k in from..self.sorted {
+            let Entry { hash: other, place } = self.index[k];
+            if other != hash {
+                break;
+            }
+            if parts(&self.line(place)?).is_ok_and(|(there, _)| there == point) {
+                return Ok(Some(place));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The row of the line at a place.
+    pub(super) fn row(&mut self, place: Place) -> Result<String> {
+        let line = self.line(place)?;
+        let (_, row) = parts(&line).map_err(|why| self.corrupt(place, &why))?;
+        Ok(row.to_owned())
+    }
+
+    fn line(&mut self, place: Place) -> Result<String> {
+        self.lines.line(place).map_err(|source| self.fail(source))
+    }
+
+    /// The number of the line at a place, counted from 1.
+    fn number(&self, place: Place) -> usize {
+        let before = File::open(self.path()).map(|file| BufReader::new(file.take(place.get())));
+        1 + before.map_or(0, |before| before.split(b'\n').count())
+    }
+
+    /// The error for a line that does not hold a value of this study.
+    pub(super) fn corrupt(&self, place: Place, why: &str) -> Error {
+        refused(&self.path(), self.number(place), format!("no value of this study: {why}"))
+    }
+
+    /// Appends a line; its place.
+    pub(super) fn append(&mut self, point: &str, row: &str) -> Result<Place> {
+        let json = format!(r#"{{"point":{point},"row":{row}}}"#);
+        let place = place_at(self.length);
+        self.write(&format!("{} {json}\n", digits(fnv(self.basis, &json))))?;
+        self.index.push(Entry { hash: hash(point), place });
+        Ok(place)
+    }
+
+    /// Rewrites the file in the order of the grid, whose lines are at `places`, with points of
+    /// other grids at the end. The places are then those in the new file.
     ///
     /// The bytes are then the same for any order of the work.
-    pub(super) fn settle(&mut self, keys: &[String]) -> Result<()> {
-        let of_grid: HashSet<&String> = keys.iter().collect();
-        let others = self.lines.iter().map(|line| &line.key).filter(|key| !of_grid.contains(key));
-        let order: Vec<usize> = keys.iter().chain(others).filter_map(|key| self.at.get(key).copied()).collect();
-        if order.is_sorted() {
+    pub(super) fn settle(&mut self, places: &mut [Option<Place>]) -> Result<()> {
+        let mut others = self.others(places);
+        let order = || places.iter().flatten().chain(&others);
+        if order().is_sorted() {
+            self.sort();
             return Ok(());
         }
-        let text = order.iter().fold(self.head(), |text, &k| text + &self.written(&self.lines[k]));
-        self.folder.write(&self.name, text.as_bytes())?;
+        let (name, head) = (self.name.clone(), self.head());
+        let (lines, mut length) = (&mut self.lines, head.len() as u64);
+        self.folder.write_with(&name, |file| {
+            let mut out = BufWriter::new(file);
+            out.write_all(head.as_bytes())?;
+            for place in places.iter_mut().flatten().chain(&mut others) {
+                let line = lines.line(*place)?;
+                out.write_all(line.as_bytes())?;
+                *place = place_at(length);
+                length += line.len() as u64;
+            }
+            out.flush()
+        })?;
         // What is appended later belongs into the new file, after its lines.
-        self.file = OpenOptions::new().read(true).append(true).open(self.path()).map_err(|source| self.fail(source))?;
-        drop(self.file.try_lock());
-        self.length = text.len() as u64;
-        let mut lines: Vec<Option<Line>> = self.lines.drain(..).map(Some).collect();
-        self.lines.extend(order.iter().filter_map(|&k| lines[k].take()));
-        self.at = self.lines.iter().enumerate().map(|(k, line)| (line.key.clone(), k)).collect();
-        Ok(())
+        let open = |path: &Path| OpenOptions::new().read(true).append(true).open(path);
+        *self = Self::locked(&self.folder, &name, self.header.clone(), open, File::try_lock)?;
+        self.load()
+    }
+
+    /// Places of the lines that are not among `places`, in their order.
+    fn others(&self, places: &[Option<Place>]) -> Vec<Place> {
+        if places.iter().flatten().count() == self.index.len() {
+            return Vec::new();
+        }
+        let mut of_grid: Vec<Place> = places.iter().flatten().copied().collect();
+        of_grid.sort_unstable();
+        let all = self.index.iter().map(|entry| entry.place);
+        let mut others: Vec<Place> = all.filter(|place| of_grid.binary_search(place).is_err()).collect();
+        others.sort_unstable();
+        others
     }
 
     fn head(&self) -> String {
-        format!("{} {}\n", digits(fnv(BASIS, &self.header)), self.header)
+        format!("{} {}\n", digits(self.basis), self.header)
     }
 
-    fn written(&self, Line { key, row }: &Line) -> String {
-        let json = format!(r#"{{"point":{key},"row":{row}}}"#);
-        format!("{} {json}\n", digits(fnv(fnv(BASIS, &self.header), &json)))
+    fn fail(&self, source: io::Error) -> Error {
+        Error::File { path: self.path(), source }
     }
 
-    fn write(&mut self, line: &str) -> Result<()> {
-        if let Err(source) = self.file.write_all(line.as_bytes()) {
+    fn write(&mut self, lines: &str) -> Result<()> {
+        if let Err(source) = self.file.write_all(lines.as_bytes()) {
             // A full disk may have taken a part of the line: remove it, so that the next line does
             // not continue it.
             drop(self.file.set_len(self.length));
             return Err(self.fail(source));
         }
-        self.length += line.len() as u64;
+        self.length += lines.len() as u64;
         if self.synced.elapsed() > SYNC {
             self.file.sync_data().map_err(|source| self.fail(source))?;
             self.synced = Instant::now();
@@ -214,8 +381,61 @@ impl Store {
     }
 }
 
+impl Lines {
+    fn new(file: File) -> Self {
+        Self { reader: BufReader::with_capacity(1 << 16, file), at: 0 }
+    }
+
+    /// The line that begins at a place, with its end.
+    fn line(&mut self, place: Place) -> io::Result<String> {
+        let place = place.get();
+        self.reader.seek_relative(place.wrapping_sub(self.at).cast_signed())?;
+        self.at = place;
+        let mut line = String::new();
+        self.at += self.reader.read_line(&mut line)? as u64;
+        Ok(line)
+    }
+}
+
+/// The first line of a store.
+fn header(study: &str, settings: &Value) -> String {
+    let program = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
+    json!({"sweep": VERSION, "study": study, "program": program, "settings": settings}).to_string()
+}
+
+/// Point and row of a line, with its check.
+fn parts(line: &str) -> std::result::Result<(&str, &str), String> {
+    let json = line.split_once(' ').map_or(line, |(_, json)| json);
+    let payload: Payload = serde_json::from_str(json).map_err(|why| format!("no point and row: {why}"))?;
+    Ok((payload.point.get(), payload.row.get()))
+}
+
+/// Whether the open file is still the one of this path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::{fs::Metadata, os::unix::fs::MetadataExt};
+    let inode = |file: io::Result<Metadata>| file.ok().map(|file| (file.dev(), file.ino()));
+    inode(file.metadata()) == inode(std::fs::metadata(path))
+}
+
+/// Elsewhere a file that is open is not replaced.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
 fn refused(path: &Path, line: usize, rule: impl Into<String>) -> Error {
     Error::Content { path: path.to_owned(), place: format!("line {line}"), rule: rule.into() }
+}
+
+/// A place after the first line.
+fn place_at(bytes: u64) -> Place {
+    Place::new(bytes).unwrap_or(Place::MIN)
+}
+
+/// The hash of a point by which the index finds it.
+pub(super) fn hash(point: &str) -> u64 {
+    fnv(BASIS, point)
 }
 
 /// FNV-1a, continued from the hash `from`. A change of one byte always changes the hash.

@@ -36,9 +36,9 @@ fn commands() -> Vec<Vec<String>> {
 }
 
 #[test]
-fn there_are_nine_commands_and_each_has_its_place() {
+fn there_are_ten_commands_and_each_has_its_place() {
     let all: Vec<String> = commands().iter().map(|path| path.join(" ")).collect();
-    let top = ["run", "compare", "scenes", "integrators", "study", "wave", "breather", "dps", "paper"];
+    let top = ["run", "compare", "sweep", "scenes", "integrators", "study", "wave", "breather", "dps", "paper"];
     let first: Vec<&str> =
         all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
     assert_eq!(first, top);
@@ -73,7 +73,7 @@ fn short_help_fits_a_screen_and_long_help_has_examples() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 31, "the program, nine commands, and those below them");
+    assert_eq!(seen, 32, "the program, ten commands, and those below them");
 }
 
 #[test]

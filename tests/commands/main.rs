@@ -8,8 +8,11 @@ mod first_use;
 mod help;
 mod long_runs;
 mod machines;
+#[cfg(feature = "mpi")]
+mod mpi;
 mod paper_figures;
 mod provenance;
 mod scenes;
+mod shards;
 mod stored;
 mod studies;

@@ -7,6 +7,7 @@ use hertzchain::{
     run::{Records, Regime, regime},
     scene::{Scene, SceneFile},
     study::{Chart, ChartOptions, ChartPoint, ChartStudy, ChartVerdict, Problem, Variant, charts, kick_sum, resonance},
+    sweep::Engine,
 };
 use std::f64::consts::PI;
 
@@ -18,7 +19,7 @@ fn study(charted: &[Chart], methods: Vec<Method>) -> ChartStudy {
     let integrators = methods.iter().map(Method::name).collect();
     let options =
         ChartOptions { charts: charted.to_vec(), integrators, sites: 1000, periods: 100.0, work: 1e6, quick: true };
-    charts(&Problem::built_in(), &options, None, &|_, _| ()).unwrap()
+    charts(&Problem::built_in(), &options, &Engine::threads(), &|_, _| ()).unwrap()
 }
 
 /// Trace of the matrix of a step with `h omega = z`: a scheme on the kinetic split, applied to one
@@ -244,8 +245,7 @@ mod command {
         let tables = charts.iter().flat_map(|chart| [format!("{chart}.csv"), format!("{chart}-ladder.csv")]);
         let maps = ["light-strang-linear", "stiffness-strang-linear", "stiffness-collocation", "resonances", "struck"];
         let pictures = charts.iter().chain(&maps).map(|name| format!("{name}.png"));
-        let others =
-            ["stability.json", "resonances.csv", "struck.csv", "charts.store", "resonances.store", "struck.store"];
+        let others = ["stability.json", "resonances.csv", "struck.csv", "stability.store"];
         let others = others.map(str::to_owned);
         let files = tables.chain(pictures.filter(|_| cfg!(feature = "plot"))).chain(others);
         for file in files {

@@ -10,6 +10,7 @@ use hertzchain::{
     integrators::{Silent, collocation::Pace, drive},
     run::method::Method,
     study::{Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
+    sweep::Engine,
 };
 use num_complex::Complex64;
 use serde_json::Value;
@@ -38,7 +39,7 @@ fn options(epsilons: &[f64], rhos: &[f64]) -> LifetimeOptions {
 }
 
 fn study(options: &LifetimeOptions) -> LifetimeStudy {
-    lifetimes(options, None, &|_, _| ()).unwrap()
+    lifetimes(options, &Engine::threads(), &|_, _| ()).unwrap()
 }
 
 /// The result at the only point of a map.

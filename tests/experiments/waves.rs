@@ -10,6 +10,7 @@ use hertzchain::{
     run::method::{Method, Setting},
     scene::Scene,
     study::{WaveOptions, WaveStudy, wave, wave_in},
+    sweep::Engine,
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use std::{f64::consts::PI, sync::Mutex};
@@ -396,13 +397,12 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     let scene = Scene::load("tw-q45").unwrap().until(7.0).unwrap().perturbed(0.01, Some(3)).unwrap();
     let options = |seeds| WaveOptions { seeds: Some(seeds), samples_per_period: 4, ..options("collocation", 1e-6) };
     let folder = tempfile::tempdir().unwrap();
-    let home = Folder::create(folder.path()).unwrap();
+    let engine = Engine::threads().keeping(&Folder::create(folder.path()).unwrap());
     let kept = || std::fs::read_to_string(folder.path().join("ensemble.store")).map_or(0, |text| text.lines().count());
     // The first seed is that of the scene, whose whole run is looked at: it is run anew every time.
     let at_first = |seeds| {
         let told = Mutex::new(Vec::new());
-        let study =
-            wave_in(&scene, &options(seeds), Some(&home), &|done, total| told.lock().unwrap().push((done, total)));
+        let study = wave_in(&scene, &options(seeds), &engine, &|done, total| told.lock().unwrap().push((done, total)));
         (study.unwrap().ensemble.unwrap(), told.into_inner().unwrap())
     };
     let (first, _) = at_first(4);
@@ -418,7 +418,7 @@ fn an_ensemble_goes_on_with_the_seeds_that_are_kept() {
     );
     assert_eq!(first.members[..], whole.members[..4]);
     let other = WaveOptions { tolerance: 1e-7, ..options(7) };
-    let refused = wave_in(&scene, &other, Some(&home), &|_, _| {}).unwrap_err().to_string();
+    let refused = wave_in(&scene, &other, &engine, &|_, _| {}).unwrap_err().to_string();
     assert!(
         refused.contains("ensemble.store") && refused.contains("tolerance is 1e-6 there and 1e-7 here"),
         "{refused}"

@@ -18,7 +18,10 @@ pub(super) use paper::*;
 pub(super) use scenes::*;
 pub(super) use study::*;
 
-use crate::{cli::runner::Told, study::Compare};
+use crate::{
+    cli::runner::Told,
+    study::{Compare, PlanFile},
+};
 use clap::{Parser, Subcommand};
 use hertzchain_integrators::Instructions;
 
@@ -82,6 +85,12 @@ pub(super) enum Command {
     /// fastest run at each error.
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(Told<Compare>),
+    /// Run a scene at every point of a grid that a file describes.
+    ///
+    /// The file has a scene, axes (any keys of the scene: lists, ranges, seeds) and the quantities
+    /// to keep of each run. Gives a table, a picture, and a store that goes on where it was.
+    #[command(after_long_help = SWEEP_EXAMPLES)]
+    Sweep(Told<PlanFile>),
     /// List the built-in scenes, show one as TOML, or print a template.
     #[command(after_long_help = SCENES_EXAMPLES)]
     Scenes(ScenesArgs),

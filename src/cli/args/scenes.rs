@@ -24,6 +24,12 @@ pub(crate) enum ScenesAction {
     Template,
 }
 
+pub(super) const SWEEP_EXAMPLES: &str = "\
+Examples:
+  hertzchain sweep --template > plan.toml
+  hertzchain sweep plan.toml --out out/plan
+  hertzchain sweep plan.toml --out out/plan --shard 2/8";
+
 pub(super) const SCENES_EXAMPLES: &str = "\
 Examples:
   hertzchain scenes

@@ -12,6 +12,7 @@ use crate::{
         RhoLaw, TheoremOptions, TheoremStudy, bright_breather, bright_history, center_word, lifetimes, shown, theorem,
         theorem_csv,
     },
+    sweep::Engine,
 };
 
 /// Tolerance of the runs of the breather of Sec. 5, and samples per period.
@@ -28,7 +29,11 @@ const LIGHT: &str = "ρ = ε^(−(α−1))";
 pub(super) fn bounds(cases: &[(f64, &[f64])], progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<[TheoremStudy; 2]>> {
     let study = |k: usize, alpha: f64, epsilons: &[f64], rho_law: RhoLaw| {
         let tell = |share: f64| progress((k as f64 + share) / (LAWS.len() * cases.len()) as f64);
-        theorem(&TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() }, None, &tell)
+        theorem(
+            &TheoremOptions { alpha, rho_law, epsilons: epsilons.to_vec(), ..Default::default() },
+            &Engine::threads(),
+            &tell,
+        )
     };
     let pair = |(k, (alpha, epsilons)): (usize, &(f64, &[f64]))| {
         let [heavy, light] = LAWS;
@@ -77,7 +82,7 @@ pub(super) fn lifetime_map(
         method: Method::named(INTEGRATOR)?,
         tolerance: LIFETIME_TOLERANCE,
     };
-    lifetimes(&options, None, &|done, total| progress(done as f64 / total as f64))
+    lifetimes(&options, &Engine::threads(), &|done, total| progress(done as f64 / total as f64))
 }
 
 pub(super) fn version() -> &'static str {

@@ -38,19 +38,18 @@ use super::{Changes, Study, Work, methods, scene};
 use crate::{
     chain::Params,
     error::{Error, Result},
-    output::Folder,
     run::method::{Contacts, Method, Split},
-    sweep::{Row, Store, Threads, sweep},
+    sweep::{Engine, Grid, Row},
 };
 use measure::{Search, measure};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
 const PERIODS: f64 = 10.0;
-/// The stores in the folder of results.
-const STORES: [&str; 3] = ["charts.store", "resonances.store", "struck.store"];
+/// The store in the folder of results.
+const STORE: &str = "stability.store";
 /// Lengths of runs that may be asked for, in contact periods.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 /// Sites of the longest chain that may be asked for.
@@ -222,7 +221,9 @@ impl ChartOptions {
 }
 
 impl Study for Charts {
-    const FILES: &'static str = "Files: stability.json, a CSV and PNGs a chart, and the stores of points.";
+    const FILES: &'static str = "Files: stability.json, a CSV and PNGs a chart, and stability.store.";
+    const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
         let of_chart = |chart: Chart| ["", "-ladder"].map(|part| format!("{}{part}", chart.name()));
@@ -243,9 +244,9 @@ impl Study for Charts {
         };
         let options = &self.options;
         options.methods()?;
-        Ok(Box::new(move |folder, progress| {
+        Ok(Box::new(move |engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(charts(&problem, options, folder, &tell)?))
+            Ok(Box::new(charts(&problem, options, engine, &tell)?))
         }))
     }
 }
@@ -343,33 +344,41 @@ impl ChartStudy {
 
 /// A point before anything is known of it.
 #[derive(Serialize)]
-struct Place<'a> {
-    chart: Chart,
-    variant: Variant,
-    integrator: &'a str,
-    #[serde(skip)]
-    method: Method,
+#[serde(untagged)]
+enum Place<'a> {
+    Chart {
+        chart: Chart,
+        variant: Variant,
+        integrator: &'a str,
+        #[serde(skip)]
+        method: Method,
+    },
+    Resonance {
+        integrator: &'a str,
+        k: u32,
+        amplitude: f64,
+        #[serde(skip)]
+        method: Method,
+    },
+    Struck {
+        sites: usize,
+        alpha: f64,
+        kappa: f64,
+        rho: f64,
+    },
 }
 
-#[derive(Serialize)]
-struct ResonancePlace<'a> {
-    integrator: &'a str,
-    k: u32,
-    amplitude: f64,
-    #[serde(skip)]
-    method: Method,
-}
-
-#[derive(Serialize)]
-struct StruckPlace {
-    sites: usize,
-    alpha: f64,
-    kappa: f64,
-    rho: f64,
+/// What is measured at a point.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Value {
+    Chart(Measured),
+    Resonance(Option<Resonance>),
+    Struck(StruckRuns),
 }
 
 /// The chains of the chart of struck chains, if it is asked for.
-fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) -> Vec<StruckPlace> {
+fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) -> Vec<Place<'static>> {
     if !options.charts().contains(&Chart::Struck) || !methods.contains(&Method::Collocation) {
         return Vec::new();
     }
@@ -380,89 +389,115 @@ fn struck_places(problem: &Problem, options: &ChartOptions, methods: &[Method]) 
     }
     let chains = |sites: usize| {
         let kappa = problem.chain().kappa;
-        let of = move |alpha| struck::MASS_RATIOS.map(|rho| StruckPlace { sites, alpha, kappa, rho });
+        let of = move |alpha| struck::MASS_RATIOS.map(|rho| Place::Struck { sites, alpha, kappa, rho });
         struck::EXPONENTS.into_iter().flat_map(of)
     };
     lengths.into_iter().flat_map(chains).collect()
 }
 
-/// Measures all points of the charts, on all cores. With a folder they are kept there as they are
-/// computed, and those that are there are not computed again. `progress` is told how many points
-/// are done of how many.
+/// The points of all charts.
+fn places<'a>(problem: &Problem, options: &ChartOptions, methods: &[Method], names: &'a [String]) -> Vec<Place<'a>> {
+    let methods_named = || methods.iter().copied().zip(names);
+    let charted = options.charts();
+    let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
+    let mut places: Vec<Place> = variants
+        .flat_map(|(chart, variant)| {
+            methods_named().map(move |(method, integrator)| Place::Chart { chart, variant, integrator, method })
+        })
+        .collect();
+    if charted.contains(&Chart::Resonances) {
+        let linear =
+            |method| matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear));
+        for (method, integrator) in methods_named().filter(|(method, _)| linear(*method)) {
+            for k in MULTIPLES {
+                places.extend(PRESSED.map(|amplitude| Place::Resonance { integrator, k, amplitude, method }));
+            }
+        }
+    }
+    places.extend(struck_places(problem, options, methods));
+    places
+}
+
+/// Measures all points of the charts, on all cores. In a folder of the engine they are kept as they
+/// are computed, and those that are there are not computed again. `progress` is told how many
+/// points are done of how many.
 ///
 /// # Errors
-/// An option outside its rule; a store of another study, or one that was altered. A point that
-/// fails is a row of its own.
+/// An option outside its rule; a store of another study, or one that was altered; a signal, on
+/// which points are kept. A point that fails is a row of its own.
 pub fn charts(
     problem: &Problem,
     options: &ChartOptions,
-    folder: Option<&Folder>,
+    engine: &Engine,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<ChartStudy> {
     let clock = Instant::now();
     check(options)?;
-    let (charted, tried) = (options.charts(), options.methods()?);
-    let open = |name: &str, study: &str| -> Result<Option<Store>> {
-        let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
-        folder.map(|folder| Store::open(folder, name, study, &settings)).transpose()
-    };
-    let names: Vec<String> = tried.iter().map(Method::name).collect();
-    let methods = || tried.iter().zip(&names);
-
-    let mut places = Vec::new();
-    for &chart in &charted {
-        for variant in chart.variants(options) {
-            places.extend(methods().map(|(&method, integrator)| Place { chart, variant, integrator, method }));
-        }
+    let methods = options.methods()?;
+    let names: Vec<String> = methods.iter().map(Method::name).collect();
+    let places = places(problem, options, &methods, &names);
+    let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
+    let grid = Grid { store: STORE, study: "charts", settings };
+    let swept = engine.sweep(&grid, &places, progress, |place| value(problem, options, place))?;
+    if swept.missing > 0 {
+        let done = places.len() - swept.missing;
+        let kept = format!("{done} of {} points were measured; those in --out are kept", places.len());
+        return Err(Error::Stopped { kept });
     }
-    let mut pressed = Vec::new();
-    if charted.contains(&Chart::Resonances) {
-        for (&method, integrator) in methods().filter(|(method, _)| {
-            matches!(method, Method::Splitting(_, Split::Linear) | Method::Corrected(_, Split::Linear))
-        }) {
-            for k in MULTIPLES {
-                pressed.extend(PRESSED.map(|amplitude| ResonancePlace { integrator, k, amplitude, method }));
+    let mut study = ChartStudy {
+        work: options.work,
+        problem: problem.clone(),
+        points: Vec::new(),
+        resonances: Vec::new(),
+        struck: Vec::new(),
+        resumed: swept.resumed,
+        wall: Duration::ZERO,
+        charts: options.charts(),
+        methods,
+    };
+    places.into_iter().zip(swept.rows).for_each(|(place, row)| study.take(place, row));
+    study.wall = clock.elapsed();
+    Ok(study)
+}
+
+impl ChartStudy {
+    /// Adds a point to those of its kind.
+    fn take(&mut self, place: Place, row: Row<Value>) {
+        match place {
+            Place::Chart { chart, variant, method, .. } => {
+                let measured = row.and_then(|value| if let Value::Chart(it) = value { Ok(it) } else { other() });
+                self.points.push(ChartPoint { chart, variant, method, measured });
+            }
+            Place::Resonance { method, k, amplitude, .. } => {
+                let resonance = row.and_then(|value| if let Value::Resonance(it) = value { Ok(it) } else { other() });
+                self.resonances.push(ResonancePoint { method, k, amplitude, resonance });
+            }
+            Place::Struck { sites, alpha, rho, .. } => {
+                let runs = row.and_then(|value| if let Value::Struck(it) = value { Ok(it) } else { other() });
+                self.struck.push(StruckPoint { sites, alpha, rho, runs });
             }
         }
     }
-    let struck = struck_places(problem, options, &tried);
-    let total = (places.len() + pressed.len() + struck.len()) as u64;
-    let before = places.len() as u64;
-    let swept =
-        sweep(&places, open(STORES[0], "charts")?.as_mut(), &Threads, &|done, _| progress(done, total), |place| {
-            measured(problem, options, place)
-        })?;
-    let found = sweep(
-        &pressed,
-        open(STORES[1], "resonances")?.as_mut(),
-        &Threads,
-        &|done, _| progress(before + done, total),
-        |place| resonances::resonance(problem, place.method, place.k, place.amplitude),
-    )?;
-    let before = before + pressed.len() as u64;
-    let held = sweep(
-        &struck,
-        open(STORES[2], "struck")?.as_mut(),
-        &Threads,
-        &|done, _| progress(before + done, total),
-        |&StruckPlace { sites, alpha, kappa, rho }| Struck::free(Params::new(alpha, kappa, rho)?, sites)?.measure(),
-    )?;
-    let resumed = swept.resumed + found.resumed + held.resumed;
-    let point = |(Place { chart, variant, method, .. }, measured)| ChartPoint { chart, variant, method, measured };
-    let resonance =
-        |(ResonancePlace { method, k, amplitude, .. }, resonance)| ResonancePoint { method, k, amplitude, resonance };
-    let on_struck = |(StruckPlace { sites, alpha, rho, .. }, runs)| StruckPoint { sites, alpha, rho, runs };
-    Ok(ChartStudy {
-        work: options.work,
-        problem: problem.clone(),
-        points: places.into_iter().zip(swept.rows).map(point).collect(),
-        resonances: pressed.into_iter().zip(found.rows).map(resonance).collect(),
-        struck: struck.into_iter().zip(held.rows).map(on_struck).collect(),
-        resumed,
-        wall: clock.elapsed(),
-        charts: charted,
-        methods: tried,
-    })
+}
+
+/// The row of a point of another kind.
+fn other<T>() -> Row<T> {
+    Err("the row of a point of another kind".to_owned())
+}
+
+/// Measures a point.
+fn value(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Value> {
+    match *place {
+        Place::Chart { chart, variant, method, .. } => {
+            measured(problem, options, chart, &variant, method).map(Value::Chart)
+        }
+        Place::Resonance { method, k, amplitude, .. } => {
+            resonances::resonance(problem, method, k, amplitude).map(Value::Resonance)
+        }
+        Place::Struck { sites, alpha, kappa, rho } => {
+            Struck::free(Params::new(alpha, kappa, rho)?, sites)?.measure().map(Value::Struck)
+        }
+    }
 }
 
 fn check(options: &ChartOptions) -> Result<()> {
@@ -479,14 +514,20 @@ fn check(options: &ChartOptions) -> Result<()> {
     Ok(())
 }
 
-fn measured(problem: &Problem, options: &ChartOptions, place: &Place) -> Result<Measured> {
-    let stops = matches!(place.method, Method::Landed(_) | Method::Dop853(Contacts::Landed | Contacts::Regularised));
-    if let Some(sites) = place.variant.sites.filter(|sites| stops && *sites > STOPPING_SITES) {
+fn measured(
+    problem: &Problem,
+    options: &ChartOptions,
+    chart: Chart,
+    variant: &Variant,
+    method: Method,
+) -> Result<Measured> {
+    let stops = matches!(method, Method::Landed(_) | Method::Dop853(Contacts::Landed | Contacts::Regularised));
+    if let Some(sites) = variant.sites.filter(|sites| stops && *sites > STOPPING_SITES) {
         let rule =
             "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
         return Err(Error::parameter("sites", sites, rule));
     }
-    let longer = (place.variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
-    let search = Search { work: longer * options.work, light: place.chart == Chart::Light };
-    measure(&problem.prepare(&place.variant)?, place.method, search)
+    let longer = (variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
+    let search = Search { work: longer * options.work, light: chart == Chart::Light };
+    measure(&problem.prepare(variant)?, method, search)
 }

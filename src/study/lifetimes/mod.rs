@@ -39,10 +39,9 @@ use crate::{
     dps::Center,
     error::{Error, Result},
     interrupt,
-    output::Folder,
     run::method::Method,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span},
-    sweep::{Row, Store, Threads, sweep},
+    sweep::{Engine, Grid, Row},
 };
 use hertzchain_integrators::{Error as Failure, Stepper};
 use serde::{Deserialize, Serialize};
@@ -80,8 +79,6 @@ const SITES: RangeInclusive<usize> = 100..=25_600;
 const GIVEN_SITES: RangeInclusive<usize> = 20..=100_000;
 /// Most periods of a run.
 const MOST_PERIODS: f64 = 1e6;
-/// Most points of a map.
-const MOST_POINTS: usize = 10_000;
 /// `x` from which lifetimes are fitted.
 const FITTED_FROM: f64 = 10.0;
 /// Largest ratio of a lifetime to its fit that a power law may have.
@@ -173,11 +170,12 @@ pub struct LifetimeOptions {
 impl Study for LifetimeOptions {
     const FILES: &'static str = "Files: lifetimes.csv, lifetimes.json, lifetimes.png and lifetimes.store.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        Ok(Box::new(|folder, progress| {
+        Ok(Box::new(|engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(lifetimes(self, folder, &tell)?))
+            Ok(Box::new(lifetimes(self, engine, &tell)?))
         }))
     }
 }
@@ -280,8 +278,8 @@ pub struct LifetimeStudy {
     pub wall: Duration,
 }
 
-/// Follows every breather of the map to its end. With a folder, points are kept there as they are
-/// computed, and those that are there are not computed again, whichever the criterion. `progress`
+/// Follows every breather of the map to its end. In a folder of the engine points are kept as they
+/// are computed, and those that are there are not computed again, whichever the criterion. `progress`
 /// is told how many points are done of how many.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
@@ -291,13 +289,13 @@ pub struct LifetimeStudy {
 /// An option outside its rule; a store of another study, or one that was altered.
 pub fn lifetimes(
     options: &LifetimeOptions,
-    folder: Option<&Folder>,
+    engine: &Engine,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<LifetimeStudy> {
     let clock = Instant::now();
     let places = checked(options)?;
-    let mut store = folder.map(|folder| Store::open(folder, STORE, "lifetimes", &settings(options))).transpose()?;
-    let swept = sweep(&places, store.as_mut(), &Threads, progress, |place| place.life(options))?;
+    let grid = Grid { store: STORE, study: "lifetimes", settings: settings(options) };
+    let swept = engine.sweep(&grid, &places, progress, |place| place.life(options))?;
     let (resumed, computed) = (swept.resumed, swept.computed());
     let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));
     let points = points.collect::<Result<Vec<_>>>()?;
@@ -333,9 +331,6 @@ fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
         if let Some((_, twice)) = values.iter().enumerate().find(|(k, value)| values[..*k].contains(value)) {
             return Err(Error::parameter(name, twice, "each value once"));
         }
-    }
-    if epsilons.len() * rhos.len() > MOST_POINTS {
-        return Err(Error::parameter("points", epsilons.len() * rhos.len(), "a map has at most 10^4 points"));
     }
     if let Some(sites) = sites.filter(|sites| !GIVEN_SITES.contains(sites)) {
         return Err(Error::parameter("sites", sites, "from 20 to 10^5"));

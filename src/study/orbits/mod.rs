@@ -241,7 +241,7 @@ impl Study for Continue {
             }
             None => self.first()?,
         };
-        Ok(Box::new(move |folder, progress| Ok(Box::new(go_on(trail, &mut keeper(folder), progress)?))))
+        Ok(Box::new(move |engine, progress| Ok(Box::new(go_on(trail, &mut keeper(engine.folder()), progress)?))))
     }
 
     fn beside(&self) -> Option<PathBuf> {
@@ -305,14 +305,14 @@ impl Study for Doubled {
                 return Err(Error::parameter(name, value, "a frequency is finite and positive"));
             }
         }
-        Ok(Box::new(move |folder, progress| {
+        Ok(Box::new(move |engine, progress| {
             let half = |share: f64, what: &str| progress(0.5 * share, what);
             let main = match &self.branch {
                 Some(file) => study(Trail::load(file)?, &half)?,
                 None => main_branch(&breather, most, self.step, &shooting, &half)?,
             };
             let half = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-            let doubled = doubled_from(&main, self.omega_b, self.step, &mut keeper(folder), &half)?;
+            let doubled = doubled_from(&main, self.omega_b, self.step, &mut keeper(engine.folder()), &half)?;
             let last = doubled.branch.points.last();
             let last = last.map(|point| orbit_study(point.orbit.clone(), &shooting)).transpose()?;
             Ok(Box::new(DoubledStudy { doubled, last }))

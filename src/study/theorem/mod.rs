@@ -27,8 +27,7 @@ use super::{Study, Work};
 use crate::{
     error::{Error, Result},
     interrupt,
-    output::Folder,
-    sweep::{Store, Threads, sweep},
+    sweep::{Engine, Grid},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -235,10 +234,11 @@ impl Study for TheoremOptions {
     const FILES: &'static str = "Files: theorem.json, theorem.txt, theorem.png, theorem.csv (suprema) and slopes.csv, and theorem.store, where every size is kept \
                                  once it was run: the same study in the same folder goes on where it was.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         checked(self)?;
-        Ok(Box::new(|folder, progress| Ok(Box::new(theorem(self, folder, &|share| progress(share, ""))?))))
+        Ok(Box::new(|engine, progress| Ok(Box::new(theorem(self, engine, &|share| progress(share, ""))?))))
     }
 }
 
@@ -343,11 +343,7 @@ fn powers(alpha: f64) -> [f64; 3] {
 ///
 /// # Errors
 /// An option outside its rule, a run that fails; a store of another study, or one that was altered.
-pub fn theorem(
-    options: &TheoremOptions,
-    folder: Option<&Folder>,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<TheoremStudy> {
+pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: &(dyn Fn(f64) + Sync)) -> Result<TheoremStudy> {
     let clock = Instant::now();
     let mut options = checked(options)?;
     let start = Start::new(&options)?;
@@ -362,9 +358,8 @@ pub fn theorem(
     };
     // The longest run first, so that no core waits for it at the end.
     let ascending: Vec<Point> = options.epsilons.iter().rev().map(|&epsilon| Point { epsilon }).collect();
-    let mut store = folder.map(|folder| Store::open(folder, STORE, "theorem", &settings(&options))).transpose()?;
-    let swept =
-        sweep(&ascending, store.as_mut(), &Threads, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
+    let grid = Grid { store: STORE, study: "theorem", settings: settings(&options) };
+    let swept = engine.sweep(&grid, &ascending, &|_, _| (), |point| start.run(&options, point.epsilon, &tell))?;
     let (resumed, missing) = (swept.resumed, swept.missing);
     let mut runs = Vec::new();
     for (&Point { epsilon }, measured) in ascending.iter().zip(swept.rows).rev() {

@@ -16,11 +16,10 @@ use crate::{
     chain::{Site, max_norm},
     dps::{Envelope, project},
     error::{Error, Result},
-    output::Folder,
     run::method::Method,
     run::state_at,
     scene::{Scene, Theory},
-    sweep::{Store, Threads, map, sweep},
+    sweep::{Engine, Grid, map},
     waves::{PerturbedWave, TravellingWave},
 };
 use hertzchain_integrators::{Dop853, Stats, dop853::Options};
@@ -138,6 +137,7 @@ impl Study for Wave {
                                  spread.csv. With --seeds, ensemble.store keeps every seed once it was run: the same \
                                  ensemble in the same folder goes on where it was.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
         ["envelope.csv", "ensemble.csv", "spread.csv"].map(str::to_owned).into()
@@ -145,9 +145,9 @@ impl Study for Wave {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.scene()?;
-        Ok(Box::new(move |folder, progress| {
+        Ok(Box::new(move |engine, progress| {
             let tell = |done, total| progress(done as f64 / total as f64, "");
-            Ok(Box::new(wave_in(&scene, &self.options, folder, &tell)?))
+            Ok(Box::new(wave_in(&scene, &self.options, engine, &tell)?))
         }))
     }
 }
@@ -291,26 +291,24 @@ pub struct WaveStudy {
 /// A scene that is no travelling wave, a method that takes no tolerance, an option outside its
 /// rule, an ensemble without perturbation, a run that fails.
 pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<WaveStudy> {
-    wave_in(scene, options, None, progress)
+    wave_in(scene, options, &Engine::threads(), progress)
 }
 
-/// The same; with a folder, members of the ensemble are kept there as they are run, and those that
-/// are there are not run again.
+/// The same; in a folder of the engine members of the ensemble are kept as they are run, and those
+/// that are there are not run again.
 ///
 /// # Errors
 /// As [`wave`]; a store of another ensemble, or one that was altered.
 pub fn wave_in(
     scene: &Scene,
     options: &WaveOptions,
-    folder: Option<&Folder>,
+    engine: &Engine,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<WaveStudy> {
     let clock = Instant::now();
     let wave = *scene.wave()?;
     let times = times(scene, options)?;
     let seeds = seeds(scene, options, times.len())?;
-    let folder = folder.filter(|_| seeds.len() > 1);
-    let store = folder.map(|folder| Store::open(folder, STORE, "wave", &settings(scene, options))).transpose()?;
 
     let alone = [scene.perturbed(0.0, None)?, scene.clone()];
     let alone = if seeds.is_empty() { &alone[..1] } else { &alone };
@@ -324,10 +322,10 @@ pub fn wave_in(
     let mut ensemble = None;
     if let Some(own) = tracks.get(1) {
         let difference = differences(&wave, own, unperturbed);
-        perturbed = Some(perturbed_run(scene, options, &times, own, &difference)?);
         // All but the wave of the scene leave no more than how they differ.
         let others = Others { scene, options, times: &times, unperturbed };
-        ensemble = Some(others.ensemble(&seeds, difference, store, &tell)?);
+        ensemble = Some(others.ensemble(&seeds, difference.clone(), engine, &tell)?);
+        perturbed = Some(perturbed_run(scene, options, &times, own, &difference)?);
     }
     Ok(WaveStudy {
         scene: scene.clone(),
@@ -370,10 +368,11 @@ impl Others<'_> {
         &self,
         seeds: &[u64],
         first: Errors,
-        mut store: Option<Store>,
+        engine: &Engine,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Ensemble> {
-        let swept = sweep(&seeds[1..], store.as_mut(), &Threads, progress, |&seed| self.difference(seed))?;
+        let grid = Grid { store: STORE, study: "wave", settings: settings(self.scene, self.options) };
+        let swept = engine.sweep(&grid, &seeds[1..], progress, |&seed| self.difference(seed))?;
         let mut all = vec![(seeds[0], first)];
         for (&seed, row) in seeds[1..].iter().zip(swept.rows) {
             match row {

@@ -1,0 +1,482 @@
+//! The file of a plan in TOML, and the points that it gives.
+
+use crate::{
+    error::{Error, Result, nearest, one_line},
+    output::read,
+    scene::Scene,
+};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json, json};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// Longest plan in bytes.
+const MOST_BYTES: u64 = 1 << 26;
+/// Most points of a plan.
+const MOST_POINTS: usize = 1 << 32;
+/// What is kept unless the plan says so.
+const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
+/// What a run reports as a number, or as a table or an array of numbers.
+const REPORTED: [&str; 19] = [
+    "t",
+    "period",
+    "u",
+    "v",
+    "pu",
+    "pv",
+    "x",
+    "y",
+    "vx",
+    "vy",
+    "energy",
+    "energy_error",
+    "energies",
+    "e_x_final",
+    "e_y_final",
+    "contacts",
+    "force_evaluations",
+    "steps",
+    "rejected",
+];
+
+/// A sweep over a scene, as a file says it.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    path: PathBuf,
+    /// Its name; that of the file if it says none.
+    pub name: String,
+    /// The scene as TOML, and how messages call it.
+    scene: (String, String),
+    set: Vec<String>,
+    /// The quantities that are kept.
+    pub keep: Vec<Reported>,
+    /// The axes, the first one slowest.
+    pub axes: Vec<Axis>,
+    /// The quantity of the picture, by its number in `keep`.
+    pub picture: usize,
+}
+
+/// A number or an array of numbers of the report of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reported {
+    /// Its name, such as `contacts.impulse` or `u[3]`.
+    pub name: String,
+    /// The same as a pointer into the JSON of a run.
+    pointer: String,
+}
+
+/// Keys of the scene that change together.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// The keys.
+    pub keys: Vec<String>,
+    /// A row for each place on the axis, with a value for each key.
+    pub values: Vec<Vec<Value>>,
+}
+
+/// A point of the grid: the values of all keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point(pub Vec<(String, Value)>);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanFile {
+    name: Option<String>,
+    scene: Value,
+    #[serde(default)]
+    set: Vec<String>,
+    keep: Option<Vec<String>>,
+    picture: Option<String>,
+    #[serde(default, rename = "axis")]
+    axes: Vec<AxisFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisFile {
+    key: Option<String>,
+    values: Option<Vec<Value>>,
+    from: Option<Value>,
+    to: Option<Value>,
+    count: Option<usize>,
+    #[serde(default)]
+    scale: Scale,
+    seeds: Option<usize>,
+    #[serde(default)]
+    zip: bool,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Scale {
+    #[default]
+    Linear,
+    Log,
+}
+
+impl Plan {
+    /// A template with every key and an explanation of each.
+    pub const TEMPLATE: &str = include_str!("template.toml");
+
+    /// The plan in a file.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse); a file that cannot be read.
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = String::from_utf8(read(path, MOST_BYTES)?);
+        Self::parse(&text.map_err(|why| refused(path, "text", format!("not valid UTF-8: {why}")))?, path)
+    }
+
+    /// The plan in `text`; messages call it `path`, and files of scenes are looked for beside it.
+    ///
+    /// # Errors
+    /// The place and the rule that the plan breaks; scenes that cannot be read or built at both ends
+    /// of every axis.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let file: PlanFile = toml::from_str(text).map_err(|error| {
+            let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+            refused(path, &format!("line {line}"), error.message().to_owned())
+        })?;
+        let keep = file.keep.unwrap_or_else(|| KEPT.map(str::to_owned).into());
+        let keep = keep.iter().map(|name| Reported::named(name, path)).collect::<Result<Vec<_>>>()?;
+        if keep.is_empty() {
+            return Err(refused(path, "`keep`", "name at least one quantity"));
+        }
+        let picture = file.picture.map(|name| picture(&keep, &name, path)).transpose()?.unwrap_or(0);
+        let stem = path.file_stem().map_or("sweep".into(), |stem| stem.to_string_lossy().into_owned());
+        let plan = Self {
+            path: path.to_owned(),
+            name: file.name.unwrap_or(stem),
+            scene: scene_source(&file.scene, path)?,
+            set: file.set,
+            keep,
+            axes: axes(file.axes, path)?,
+            picture,
+        };
+        plan.check()?;
+        Ok(plan)
+    }
+
+    /// Refuses what the ends of the axes show.
+    fn check(&self) -> Result<()> {
+        let points = self.axes.iter().try_fold(1usize, |points, axis| points.checked_mul(axis.values.len()));
+        if points.is_none_or(|points| points >= MOST_POINTS) {
+            return Err(refused(&self.path, "`axis`", "a plan has less than 2^32 points"));
+        }
+        let mut stride = self.points();
+        for axis in &self.axes {
+            stride /= axis.values.len();
+            self.scene(&self.point(stride * (axis.values.len() - 1)))?;
+        }
+        let ring = self.scene(&self.point(0))?.chain().boundary() == crate::chain::Boundary::StrainRing;
+        let others: &[&str] = if ring { &["u", "v", "pu", "pv"] } else { &["x", "y", "vx", "vy"] };
+        match self.keep.iter().find(|kept| others.contains(&kept.root())) {
+            None => Ok(()),
+            Some(kept) => {
+                let words = if ring { "strains are x, y, vx and vy" } else { "states are u, v, pu and pv" };
+                Err(refused(&self.path, "`keep`", format!("`{}`: {words} on this boundary", kept.name)))
+            }
+        }
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// The point of a number: the last axis goes fastest.
+    pub fn point(&self, mut number: usize) -> Point {
+        let mut places = Vec::with_capacity(self.axes.len());
+        for axis in self.axes.iter().rev() {
+            places.push(number % axis.values.len());
+            number /= axis.values.len();
+        }
+        let values = self.axes.iter().zip(places.into_iter().rev());
+        Point(values.flat_map(|(axis, k)| axis.keys.iter().cloned().zip(axis.values[k].iter().cloned())).collect())
+    }
+
+    /// The scene of a point.
+    ///
+    /// # Errors
+    /// The key and the rule that it breaks.
+    pub fn scene(&self, point: &Point) -> Result<Scene> {
+        let at = point.0.iter().map(|(key, value)| format!("{key}={value}"));
+        let changes: Vec<String> = self.set.iter().cloned().chain(at).collect();
+        Scene::parse_with(&self.scene.0, &self.scene.1, &changes)
+    }
+
+    /// All that results depend on besides the point.
+    pub(super) fn settings(&self) -> Json {
+        let scene: Option<Table> = self.scene.0.parse().ok();
+        let keep: Vec<&str> = self.keep.iter().map(|kept| kept.name.as_str()).collect();
+        json!({"scene": scene.map(|scene| in_json(&Value::Table(scene))), "set": self.set, "keep": keep})
+    }
+
+    /// The keys of all axes.
+    pub fn keys(&self) -> impl Iterator<Item = &String> {
+        self.axes.iter().flat_map(|axis| &axis.keys)
+    }
+
+    /// Whether contacts are logged.
+    pub(super) fn contacts(&self) -> bool {
+        self.keep.iter().any(|kept| kept.root() == "contacts")
+    }
+}
+
+impl Reported {
+    fn named(name: &str, path: &Path) -> Result<Self> {
+        let pointer = format!("/{}", name.replace(['.', '['], "/").replace(']', ""));
+        let quantity = Self { name: name.to_owned(), pointer };
+        if REPORTED.contains(&quantity.root()) {
+            return Ok(quantity);
+        }
+        let hint = match nearest(quantity.root(), REPORTED) {
+            Some(known) => format!("did you mean `{known}`?"),
+            None => format!("a run reports {}", REPORTED.join(", ")),
+        };
+        Err(refused(path, "`keep`", format!("unknown quantity `{}`; {hint}", one_line(name))))
+    }
+
+    fn root(&self) -> &str {
+        self.pointer[1..].split('/').next().unwrap_or_default()
+    }
+
+    /// The quantity in the report of a run.
+    ///
+    /// # Errors
+    /// A report that does not have it.
+    pub(super) fn of(&self, report: &Json) -> Result<Json> {
+        match report.pointer(&self.pointer) {
+            Some(value) if !value.is_object() => Ok(value.clone()),
+            found => {
+                let members = found.and_then(Json::as_object).map(|table| table.keys().map(String::as_str).collect());
+                let members: Vec<&str> = members.unwrap_or_default();
+                let why = match members.is_empty() {
+                    true => format!("the report of this run has no `{}`", self.name),
+                    false => format!("name one of its numbers: {}", members.join(", ")),
+                };
+                Err(Error::Point { point: self.name.clone(), why })
+            }
+        }
+    }
+}
+
+impl Serialize for Point {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        let values: Map<String, Json> = self.0.iter().map(|(key, value)| (key.clone(), in_json(value))).collect();
+        values.serialize(to)
+    }
+}
+
+/// A value of TOML as JSON; what JSON has no number for as text.
+pub(super) fn in_json(value: &Value) -> Json {
+    match value {
+        Value::Float(number) if !number.is_finite() => json!(number.to_string()),
+        Value::Array(values) => values.iter().map(in_json).collect(),
+        Value::Table(table) => Json::Object(table.iter().map(|(key, value)| (key.clone(), in_json(value))).collect()),
+        value => json!(value),
+    }
+}
+
+fn picture(keep: &[Reported], name: &str, path: &Path) -> Result<usize> {
+    let found = keep.iter().position(|kept| kept.name == name);
+    found.ok_or_else(|| refused(path, "`picture`", format!("`{}` is not kept", one_line(name))))
+}
+
+/// The TOML of the scene, and how messages call it.
+fn scene_source(scene: &Value, path: &Path) -> Result<(String, String)> {
+    match scene {
+        Value::String(name) => {
+            let beside = path.parent().map(|folder| folder.join(name)).filter(|file| file.is_file());
+            let name = beside.map_or_else(|| name.clone(), |file| file.display().to_string());
+            Ok((Scene::source(&name)?, name))
+        }
+        Value::Table(table) => {
+            let text = toml::to_string(table).map_err(|why| refused(path, "`scene`", why.to_string()))?;
+            Ok((text, format!("{} [scene]", path.display())))
+        }
+        _ => Err(refused(path, "`scene`", "the name of a scene, a file, or a table with all keys of one")),
+    }
+}
+
+/// The axes, with those that move along with the one above them joined to it.
+fn axes(files: Vec<AxisFile>, path: &Path) -> Result<Vec<Axis>> {
+    if files.is_empty() {
+        return Err(refused(path, "`axis`", "a plan has at least one axis: [[axis]] with key and values"));
+    }
+    let mut axes: Vec<Axis> = Vec::new();
+    for (k, file) in files.into_iter().enumerate() {
+        let at = |what: &str, rule: String| refused(path, &format!("axis {}, `{what}`", k + 1), rule);
+        let key = match (&file.key, file.seeds) {
+            (Some(key), _) => key.clone(),
+            (None, Some(_)) => "initial.seed".to_owned(),
+            (None, None) => return Err(at("key", "name a key of the scene, as in chain.rho".to_owned())),
+        };
+        if axes.iter().any(|axis| axis.keys.contains(&key)) {
+            return Err(at("key", format!("{key} has an axis above")));
+        }
+        let zip = file.zip;
+        let values = file.values().map_err(|(what, rule)| at(what, rule))?;
+        match (zip, axes.last_mut()) {
+            (false, _) => {
+                axes.push(Axis { keys: vec![key], values: values.into_iter().map(|one| vec![one]).collect() })
+            }
+            (true, None) => return Err(at("zip", "the first axis has none above to move along with".to_owned())),
+            (true, Some(above)) if above.values.len() != values.len() => {
+                let rule = format!("{} values here and {} on the axis above", values.len(), above.values.len());
+                return Err(at("zip", rule));
+            }
+            (true, Some(above)) => {
+                above.keys.push(key);
+                above.values.iter_mut().zip(values).for_each(|(row, value)| row.push(value));
+            }
+        }
+    }
+    Ok(axes)
+}
+
+/// What breaks a rule, and the rule.
+type Refusal = (&'static str, String);
+
+impl AxisFile {
+    fn values(self) -> std::result::Result<Vec<Value>, Refusal> {
+        let Self { values, from, to, count, seeds, scale, .. } = self;
+        let values = match (values, from, to, count, seeds) {
+            (Some(values), None, None, None, None) => values,
+            (None, Some(from), Some(to), Some(count), None) => range(&from, &to, count, scale)?,
+            (None, from, None, None, Some(seeds)) => {
+                let first = from.map_or(Some(1), |from| from.as_integer());
+                let first = first.ok_or_else(|| ("from", "the first seed is a whole number".to_owned()))?;
+                (0..seeds as i64).map(|k| Value::Integer(first + k)).collect()
+            }
+            _ => return Err(("values", "give `values`, or `from`, `to` and `count`, or `seeds`".to_owned())),
+        };
+        if values.is_empty() {
+            return Err(("values", "an axis has at least one value".to_owned()));
+        }
+        let mut texts: Vec<String> = values.iter().map(Value::to_string).collect();
+        texts.sort_unstable();
+        match texts.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(("values", format!("{} is there twice", pair[0]))),
+            None => Ok(values),
+        }
+    }
+}
+
+/// `count` values from `from` to `to`, both included; whole numbers if both ends and the step are.
+fn range(from: &Value, to: &Value, count: usize, scale: Scale) -> std::result::Result<Vec<Value>, Refusal> {
+    let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
+    let end = |name, value| number(value).filter(|end| end.is_finite()).ok_or((name, "a finite number".to_owned()));
+    let (first, last) = (end("from", from)?, end("to", to)?);
+    if count < 2 {
+        return Err(("count", "at least 2".to_owned()));
+    }
+    if scale == Scale::Log && !(first > 0.0 && last > 0.0) {
+        return Err(("scale", "both ends of a logarithmic axis are positive".to_owned()));
+    }
+    let steps = count as i64 - 1;
+    if let (Value::Integer(from), Value::Integer(to), Scale::Linear) = (from, to, scale)
+        && (to - from) % steps == 0
+    {
+        return Ok((0..=steps).map(|k| Value::Integer(from + (to - from) / steps * k)).collect());
+    }
+    let at = |k: i64| {
+        let share = k as f64 / steps as f64;
+        match scale {
+            _ if k == 0 => first,
+            _ if k == steps => last,
+            Scale::Linear => first + (last - first) * share,
+            Scale::Log => (first.ln() + (last / first).ln() * share).exp(),
+        }
+    };
+    Ok((0..=steps).map(|k| Value::Float(at(k))).collect())
+}
+
+fn refused(path: &Path, place: &str, rule: impl Into<String>) -> Error {
+    Error::Content { path: path.to_owned(), place: place.to_owned(), rule: rule.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<Plan> {
+        Plan::parse(text, Path::new("a/plan.toml"))
+    }
+
+    fn keys(plan: &Plan, number: usize) -> Vec<String> {
+        plan.point(number).0.iter().map(|(key, value)| format!("{key}={value}")).collect()
+    }
+
+    #[test]
+    fn the_last_axis_goes_fastest_and_zipped_axes_move_together() {
+        let plan = parsed(
+            r#"
+            scene = "impact"
+            axis = [
+                { key = "chain.rho", from = 0.1, to = 10, count = 3, scale = "log" },
+                { key = "chain.kappa", values = [1, 2.5, 4], zip = true },
+                { key = "chain.sites", from = 10, to = 30, count = 3 },
+            ]"#,
+        )
+        .unwrap();
+        assert_eq!((plan.points(), plan.name.as_str()), (9, "plan"));
+        assert_eq!(keys(&plan, 0), ["chain.rho=0.1", "chain.kappa=1", "chain.sites=10"]);
+        assert_eq!(keys(&plan, 1), ["chain.rho=0.1", "chain.kappa=1", "chain.sites=20"]);
+        // Truth: the middle of 0.1 and 10 on a logarithmic axis.
+        let (rho, rest) = (plan.point(4).0[0].1.as_float().unwrap(), keys(&plan, 4));
+        assert!((rho - 1.0).abs() < 1e-15 && rest[1..] == ["chain.kappa=2.5", "chain.sites=20"]);
+        assert_eq!(keys(&plan, 8), ["chain.rho=10.0", "chain.kappa=4", "chain.sites=30"]);
+    }
+
+    #[test]
+    fn a_plan_that_breaks_a_rule_is_refused_with_file_key_and_rule() {
+        let axis = |axis: &str| parsed(&format!("scene = \"impact\"\n[[axis]]\n{axis}")).unwrap_err().to_string();
+        for (text, words) in [
+            ("", "a/plan.toml, axis 1, `key`: name a key of the scene"),
+            ("key = \"chain.rho\"", "axis 1, `values`: give `values`, or `from`, `to` and `count`, or `seeds`"),
+            ("key = \"chain.rho\"\nvalues = []", "axis 1, `values`: an axis has at least one value"),
+            ("key = \"chain.rho\"\nvalues = [1, 2, 1]", "axis 1, `values`: 1 is there twice"),
+            ("key = \"chain.rho\"\nform = 1", "a/plan.toml, line 4: unknown field `form`"),
+            ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 3\nscale = \"log\"", "`scale`: both ends"),
+            ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 1", "`count`: at least 2"),
+            ("key = \"chain.rho\"\nvalues = [1]\nzip = true", "`zip`: the first axis"),
+            ("key = \"chain.roh\"\nvalues = [1]", "scene impact: --set chain.roh=1: unknown field `roh`"),
+            ("key = \"chain.rho\"\nvalues = [1, -1]", "scene impact: --set chain.rho=-1: `chain.rho`: rho = -1"),
+        ] {
+            let why = axis(text);
+            assert!(why.contains(words), "{text}: {why}");
+        }
+        let plan = |text: &str| parsed(&format!("{text}\naxis = [{{ key = \"chain.rho\", values = [1] }}]"));
+        for (text, words) in [
+            ("scene = \"impakt\"", "unknown scene \"impakt\"; did you mean \"impact\"?"),
+            ("scene = 3", "`scene`: the name of a scene"),
+            ("", "missing field `scene`"),
+            ("scene = \"impact\"\nkeep = [\"energy_eror\"]", "`keep`: unknown quantity `energy_eror`; did you mean"),
+            ("scene = \"impact\"\nkeep = [\"vx\"]", "`keep`: `vx`: states are u, v, pu and pv on this boundary"),
+            ("scene = \"impact\"\npicture = \"steps\"", "`picture`: `steps` is not kept"),
+        ] {
+            let why = plan(text).unwrap_err().to_string();
+            assert!(why.contains(words), "{text}: {why}");
+        }
+        assert!(parsed("scene = \"impact\"").unwrap_err().to_string().contains("at least one axis"));
+    }
+
+    #[test]
+    fn the_template_is_a_plan_and_a_scene_may_be_inside() {
+        let plan = Plan::parse(Plan::TEMPLATE, Path::new("template.toml")).unwrap();
+        assert!(plan.points() > 1 && plan.contacts());
+        let inside = parsed(
+            r#"
+            [scene]
+            chain = { sites = 4, alpha = 1.5, boundary = "free" }
+            initial = { kind = "single-bead", site = 0, velocity = 1.0 }
+            span = { until = 1.0 }
+            [[axis]]
+            key = "chain.sites"
+            values = [4, 0]"#,
+        );
+        let why = inside.unwrap_err().to_string();
+        assert!(why.starts_with("scene a/plan.toml [scene]: --set chain.sites=0: `chain.sites`"), "{why}");
+    }
+}

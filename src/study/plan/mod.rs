@@ -1,0 +1,263 @@
+//! A sweep of your own: a scene, run at every point of a grid that a file describes.
+//!
+//! | word | meaning |
+//! |---|---|
+//! | *plan* | a TOML file: scene, axes, quantities; see [`Plan::TEMPLATE`] |
+//! | *axis* | keys of the scene that change together, and their values |
+//! | *quantity* | a number or an array of numbers that the report of a run has, as in `run --json` |
+//!
+//! Rows stay in the store: tables are written from there line by line. In memory are the numbers of
+//! the columns, 8 bytes each.
+
+mod file;
+mod report;
+
+pub use file::{Axis, Plan, Point, Reported};
+
+use super::{Study, Work, run_json};
+use crate::{
+    error::{Error, Result},
+    output::Folder,
+    run::Records,
+    scene::Scene,
+    sweep::{Engine, Grid, Row, Rows, STOPPED},
+};
+use file::in_json;
+use serde_json::Value;
+use std::{
+    io::{BufWriter, Write},
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+/// The store in the folder of results.
+const STORE: &str = "sweep.store";
+/// Failures that are shown.
+const SHOWN: usize = 10;
+
+/// A sweep of your own.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct PlanFile {
+    /// A TOML file; `hertzchain sweep --template` prints one with every key.
+    #[cfg_attr(feature = "cli", arg(value_name = "PLAN", required_unless_present = "template"))]
+    pub plan: Option<PathBuf>,
+    /// Print a plan with every key, each explained: a start for your own.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub template: bool,
+}
+
+impl Study for PlanFile {
+    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
+                                 two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
+                                 goes on where it was.";
+    const STOPS: bool = true;
+    const SWEEPS: bool = true;
+
+    fn sometimes() -> Vec<String> {
+        vec!["sweep.png".to_owned()]
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        if self.template {
+            return Ok(Box::new(|_, _| Ok(Box::new(report::Template))));
+        }
+        let plan = Plan::load(self.plan.as_deref().unwrap_or("".as_ref()))?;
+        Ok(Box::new(move |engine, progress| {
+            let tell = |done, total| progress(done as f64 / total as f64, "");
+            Ok(Box::new(planned(&plan, engine, &tell)?))
+        }))
+    }
+}
+
+/// The numbers of a key or of a quantity, point by point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberColumn {
+    /// The key or the quantity.
+    pub name: String,
+    /// The numbers: one a point, or as many for each; not-a-number where there is none.
+    pub numbers: Vec<f64>,
+    /// How many a point.
+    pub width: usize,
+}
+
+/// What came of a plan.
+#[derive(Clone, Debug)]
+pub struct PlanStudy {
+    /// The plan.
+    pub plan: Plan,
+    /// The columns of numbers: keys first, then quantities.
+    pub columns: Vec<NumberColumn>,
+    /// How many points have no result.
+    pub failures: usize,
+    /// The first of them, with the reasons.
+    pub failed: Vec<(usize, String)>,
+    /// How many points were not run because the process was asked to end.
+    pub missing: usize,
+    /// How many points were in the store.
+    pub resumed: usize,
+    /// Wall time.
+    pub wall: Duration,
+}
+
+/// Runs a plan. In a folder of the engine points are kept as they are run, and tables are written.
+/// `progress` is told how many points are done of how many.
+///
+/// A point that fails is a row of its own.
+///
+/// ```
+/// use hertzchain::{study::{Plan, planned}, sweep::Engine};
+/// let plan = r#"
+///     scene = "impact"
+///     set = ["chain.sites=5", "span.until=3"]
+///     axis = [{ key = "chain.alpha", values = [1.5, 2.0] }]
+/// "#;
+/// let study = planned(&Plan::parse(plan, "plan.toml".as_ref())?, &Engine::threads(), &|_, _| ())?;
+/// assert!(study.columns[1].name == "energy_error" && study.columns[1].numbers.iter().all(|error| *error < 1e-8));
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// A store of another plan, or one that was altered; errors of the system.
+pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<PlanStudy> {
+    let clock = Instant::now();
+    let grid = Grid { store: STORE, study: "plan", settings: plan.settings() };
+    let work = |point: Point| run(plan, &point);
+    let swept = |rows: &mut Rows<'_>| {
+        let mut table = Table::new(plan);
+        let missing = rows.each(&mut |k, row| {
+            table.take(k, row);
+            Ok(())
+        })?;
+        if let Some(folder) = engine.folder() {
+            write(folder, "sweep.csv", plan, rows, csv_head(plan), csv_line)?;
+            write(folder, "sweep.ndjson", plan, rows, String::new(), json_line)?;
+        }
+        Ok((table, missing))
+    };
+    let ((table, missing), resumed) = engine.each(&grid, plan.points(), &|k| plan.point(k), progress, &work, swept)?;
+    Ok(PlanStudy {
+        plan: plan.clone(),
+        columns: table.columns,
+        failures: table.failures,
+        failed: table.failed,
+        missing,
+        resumed,
+        wall: clock.elapsed(),
+    })
+}
+
+/// Runs a point: the quantities that the plan keeps.
+fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
+    let scene: Scene = plan.scene(point)?;
+    let run = scene.run().records(Records::Energy);
+    let run = if plan.contacts() { run.contacts() } else { run };
+    let mut trajectory = run.start()?;
+    if let Some(failure) = trajectory.failure.take() {
+        return Err(failure.into());
+    }
+    let report = run_json(&scene, "", "", None, &trajectory);
+    plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
+}
+
+/// The columns of a plan while rows come in.
+struct Table<'a> {
+    plan: &'a Plan,
+    columns: Vec<NumberColumn>,
+    failures: usize,
+    failed: Vec<(usize, String)>,
+}
+
+impl<'a> Table<'a> {
+    fn new(plan: &'a Plan) -> Self {
+        let column = |name: &String| NumberColumn { name: name.clone(), numbers: Vec::new(), width: 1 };
+        let columns = plan.keys().map(column).chain(plan.keep.iter().map(|kept| column(&kept.name))).collect();
+        Self { plan, columns, failures: 0, failed: Vec::new() }
+    }
+
+    fn take(&mut self, k: usize, row: Row<Vec<Value>>) {
+        let point = self.plan.point(k);
+        let keys = point.0.iter().map(|(_, value)| in_json(value));
+        let values = row.unwrap_or_else(|why| {
+            if why != STOPPED {
+                self.failures += 1;
+            }
+            if self.failed.len() < SHOWN {
+                self.failed.push((k, why));
+            }
+            vec![Value::Null; self.plan.keep.len()]
+        });
+        for (column, value) in self.columns.iter_mut().zip(keys.chain(values)) {
+            column.take(k, &value);
+        }
+    }
+}
+
+impl NumberColumn {
+    /// Adds the value of a point. Arrays that are longer than all before widen the column.
+    fn take(&mut self, points: usize, value: &Value) {
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        let array = value.as_array().map(Vec::as_slice);
+        let wanted = array.map_or(1, <[Value]>::len);
+        if wanted > self.width {
+            let widened = self.numbers.chunks(self.width).flat_map(|row| {
+                row.iter().copied().chain(std::iter::repeat_n(f64::NAN, wanted - row.len())).collect::<Vec<_>>()
+            });
+            self.numbers = widened.collect();
+            self.width = wanted;
+        }
+        let values = array.unwrap_or(std::slice::from_ref(value));
+        self.numbers.extend(values.iter().map(number));
+        self.numbers.resize((points + 1) * self.width, f64::NAN);
+    }
+}
+
+/// Writes a table line by line.
+fn write(
+    folder: &Folder,
+    name: &str,
+    plan: &Plan,
+    rows: &mut Rows<'_>,
+    head: String,
+    line: fn(&Plan, usize, Row<Vec<Value>>) -> String,
+) -> Result<()> {
+    let fail = |source| Error::File { path: folder.path().join(name), source };
+    let mut failed = None;
+    let written = folder.write_with(name, |file| {
+        let mut out = BufWriter::new(file);
+        out.write_all(head.as_bytes())?;
+        let all = rows.each(&mut |k, row| out.write_all(line(plan, k, row).as_bytes()).map_err(fail));
+        failed = all.err();
+        out.flush()
+    });
+    failed.map_or(written.map(drop), Err)
+}
+
+fn csv_head(plan: &Plan) -> String {
+    let names: Vec<&str> =
+        plan.keys().map(String::as_str).chain(plan.keep.iter().map(|kept| kept.name.as_str())).collect();
+    format!("{},failure\n", names.join(","))
+}
+
+/// A cell a key and a quantity, and the reason of a failure; arrays are in the other files.
+fn csv_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
+    let (values, why) = match row {
+        Ok(values) => (values, Value::Null),
+        Err(why) => (vec![Value::Null; plan.keep.len()], Value::from(why.replace('\n', ";"))),
+    };
+    let cell = |value: Value| match value {
+        Value::Array(values) => format!("{} numbers", values.len()),
+        value => crate::present::cell(&value, ""),
+    };
+    let keys = plan.point(k).0.into_iter().map(|(_, value)| in_json(&value));
+    keys.chain(values).chain([why]).map(cell).collect::<Vec<_>>().join(",") + "\n"
+}
+
+/// Point and values, or failure, as an object on one line.
+fn json_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
+    let line = match row {
+        Ok(values) => serde_json::json!({"point": plan.point(k), "values": values}),
+        Err(why) => serde_json::json!({"point": plan.point(k), "failure": why}),
+    };
+    format!("{line}\n")
+}

@@ -1,0 +1,246 @@
+//! The one door through which studies compute their grids.
+
+use super::{Backend, Points, Rows, Shard, Store, Swept, Threads, collected, compute};
+use crate::{
+    error::{Error, Result},
+    output::Folder,
+};
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::Value;
+use std::{cell::RefCell, path::PathBuf};
+
+/// Where the points of a study are computed, all of them or a shard, and where their rows are kept.
+///
+/// A study sweeps one grid. An engine with a shard computes the points of its shard that are not in
+/// the store of the whole grid, and keeps them in a store of its own beside it. An engine without a
+/// shard takes over what shards have kept there, and computes what is missing.
+///
+/// ```
+/// use hertzchain::{output::Folder, sweep::{Engine, Grid}};
+/// let folder = Folder::create(std::env::temp_dir().join(format!("engine-{}", std::process::id())))?;
+/// let grid = Grid { store: "roots.store", study: "roots", settings: serde_json::json!({}) };
+/// let roots = |engine: &Engine| engine.sweep(&grid, &[1.0, 4.0, 9.0], &|_, _| (), |x: &f64| Ok(x.sqrt()));
+/// let shard = Engine::threads().keeping(&folder).shard("2/3".parse()?);
+/// assert!(roots(&shard).unwrap_err().to_string().contains("1 point is kept"));
+/// let all = roots(&Engine::threads().keeping(&folder))?;
+/// assert_eq!((all.resumed, all.rows), (1, vec![Ok(1.0), Ok(2.0), Ok(3.0)]));
+/// # std::fs::remove_dir_all(folder.path()).unwrap();
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+pub struct Engine {
+    backend: Box<dyn Backend>,
+    folder: Option<Folder>,
+    shard: Option<Shard>,
+    /// What came of the shard.
+    part: RefCell<Option<Part>>,
+}
+
+/// What a store must know of a grid.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Name of the file, with the extension `store`.
+    pub store: &'static str,
+    /// Name of the study.
+    pub study: &'static str,
+    /// All that values depend on besides the point.
+    pub settings: Value,
+}
+
+/// What a shard has done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The shard.
+    pub shard: Shard,
+    /// Number of its points.
+    pub points: usize,
+    /// How many of them have a row, here or in the store of the whole grid.
+    pub kept: usize,
+    /// How many of these were computed now.
+    pub computed: usize,
+    /// Its store.
+    pub store: PathBuf,
+}
+
+impl Part {
+    /// Points and store in words, and what to do next.
+    pub fn words(&self) -> String {
+        let Self { points, kept, store, .. } = self;
+        let are = if *kept == 1 { "1 point is".to_owned() } else { format!("{kept} points are") };
+        let next = if kept == points {
+            "once all shards have ended, the same command without --shard merges them and shows the results"
+        } else {
+            "the same command goes on"
+        };
+        format!("{are} kept of {points}, in {}; {next}", store.display())
+    }
+}
+
+impl Engine {
+    /// The threads of this process, and no store.
+    pub fn threads() -> Self {
+        Self::new(Box::new(Threads))
+    }
+
+    /// Any backend, and no store.
+    pub fn new(backend: Box<dyn Backend>) -> Self {
+        Self { backend, folder: None, shard: None, part: RefCell::new(None) }
+    }
+
+    /// The same with a store in a folder.
+    #[must_use]
+    pub fn keeping(self, folder: &Folder) -> Self {
+        Self { folder: Some(folder.clone()), ..self }
+    }
+
+    /// The same for a shard; it needs a folder.
+    #[must_use]
+    pub fn shard(self, shard: Shard) -> Self {
+        Self { shard: Some(shard), ..self }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> Option<&Folder> {
+        self.folder.as_ref()
+    }
+
+    /// Whether this process computes points for another one, and has no results.
+    pub fn serves(&self) -> bool {
+        self.backend.serves()
+    }
+
+    /// The shard.
+    pub fn its_shard(&self) -> Option<Shard> {
+        self.shard
+    }
+
+    /// What came of the shard, once it was swept.
+    pub fn part(&self) -> Option<Part> {
+        self.part.borrow().clone()
+    }
+
+    /// [`sweep`](super::sweep) of the points of a grid.
+    ///
+    /// # Errors
+    /// As [`sweep`](super::sweep). An engine with a shard always ends so, since it has not all rows:
+    /// what it has done is in the error and in [`part`](Self::part). So does a process that computes
+    /// for another one.
+    pub fn sweep<T, U>(
+        &self,
+        grid: &Grid,
+        points: &[T],
+        progress: &(dyn Fn(u64, u64) + Sync),
+        work: impl Fn(&T) -> Result<U> + Sync,
+    ) -> Result<Swept<U>>
+    where
+        T: Serialize + Sync,
+        U: Serialize + DeserializeOwned + Send,
+    {
+        let points = Points { count: points.len(), point: &|k| &points[k] };
+        let mut store = self.open(grid)?;
+        let (rows, resumed) = self.rows(grid, &points, store.as_mut(), progress, &|point| work(point))?;
+        collected(rows, resumed)
+    }
+
+    /// Computes the points of a grid that is not in memory: `count` of them, each given by its
+    /// number. `take` is handed all rows, which stay in the store; what it gives, and the number of
+    /// rows that were there.
+    ///
+    /// # Errors
+    /// As [`sweep`](Self::sweep); what `take` says.
+    pub(crate) fn each<T, U, R>(
+        &self,
+        grid: &Grid,
+        count: usize,
+        point: &(dyn Fn(usize) -> T + Sync),
+        progress: &(dyn Fn(u64, u64) + Sync),
+        work: &(dyn Fn(T) -> Result<U> + Sync),
+        take: impl FnOnce(&mut Rows<'_>) -> Result<R>,
+    ) -> Result<(R, usize)>
+    where
+        T: Serialize,
+        U: Serialize + DeserializeOwned,
+    {
+        let mut store = self.open(grid)?;
+        let (mut rows, resumed) = self.rows(grid, &Points { count, point }, store.as_mut(), progress, work)?;
+        rows.settle()?;
+        Ok((take(&mut rows)?, resumed))
+    }
+
+    /// The store of the whole grid, with what shards have kept.
+    fn open(&self, grid: &Grid) -> Result<Option<Store>> {
+        if self.shard.is_some() || self.backend.serves() {
+            return Ok(None);
+        }
+        let Some(folder) = &self.folder else { return Ok(None) };
+        let Grid { store, study, settings } = grid;
+        let mut store = Store::open(folder, store, study, settings)?;
+        store.merge(study, settings)?;
+        Ok(Some(store))
+    }
+
+    /// Computes what is missing; all rows, and how many were there.
+    fn rows<'s, T, U>(
+        &self,
+        grid: &Grid,
+        points: &Points<'_, T>,
+        store: Option<&'s mut Store>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+        work: &(dyn Fn(T) -> Result<U> + Sync),
+    ) -> Result<(Rows<'s>, usize)>
+    where
+        T: Serialize,
+        U: Serialize + DeserializeOwned,
+    {
+        if self.backend.serves() {
+            let none = Rows { store: None, texts: Vec::new(), places: Vec::new() };
+            compute(points, none, &[], 0, &*self.backend, progress, work)?;
+            let why = "a process that computes for another one has no results of its own".to_owned();
+            return Err(Error::Point { point: grid.study.to_owned(), why });
+        }
+        if let Some(shard) = self.shard {
+            return Err(self.part_of(shard.of(points.count)?, grid, points, progress, work)?);
+        }
+        let rows = Rows::find::<_, U>(points, store)?;
+        let todo = rows.missing(|_| true);
+        let resumed = points.count - todo.len();
+        Ok((compute(points, rows, &todo, resumed, &*self.backend, progress, work)?, resumed))
+    }
+
+    /// Computes a shard; the error that says so.
+    fn part_of<T, U>(
+        &self,
+        shard: Shard,
+        grid: &Grid,
+        points: &Points<'_, T>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+        work: &(dyn Fn(T) -> Result<U> + Sync),
+    ) -> Result<Error>
+    where
+        T: Serialize,
+        U: Serialize + DeserializeOwned,
+    {
+        let Some(folder) = &self.folder else {
+            return Err(Error::parameter("shard", shard, "a shard keeps its points in a folder: give the engine one"));
+        };
+        let Grid { store: name, study, settings } = grid;
+        let there = Store::look(folder, name, study, settings)?.map(|mut all| {
+            let rows = Rows::find::<_, U>(points, Some(&mut all))?;
+            Ok::<_, Error>(rows.places.iter().map(Option::is_some).collect::<Vec<bool>>())
+        });
+        let there = there.transpose()?;
+        let mine = |k: usize| shard.has(k) && !there.as_ref().is_some_and(|there| there[k]);
+        let mut store = Store::open(folder, &shard.name(name), study, settings)?;
+        let path = store.path();
+        let rows = Rows::find::<_, U>(points, Some(&mut store))?;
+        let todo = rows.missing(mine);
+        let count = (0..points.count).filter(|&k| shard.has(k)).count();
+        let resumed = count - todo.len();
+        let mut rows = compute(points, rows, &todo, resumed, &*self.backend, progress, work)?;
+        rows.settle()?;
+        let left = rows.missing(mine).len();
+        let part = Part { shard, points: count, kept: count - left, computed: todo.len() - left, store: path };
+        let ended = Error::Point { point: format!("shard {shard}"), why: part.words() };
+        *self.part.borrow_mut() = Some(part);
+        Ok(ended)
+    }
+}

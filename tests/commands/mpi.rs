@@ -1,0 +1,126 @@
+//! Sweeps over the ranks of an MPI job: the files of one process, also after ranks were killed.
+
+use super::shards::{LIFETIMES, WAVES, files, lines, output, plan, random};
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
+
+/// The command on so many ranks.
+fn ranks(count: usize, line: &str, out: &Path) -> Command {
+    let mut mpirun = Command::new("mpirun");
+    mpirun.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string(), PROGRAM]);
+    mpirun.args(line.split(' ')).args(["--engine", "mpi", "--out"]).arg(out).env_remove("RAYON_NUM_THREADS");
+    mpirun
+}
+
+/// Holds the files of one, two and three ranks, and of two with two threads, against those of one
+/// process.
+fn on_ranks(line: &str) {
+    let whole = tempfile::tempdir().unwrap();
+    let whole = whole.path();
+    assert!(output(line, whole, &[]).status.success());
+    for (count, threads) in [(1, 1), (2, 1), (3, 1), (2, 2)] {
+        let parts = tempfile::tempdir().unwrap();
+        let mut mpirun = ranks(count, line, parts.path());
+        let ended = mpirun.env("RAYON_NUM_THREADS", threads.to_string()).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.success(), "{line} on {count}: {said}");
+        assert_eq!(said.matches("written to").count(), 1, "one rank speaks: {said}");
+        assert!(files(whole) == files(parts.path()), "{line} on {count} ranks of {threads} threads");
+    }
+}
+
+#[test]
+fn ranks_have_the_files_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    on_ranks(&plan(folder.path(), 40));
+    on_ranks(WAVES);
+    on_ranks("study lifetimes --epsilons 0.3,0.4 --rhos 5,10 --sites 20 --until 6");
+}
+
+#[test]
+#[ignore = "nightly: 5 x 5 lifetimes, ten thousand points"]
+fn ranks_have_the_files_of_one_process_on_larger_grids() {
+    let folder = tempfile::tempdir().unwrap();
+    on_ranks(&plan(folder.path(), 3334));
+    on_ranks(LIFETIMES);
+}
+
+/// The processes of the program below this one: ranks by their numbers.
+fn rank(mpirun: u32, number: usize) -> Option<u32> {
+    let processes = fs::read_dir("/proc").unwrap().flatten();
+    processes.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).find(|id: &u32| {
+        let status = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+        let parent = status.rsplit(") ").next().and_then(|rest| rest.split(' ').nth(1)?.parse().ok());
+        let told = fs::read(format!("/proc/{id}/environ")).unwrap_or_default();
+        let name = format!("OMPI_COMM_WORLD_RANK={number}");
+        parent == Some(mpirun) && told.split(|byte| *byte == 0).any(|one| one == name.as_bytes())
+    })
+}
+
+/// Kills a rank at random moments, each after something new was kept: the job ends, nothing that was
+/// kept is lost, and at last the files are those of one process.
+fn killed(number: usize, kills: usize) {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    assert!(output(WAVES, whole, &[]).status.success());
+    let store = parts.join("ensemble.store");
+    let mut random = random();
+    for nth in 0..kills {
+        let before = lines(&store);
+        let mut mpirun = ranks(3, WAVES, parts).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let target = (120 * (nth + 1)).div_ceil(kills).max(before + 1);
+        while lines(&store) < target && mpirun.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(1));
+        }
+        sleep(Duration::from_micros((4000.0 * random()) as u64));
+        let id = rank(mpirun.id(), number).expect("the job runs");
+        assert!(Command::new("kill").args(["-KILL", &id.to_string()]).status().unwrap().success());
+        assert!(!mpirun.wait().unwrap().success(), "kill {nth} came too late");
+        assert!(lines(&store) > before, "kill {nth}");
+    }
+    let kept = lines(&store) - 1;
+    let ended = ranks(2, WAVES, parts).arg("--json").output().unwrap();
+    assert!(ended.status.success() && kept > 60, "{kept}");
+    assert!(files(whole) == files(parts), "rank {number}");
+}
+
+#[test]
+fn a_job_whose_rank_is_killed_goes_on_from_its_store() {
+    killed(0, 2);
+    killed(1, 2);
+}
+
+#[test]
+#[ignore = "nightly: twenty kills of each"]
+fn a_job_whose_ranks_are_killed_twenty_times_goes_on_from_its_store() {
+    killed(0, 20);
+    killed(2, 20);
+}
+
+#[test]
+fn a_refusal_is_said_once_and_ends_all_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    for (line, words) in [
+        ("study lifetimes --epsilons -1", "epsilons = -1 is not valid"),
+        ("wave tw-q45 --until 0", "until = 0 is not valid"),
+        ("sweep nothing.toml", "nothing.toml"),
+    ] {
+        let ended = ranks(3, line, folder.path()).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(!ended.status.success() && said.matches(&format!("error: {words}")).count() == 1, "{said}");
+    }
+    // A store that another run has open: rank 0 ends all.
+    let out = folder.path().join("held");
+    assert!(output(WAVES, &out, &[]).status.success());
+    let held = fs::File::open(out.join("ensemble.store")).unwrap();
+    held.lock().unwrap();
+    let ended = ranks(2, WAVES, &out).output().unwrap();
+    assert!(String::from_utf8(ended.stderr).unwrap().contains("in use by another run"));
+}

@@ -1,0 +1,257 @@
+//! Sweeps in shards: the files of one process, also after kills and signals.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Child, Command, Output, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
+pub(crate) const LIFETIMES: &str =
+    "study lifetimes --epsilons 0.1,0.2,0.3,0.4,0.5 --rhos 5,10,20,40,80 --sites 20 --until 25";
+pub(crate) const WAVES: &str = "wave tw-q45 --zeta 0.01 --seeds 200 --until 1 --samples-per-period 4 --tol 1e-6";
+
+pub(crate) fn command(line: &str, out: &Path, more: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.args(line.split(' ')).arg("--out").arg(out).args(more).env("RAYON_NUM_THREADS", "1");
+    command
+}
+
+pub(crate) fn output(line: &str, out: &Path, more: &[&str]) -> Output {
+    command(line, out, more).output().unwrap()
+}
+
+/// All files that do not tell how long something took.
+pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let mut files: Vec<(String, Vec<u8>)> = entries
+        .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
+        .filter(|(name, _)| name != "wave.json")
+        .collect();
+    files.sort();
+    files
+}
+
+pub(crate) fn lines(store: &Path) -> usize {
+    fs::read(store).map_or(0, |text| text.iter().filter(|byte| **byte == b'\n').count())
+}
+
+/// Runs the loop of the guide over three shards, merges them, and holds all files against those of
+/// one process.
+fn in_shards(line: &str) {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    assert!(output(line, whole, &[]).status.success());
+    let script = "for k in 1 2 3; do \"$0\" \"$@\" --shard $k/3 || exit 1; done";
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script, PROGRAM]).args(line.split(' ')).arg("--out").arg(parts);
+    let said = String::from_utf8(shell.output().unwrap().stdout).unwrap();
+    assert!(said.starts_with("shard 1/3: ") && said.contains("the same command without --shard"), "{said}");
+    assert_eq!(files(parts).len(), 3, "shards write their stores only");
+    assert!(output(line, parts, &[]).status.success());
+    assert!(files(whole) == files(parts), "{line}");
+}
+
+#[test]
+fn lifetimes_and_waves_in_three_shards_have_the_files_of_one_process() {
+    in_shards("study lifetimes --epsilons 0.3,0.4 --rhos 5,10 --sites 20 --until 6");
+    in_shards(WAVES);
+}
+
+#[test]
+#[ignore = "nightly: the map of five by five"]
+fn a_map_in_three_shards_has_the_files_of_one_process() {
+    in_shards(LIFETIMES);
+}
+
+const PLAN: &str = r#"
+scene = "impact"
+set = ["span.until=0.4", "record.samples=1", "method.integrator=verlet", "method.step=0.1"]
+keep = ["energy_error", "u[0]", "pu", "contacts.impulse"]
+picture = "u[0]"
+
+[[axis]]
+key = "chain.sites"
+values = [4, 0, 6]
+
+[[axis]]
+key = "chain.alpha"
+from = 1.5
+to = 3.0
+count = COUNT
+"#;
+
+pub(crate) fn plan(folder: &Path, count: usize) -> String {
+    let path = folder.join("plan.toml");
+    fs::write(&path, PLAN.replace("COUNT", &count.to_string())).unwrap();
+    format!("sweep {}", path.display())
+}
+
+#[test]
+fn a_plan_in_three_shards_has_the_files_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    in_shards(&plan(folder.path(), 10));
+}
+
+#[test]
+#[ignore = "nightly: ten thousand points"]
+fn a_plan_of_ten_thousand_points_in_three_shards_has_the_files_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    in_shards(&plan(folder.path(), 3334));
+}
+
+// Truth: `run` of the scene with the changes of a point.
+#[test]
+fn a_plan_has_the_numbers_of_its_runs_and_the_reasons_of_its_failures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let study = output(&plan(folder.path(), 4), &out, &["--json"]);
+    let study: serde_json::Value = serde_json::from_slice(&study.stdout).unwrap();
+    assert_eq!((&study["points"], &study["failures"]), (&12.into(), &4.into()));
+    let set = ["chain.sites=6", "chain.alpha=2.5", "span.until=0.4", "record.samples=1"];
+    let set = set.iter().flat_map(|one| ["--set", one]);
+    let args = ["run", "impact", "--integrator", "verlet", "--step", "0.1", "--events", "--json"];
+    let run = Command::new(PROGRAM).args(args.into_iter().chain(set)).output().unwrap();
+    let run: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    // The third value of 1.5, 2, 2.5, 3 on the third row.
+    let columns = &study["columns"];
+    assert_eq!((&columns["chain.sites"][10], &columns["chain.alpha"][10]), (&6.0.into(), &2.5.into()));
+    assert_eq!(columns["energy_error"][10], run["energy_error"]);
+    assert_eq!(columns["u[0]"][10], run["u"][0]);
+    assert_eq!(columns["pu"][10], run["pu"]);
+    assert_eq!(columns["contacts.impulse"][10], run["contacts"]["impulse"]);
+    assert!(run["contacts"]["impulse"].as_f64().unwrap() > 0.0);
+    // Rows with fewer sites end with what is no number.
+    assert!(columns["pu"][0][3].is_number() && columns["pu"][0][4].is_null());
+    assert!(study["failed"][0]["failure"].as_str().unwrap().contains("--set chain.sites=0: `chain.sites`"), "{study}");
+
+    let csv = fs::read_to_string(out.join("sweep.csv")).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "chain.sites,chain.alpha,energy_error,u[0],pu,contacts.impulse,failure");
+    assert_eq!((lines.len(), lines[11].split(',').nth(4)), (13, Some("6 numbers")));
+    assert!(lines.iter().all(|line| line.split(',').count() == 7), "{csv}");
+    let rows = fs::read_to_string(out.join("sweep.ndjson")).unwrap();
+    let rows: Vec<serde_json::Value> = rows.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(rows[10]["point"]["chain.alpha"], 2.5);
+    assert_eq!((&rows[10]["values"][2], rows[4]["failure"].is_string()), (&run["pu"], true));
+    let archive = hertzchain::output::Archive::from_bytes(&out, &fs::read(out.join("sweep.npz")).unwrap()).unwrap();
+    assert_eq!(archive.array("u[0]", &[12]).unwrap()[10], run["u"][0].as_f64().unwrap());
+    assert_eq!(archive.array("pu", &[12, 6]).unwrap()[65], run["pu"][5].as_f64().unwrap());
+    assert!(!cfg!(feature = "plot") || fs::read(out.join("sweep.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.toml");
+    fs::write(&path, "scene = \"impact\"\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1, -1]\n").unwrap();
+    let refused = output(&format!("sweep {}", path.display()), &folder.path().join("out"), &[]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    let words = "error: scene impact: --set chain.rho=-1: `chain.rho`: rho = -1 is not valid";
+    assert!(refused.status.code() == Some(2) && said.starts_with(words), "{said}");
+    assert!(!folder.path().join("out").exists());
+    let missing = Command::new(PROGRAM).args(["sweep", "nothing.toml"]).output().unwrap();
+    assert!(String::from_utf8(missing.stderr).unwrap().contains("nothing.toml"));
+    let template = Command::new(PROGRAM).args(["sweep", "--template"]).output().unwrap();
+    fs::write(&path, template.stdout).unwrap();
+    assert!(output(&format!("sweep {}", path.display()), &folder.path().join("out"), &[]).status.success());
+}
+
+/// Numbers from 0 to 1, the same in every run.
+pub(crate) fn random() -> impl FnMut() -> f64 {
+    let mut seed = 11u64;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Waits until a shard has kept so many lines, or has ended.
+fn wait(process: &mut Child, store: &Path, count: usize) {
+    while lines(store) < count && process.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(1));
+    }
+}
+
+/// Kills a shard at random moments, each after it has kept something new; nothing that was kept is
+/// computed again, and the merge has the files of one process.
+fn killed(kills: usize) {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    assert!(output(WAVES, whole, &[]).status.success());
+    let store = parts.join("ensemble.shard-1-of-2.store");
+    let mut random = random();
+    for nth in 0..kills {
+        let before = lines(&store);
+        let mut process =
+            command(WAVES, parts, &["--shard", "1/2"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // Evenly over the shard of 99 points, the last one before its end.
+        wait(&mut process, &store, (90 * (nth + 1)).div_ceil(kills).max(before + 1));
+        sleep(Duration::from_micros((4000.0 * random()) as u64));
+        process.kill().unwrap();
+        assert!(!process.wait().unwrap().success(), "kill {nth} came too late");
+        assert!(lines(&store) > before, "kill {nth}");
+    }
+    let kept = lines(&store) - 1;
+    let part = output(WAVES, parts, &["--shard", "1/2", "--json"]);
+    let part: serde_json::Value = serde_json::from_slice(&part.stdout).unwrap();
+    assert_eq!((&part["points"], &part["kept"]), (&99.into(), &99.into()));
+    // A line that was cut is not kept.
+    assert_eq!(part["computed"].as_u64(), Some(99 - kept as u64));
+    assert!(output(WAVES, parts, &[]).status.success());
+    assert!(files(whole) == files(parts));
+}
+
+#[test]
+fn a_shard_that_is_killed_repeats_what_was_in_flight_only() {
+    killed(3);
+}
+
+#[test]
+#[ignore = "nightly: twenty kills"]
+fn a_shard_that_is_killed_twenty_times_repeats_what_was_in_flight_only() {
+    killed(20);
+}
+
+#[test]
+fn a_shard_that_is_asked_to_end_keeps_what_it_has_and_goes_on() {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    let store = parts.join("ensemble.shard-2-of-2.store");
+    let mut process = command(WAVES, parts, &["--shard", "2/2"]).stderr(Stdio::piped()).spawn().unwrap();
+    wait(&mut process, &store, 20);
+    assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+    let ended = process.wait_with_output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    let kept = lines(&store) - 1;
+    assert_eq!(ended.status.code(), Some(143), "{said}");
+    assert!(kept < 100 && said.contains(&format!("{kept} points are kept of 100")), "{said}");
+    assert!(said.contains("the same command goes on"), "{said}");
+    assert!(output(WAVES, parts, &[]).status.success() && output(WAVES, whole, &[]).status.success());
+    assert!(files(whole) == files(parts));
+}
+
+#[test]
+fn shards_that_cannot_be_are_refused_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |line: &str, shard: &str, words: &str| {
+        let output = output(line, folder.path(), &["--shard", shard]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(words), "{line} {shard}: {said}");
+    };
+    refused(LIFETIMES, "0/3", "K/N with whole numbers 1 <= K <= N, as in 2/8");
+    refused(LIFETIMES, "4/3", "K/N with whole numbers 1 <= K <= N, as in 2/8");
+    refused(LIFETIMES, "1/26", "1/26 of a grid of 25 points");
+    refused("wave tw-q45 --until 3", "1/2", "there is no grid to divide: leave --shard out");
+    let homeless = Command::new(PROGRAM).args(LIFETIMES.split(' ')).args(["--shard", "1/3"]).output().unwrap();
+    assert!(String::from_utf8(homeless.stderr).unwrap().contains("give --out DIR, the same for all shards"));
+    if cfg!(not(feature = "mpi")) {
+        let output = output(LIFETIMES, folder.path(), &["--engine", "mpi"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains("cargo build --release --features mpi"), "{said}");
+    }
+    let none = Command::new(PROGRAM).args(["run", "impact", "--shard", "1/3"]).output().unwrap();
+    assert_eq!(none.status.code(), Some(2));
+}
