@@ -104,6 +104,8 @@ fn run_command(command: &Command) -> Exit {
         },
         Command::Wave(args) => match &args.action {
             Some(WaveAction::Modulation(told)) => told.run(),
+            Some(WaveAction::Exact(told)) => told.run(),
+            Some(WaveAction::Continue(told)) => told.run(),
             None => args.told.run(),
         },
         Command::Breather(args) => match &args.action {

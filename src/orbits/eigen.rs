@@ -154,7 +154,7 @@ fn reflect(
 }
 
 /// An eigenvalue and its eigenvector.
-pub(super) type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
+pub(crate) type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// Eigenvalues and unit eigenvectors; conjugate pairs are next to each other. `None` if the
 /// iteration did not converge.

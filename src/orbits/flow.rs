@@ -7,27 +7,25 @@ use hertzchain_integrators::{
 };
 use nalgebra::DMatrix;
 
-/// A state and its derivatives by the first entries of the state at 0, one column for each of these
-/// entries.
+/// A state, and what the linearised flow has made of the given columns.
 #[derive(Clone, Debug)]
-pub(super) struct Moment {
-    pub(super) t: f64,
-    pub(super) state: Vec<f64>,
-    pub(super) columns: DMatrix<f64>,
+pub(crate) struct Moment {
+    pub(crate) t: f64,
+    pub(crate) state: Vec<f64>,
+    pub(crate) columns: DMatrix<f64>,
 }
 
-/// The state at `t`, and its derivatives by the first `columns` entries of `start`. `seen` is
-/// called at 0 and at the end of each window.
-pub(super) fn flow(
+/// The state at `t`, and the derivative of the flow applied to `columns`, each like a state. `seen`
+/// is called at 0 and at the end of each window.
+pub(crate) fn flow(
     chain: &Chain<f64>,
     start: &[f64],
     t: f64,
-    columns: usize,
+    columns: DMatrix<f64>,
     tol: f64,
     mut seen: impl FnMut(&Moment),
 ) -> Result<Moment> {
     let mut run = chain.collocation(start, (0.0, t), Pace::Tolerance(tol))?;
-    let columns = DMatrix::identity(start.len(), columns);
     let mut tangent = Tangent::new(&run, columns.as_slice())?;
     let mut moment = Moment { t: 0.0, state: start.to_vec(), columns };
     while !run.done() {

@@ -20,9 +20,12 @@ mod shooting;
 
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, End, Trail};
+pub(crate) use eigen::Eigenpair;
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
+pub(crate) use flow::flow;
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};
+pub(crate) use shooting::least_squares;
 pub use shooting::{Formulation, NewtonStep, Orbit, Shooting};

@@ -111,7 +111,8 @@ impl Shooting {
         }
     }
 
-    /// The flow from `(z, 0)` over the time `t`.
+    /// The flow from `(z, 0)` over the time `t`, with its derivatives by the first `columns` entries
+    /// of `z`.
     pub(super) fn flow(
         &self,
         chain: &Chain<f64>,
@@ -122,6 +123,7 @@ impl Shooting {
     ) -> Result<Moment> {
         let mut start = z.to_vec();
         start.resize(2 * z.len(), 0.0);
+        let columns = DMatrix::identity(start.len(), columns);
         flow(chain, &start, t, columns, self.tol, seen)
     }
 
@@ -198,7 +200,7 @@ fn iterate(Orbit { setting, z, residual, .. }: Orbit) -> Iterate {
 
 /// The vector `x` with the least `|matrix x - right|`; `None` where the matrix does not have full
 /// rank.
-pub(super) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+pub(crate) fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (columns, qr) = (matrix.ncols(), matrix.qr());
     let mut right = right.clone();
     qr.q_tr_mul(&mut right);

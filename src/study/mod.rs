@@ -11,6 +11,7 @@ mod compare;
 mod dps;
 mod drift;
 mod evolve;
+mod exact;
 mod lifetimes;
 mod modulation;
 mod orbits;
@@ -36,6 +37,8 @@ pub use drift::*;
 pub(crate) use evolve::swing_maps;
 pub use evolve::*;
 pub(crate) use evolve::{evolution_csv, swing_csv};
+pub use exact::*;
+pub(crate) use exact::{exact_tables, wave_branch_csv};
 pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
 #[cfg(feature = "plot")]

@@ -6,10 +6,15 @@
 //! | `epsilon` | size: `x_n` has the mean `epsilon b` and the amplitude `2 kappa epsilon a` |
 //! | `omega_tw` | frequency of the wave (eq:w_tw) |
 
+mod exact;
 mod modes;
 mod perturbed;
 mod stability;
 
+pub use exact::{
+    ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier, WaveNumber,
+    WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
+};
 pub use modes::Mode;
 pub(crate) use modes::strains;
 pub use perturbed::PerturbedWave;

@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::Told,
-    study::{DarkProfiles, Homoclinics, Integrals, ModulationStudy, Wave},
+    study::{ContinueWave, DarkProfiles, Exact, Homoclinics, Integrals, ModulationStudy, Wave},
 };
 use clap::{Args, Subcommand};
 
@@ -19,7 +19,8 @@ pub(super) const WAVE_EXAMPLES: &str = "\
 Examples:
   hertzchain wave tw-q15
   hertzchain wave tw-q15 --zeta 0.01 --seeds 20 --out out/wave
-  hertzchain wave modulation tw-q15";
+  hertzchain wave modulation tw-q15
+  hertzchain wave exact tw-q15";
 
 #[derive(Subcommand)]
 pub(crate) enum WaveAction {
@@ -31,6 +32,25 @@ Examples:
   hertzchain wave modulation tw-q15
   hertzchain wave modulation --rho 3 --q-over-pi 0.8 --measure --out out/growth")]
     Modulation(Told<ModulationStudy>),
+    /// Compute an exact periodic travelling wave.
+    ///
+    /// The companion of a wave of the modulation equations with the same frequency, or the same
+    /// amplitude, and the same mean strain: its profile, its Fourier coefficients, how far it is
+    /// from the first-order ansatz, and its relative multipliers by Bloch wave number.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain wave exact tw-q15 --out out/exact
+  hertzchain wave exact --q-over-pi 0.8 --amplitude 0.1 --sites 40 --json")]
+    Exact(Told<Exact>),
+    /// Follow a branch of exact travelling waves.
+    ///
+    /// In one number of the wave, past folds; waves keep their ratio of mean strain to amplitude
+    /// unless a mean strain is given. Exit code 1 if the branch is lost before its end.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain wave continue tw-q15 --to 2.004 --out out/branch
+  hertzchain wave continue tw-q15 --vary rho --mean 0.05 --to 3")]
+    Continue(Told<ContinueWave>),
 }
 
 #[derive(Args)]

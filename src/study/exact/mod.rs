@@ -1,0 +1,338 @@
+//! Exact travelling waves: one with its multipliers, beside its first-order ansatz; branches of them.
+
+mod report;
+
+pub(crate) use report::{branch_csv as wave_branch_csv, tables as exact_tables};
+
+use super::{Changes, Progress, Study, Work};
+use crate::{
+    error::{Error, Iterate, Result},
+    output::{Folder, to_json},
+    scene::Scene,
+    waves::{
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, TravellingWave, WaveContinuation, WaveEnd,
+        WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
+    },
+};
+use serde_json::json;
+use std::f64::consts::PI;
+
+/// The scene where none is named.
+const SCENE: &str = "tw-q15";
+/// What is kept of a search that did not converge.
+const STALLED: &str = "stalled.json";
+/// Largest tolerance of the flow; above it, waves are not solved to 1e-12.
+const TOLERANCES: (f64, f64) = (1e-15, 1e-12);
+
+/// The wave that is looked for.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Wanted {
+    /// Name of a built-in scene, or a TOML file.
+    ///
+    /// With an initial state of kind travelling-wave, whose numbers are those that are not given
+    /// [default: tw-q15].
+    pub scene: Option<String>,
+    /// Changes to it.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub set: Changes,
+    /// Wave number over pi, with a whole number of waves on the ring.
+    ///
+    /// Above 0 and at most 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "Q"))]
+    pub q_over_pi: Option<f64>,
+    /// Frequency of the wave, in radians per unit of time.
+    ///
+    /// Above omega = sqrt(kappa (1 + 1/rho)).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W", conflicts_with = "amplitude"))]
+    pub omega_tw: Option<f64>,
+    /// Height of the crest above the mean strain, in place of the frequency.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
+    pub amplitude: Option<f64>,
+    /// Mean strain [default: in proportion to the amplitude, as in the scene].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M"))]
+    pub mean: Option<f64>,
+    /// Number of sites.
+    ///
+    /// Of the ring on which the multipliers are computed, from 3 to 256 [default: the scene's].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub sites: Option<usize>,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// Of the flow over a relative period, here at most 1e-12.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
+    pub tol: f64,
+}
+
+/// The numbers of a wave, checked.
+#[derive(Clone, Debug)]
+struct Numbers {
+    scene: String,
+    setting: WaveSetting,
+    given: Given,
+    sites: usize,
+    search: Search,
+}
+
+impl Wanted {
+    fn numbers(&self) -> Result<Numbers> {
+        let name = self.scene.as_deref().unwrap_or(SCENE);
+        let scene = Scene::load_with(name, &self.set.set)?;
+        let wave = scene.wave()?;
+        let (params, shape) = (wave.params(), wave.shape());
+        let (least, most) = TOLERANCES;
+        if !(least..=most).contains(&self.tol) {
+            return Err(Error::parameter("tol", self.tol, "from 1e-15 to 1e-12 for an exact wave"));
+        }
+        let sites = self.sites.unwrap_or(scene.chain().sites());
+        let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
+        let share = MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a));
+        let mean = self.mean.map_or(share, MeanStrain::Value);
+        let given = self.amplitude.map_or(Given::Frequency, Given::Amplitude);
+        let setting = WaveSetting { params, q, omega_tw: self.omega_tw.unwrap_or(wave.omega_tw()), mean };
+        let search = Search { tol: self.tol, ..Search::default() };
+        let numbers = Numbers { scene: name.to_owned(), setting: companion(setting, given)?, given, sites, search };
+        numbers.setting.chain(1)?;
+        Ok(numbers)
+    }
+}
+
+/// The setting with the mean strain of the ansatz as a value: an exact wave is the companion of the
+/// ansatz with the same frequency and the same mean strain. With the amplitude given, a share of
+/// the amplitude is the same for both.
+fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
+    let ansatz = ansatz(&setting, given)?;
+    let mean = MeanStrain::Value(ansatz.epsilon() * ansatz.shape().b);
+    Ok(WaveSetting { mean, ..setting })
+}
+
+/// An exact travelling wave.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Exact {
+    /// The wave.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub wanted: Wanted,
+}
+
+impl Study for Exact {
+    const FILES: &'static str = "Files: exact.json, exact.png, profile.csv, fourier.csv and multipliers.csv; stalled.json, in place of all of them, with the \
+                                 best iterate of a search that did not converge.";
+
+    fn sometimes() -> Vec<String> {
+        vec![STALLED.to_owned()]
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let numbers = self.wanted.numbers()?;
+        Ok(Box::new(move |folder, _| {
+            let found = numbers.search.wave(&numbers.setting, numbers.given);
+            let (wave, ansatz) = found.inspect_err(|why| keep_iterate(folder, why))?;
+            Ok(Box::new(exact_study(&numbers.scene, wave, ansatz, numbers.sites, &numbers.search)?))
+        }))
+    }
+}
+
+/// Writes the best iterate of a search that did not converge.
+fn keep_iterate(folder: Option<&Folder>, why: &Error) {
+    let (Some(folder), Error::Stalled { steps, best: Some(best) }) = (folder, why) else { return };
+    let Iterate { z, residual, place } = &**best;
+    let m = z.len() / 4;
+    let [x, y, vx, vy] = [0, 1, 2, 3].map(|k| &z[k * m..(k + 1) * m]);
+    let kept = json!({ "steps": steps, "residual": residual, "place": place, "x": x, "y": y, "vx": vx, "vy": vy });
+    // The error that is told is that of the search.
+    let _ = folder.write(STALLED, to_json(&kept).as_bytes());
+}
+
+/// An exact wave and what is asked of it.
+#[derive(Clone, Debug)]
+pub struct ExactStudy {
+    /// Name of the scene.
+    pub scene: String,
+    /// The wave.
+    pub wave: ExactWave,
+    /// The ansatz of the same frequency or amplitude, and of the same mean strain.
+    pub ansatz: TravellingWave,
+    /// `X` and `Y`.
+    pub profile: Profile,
+    /// Fourier coefficients of `X` and `Y`.
+    pub fourier: [Vec<f64>; 2],
+    /// Largest coefficient of a sine.
+    pub odd: f64,
+    /// `E_x` and `E_y` of the ansatz, over all phases.
+    pub errors: [f64; 2],
+    /// Multipliers.
+    pub spectrum: WaveSpectrum,
+    /// Growth at the Bloch wave numbers of the ring from 0 to `pi`.
+    pub growth: Vec<BlochGrowth>,
+}
+
+/// The largest growth at a Bloch wave number, per unit of time.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct BlochGrowth {
+    /// Bloch wave number.
+    pub bloch: f64,
+    /// Of the exact wave.
+    pub exact: f64,
+    /// Of the ansatz, by the linearised modulation equations.
+    pub modulation: f64,
+}
+
+/// All that is asked of an exact wave.
+///
+/// # Errors
+/// An integration that fails; a ring that does not fit the wave.
+pub fn exact_study(
+    scene: &str,
+    wave: ExactWave,
+    ansatz: TravellingWave,
+    sites: usize,
+    search: &Search,
+) -> Result<ExactStudy> {
+    let profile = wave.profile(search)?;
+    let (fourier, odd) = profile.fourier();
+    let spectrum = wave.spectrum(sites, search)?;
+    let modulation = Modulation::new(ansatz.params(), ansatz.shape())?;
+    let slow = ansatz.slow_time(1.0);
+    let at = |j: usize| {
+        let bloch = 2.0 * PI * j as f64 / sites as f64;
+        BlochGrowth { bloch, exact: spectrum.growth(bloch), modulation: slow * modulation.growth(bloch) }
+    };
+    let growth = (0..=sites / 2).map(at).collect();
+    let errors = profile.errors(&ansatz);
+    Ok(ExactStudy { scene: scene.to_owned(), wave, ansatz, profile, fourier, odd, errors, spectrum, growth })
+}
+
+/// A branch of exact travelling waves.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ContinueWave {
+    /// The wave.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub wanted: Wanted,
+    /// Number of the wave that varies.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
+    pub vary: WaveParameter,
+    /// Where it ends.
+    ///
+    /// Where it begins is said by the scene and the other flags.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", required = true))]
+    pub to: Option<f64>,
+    /// Its largest change from wave to wave [default: what changes the state by a tenth].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
+    pub step: Option<f64>,
+    /// Waves at most.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
+    pub waves: usize,
+}
+
+impl Study for ContinueWave {
+    const FILES: &'static str = "Files: waves.json, waves.png, waves.csv, and states.npz with the states of a cell; states.npz is written every 20 waves \
+                                 as well. stalled.json, in place of all of them, if there is no first wave.";
+    const STOPS: bool = true;
+
+    fn sometimes() -> Vec<String> {
+        vec![STALLED.to_owned()]
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        let mut numbers = self.wanted.numbers()?;
+        // Waves of a branch keep their shape, unless the mean strain is given or varies.
+        if self.wanted.mean.is_none() && self.vary != WaveParameter::Mean {
+            let shape = ansatz(&numbers.setting, numbers.given)?.shape();
+            let share = 0.5 * shape.b / (numbers.setting.params.kappa * shape.a);
+            numbers.setting.mean = MeanStrain::OfAmplitude(share);
+        }
+        let continuation = WaveContinuation {
+            parameter: self.vary,
+            to: self.to.unwrap_or(f64::NAN),
+            step: self.step.unwrap_or(f64::INFINITY),
+            most_points: self.waves,
+            search: numbers.search,
+        };
+        // What can be refused at once; the start is checked again when it is known.
+        continuation.check(f64::NAN)?;
+        Ok(Box::new(move |folder, progress| {
+            let found = numbers.search.wave(&numbers.setting, numbers.given);
+            let (wave, _) = found.inspect_err(|why| keep_iterate(folder, why))?;
+            Ok(Box::new(wave_branch(&numbers.scene, wave, &continuation, numbers.sites, folder, progress)?))
+        }))
+    }
+}
+
+/// A wave of a branch.
+#[derive(Clone, Debug)]
+pub struct BranchWave {
+    /// The wave.
+    pub wave: ExactWave,
+    /// Multipliers.
+    pub spectrum: WaveSpectrum,
+    /// `E_x` and `E_y` of the ansatz with the same frequency and mean strain, if there is one.
+    pub errors: Option<[f64; 2]>,
+    /// Largest growth of the ansatz by the linearised modulation equations, at the wave numbers of
+    /// the ring.
+    pub modulation: Option<f64>,
+    /// Share of the period in which a contact is closed.
+    pub closed: f64,
+}
+
+/// A branch of exact waves.
+#[derive(Clone, Debug)]
+pub struct WaveBranchStudy {
+    /// Name of the scene.
+    pub scene: String,
+    /// How it was followed.
+    pub continuation: WaveContinuation,
+    /// Sites of the ring of the multipliers.
+    pub sites: usize,
+    /// The waves.
+    pub waves: Vec<BranchWave>,
+    /// Why it ended.
+    pub end: WaveEnd,
+}
+
+/// Follows a branch, and computes the multipliers of each wave.
+///
+/// # Errors
+/// A continuation outside its rules; an integration that fails.
+pub fn wave_branch(
+    scene: &str,
+    start: ExactWave,
+    continuation: &WaveContinuation,
+    sites: usize,
+    folder: Option<&Folder>,
+    progress: Progress<'_>,
+) -> Result<WaveBranchStudy> {
+    let (parameter, from) = (continuation.parameter, continuation.parameter.of(&start));
+    let mut waves: Vec<Result<BranchWave>> = Vec::new();
+    let branch = continuation.follow(start, |wave| {
+        let share = (parameter.of(wave) - from) / (continuation.to - from);
+        progress(share.clamp(0.0, 1.0), &format!("{} waves", waves.len()));
+        waves.push(branch_wave(wave, sites, &continuation.search));
+        if let (Some(folder), true) = (folder, waves.len().is_multiple_of(20)) {
+            let states: Vec<&ExactWave> = waves.iter().flatten().map(|one| &one.wave).collect();
+            // What cannot be kept now is written at the end, or that is the error.
+            let _ = report::states_npz(&states).and_then(|bytes| folder.write(report::STATES, &bytes));
+        }
+    })?;
+    let waves = waves.into_iter().collect::<Result<_>>()?;
+    Ok(WaveBranchStudy { scene: scene.to_owned(), continuation: *continuation, sites, waves, end: branch.end })
+}
+
+fn branch_wave(wave: &ExactWave, sites: usize, search: &Search) -> Result<BranchWave> {
+    let profile = wave.profile(search)?;
+    let setting = WaveSetting { mean: MeanStrain::Value(wave.mean()), ..wave.setting };
+    let ansatz = ansatz(&setting, Given::Frequency).ok();
+    let modulation = ansatz.and_then(|ansatz| {
+        let modulation = Modulation::new(ansatz.params(), ansatz.shape()).ok()?;
+        let at = |j: usize| modulation.growth(2.0 * PI * j as f64 / sites as f64);
+        Some(ansatz.slow_time(1.0) * (0..=sites / 2).map(at).fold(0.0, f64::max))
+    });
+    Ok(BranchWave {
+        spectrum: wave.spectrum(sites, search)?,
+        errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
+        modulation,
+        closed: profile.closed(),
+        wave: wave.clone(),
+    })
+}

@@ -1,0 +1,332 @@
+//! Branches of exact waves, by pseudo-arclength (as in [`orbits`](crate::orbits), Keller 1977).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `(z/s, p/P)` | state and parameter, scaled; `s = sqrt(4m) max abs(z - mean)`, and `P` the unit of `p` |
+//! | `ds` | length of a step along the branch |
+//!
+//! A branch in the amplitude varies the frequency: the amplitude is a number of the state.
+
+use super::{
+    ExactWave, Given, MeanStrain, Search, WaveSetting,
+    newton::{Equations, stalled},
+    swing,
+};
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    interrupt,
+    orbits::{NewtonStep, least_squares},
+};
+use nalgebra::DVector;
+use serde::Serialize;
+
+/// Largest, first and smallest `ds`: the state changes by that share of its size.
+const LONGEST: f64 = 0.1;
+const FIRST: f64 = 0.02;
+const SHORTEST: f64 = 1e-7;
+/// Largest number of corrector steps, and the number up to which `ds` grows.
+const MOST_CORRECTIONS: usize = 8;
+const GOOD_CORRECTIONS: usize = 4;
+/// A correction below this is the last one.
+const LAST_CORRECTION: f64 = 1e-9;
+/// Largest residual of a wave.
+const SOLVED: f64 = 1e-12;
+
+/// A number of a wave that can vary along a branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
+pub enum WaveParameter {
+    /// Frequency `omega_tw`.
+    OmegaTw,
+    /// Height of the crest above the mean strain.
+    Amplitude,
+    /// Mean strain.
+    Mean,
+    /// Mass ratio.
+    Rho,
+    /// Spring constant.
+    Kappa,
+    /// Exponent.
+    Alpha,
+}
+
+impl WaveParameter {
+    /// The symbol in pictures.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::OmegaTw => "ω_tw",
+            Self::Amplitude => "amplitude",
+            Self::Mean => "mean strain",
+            Self::Rho => "ρ",
+            Self::Kappa => "κ",
+            Self::Alpha => "α",
+        }
+    }
+
+    /// The value of a wave.
+    pub fn of(self, wave: &ExactWave) -> f64 {
+        match self {
+            Self::Amplitude => wave.amplitude(),
+            Self::Mean => wave.mean(),
+            _ => self.free(&wave.setting),
+        }
+    }
+
+    /// The number of the setting that is an unknown.
+    fn free(self, setting: &WaveSetting) -> f64 {
+        match self {
+            Self::OmegaTw | Self::Amplitude => setting.omega_tw,
+            Self::Mean => setting.mean.value(),
+            Self::Rho => setting.params.rho,
+            Self::Kappa => setting.params.kappa,
+            Self::Alpha => setting.params.alpha,
+        }
+    }
+
+    /// The setting with another value of it.
+    fn with(self, setting: &WaveSetting, value: f64) -> WaveSetting {
+        let params = setting.params;
+        match self {
+            Self::OmegaTw | Self::Amplitude => WaveSetting { omega_tw: value, ..*setting },
+            Self::Mean => WaveSetting { mean: MeanStrain::Value(value), ..*setting },
+            Self::Rho => WaveSetting { params: Params { rho: value, ..params }, ..*setting },
+            Self::Kappa => WaveSetting { params: Params { kappa: value, ..params }, ..*setting },
+            Self::Alpha => WaveSetting { params: Params { alpha: value, ..params }, ..*setting },
+        }
+    }
+}
+
+/// Settings of a continuation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveContinuation {
+    /// What varies.
+    pub parameter: WaveParameter,
+    /// The value at which the branch ends.
+    pub to: f64,
+    /// Largest change of it from wave to wave.
+    pub step: f64,
+    /// Largest number of waves.
+    pub most_points: usize,
+    /// How waves are solved for.
+    pub search: Search,
+}
+
+/// Why a branch ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WaveEnd {
+    /// The parameter has its final value.
+    Reached,
+    /// It has the largest number of waves.
+    MostPoints,
+    /// It turned back and the parameter passed its first value.
+    TurnedBack,
+    /// No wave was found with the shortest step.
+    Lost,
+    /// The process was asked to end.
+    Stopped,
+}
+
+impl WaveEnd {
+    /// The reason in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reached => "the parameter has its final value",
+            Self::MostPoints => "it has the largest number of points",
+            Self::TurnedBack => "it turned back and passed its first value",
+            Self::Lost => "no wave was found with the shortest step",
+            Self::Stopped => "the process was asked to end",
+        }
+    }
+}
+
+/// A branch of waves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveBranch {
+    /// The waves, at least one, in their order along the branch.
+    pub waves: Vec<ExactWave>,
+    /// Why it ended.
+    pub end: WaveEnd,
+}
+
+/// Units of the unknowns.
+#[derive(Clone, Copy)]
+struct Scales {
+    state: f64,
+    parameter: f64,
+}
+
+impl WaveContinuation {
+    /// Follows the branch from `start`; `seen` is called with every wave. The rule for the mean strain
+    /// is that of `start`.
+    ///
+    /// # Errors
+    /// An end at the start, a step that is not positive, fewer than two waves. A branch that ends
+    /// early is no error.
+    pub fn follow(&self, start: ExactWave, mut seen: impl FnMut(&ExactWave)) -> Result<WaveBranch> {
+        let from = self.parameter.of(&start);
+        self.check(from)?;
+        if let (WaveParameter::Mean, MeanStrain::OfAmplitude(share)) = (self.parameter, start.setting.mean) {
+            return Err(Error::parameter("mean", share, "a share of the amplitude does not vary: give a value"));
+        }
+        let direction = (self.to - from).signum();
+        let mut waves = vec![start];
+        let mut ds = FIRST;
+        let end = loop {
+            let Some(wave) = waves.last() else { break WaveEnd::Lost };
+            seen(wave);
+            let value = self.parameter.of(wave);
+            if (value - self.to) * direction >= 0.0 {
+                break WaveEnd::Reached;
+            }
+            if (value - from) * direction < 0.0 {
+                break WaveEnd::TurnedBack;
+            }
+            if waves.len() >= self.most_points {
+                break WaveEnd::MostPoints;
+            }
+            if interrupt::asked() {
+                break WaveEnd::Stopped;
+            }
+            let Some((next, length)) = self.next(&waves, direction, ds) else { break WaveEnd::Lost };
+            waves.push(next);
+            ds = length;
+        };
+        Ok(WaveBranch { waves, end })
+    }
+
+    /// Refuses numbers outside their rules, for a branch that begins at `from`.
+    ///
+    /// # Errors
+    /// As [`follow`](Self::follow).
+    pub fn check(&self, from: f64) -> Result<()> {
+        if !self.to.is_finite() || self.to == from {
+            return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
+        }
+        if !(self.step > 0.0) {
+            return Err(Error::parameter("step", self.step, "positive"));
+        }
+        if self.most_points < 2 {
+            return Err(Error::parameter("points", self.most_points, "at least two"));
+        }
+        Ok(())
+    }
+
+    /// The next wave and the length of the step after it.
+    fn next(&self, waves: &[ExactWave], direction: f64, ds: f64) -> Option<(ExactWave, f64)> {
+        let wave = waves.last()?;
+        let scales = self.scales(wave);
+        let tangent = self.tangent(waves, scales, direction)?;
+        let now = self.parameter.of(wave);
+        let last = tangent.len() - 1;
+        let rate = match self.parameter {
+            WaveParameter::Amplitude => tangent[0] * scales.state,
+            _ => tangent[last] * scales.parameter,
+        };
+        let mut ds = ds.min(LONGEST).min(self.step / rate.abs());
+        loop {
+            let lands = rate * direction > 0.0 && (self.to - now).abs() <= 1.001 * (rate * ds).abs();
+            let length = if lands { (self.to - now) / rate } else { ds };
+            match self.step(wave, &tangent, scales, length, lands) {
+                Ok(next) => {
+                    let factor = if next.newton.len() <= GOOD_CORRECTIONS { 1.5 } else { 0.7 };
+                    return Some((next, ds * factor));
+                }
+                Err(_) if ds > SHORTEST => ds *= 0.5,
+                Err(_) => return None,
+            }
+        }
+    }
+
+    fn scales(&self, wave: &ExactWave) -> Scales {
+        let setting = &wave.setting;
+        let size = swing(&wave.z, setting.params.rho);
+        let parameter = match self.parameter {
+            // What changes the wave by its size.
+            WaveParameter::OmegaTw | WaveParameter::Amplitude => setting.omega_tw - setting.params.omega(),
+            WaveParameter::Mean => size,
+            _ => self.parameter.free(setting),
+        };
+        Scales { state: size * (wave.z.len() as f64).sqrt(), parameter: parameter.abs() }
+    }
+
+    /// The equations and their derivative by the scaled unknowns.
+    fn equations(&self, setting: &WaveSetting, z: &[f64], scales: Scales) -> Result<Equations> {
+        let Equations { residual, jacobian } = self.search.equations(setting, z, true)?;
+        let with = |value: f64| self.parameter.with(setting, value);
+        let slope = self.search.slope(setting, z, self.parameter.free(setting), with)?;
+        let mut jacobian = (jacobian * scales.state).insert_column(z.len(), 0.0);
+        jacobian.set_column(z.len(), &(slope * scales.parameter));
+        Ok(Equations { residual, jacobian })
+    }
+
+    /// The unit tangent along the last step; at the first wave towards the final value.
+    fn tangent(&self, waves: &[ExactWave], scales: Scales, direction: f64) -> Option<DVector<f64>> {
+        let wave = waves.last()?;
+        let columns = wave.z.len() + 1;
+        let mut along = DVector::zeros(columns);
+        match waves {
+            [.., before, _] => {
+                let apart = wave.z.iter().zip(&before.z).map(|(now, before)| (now - before) / scales.state);
+                apart.enumerate().for_each(|(i, apart)| along[i] = apart);
+                let step = self.parameter.free(&wave.setting) - self.parameter.free(&before.setting);
+                along[columns - 1] = step / scales.parameter;
+            }
+            _ if self.parameter == WaveParameter::Amplitude => along[0] = direction,
+            _ => along[columns - 1] = direction,
+        }
+        let Equations { residual, jacobian } = self.equations(&wave.setting, &wave.z, scales).ok()?;
+        let rows = residual.len();
+        let mut matrix = jacobian.insert_row(rows, 0.0);
+        matrix.set_row(rows, &along.normalize().transpose());
+        let mut right = DVector::zeros(rows + 1);
+        right[rows] = 1.0;
+        least_squares(matrix, &right).map(|tangent| tangent.normalize())
+    }
+
+    /// The wave at the distance `ds` along the tangent or, if it is to land, with the final value.
+    fn step(&self, wave: &ExactWave, t: &DVector<f64>, scales: Scales, ds: f64, lands: bool) -> Result<ExactWave> {
+        let columns = wave.z.len();
+        let z: Vec<f64> = wave.z.iter().zip(t).map(|(z, t)| z + ds * t * scales.state).collect();
+        let free = self.parameter.free(&wave.setting) + ds * t[columns] * scales.parameter;
+        let setting = self.parameter.with(&wave.setting, free);
+        if lands {
+            let given = if self.parameter == WaveParameter::Amplitude { Given::Amplitude(self.to) } else { Given::Frequency };
+            let setting = if self.parameter == WaveParameter::Amplitude { setting } else { self.parameter.with(&setting, self.to) };
+            let search = Search { most_steps: MOST_CORRECTIONS + 1, ..self.search };
+            return search.solve(&setting, given, &z);
+        }
+        self.correct(ExactWave { setting, z, residual: f64::INFINITY, newton: Vec::new() }, t, scales, ds)
+    }
+
+    /// Newton's method in the plane through the predictor, normal to the tangent.
+    fn correct(&self, mut wave: ExactWave, t: &DVector<f64>, scales: Scales, ds: f64) -> Result<ExactWave> {
+        let columns = wave.z.len();
+        for _ in 0..MOST_CORRECTIONS {
+            let Equations { residual, jacobian } = self.equations(&wave.setting, &wave.z, scales)?;
+            let rows = residual.len();
+            let mut matrix = jacobian.insert_row(rows, 0.0);
+            matrix.set_row(rows, &t.transpose());
+            let relative = residual.amax() / swing(&wave.z, wave.setting.params.rho);
+            let Some(by) = least_squares(matrix, &residual.push(0.0)) else { break };
+            let step = by.norm();
+            // A correction as long as the step leads elsewhere.
+            if !(step <= 0.5 * ds) {
+                break;
+            }
+            wave.newton.push(NewtonStep { residual: relative, step });
+            wave.z.iter_mut().zip(&by).for_each(|(z, by)| *z -= by * scales.state);
+            let free = self.parameter.free(&wave.setting) - by[columns] * scales.parameter;
+            wave.setting = self.parameter.with(&wave.setting, free);
+            if step <= LAST_CORRECTION {
+                let residual = self.search.equations(&wave.setting, &wave.z, false)?.residual;
+                wave.residual = residual.amax() / swing(&wave.z, wave.setting.params.rho);
+                return if wave.residual <= SOLVED { Ok(wave) } else { Err(stalled(wave.newton.len(), Some(wave))) };
+            }
+        }
+        Err(stalled(wave.newton.len(), None))
+    }
+}

@@ -1,0 +1,246 @@
+//! Exact periodic travelling waves `x_n(t) = X(q n - omega t)` of the strain ring, as relative
+//! periodic orbits (Sec. 4 has their first-order approximations).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `X, Y` | profiles of the strains, `2 pi`-periodic and even; `X` has its crest at 0 |
+//! | `q = 2 pi l/m` | wave number in lowest terms: the wave repeats after a cell of `m` sites |
+//! | `omega_tw, T` | frequency, and period `T = 2 pi/omega_tw` |
+//! | `r` | sites with `r l = 1 (mod m)`: after the time `T/m` the wave has moved on by `r` sites |
+//! | `B` | the relative map `S^{-r} Phi_{T/m}`; `S` shifts by a site, `Phi_t` is the flow |
+//! | `z` | the state of a cell at `t = 0`: `x, y, x', y'`, `m` numbers each |
+//!
+//! `B z = z` says that `z` is a wave. Shifts by one site in the time `q/omega_tw` follow, since
+//! `(S^{-r} Phi_{T/m})^l = S^{-1} Phi_{q/omega_tw}` on cells; for `l = 1` the two are the same map.
+//! For `l > 1` the fixed points of the second include waves whose profile has the period `2 pi l`.
+//!
+//! # The equations
+//!
+//! The derivative of `B - 1` has the null vectors `z'` (shift of the phase) and `dz/dmean`, and two
+//! left null vectors, from the conservation of energy and of `sum (x' + rho y')`. Two equations
+//! remove the null vectors: the phase of the first harmonic,
+//! `sum (x_n sin(q n) - x_n'/omega_tw cos(q n)) = 0`, and the mean strain. So there are two equations
+//! more than unknowns, and the least-squares solution satisfies all of them.
+
+mod branch;
+mod eigen;
+mod newton;
+mod profile;
+mod seed;
+mod spectrum;
+
+pub use branch::{WaveBranch, WaveContinuation, WaveEnd, WaveParameter};
+pub use newton::{Given, Search};
+pub use profile::Profile;
+pub use seed::ansatz;
+pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
+
+use crate::{
+    chain::{Boundary, Chain, Params, Resonators, max_norm},
+    error::{Error, Result},
+    orbits::NewtonStep,
+};
+use std::f64::consts::PI;
+
+/// Largest ring for which the tangent map of contact collocation is made.
+pub(crate) const MOST_SITES: usize = 256;
+/// Largest distance of `N q/(2 pi)` from a whole number.
+const WHOLE: f64 = 1e-9;
+
+/// A wave number `q = 2 pi l/m` with `l/m` in lowest terms.
+///
+/// ```
+/// use hertzchain::waves::WaveNumber;
+/// let q = WaveNumber::on_ring(0.8, 50)?;
+/// assert_eq!((q.turns(), q.cell()), (2, 5));
+/// assert!(WaveNumber::on_ring(0.21, 50).unwrap_err().to_string().contains("the nearest is 0.2"));
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WaveNumber {
+    turns: usize,
+    cell: usize,
+}
+
+impl WaveNumber {
+    /// The wave number `q_over_pi pi` on a ring of `sites` sites.
+    ///
+    /// # Errors
+    /// A ring with fewer than 3 or more than 256 sites; a wave number that is not above 0 and at
+    /// most `pi`, or with a part of a wave on the ring: the message has the nearest that fits.
+    pub fn on_ring(q_over_pi: f64, sites: usize) -> Result<Self> {
+        if !(3..=MOST_SITES).contains(&sites) {
+            return Err(Error::parameter("sites", sites, "from 3 to 256 sites"));
+        }
+        if !(q_over_pi > 0.0 && q_over_pi <= 1.0) {
+            return Err(Error::parameter("q_over_pi", q_over_pi, "above 0 and at most 1"));
+        }
+        let waves = 0.5 * sites as f64 * q_over_pi;
+        let whole = waves.round().clamp(1.0, (sites / 2) as f64);
+        if (waves - whole).abs() > WHOLE {
+            let value = format!("{q_over_pi} on {sites} sites (the nearest is {})", 2.0 * whole / sites as f64);
+            return Err(Error::parameter("q_over_pi", value, "a ring holds whole waves: N q is a multiple of 2 pi"));
+        }
+        let (waves, common) = (whole as usize, gcd(whole as usize, sites));
+        Ok(Self { turns: waves / common, cell: sites / common })
+    }
+
+    /// `l`, waves in a cell.
+    pub fn turns(self) -> usize {
+        self.turns
+    }
+
+    /// `m`, sites of a cell.
+    pub fn cell(self) -> usize {
+        self.cell
+    }
+
+    /// `q`, radians per site.
+    pub fn q(self) -> f64 {
+        2.0 * PI * self.turns as f64 / self.cell as f64
+    }
+
+    /// `r`, with `r l = 1 (mod m)`.
+    pub(crate) fn shift(self) -> usize {
+        (1..=self.cell).find(|r| r * self.turns % self.cell == 1 % self.cell).unwrap_or(1)
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// What determines the mean of `X`, which is that of `Y`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeanStrain {
+    /// This number.
+    Value(f64),
+    /// This share of the height of the crest above the mean: `b/(2 kappa a)` in the ansatz, 1/2 in
+    /// the paper. Waves of one shape have one share.
+    OfAmplitude(f64),
+}
+
+impl MeanStrain {
+    /// The number, with its name.
+    fn value(self) -> f64 {
+        match self {
+            Self::Value(value) | Self::OfAmplitude(value) => value,
+        }
+    }
+
+    /// That of a wave of the same shape whose strains are `factor` times as large.
+    fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Value(value) => Self::Value(factor * value),
+            share @ Self::OfAmplitude(_) => share,
+        }
+    }
+}
+
+/// The numbers that determine a wave, except for the choice of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveSetting {
+    /// Exponent, spring constant, mass ratio.
+    pub params: Params,
+    /// Wave number.
+    pub q: WaveNumber,
+    /// Frequency.
+    pub omega_tw: f64,
+    /// Mean strain.
+    pub mean: MeanStrain,
+}
+
+impl WaveSetting {
+    /// `T = 2 pi/omega_tw`.
+    pub fn period(&self) -> f64 {
+        2.0 * PI / self.omega_tw
+    }
+
+    /// The ring of `cells` cells, after all numbers are checked.
+    ///
+    /// # Errors
+    /// No moving resonators; `alpha` at most 1; a frequency that is not finite and positive; a mean
+    /// strain that is not finite.
+    pub fn chain(&self, cells: usize) -> Result<Chain<f64>> {
+        let Self { params, q, omega_tw, mean } = *self;
+        params.validate()?;
+        if params.resonators() != Resonators::Moving {
+            let rule = "a wave of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
+            return Err(Error::parameter("rho", params.rho, rule));
+        }
+        if params.alpha <= 1.0 {
+            return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
+        }
+        if !(omega_tw.is_finite() && omega_tw > 0.0) {
+            return Err(Error::parameter("omega_tw", omega_tw, "finite and positive"));
+        }
+        if !mean.value().is_finite() {
+            return Err(Error::parameter("mean", mean.value(), "a finite number"));
+        }
+        Chain::new(params, Boundary::StrainRing, cells * q.cell)
+    }
+
+    /// Cells of the smallest ring with at least three sites.
+    fn least_cells(&self) -> usize {
+        3_usize.div_ceil(self.q.cell)
+    }
+}
+
+/// An exact travelling wave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExactWave {
+    /// Chain, wave number, frequency and mean strain.
+    pub setting: WaveSetting,
+    /// `[x, y, x', y']` of a cell at `t = 0`.
+    pub z: Vec<f64>,
+    /// `max |B z - z|` in units of the amplitude; velocities are divided by `omega_tw`.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
+}
+
+impl ExactWave {
+    /// One of `x, y, x', y'` of the cell.
+    fn quarter(&self, k: usize) -> &[f64] {
+        let m = self.setting.q.cell;
+        &self.z[k * m..(k + 1) * m]
+    }
+
+    /// `[x, y, x', y']` of a ring at `t = 0`.
+    ///
+    /// # Panics
+    /// If `sites` is not a multiple of the cell.
+    pub fn on_ring(&self, sites: usize) -> [Vec<f64>; 4] {
+        let m = self.setting.q.cell;
+        assert!(sites.is_multiple_of(m), "a ring of whole cells");
+        [0, 1, 2, 3].map(|k| self.quarter(k).repeat(sites / m))
+    }
+
+    /// Mean strain.
+    pub fn mean(&self) -> f64 {
+        mean(&self.z, self.setting.params.rho)
+    }
+
+    /// Height of the crest of `X` above the mean strain; `2 kappa epsilon a` of (eq:xytw_app).
+    pub fn amplitude(&self) -> f64 {
+        self.z[0] - self.mean()
+    }
+}
+
+/// The state of `cells` cells.
+pub(crate) fn repeated(z: &[f64], cells: usize) -> Vec<f64> {
+    z.chunks_exact(z.len() / 4).flat_map(|quarter| quarter.repeat(cells)).collect()
+}
+
+/// Mean of `(x + rho y)/(1 + rho)` over a cell.
+fn mean(z: &[f64], rho: f64) -> f64 {
+    let m = z.len() / 4;
+    let sum = |strains: &[f64]| strains.iter().sum::<f64>();
+    (sum(&z[..m]) + rho * sum(&z[m..2 * m])) / ((1.0 + rho) * m as f64)
+}
+
+/// `max |x - mean|` over the strains of a cell.
+fn swing(z: &[f64], rho: f64) -> f64 {
+    let mean = mean(z, rho);
+    max_norm(z[..z.len() / 4].iter().map(|x| x - mean))
+}

@@ -1,0 +1,97 @@
+//! The profiles `X, Y` of an exact wave, and their Fourier coefficients.
+
+use super::{ExactWave, Search, repeated};
+use crate::{error::Result, waves::TravellingWave};
+use hertzchain_integrators::{Stepper, collocation::Pace};
+use std::f64::consts::PI;
+
+/// Least number of samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at
+/// `alpha = 3/2` those beyond the samples change a coefficient by `1e-15` of the first.
+const SAMPLES: usize = 2048;
+/// Harmonics that are given.
+const HARMONICS: usize = 128;
+
+/// Equally spaced samples of the profiles from `phi = 0` on, over a period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// `X`.
+    pub x: Vec<f64>,
+    /// `Y`.
+    pub y: Vec<f64>,
+}
+
+impl ExactWave {
+    /// The profiles: what every site of a cell does in the time `T/m`.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn profile(&self, search: &Search) -> Result<Profile> {
+        let (setting, m) = (&self.setting, self.setting.q.cell());
+        let (cells, parts) = (setting.least_cells(), 2 * SAMPLES.div_ceil(2 * m));
+        let (ring, total) = (cells * m, parts * m);
+        let time = setting.period() / m as f64;
+        let start = repeated(&self.z, cells);
+        let mut run = setting.chain(cells)?.collocation(&start, (0.0, time), Pace::Tolerance(search.tol))?;
+        let mut state = start;
+        let mut profile = Profile { x: vec![0.0; total], y: vec![0.0; total] };
+        for part in 0..parts {
+            let t = time * part as f64 / parts as f64;
+            while run.time() < t && !run.done() {
+                run.step()?;
+            }
+            if part > 0 {
+                run.sample(t, &mut state);
+            }
+            // phi = q n - omega_tw t in units of 2 pi/total.
+            for n in 0..m {
+                let phi = (setting.q.turns() * n * parts + total - part) % total;
+                (profile.x[phi], profile.y[phi]) = (state[n], state[ring + n]);
+            }
+        }
+        Ok(profile)
+    }
+}
+
+impl Profile {
+    /// `phi` of each sample.
+    pub fn phases(&self) -> impl Iterator<Item = f64> + '_ {
+        let step = 2.0 * PI / self.x.len() as f64;
+        (0..self.x.len()).map(move |k| step * k as f64)
+    }
+
+    /// `f_0 .. f_128` of `X = sum f_k cos(k phi)`, of `Y`, and the largest coefficient of a sine: a
+    /// rounding, since the profiles are even.
+    pub fn fourier(&self) -> ([Vec<f64>; 2], f64) {
+        let total = self.x.len();
+        let mut odd = 0.0_f64;
+        let of = |values: &Vec<f64>, odd: &mut f64| {
+            let harmonic = |k: usize| {
+                let angle = |j: usize| 2.0 * PI * ((j * k) % total) as f64 / total as f64;
+                let sum = |turn: fn(f64) -> f64| {
+                    values.iter().enumerate().map(|(j, value)| value * turn(angle(j))).sum::<f64>() / total as f64
+                };
+                *odd = odd.max(2.0 * sum(f64::sin).abs());
+                sum(f64::cos) * if k == 0 { 1.0 } else { 2.0 }
+            };
+            (0..=HARMONICS.min(total / 8)).map(harmonic).collect::<Vec<f64>>()
+        };
+        let both = [of(&self.x, &mut odd), of(&self.y, &mut odd)];
+        (both, odd)
+    }
+
+    /// `E_x` and `E_y` of an ansatz (eq:relerr_tw), at all phases.
+    pub fn errors(&self, ansatz: &TravellingWave) -> [f64; 2] {
+        let (amplitude, rho) = (ansatz.amplitude(), ansatz.params().rho);
+        let mean = ansatz.epsilon() * ansatz.shape().b;
+        let largest = |values: &[f64], height: f64| {
+            let apart = self.phases().zip(values).map(|(phi, value)| (mean + height * phi.cos() - value).abs());
+            apart.fold(0.0, f64::max)
+        };
+        [largest(&self.x, amplitude) / amplitude, largest(&self.y, -amplitude / rho) * rho / amplitude]
+    }
+
+    /// The share of the period in which a contact is closed: `X < 0`.
+    pub fn closed(&self) -> f64 {
+        self.x.iter().filter(|x| **x < 0.0).count() as f64 / self.x.len() as f64
+    }
+}
