@@ -62,7 +62,7 @@ impl<S: Study> Told<S> {
         if engine.serves() {
             // What is to be said of it rank 0 says.
             let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
-            return Ok(ExitCode::SUCCESS);
+            return Ok(DONE);
         }
         let work = self.study.begin()?;
         let folder = self.out.clone().or_else(|| self.study.beside()).map(Folder::create).transpose()?;
@@ -126,7 +126,7 @@ fn carry_out(work: Work<'_>, engine: &Engine, json: bool, left: &[String]) -> Ex
     });
     bar.finish_and_clear();
     let report = match engine.part() {
-        Some(part) if part.kept == part.points => return print(&part_text(&part, json)).map(|()| ExitCode::SUCCESS),
+        Some(part) if part.kept == part.points => return print(&part_text(&part, json)).map(|()| DONE),
         Some(_) => report?,
         None => whole(report?, engine)?,
     };

@@ -50,7 +50,8 @@ pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
 pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
     use crate::error::Error;
     let refused = |_| Error::parameter("threads", 1, "the system has room for one thread more");
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?.install(work))
+    let (pool, token) = (rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?, interrupt::token());
+    Ok(pool.install(|| token.within(work)))
 }
 
 #[cfg(not(feature = "parallel"))]

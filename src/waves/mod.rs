@@ -12,8 +12,8 @@ mod perturbed;
 mod stability;
 
 pub use exact::{
-    ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier, WaveNumber,
-    WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
+    ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier,
+    WaveNumber, WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
 };
 pub use modes::Mode;
 pub(crate) use modes::strains;

@@ -125,9 +125,9 @@ impl Study for Exact {
 
     fn begin(&self) -> Result<Work<'_>> {
         let numbers = self.wanted.numbers()?;
-        Ok(Box::new(move |folder, _| {
+        Ok(Box::new(move |engine, _| {
             let found = numbers.search.wave(&numbers.setting, numbers.given);
-            let (wave, ansatz) = found.inspect_err(|why| keep_iterate(folder, why))?;
+            let (wave, ansatz) = found.inspect_err(|why| keep_iterate(engine.folder(), why))?;
             Ok(Box::new(exact_study(&numbers.scene, wave, ansatz, numbers.sites, &numbers.search)?))
         }))
     }
@@ -252,7 +252,8 @@ impl Study for ContinueWave {
         };
         // What can be refused at once; the start is checked again when it is known.
         continuation.check(f64::NAN)?;
-        Ok(Box::new(move |folder, progress| {
+        Ok(Box::new(move |engine, progress| {
+            let folder = engine.folder();
             let found = numbers.search.wave(&numbers.setting, numbers.given);
             let (wave, _) = found.inspect_err(|why| keep_iterate(folder, why))?;
             Ok(Box::new(wave_branch(&numbers.scene, wave, &continuation, numbers.sites, folder, progress)?))

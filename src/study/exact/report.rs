@@ -85,7 +85,8 @@ impl Report for ExactStudy {
             })
             .collect();
         let head = ["p/pi", "growth per t", "by the DpS equations", "factor a period"];
-        let spectrum = if rows.is_empty() { "No multiplier is off the circle.\n".to_owned() } else { table(&head, &rows) };
+        let spectrum =
+            if rows.is_empty() { "No multiplier is off the circle.\n".to_owned() } else { table(&head, &rows) };
         format!(
             "x_n(t) = X(q n - omega_tw t), q = {}, omega_tw = {}, {}\n\
              amplitude {:.12e}, mean strain {:.12e}; ansatz {:.12e}, {:.12e}: E_x = {:.4e}, E_y = {:.4e}\n\
@@ -136,9 +137,8 @@ pub(crate) fn tables(study: &ExactStudy) -> Vec<(&'static str, Vec<u8>)> {
     let rows = profile.phases().zip(profile.x.iter().zip(&profile.y)).map(|(phi, (x, y))| vec![phi, *x, *y]);
     let [fx, fy] = &study.fourier;
     let harmonics = fx.iter().zip(fy).enumerate().map(|(k, (x, y))| vec![k as f64, *x, *y]);
-    let multiplier = |m: &WaveMultiplier| {
-        vec![m.bloch, m.re, m.im, m.modulus, m.error, f64::from(m.krein), m.growth, m.frequency]
-    };
+    let multiplier =
+        |m: &WaveMultiplier| vec![m.bloch, m.re, m.im, m.modulus, m.error, f64::from(m.krein), m.growth, m.frequency];
     let names = ["bloch", "re", "im", "modulus", "error", "krein", "growth", "frequency"];
     vec![
         ("profile.csv", csv(&["phi", "x", "y"], rows)),
@@ -155,7 +155,11 @@ fn program() -> String {
 pub(crate) fn exact_caption(study: &ExactStudy) -> String {
     let wave = &study.wave;
     let fastest = study.spectrum.fastest().map_or("no multiplier grows".to_owned(), |fastest| {
-        format!("the fastest multiplier grows by {} a unit of time at p = {} π", shown(fastest.growth), shown(fastest.bloch / PI))
+        format!(
+            "the fastest multiplier grows by {} a unit of time at p = {} π",
+            shown(fastest.growth),
+            shown(fastest.bloch / PI)
+        )
     });
     format!(
         "{}, q = {}, ω_tw = {}, mean strain {}, N = {}: amplitude {}, that of the ansatz {}, E_x = {}, E_y = {}, residual {:.0e}; {fastest}.",
@@ -183,10 +187,7 @@ fn exact_columns(study: &ExactStudy) -> Vec<crate::figures::Column> {
         let first = study.profile.phases().map(|phi| (phi / PI, mean + height * phi.cos()));
         Panel::new(Kind::Time, ["phase φ/π", label], vec![exact, Line::new("ansatz", first)])
     };
-    let profiles = [
-        profile("X(φ)", &study.profile.x, height),
-        profile("Y(φ)", &study.profile.y, -height / rho),
-    ];
+    let profiles = [profile("X(φ)", &study.profile.x, height), profile("Y(φ)", &study.profile.y, -height / rho)];
     vec![Column::new("", profiles), Column::new("", [fourier_panel(study), growth_panel(&study.growth)])]
 }
 
@@ -207,9 +208,8 @@ pub(crate) fn fourier_panel(study: &ExactStudy) -> crate::figures::Panel {
 #[cfg(feature = "plot")]
 pub(crate) fn growth_panel(growth: &[BlochGrowth]) -> crate::figures::Panel {
     use crate::figures::{Kind, Line, Panel};
-    let line = |name: &str, of: fn(&BlochGrowth) -> f64| {
-        Line::new(name, growth.iter().map(|row| (row.bloch / PI, of(row))))
-    };
+    let line =
+        |name: &str, of: fn(&BlochGrowth) -> f64| Line::new(name, growth.iter().map(|row| (row.bloch / PI, of(row))));
     let lines = vec![line("exact", |row| row.exact), line("DpS", |row| row.modulation)];
     Panel::new(Kind::Parameter, ["Bloch wave number p/π", "growth per unit of time"], lines)
 }
@@ -322,8 +322,18 @@ pub(crate) fn branch_plots(study: &WaveBranchStudy) -> Vec<crate::figures::Panel
 /// `waves.csv`: a row for each wave.
 pub(crate) fn branch_csv(study: &WaveBranchStudy) -> Vec<u8> {
     let names = [
-        "parameter", "omega_tw", "amplitude", "mean_strain", "residual", "growth", "bloch", "growing", "modulation",
-        "e_x_ansatz", "e_y_ansatz", "closed",
+        "parameter",
+        "omega_tw",
+        "amplitude",
+        "mean_strain",
+        "residual",
+        "growth",
+        "bloch",
+        "growing",
+        "modulation",
+        "e_x_ansatz",
+        "e_y_ansatz",
+        "closed",
     ];
     let row = |one: &BranchWave| {
         let fastest = one.spectrum.fastest();

@@ -294,8 +294,13 @@ impl WaveContinuation {
         let free = self.parameter.free(&wave.setting) + ds * t[columns] * scales.parameter;
         let setting = self.parameter.with(&wave.setting, free);
         if lands {
-            let given = if self.parameter == WaveParameter::Amplitude { Given::Amplitude(self.to) } else { Given::Frequency };
-            let setting = if self.parameter == WaveParameter::Amplitude { setting } else { self.parameter.with(&setting, self.to) };
+            let given =
+                if self.parameter == WaveParameter::Amplitude { Given::Amplitude(self.to) } else { Given::Frequency };
+            let setting = if self.parameter == WaveParameter::Amplitude {
+                setting
+            } else {
+                self.parameter.with(&setting, self.to)
+            };
             let search = Search { most_steps: MOST_CORRECTIONS + 1, ..self.search };
             return search.solve(&setting, given, &z);
         }

@@ -161,7 +161,9 @@ impl ExactWave {
             let (a_key, b_key) = (order(a), order(b));
             place(a).total_cmp(&place(b)).then(a_key.0.total_cmp(&b_key.0)).then(a_key.1.total_cmp(&b_key.1))
         });
-        quality.map(|quality| WaveSpectrum { sites, multipliers, quality }).ok_or_else(|| unreachable!("a ring has cells"))
+        quality
+            .map(|quality| WaveSpectrum { sites, multipliers, quality })
+            .ok_or_else(|| unreachable!("a ring has cells"))
     }
 
     /// The derivative of `B` by the state of the first cell: a block for the response of each cell.
@@ -185,9 +187,7 @@ impl ExactWave {
         let (m, z) = (self.setting.q.cell(), &self.z);
         let crate::chain::Params { alpha, kappa, rho } = self.setting.params;
         let force = |n: usize| (-z[n % m]).max(0.0).powf(alpha);
-        let bead = |n: usize| {
-            2.0 * force(n) - force(n + 1) - force(n + m - 1) - kappa * (z[n] - z[m + n])
-        };
+        let bead = |n: usize| 2.0 * force(n) - force(n + 1) - force(n + m - 1) - kappa * (z[n] - z[m + n]);
         let resonator = |n: usize| kappa / rho * (z[n] - z[m + n]);
         z[2 * m..].iter().copied().chain((0..m).map(bead)).chain((0..m).map(resonator)).collect()
     }
@@ -213,9 +213,10 @@ impl<'a> Block<'a> {
             Complex::new(angle.cos(), -sin)
         };
         let size = wave.z.len();
-        let matrix = responses.iter().enumerate().fold(Matrix::zeros(size, size), |sum, (cell, response)| {
-            sum + response.map(|entry| turn(cell) * entry)
-        });
+        let matrix = responses
+            .iter()
+            .enumerate()
+            .fold(Matrix::zeros(size, size), |sum, (cell, response)| sum + response.map(|entry| turn(cell) * entry));
         Self { wave, theta, matrix, metric: metric(wave, theta) }
     }
 
@@ -333,8 +334,7 @@ impl<'a> Block<'a> {
         let exact = matches!(kind, WaveKind::Trivial | WaveKind::Linear);
         let error = if exact { 0.0 } else { error * setting.q.turns() as f64 * mu.norm() / size };
         let Complex { re, im } = mu;
-        let multiplier =
-            WaveMultiplier { bloch, re, im, modulus: mu.norm(), error, krein, growth, frequency, kind };
+        let multiplier = WaveMultiplier { bloch, re, im, modulus: mu.norm(), error, krein, growth, frequency, kind };
         let modulus = if kind == WaveKind::Off { multiplier.modulus } else { 1.0 };
         (WaveMultiplier { modulus, ..multiplier }, apart(&partner))
     }
