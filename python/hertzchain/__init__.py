@@ -28,7 +28,7 @@ from ._errors import (
 from ._native import __version__
 from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
 from ._run import Interrupted, Trajectory, integrators, run
-from ._sweep import sweep
+from ._sweep import Table, sweep, sweep_plan
 from ._waves import BrightBreather, TravellingWave
 
 __all__ = [
@@ -48,6 +48,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "Table",
     "Trajectory",
     "TravellingWave",
     "UnknownNameError",
@@ -59,4 +60,5 @@ __all__ = [
     "monodromy",
     "run",
     "sweep",
+    "sweep_plan",
 ]

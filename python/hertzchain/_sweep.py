@@ -4,34 +4,90 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from . import _native
+from ._arrays import Vector
 from ._errors import FileError, ParameterError
 from ._progress import Progress, shown
 
 
+class Table:
+    """What came of the sweep of a plan.
+
+    Attributes
+    ----------
+    columns : dict of ndarray
+        Keys of the scene and quantities, of shape (points,), or (points, numbers) for arrays.
+    failures : dict
+        Numbers of points that failed, the first of them, with the reasons.
+    record : dict
+        All that ``hertzchain sweep --json`` prints; for a shard ``{"shard": words}``.
+    """
+
+    def __init__(self, text: str, columns: list[tuple[str, Vector, int]], failures: list[tuple[int, str]]) -> None:
+        self.record: dict[str, Any] = json.loads(text) if text.startswith("{") else {"shard": text}
+        wide = {name: numbers.reshape(-1, max(width, 1)) for name, numbers, width in columns}
+        self.columns: dict[str, Vector] = {name: rows[:, 0] if rows.shape[1] == 1 else rows for name, rows in wide.items()}
+        self.failures = dict(failures)
+
+    def __getitem__(self, name: str) -> Vector:
+        return self.columns[name]
+
+    def __repr__(self) -> str:
+        return self.record.get("shard") or f"Table({', '.join(self.columns)})"
+
+
+def sweep_plan(
+    plan: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
+    progress: Progress = False,
+) -> Table:
+    """Run a scene at every point of a grid, as ``hertzchain sweep PLAN.toml`` does.
+
+    Parameters
+    ----------
+    plan : path
+        A TOML file; ``python -m hertzchain sweep --template`` prints one.
+    out : path, optional
+        A folder for tables and for the store: the same sweep goes on where it was.
+    shard : str, optional
+        ``"K/N"``: compute the K-th part of N, counted from 1, into a store of its own in `out`; a
+        sweep without a shard merges them.
+    progress : bool or callable
+        As in :func:`run`.
+    """
+    folder = None if out is None else os.fspath(out)
+    with shown(progress, "sweep") as tell:
+        return Table(*_native.sweep_plan(os.fspath(plan), folder, shard, tell))
+
+
 def sweep(
-    function: Callable[[Any], Any],
-    points: Iterable[Any],
+    function: Callable[[Any], Any] | str | os.PathLike[str],
+    points: Iterable[Any] = (),
     *,
     workers: int | None = None,
     store: str | os.PathLike[str] | None = None,
-    shard: tuple[int, int] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    shard: str | None = None,
     comm: Any = None,
     progress: Progress = False,
-) -> list[Any]:
-    """The values of a function at points, computed on threads.
+) -> Any:
+    """The values of a function at points, computed on threads; or the sweep of a plan.
 
     Runs release the interpreter's lock, so that threads use several cores.
 
     Parameters
     ----------
-    function : callable
+    function : callable or path
         Called with a point; with a store or MPI its values must be JSON: numbers, strings, lists,
-        dictionaries, None.
+        dictionaries, None. Or a plan, as for :func:`sweep_plan`, with `out`, `shard`, `progress`.
     points : iterable
         The points; with a store they must be JSON too.
     workers : int, optional
@@ -39,9 +95,9 @@ def sweep(
     store : path, optional
         A file to which each value is added as soon as it is there. A sweep with the same file
         computes only what is missing.
-    shard : (int, int), optional
-        ``(k, n)``: compute only the points k, k + n, k + 2 n, and so on, counted from 0, into a store
-        of their own beside `store`; a sweep without a shard collects these.
+    shard : str, optional
+        ``"K/N"``: compute only every N-th point from the K-th on, counted from 1, into a store of
+        their own beside `store`; a sweep without a shard collects these.
     comm : mpi4py communicator, optional
         Divide the points over its ranks; all of them get all values.
     progress : bool or callable
@@ -49,7 +105,7 @@ def sweep(
 
     Returns
     -------
-    list
+    list or Table
         The values in the order of the points; of a shard only its own.
 
     Examples
@@ -58,6 +114,10 @@ def sweep(
     >>> hc.sweep(lambda x: x**2, [1, 2, 3])
     [1, 4, 9]
     """
+    if not callable(function):
+        return sweep_plan(function, out=out, shard=shard, progress=progress)
+    if out is not None:
+        raise ParameterError(f"out = {os.fspath(out)!r} is not valid: a function has a store, a plan a folder")
     todo = list(points)
     mine, file = _share(len(todo), store, shard, comm)
     known = {} if file is None else _Store.read_all(Path(store or ""), todo)
@@ -80,22 +140,27 @@ def sweep(
 
 
 def _share(
-    count: int, store: str | os.PathLike[str] | None, shard: tuple[int, int] | None, comm: Any
+    count: int, store: str | os.PathLike[str] | None, shard: str | None, comm: Any
 ) -> tuple[list[int], Path | None]:
     """The points of this process, and the file for their values."""
     if shard is not None and comm is not None:
         raise ParameterError("shard and comm are not valid together: ranks divide the points themselves")
-    if comm is not None:
-        shard = (comm.Get_rank(), comm.Get_size())
-    elif shard is not None and store is None:
+    if shard is not None and store is None:
         raise ParameterError(f"shard = {shard!r} is not valid: a shard needs a store")
-    if shard is None:
+    if shard is None and comm is None:
         return list(range(count)), None if store is None else Path(store)
-    k, n = shard
-    if not 0 <= k < n:
-        raise ParameterError(f"shard = {shard!r} is not valid: (k, n) with 0 <= k < n")
+    k, n = (comm.Get_rank() + 1, comm.Get_size()) if comm is not None else _shard(shard)
     file = None if store is None else Path(f"{os.fspath(store)}.{k}-of-{n}")
-    return list(range(k, count, n)), file
+    return list(range(k - 1, count, n)), file
+
+
+def _shard(shard: Any) -> tuple[int, int]:
+    """K and N of ``"K/N"``."""
+    parts = re.fullmatch(r"(\d+)/(\d+)", shard) if isinstance(shard, str) else None
+    k, n = (int(parts[1]), int(parts[2])) if parts else (0, 0)
+    if not 1 <= k <= n:
+        raise ParameterError(f'shard = {shard!r} is not valid: "K/N" with 1 <= K <= N')
+    return k, n
 
 
 class _Store:

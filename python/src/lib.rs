@@ -39,6 +39,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studies::continue_branch, module)?)?;
     module.add_function(wrap_pyfunction!(studies::load_branch, module)?)?;
     module.add_function(wrap_pyfunction!(studies::compare_json, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::sweep_plan, module)?)?;
     module.add_function(wrap_pyfunction!(studies::monodromy, module)?)?;
     module.add_function(wrap_pyfunction!(theory::wave_of, module)?)?;
     module.add_function(wrap_pyfunction!(theory::averages, module)?)?;

@@ -1,11 +1,16 @@
 //! Studies by their options, with their results as JSON, as `--json` prints them.
 
-use crate::{scene::Scene, work::{Watched, finished}};
+use crate::{
+    scene::Scene,
+    work::{Watched, finished},
+};
 use hertzchain::{
     Result,
     dps::Center,
     orbits::{Formulation, Trail},
-    study::{self, CompareOptions, Continue, Dark, Report, Ring, Study, compare},
+    output::Folder,
+    study::{self, CompareOptions, Continue, Dark, Plan, Report, Ring, Study, compare, planned},
+    sweep::Engine,
 };
 use numpy::{PyArray1, PyArray2, prelude::*};
 use pyo3::{prelude::*, types::PyBytes};
@@ -42,7 +47,7 @@ pub(crate) fn center(name: &str) -> Result<Center> {
 }
 
 fn done(study: &impl Study, watched: &Watched) -> Result<Box<dyn Report>> {
-    study.begin()?(None, &|share, _| watched.tell(share))
+    study.begin()?(&Engine::threads(), &|share, _| watched.tell(share))
 }
 
 fn text(value: &Value) -> String {
@@ -150,4 +155,45 @@ pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResu
     let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, Pace::Tolerance(tol))?))?;
     // It comes column by column.
     PyArray1::from_vec(py, map).reshape([start.len(), start.len()])?.transpose()
+}
+
+/// Name, numbers and how many there are a point, of a column of a sweep.
+type Column<'py> = (String, Bound<'py, PyArray1<f64>>, usize);
+
+/// The sweep of a plan: JSON, columns, and the first failures. A shard has only words that say what
+/// it has done.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub(crate) fn sweep_plan<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    out: Option<PathBuf>,
+    shard: Option<&str>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(String, Vec<Column<'py>>, Vec<(usize, String)>)> {
+    let work = |watched: &Watched| {
+        let plan = Plan::load(&path)?;
+        let folder = out.map(Folder::create).transpose()?;
+        let engine = Engine::threads();
+        let engine = folder.as_ref().map_or(Engine::threads(), |folder| engine.keeping(folder));
+        let engine = match shard {
+            Some(shard) => engine.shard(shard.parse()?),
+            None => engine,
+        };
+        let swept = planned(&plan, &engine, &|done, total| watched.tell(done as f64 / total as f64));
+        if let Some(part) = engine.part().filter(|part| part.kept == part.points) {
+            return Ok((part.words(), Vec::new(), Vec::new()));
+        }
+        let study = swept?;
+        let json = text(&study.json());
+        if let Some(folder) = &folder {
+            for (name, bytes) in study.files(&json)? {
+                folder.write(&name, &bytes)?;
+            }
+        }
+        Ok((json, study.columns, study.failed))
+    };
+    let (json, columns, failed) = finished(py, progress.as_ref(), work)?;
+    let column = |column: study::NumberColumn| (column.name, PyArray1::from_vec(py, column.numbers), column.width);
+    Ok((json, columns.into_iter().map(column).collect(), failed))
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -90,8 +91,8 @@ def test_sweep_resumes_and_collects_shards(tmp_path: Path) -> None:
     store = tmp_path / "squares.jsonl"
     points = list(range(10))
     assert hc.sweep(square, points[:4], store=tmp_path / "few.jsonl") == [0, 1, 4, 9]
-    assert hc.sweep(square, points, store=store, shard=(0, 3)) == [0, 9, 36, 81]
-    assert hc.sweep(square, points, store=store, shard=(2, 3)) == [4, 25, 64]
+    assert hc.sweep(square, points, store=store, shard="1/3") == [0, 9, 36, 81]
+    assert hc.sweep(square, points, store=store, shard="3/3") == [4, 25, 64]
     calls.clear()
     assert hc.sweep(square, points, store=store) == [x * x for x in points]
     assert sorted(calls) == [1, 4, 7]
@@ -102,6 +103,68 @@ def test_sweep_resumes_and_collects_shards(tmp_path: Path) -> None:
     assert len(calls) == 1
     with pytest.raises(hc.FileError, match="not of this sweep"):
         hc.sweep(square, [100], store=store)
+
+
+PLAN = """
+scene = "impact"
+set = ["chain.sites=5", "span.until=3"]
+keep = ["energy_error", "u"]
+axis = [{ key = "chain.alpha", values = [1.5, 2.0, 3.0] }, { key = "initial.velocity", from = 0.5, to = 1.0, count = 2 }]
+"""
+
+
+def test_a_plan_has_the_bits_of_the_program_also_in_shards(program: Any, tmp_path: Path) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(PLAN)
+    table = hc.sweep(plan)
+    assert table["u"].shape == (6, 5) and table["energy_error"].max() < 1e-8
+    printed = program("sweep", str(plan), "--out", str(tmp_path / "program"))
+    with np.load(tmp_path / "program" / "sweep.npz") as file:
+        assert np.array_equal(file["u"], table["u"])
+    for shard in ("1/2", "2/2"):
+        assert "kept" in hc.sweep_plan(plan, out=tmp_path / "parts", shard=shard).record["shard"]
+    merged = hc.sweep_plan(plan, out=tmp_path / "parts")
+    assert np.array_equal(merged["u"], table["u"]) and merged.record["computed"] == 0 < printed["computed"]
+    run = hc.run(hc.Scene.load("impact", {"chain.sites": 5, "span.until": 3, "chain.alpha": 2.0, "initial.velocity": 1.0}))
+    assert run.end["u"].tolist() == table["u"][3].tolist()
+
+
+class Ranks:
+    """As many ranks as threads, with the calls that a sweep makes of mpi4py."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self.local = threading.local()
+        self.parts: list[Any] = [None] * size
+        self.barrier = threading.Barrier(size)
+
+    def Get_rank(self) -> int:
+        rank: int = self.local.rank
+        return rank
+
+    def Get_size(self) -> int:
+        return self.size
+
+    def allgather(self, part: Any) -> list[Any]:
+        self.parts[self.Get_rank()] = part
+        self.barrier.wait()
+        return self.parts
+
+
+def test_a_sweep_over_ranks() -> None:
+    comm = Ranks(3)
+    results: list[Any] = [None] * 3
+
+    def one(rank: int) -> None:
+        comm.local.rank = rank
+        results[rank] = hc.sweep(lambda x: (rank, x), range(7), comm=comm)
+
+    threads = [threading.Thread(target=one, args=(rank,)) for rank in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert results == [[(k % 3, k) for k in range(7)]] * 3
 
 
 def test_compare_has_rows_for_each_method() -> None:

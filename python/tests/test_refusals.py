@@ -120,8 +120,12 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.dps.flow([1, NAN], [1.0], force=1.0), "start = NaN"),
     (lambda: hc.dps.flow([1, 2], [1.0], force=1.0, ends="fixed"), "ends = 'fixed'"),
     # Sweeps.
-    (lambda: hc.sweep(abs, [1], shard=(0, 2)), "a shard needs a store"),
-    (lambda: hc.sweep(abs, [1], shard=(2, 2), store="s"), "0 <= k < n"),
+    (lambda: hc.sweep(abs, [1], shard="1/2"), "a shard needs a store"),
+    (lambda: hc.sweep(abs, [1], shard="3/2", store="s"), "1 <= K <= N"),
+    (lambda: hc.sweep(abs, [1], shard=(1, 2), store="s"), "K/N"),  # type: ignore[arg-type]
+    (lambda: hc.sweep(abs, [1], out="s"), "a plan a folder"),
+    (lambda: hc.sweep("no-plan.toml"), "no-plan.toml"),
+    (lambda: hc.sweep_plan("no-plan.toml", shard="0/2"), "no-plan.toml"),
 ]
 
 
