@@ -136,7 +136,7 @@ impl Engine {
         U: Serialize + DeserializeOwned + Send,
     {
         let points = Points { count: points.len(), point: &|k| &points[k] };
-        let mut store = self.open(grid)?;
+        let mut store = self.open(grid, points.count)?;
         let (rows, resumed) = self.rows(grid, &points, store.as_mut(), progress, &|point| work(point))?;
         collected(rows, resumed)
     }
@@ -160,15 +160,16 @@ impl Engine {
         T: Serialize,
         U: Serialize + DeserializeOwned,
     {
-        let mut store = self.open(grid)?;
+        let mut store = self.open(grid, count)?;
         let (mut rows, resumed) = self.rows(grid, &Points { count, point }, store.as_mut(), progress, work)?;
         rows.settle()?;
         Ok((take(&mut rows)?, resumed))
     }
 
     /// The store of the whole grid, with what shards have kept.
-    fn open(&self, grid: &Grid) -> Result<Option<Store>> {
-        if self.shard.is_some() || self.backend.serves() {
+    fn open(&self, grid: &Grid, points: usize) -> Result<Option<Store>> {
+        // A grid without points leaves no store.
+        if points == 0 || self.shard.is_some() || self.backend.serves() {
             return Ok(None);
         }
         let Some(folder) = &self.folder else { return Ok(None) };

@@ -233,10 +233,9 @@ impl<'s> Rows<'s> {
         let mut places = vec![None; points.count];
         if let Some(store) = store.as_mut().filter(|store| !store.is_empty()) {
             for (k, place) in places.iter_mut().enumerate() {
-                *place = store.find(hashes[k], &points.key(k)?)?;
-                if let Some(place) = *place {
-                    drop(read::<U>(&store.row(place)?).map_err(|why| store.corrupt(place, &why))?);
-                }
+                let Some((there, row)) = store.find(hashes[k], &points.key(k)?)? else { continue };
+                drop(read::<U>(&row).map_err(|why| store.corrupt(there, &why))?);
+                *place = Some(there);
             }
         }
         Ok(Self { store, texts: Vec::new(), places })

@@ -267,17 +267,19 @@ impl Store {
         self.sorted = self.index.len();
     }
 
-    /// The place of the line of a point, if the store has it; of those that were there when the
+    /// The place and the row of a point, if the store has it; of those that were there when the
     /// store was opened, merged or settled.
-    pub(super) fn find(&mut self, hash: u64, point: &str) -> Result<Option<Place>> {
+    pub(super) fn find(&mut self, hash: u64, point: &str) -> Result<Option<(Place, String)>> {
         let from = self.index[..self.sorted].partition_point(|entry| entry.hash < hash);
         for k in from..self.sorted {
             let Entry { hash: other, place } = self.index[k];
             if other != hash {
                 break;
             }
-            if parts(&self.line(place)?).is_ok_and(|(there, _)| there == point) {
-                return Ok(Some(place));
+            if let Ok((there, row)) = parts(&self.line(place)?)
+                && there == point
+            {
+                return Ok(Some((place, row.to_owned())));
             }
         }
         Ok(None)
