@@ -141,7 +141,8 @@ impl Search {
             matrix = matrix.insert_row(rows, 0.0);
             if derivative {
                 matrix.row_mut(rows).copy_from_slice(&row);
-                let slope = self.slope(setting, z, setting.omega_tw, |omega_tw| WaveSetting { omega_tw, ..*setting })?;
+                let slope =
+                    self.slope(setting, z, setting.omega_tw, |omega_tw| WaveSetting { omega_tw, ..*setting })?;
                 matrix = matrix.insert_column(z.len(), 0.0);
                 matrix.view_mut((0, z.len()), (rows, 1)).copy_from(&slope);
             }
