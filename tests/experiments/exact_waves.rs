@@ -266,7 +266,8 @@ fn waves_under_a_gap_end_where_no_contact_closes() {
     assert_eq!(study.end, WaveEnd::NoContact);
     let [.., before, last] = &study.waves[..] else { panic!("{} waves", study.waves.len()) };
     assert!(before.closed > 0.0 && last.closed == 0.0 && last.wave.setting.omega_tw - 2.0 < 1e-10);
-    assert!((before.wave.amplitude() / 0.05 - 1.0).abs() < 0.05, "{}", before.wave.amplitude());
+    // From wave to wave the state changes by at most a quarter of its size.
+    assert!((1.0..1.25).contains(&(before.wave.amplitude() / 0.05)), "{}", before.wave.amplitude());
 }
 
 // Truth: scaling. Lengths by l and times by l^{-(alpha-1)/2} are the same chain with another kappa.

@@ -225,7 +225,7 @@ impl WaveContinuation {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
         }
-        if !(self.step > 0.0) {
+        if self.step.is_nan() || self.step <= 0.0 {
             return Err(Error::parameter("step", self.step, "positive"));
         }
         if self.most_points < 2 {
@@ -336,7 +336,7 @@ impl WaveContinuation {
             let Some(by) = least_squares(matrix, &residual.push(0.0)) else { break };
             let step = by.norm();
             // A correction as long as the step leads elsewhere.
-            if !(step <= 0.5 * ds) {
+            if step.is_nan() || step > 0.5 * ds {
                 break;
             }
             wave.newton.push(NewtonStep { residual: relative, step });

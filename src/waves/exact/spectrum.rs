@@ -140,7 +140,7 @@ impl ExactWave {
         let cells = sites / m;
         let blocks = self.responses(cells, search)?;
         let mut multipliers = Vec::with_capacity(4 * sites);
-        let mut quality: Option<WaveQuality> = None;
+        let mut qualities = Vec::with_capacity(cells / 2 + 1);
         // Blocks of -theta are the conjugates.
         for j in 0..=cells / 2 {
             let block = Block::new(self, &blocks, j, cells);
@@ -148,7 +148,7 @@ impl ExactWave {
                 let rule = "no multipliers: the eigenvalues did not converge";
                 Error::parameter("omega_tw", self.setting.omega_tw, rule)
             })?;
-            quality = Some(quality.map_or(own, |all| all.with(&own)));
+            qualities.push(own);
             if j > 0 && 2 * j < cells {
                 multipliers.extend(found.iter().map(WaveMultiplier::conjugate));
             }
@@ -161,9 +161,8 @@ impl ExactWave {
             let (a_key, b_key) = (order(a), order(b));
             place(a).total_cmp(&place(b)).then(a_key.0.total_cmp(&b_key.0)).then(a_key.1.total_cmp(&b_key.1))
         });
-        quality
-            .map(|quality| WaveSpectrum { sites, multipliers, quality })
-            .ok_or_else(|| unreachable!("a ring has cells"))
+        let quality = qualities[1..].iter().fold(qualities[0], WaveQuality::with);
+        Ok(WaveSpectrum { sites, multipliers, quality })
     }
 
     /// The derivative of `B` by the state of the first cell: a block for the response of each cell.
@@ -207,9 +206,9 @@ impl<'a> Block<'a> {
         let theta = 2.0 * PI * j as f64 / cells as f64;
         let turn = |cell: usize| {
             // Exactly real where theta is a multiple of pi.
-            let eighths = (j * cell) % cells;
-            let angle = 2.0 * PI * eighths as f64 / cells as f64;
-            let sin = if 2 * eighths % cells == 0 { 0.0 } else { angle.sin() };
+            let part = (j * cell) % cells;
+            let angle = 2.0 * PI * part as f64 / cells as f64;
+            let sin = if (2 * part).is_multiple_of(cells) { 0.0 } else { angle.sin() };
             Complex::new(angle.cos(), -sin)
         };
         let size = wave.z.len();
@@ -366,12 +365,12 @@ impl WaveMultiplier {
 
 impl WaveQuality {
     /// The worse of two, with what only `theta = 0` has.
-    fn with(&self, other: &Self) -> Self {
+    fn with(self, other: &Self) -> Self {
         Self {
             symplectic_defect: self.symplectic_defect.max(other.symplectic_defect),
             eigen_residual: self.eigen_residual.max(other.eigen_residual),
             pairing: self.pairing.max(other.pairing),
-            ..*self
+            ..self
         }
     }
 }
