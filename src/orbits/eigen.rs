@@ -158,7 +158,7 @@ pub(crate) type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// Eigenvalues and unit eigenvectors; conjugate pairs are next to each other. `None` if the
 /// iteration did not converge.
-pub(super) fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
+pub(crate) fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
     let [q, s] = schur(a)?;
     let (q, least) = (q.map(Complex::from), f64::EPSILON * s.norm());
     let pairs = diagonal(&s).into_iter().map(|value| {

@@ -20,7 +20,7 @@ mod shooting;
 
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, End, Trail};
-pub(crate) use eigen::Eigenpair;
+pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};

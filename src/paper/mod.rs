@@ -2,7 +2,7 @@
 //!
 //! | part | contents |
 //! |---|---|
-//! | `claims.toml`, [`claims`] | the claims of the paper in Sec. 2 to 7, one row each |
+//! | `claims.toml`, [`claims`] | the claims of the paper in Sec. 2 to 8, one row each |
 //! | `quantities/` | for each claim, by its id, the value that decides it |
 //! | [`verify`] | claims and values side by side, with a verdict each |
 //! | `verdicts.rs` | the verdicts as text, CSV and JSON |
@@ -17,8 +17,9 @@ mod verify;
 
 pub use claims::{Claim, Kind, claims};
 pub use figures::{
-    Data, DoublingData, Drawn, EvolutionRun, FIGURES, Figure, FloquetData, MassRatioData, OrbitData, OrbitRecipe,
-    ProfileData, Recipe, WaveColumn, WavePanel, WaveRun, figures_json, figures_table,
+    Data, DoublingData, Drawn, EvolutionRun, ExactData, ExactRecipe, FIGURES, Figure, FloquetData, LimitWave,
+    MassRatioData, OrbitData, OrbitRecipe, ProfileData, Recipe, WaveColumn, WavePanel, WaveRun, figures_json,
+    figures_table,
 };
 pub use rule::Rule;
 pub use verdicts::{verify_csv, verify_json, verify_table};

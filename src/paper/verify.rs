@@ -122,7 +122,11 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
     let clock = Instant::now();
     let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
     if let (Some(section), None) = (section, claims().next()) {
-        return Err(Error::parameter("section", section, "a section of the paper that has items: 2, 3, 4, 5, 6 or 7"));
+        return Err(Error::parameter(
+            "section",
+            section,
+            "a section of the paper that has items: 2, 3, 4, 5, 6, 7 or 8",
+        ));
     }
     let items = pair(claims(), &quantities(section, progress)?);
     Ok(Verification { items, wall: clock.elapsed() })

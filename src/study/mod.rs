@@ -38,7 +38,9 @@ pub(crate) use evolve::swing_maps;
 pub use evolve::*;
 pub(crate) use evolve::{evolution_csv, swing_csv};
 pub use exact::*;
-pub(crate) use exact::{exact_tables, wave_branch_csv};
+pub(crate) use exact::{exact_caption, exact_tables, wave_branch_csv};
+#[cfg(feature = "plot")]
+pub(crate) use exact::{exact_columns, wave_branch_plots};
 pub(crate) use lifetimes::lifetimes_csv;
 pub use lifetimes::*;
 #[cfg(feature = "plot")]

@@ -61,6 +61,11 @@ pub enum Size {
     Detuning(f64),
 }
 
+/// `2 sin^2(q/2) h_alpha(b, a) / omega^3`, the detuning of a wave of size 1 (eq:w_tw).
+fn detuning(omega: f64, q: f64, h_alpha: f64) -> f64 {
+    2.0 / omega.powi(3) * (0.5 * q).sin().powi(2) * h_alpha
+}
+
 impl TravellingWave {
     /// The wave of the given shape and size, where `epsilon` and `omega_tw` satisfy (eq:w_tw):
     /// `omega_tw = omega + 2 epsilon^{alpha-1} / omega^3 sin^2(q/2) h_alpha(b, a)`.
@@ -96,7 +101,7 @@ impl TravellingWave {
         }
         let omega = params.omega();
         let h_alpha = Averages::new(params.alpha, params.kappa)?.h(b, a);
-        let per_size = 2.0 / omega.powi(3) * (0.5 * q).sin().powi(2) * h_alpha;
+        let per_size = detuning(omega, q, h_alpha);
         let power = params.alpha - 1.0;
         let (epsilon, detuning) = match size {
             Size::Epsilon(epsilon) if epsilon.is_finite() && epsilon > 0.0 => (epsilon, per_size * epsilon.powf(power)),

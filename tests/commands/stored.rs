@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::{env, fs, path::PathBuf, process::Command};
 
 /// Name in the store, and the command line without `--json`.
-const SET: [(&str, &str); 21] = [
+const SET: [(&str, &str); 23] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
@@ -21,6 +21,8 @@ const SET: [(&str, &str); 21] = [
     ("integrators", "integrators"),
     ("scenes", "scenes"),
     ("wave", "wave tw-q45 --until 30"),
+    ("wave-exact", "wave exact tw-q45 --sites 10"),
+    ("wave-continue", "wave continue tw-q45 --sites 10 --to 2.002"),
     ("wave-modulation", "wave modulation --sites 10 --q-over-pi 0.2 --epsilon 0.01"),
     ("dps-integrals", "dps integrals --b 0.3 --r 1.2"),
     ("dps-homoclinic", "dps homoclinic --center bond"),

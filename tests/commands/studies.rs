@@ -551,3 +551,28 @@ fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
         assert!(output.status.code() == Some(2) && text.contains(words), "{args:?}: {text}");
     }
 }
+
+// Truth: the message and the file of the best iterate; an earlier result does not stay beside it.
+#[test]
+fn a_search_for_an_exact_wave_that_stalls_keeps_its_best_iterate() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = |more: &[&str]| {
+        let args = ["wave", "exact", "--sites", "10", "--out", out];
+        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args.iter().chain(more)).output().unwrap()
+    };
+    let names = || {
+        let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|one| one.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    assert!(run(&[]).status.success());
+    assert!(names().iter().any(|name| name == "exact.json"), "{:?}", names());
+    let stalled = run(&["--omega-tw", "3"]);
+    let text = String::from_utf8_lossy(&stalled.stderr).into_owned();
+    assert!(stalled.status.code() == Some(1) && text.contains("no periodic orbit after"), "{text}");
+    assert_eq!(names(), ["stalled.json"]);
+    let kept: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("stalled.json")).unwrap()).unwrap();
+    assert!(kept["residual"].as_f64().unwrap() > 1e-12 && kept["x"].as_array().unwrap().len() == 10, "{kept}");
+}

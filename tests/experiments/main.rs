@@ -8,6 +8,7 @@ mod properties;
 mod branch_files;
 mod breathers;
 mod charts;
+mod exact_waves;
 mod lifetimes;
 mod orbits;
 mod sweep;

@@ -103,10 +103,11 @@ Examples:
   hertzchain study order --alpha 2
   hertzchain study stability --charts light --quick")]
     Study(StudyArgs),
-    /// Run a travelling wave against its ansatz; modulations of a wave.
+    /// Run a travelling wave against its ansatz; modulations; exact waves.
     ///
     /// Runs a travelling wave on the chain and holds it against its first-order ansatz; perturbs it
-    /// and sees whether it is stable. `wave modulation` gives the growth of its modulations.
+    /// and sees whether it is stable. `wave modulation` gives the growth of its modulations,
+    /// `wave exact` the exact wave beside the ansatz.
     #[command(after_long_help = WAVE_EXAMPLES)]
     Wave(WaveArgs),
     /// Breathers: bright, trivial and dark, and branches of dark ones.

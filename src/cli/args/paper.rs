@@ -21,7 +21,7 @@ Examples:
     Figures(FiguresArgs),
     /// Hold every number in the text of the paper against ours.
     ///
-    /// For every number in Sec. 2 to 7: what the paper says, what we get, the verdict, and why if
+    /// For every number in Sec. 2 to 8: what the paper says, what we get, the verdict, and why if
     /// they differ. Exit code 0: every verdict is the one that is known, also where the paper is
     /// known to differ, and our numbers there are what they were. Exit code 1: one is not, or a run
     /// failed.
@@ -40,7 +40,7 @@ Examples:
 
 #[derive(Args)]
 pub(crate) struct VerifyArgs {
-    /// One section of the paper: 2, 3, 4, 5, 6 or 7 [default: all].
+    /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
     #[arg(long, value_name = "S")]
     pub(crate) section: Option<u32>,
     /// Write the results to this folder; without it, no file is written.

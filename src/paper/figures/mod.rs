@@ -6,12 +6,15 @@
 
 mod dark;
 mod drawn;
+mod exact;
 mod heavy;
 mod orbits;
 mod rows;
 mod waves;
 
 pub use drawn::{Drawn, figures_json, figures_table};
+pub(super) use exact::limit_wave;
+pub use exact::{ExactData, ExactRecipe, LimitWave};
 pub use orbits::{DoublingData, EvolutionRun, FloquetData, MassRatioData, OrbitData, OrbitRecipe, ProfileData};
 pub use rows::FIGURES;
 pub use waves::{WaveColumn, WavePanel, WaveRun};
@@ -95,6 +98,8 @@ pub enum Recipe {
     },
     /// Dark breathers as exact orbits.
     Orbits(OrbitRecipe),
+    /// Exact travelling waves.
+    Exact(ExactRecipe),
 }
 
 /// The numbers of a figure.
@@ -118,6 +123,8 @@ pub enum Data {
     Lifetimes(Box<LifetimeStudy>),
     /// Exact orbits.
     Orbits(Box<OrbitData>),
+    /// Exact travelling waves.
+    Exact(Box<ExactData>),
 }
 
 /// Tables of a part of a figure: `(end of the file name, CSV)`.
@@ -152,6 +159,7 @@ impl Figure {
                 Data::Lifetimes(Box::new(heavy::lifetime_map(epsilons, rhos, until, progress)?))
             }
             Recipe::Orbits(ref recipe) => Data::Orbits(Box::new(recipe.data(progress)?)),
+            Recipe::Exact(ref recipe) => Data::Exact(Box::new(recipe.data(progress)?)),
         })
     }
 
@@ -167,6 +175,7 @@ impl Figure {
             Data::BrightHistory(history) => heavy::history_caption(history),
             Data::Lifetimes(study) => heavy::lifetimes_caption(study),
             Data::Orbits(data) => orbits::orbit_caption(data),
+            Data::Exact(data) => exact::exact_words(data),
         };
         format!("{} {what} Paper: {}.", self.claim, self.source)
     }
@@ -198,6 +207,9 @@ impl Figure {
             Data::Lifetimes(study) => vec![(format!("{}.csv", self.name), lifetimes_csv(study))],
             Data::Orbits(data) => {
                 orbits::orbit_tables(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
+            }
+            Data::Exact(data) => {
+                exact::exact_files(data).into_iter().flat_map(|(tag, tables)| named(&tag, tables)).collect()
             }
         }
     }
@@ -232,6 +244,7 @@ impl Figure {
             Data::BrightHistory(history) => panels(&heavy::history_panels(title, history, caption))?,
             Data::Lifetimes(study) => maps(&heavy::lifetime_maps(title, study, caption))?,
             Data::Orbits(data) => panels(&orbits::orbit_panels(title, data, caption))?,
+            Data::Exact(data) => panels(&exact::exact_panels(title, data, caption))?,
         })
     }
 }

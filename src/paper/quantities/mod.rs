@@ -14,6 +14,7 @@ mod section4;
 mod section5;
 mod section6;
 mod section7;
+mod section8;
 
 use crate::{
     error::Result,
@@ -88,13 +89,14 @@ impl Group {
 }
 
 /// The groups of each section, in the order of the paper.
-const SECTIONS: [(u32, &[Group]); 6] = [
+const SECTIONS: [(u32, &[Group]); 7] = [
     (2, section2::GROUPS),
     (3, section3::GROUPS),
     (4, section4::GROUPS),
     (5, section5::GROUPS),
     (6, section6::GROUPS),
     (7, section7::GROUPS),
+    (8, section8::GROUPS),
 ];
 
 /// The quantities of a section, or of all sections, in the order of the claims.

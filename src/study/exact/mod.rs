@@ -2,7 +2,9 @@
 
 mod report;
 
-pub(crate) use report::{branch_csv as wave_branch_csv, tables as exact_tables};
+pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as exact_tables};
+#[cfg(feature = "plot")]
+pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 
 use super::{Changes, Progress, Study, Work};
 use crate::{
@@ -17,10 +19,27 @@ use crate::{
 use serde_json::json;
 use std::f64::consts::PI;
 
+/// Samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at `alpha = 3/2` those
+/// beyond the samples change a coefficient by 1e-15 of the first.
+const SAMPLES: usize = 2048;
+/// Samples of a profile for largest values.
+const FEW_SAMPLES: usize = 256;
 /// The scene where none is named.
 const SCENE: &str = "tw-q15";
 /// What is kept of a search that did not converge.
 const STALLED: &str = "stalled.json";
+/// The files of a search that did.
+const RESULTS: [&str; 9] = [
+    "exact.json",
+    "exact.png",
+    "profile.csv",
+    "fourier.csv",
+    "multipliers.csv",
+    "waves.json",
+    "waves.png",
+    "waves.csv",
+    report::STATES,
+];
 /// Largest tolerance of the flow; above it, waves are not solved to 1e-12.
 const TOLERANCES: (f64, f64) = (1e-15, 1e-12);
 
@@ -75,6 +94,28 @@ struct Numbers {
 }
 
 impl Wanted {
+    /// The wave of a scene.
+    pub fn of(scene: &str) -> Self {
+        Self {
+            scene: Some(scene.to_owned()),
+            set: Changes::default(),
+            q_over_pi: None,
+            omega_tw: None,
+            amplitude: None,
+            mean: None,
+            sites: None,
+            tol: Search::default().tol,
+        }
+    }
+
+    /// The exact wave, and all that is asked of it.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; [`Error::Stalled`] where no wave is found.
+    pub fn study(&self) -> Result<ExactStudy> {
+        self.numbers()?.study()
+    }
+
     fn numbers(&self) -> Result<Numbers> {
         let name = self.scene.as_deref().unwrap_or(SCENE);
         let scene = Scene::load_with(name, &self.set.set)?;
@@ -94,6 +135,13 @@ impl Wanted {
         let numbers = Numbers { scene: name.to_owned(), setting: companion(setting, given)?, given, sites, search };
         numbers.setting.chain(1)?;
         Ok(numbers)
+    }
+}
+
+impl Numbers {
+    fn study(&self) -> Result<ExactStudy> {
+        let (wave, ansatz) = self.search.wave(&self.setting, self.given)?;
+        exact_study(&self.scene, wave, ansatz, self.sites, &self.search)
     }
 }
 
@@ -126,14 +174,12 @@ impl Study for Exact {
     fn begin(&self) -> Result<Work<'_>> {
         let numbers = self.wanted.numbers()?;
         Ok(Box::new(move |engine, _| {
-            let found = numbers.search.wave(&numbers.setting, numbers.given);
-            let (wave, ansatz) = found.inspect_err(|why| keep_iterate(engine.folder(), why))?;
-            Ok(Box::new(exact_study(&numbers.scene, wave, ansatz, numbers.sites, &numbers.search)?))
+            Ok(Box::new(numbers.study().inspect_err(|why| keep_iterate(engine.folder(), why))?))
         }))
     }
 }
 
-/// Writes the best iterate of a search that did not converge.
+/// Writes the best iterate of a search that did not converge, in place of what an earlier run has left.
 fn keep_iterate(folder: Option<&Folder>, why: &Error) {
     let (Some(folder), Error::Stalled { steps, best: Some(best) }) = (folder, why) else { return };
     let Iterate { z, residual, place } = &**best;
@@ -141,6 +187,7 @@ fn keep_iterate(folder: Option<&Folder>, why: &Error) {
     let [x, y, vx, vy] = [0, 1, 2, 3].map(|k| &z[k * m..(k + 1) * m]);
     let kept = json!({ "steps": steps, "residual": residual, "place": place, "x": x, "y": y, "vx": vx, "vy": vy });
     // The error that is told is that of the search.
+    let _ = folder.remove(RESULTS);
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
@@ -189,7 +236,7 @@ pub fn exact_study(
     sites: usize,
     search: &Search,
 ) -> Result<ExactStudy> {
-    let profile = wave.profile(search)?;
+    let profile = wave.profile(SAMPLES, search)?;
     let (fourier, odd) = profile.fourier();
     let spectrum = wave.spectrum(sites, search)?;
     let modulation = Modulation::new(ansatz.params(), ansatz.shape())?;
@@ -236,6 +283,25 @@ impl Study for ContinueWave {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        let (numbers, continuation) = self.checked()?;
+        Ok(Box::new(move |engine, progress| {
+            Ok(Box::new(branch_from(&numbers, &continuation, engine.folder(), progress)?))
+        }))
+    }
+}
+
+impl ContinueWave {
+    /// The branch.
+    ///
+    /// # Errors
+    /// As [`wave_branch`]; [`Error::Stalled`] where there is no first wave.
+    pub fn branch(&self, progress: Progress<'_>) -> Result<WaveBranchStudy> {
+        let (numbers, continuation) = self.checked()?;
+        branch_from(&numbers, &continuation, None, progress)
+    }
+
+    /// The first wave and the continuation, as far as they can be checked at once.
+    fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
         if self.wanted.mean.is_none() && self.vary != WaveParameter::Mean {
@@ -250,15 +316,21 @@ impl Study for ContinueWave {
             most_points: self.waves,
             search: numbers.search,
         };
-        // What can be refused at once; the start is checked again when it is known.
+        // The value at the first wave is not known yet.
         continuation.check(f64::NAN)?;
-        Ok(Box::new(move |engine, progress| {
-            let folder = engine.folder();
-            let found = numbers.search.wave(&numbers.setting, numbers.given);
-            let (wave, _) = found.inspect_err(|why| keep_iterate(folder, why))?;
-            Ok(Box::new(wave_branch(&numbers.scene, wave, &continuation, numbers.sites, folder, progress)?))
-        }))
+        Ok((numbers, continuation))
     }
+}
+
+fn branch_from(
+    numbers: &Numbers,
+    continuation: &WaveContinuation,
+    folder: Option<&Folder>,
+    progress: Progress<'_>,
+) -> Result<WaveBranchStudy> {
+    let found = numbers.search.wave(&numbers.setting, numbers.given);
+    let (wave, _) = found.inspect_err(|why| keep_iterate(folder, why))?;
+    wave_branch(&numbers.scene, wave, continuation, numbers.sites, folder, progress)
 }
 
 /// A wave of a branch.
@@ -321,7 +393,7 @@ pub fn wave_branch(
 }
 
 fn branch_wave(wave: &ExactWave, sites: usize, search: &Search) -> Result<BranchWave> {
-    let profile = wave.profile(search)?;
+    let profile = wave.profile(FEW_SAMPLES, search)?;
     let setting = WaveSetting { mean: MeanStrain::Value(wave.mean()), ..wave.setting };
     let ansatz = ansatz(&setting, Given::Frequency).ok();
     let modulation = ansatz.and_then(|ansatz| {

@@ -176,24 +176,31 @@ pub(crate) fn exact_caption(study: &ExactStudy) -> String {
     )
 }
 
-/// Profiles beside the ansatz; Fourier coefficients and growth.
+/// Profiles, and their differences from the ansatz; Fourier coefficients and growth.
 #[cfg(feature = "plot")]
-fn exact_columns(study: &ExactStudy) -> Vec<crate::figures::Column> {
+pub(crate) fn exact_columns(study: &ExactStudy) -> Vec<crate::figures::Column> {
     use crate::figures::{Column, Kind, Line, Panel};
     let (ansatz, rho) = (&study.ansatz, study.ansatz.params().rho);
     let (mean, height) = (ansatz.epsilon() * ansatz.shape().b, ansatz.amplitude());
-    let profile = |label: &str, values: &[f64], height: f64| {
-        let exact = Line::new("exact", study.profile.phases().map(|phi| phi / PI).zip(values.iter().copied()));
-        let first = study.profile.phases().map(|phi| (phi / PI, mean + height * phi.cos()));
-        Panel::new(Kind::Time, ["phase φ/π", label], vec![exact, Line::new("ansatz", first)])
+    let over = |values: Vec<f64>| study.profile.phases().map(|phi| phi / PI).zip(values).collect::<Vec<_>>();
+    let first = |height: f64| study.profile.phases().map(|phi| mean + height * phi.cos()).collect::<Vec<_>>();
+    let apart = |values: &[f64], height: f64| -> Vec<f64> {
+        values.iter().zip(first(height)).map(|(exact, first)| 100.0 * (exact - first) / height.abs()).collect()
     };
-    let profiles = [profile("X(φ)", &study.profile.x, height), profile("Y(φ)", &study.profile.y, -height / rho)];
+    let (x, y) = (&study.profile.x, &study.profile.y);
+    let phase = "phase φ/π";
+    let strains = vec![Line::new("X exact", over(x.clone())), Line::new("Y exact", over(y.clone()))];
+    let differences = vec![Line::new("X", over(apart(x, height))), Line::new("Y", over(apart(y, -height / rho)))];
+    let profiles = [
+        Panel::new(Kind::Time, [phase, "strain"], strains),
+        Panel::new(Kind::Time, [phase, "exact − ansatz, % of amplitude"], differences),
+    ];
     vec![Column::new("", profiles), Column::new("", [fourier_panel(study), growth_panel(&study.growth)])]
 }
 
 /// `|f_k|/f_1` of `X`, beside the power that a jump of the contact force's derivatives makes.
 #[cfg(feature = "plot")]
-pub(crate) fn fourier_panel(study: &ExactStudy) -> crate::figures::Panel {
+fn fourier_panel(study: &ExactStudy) -> crate::figures::Panel {
     use crate::figures::{Kind, Line, Panel};
     let (fourier, alpha) = (&study.fourier[0], study.wave.setting.params.alpha);
     // Harmonics that are a multiple of the cell vanish, up to roundings.
@@ -206,7 +213,7 @@ pub(crate) fn fourier_panel(study: &ExactStudy) -> crate::figures::Panel {
 
 /// Growth against the Bloch wave number, exact and by the modulation equations.
 #[cfg(feature = "plot")]
-pub(crate) fn growth_panel(growth: &[BlochGrowth]) -> crate::figures::Panel {
+fn growth_panel(growth: &[BlochGrowth]) -> crate::figures::Panel {
     use crate::figures::{Kind, Line, Panel};
     let line =
         |name: &str, of: fn(&BlochGrowth) -> f64| Line::new(name, growth.iter().map(|row| (row.bloch / PI, of(row))));
@@ -307,14 +314,14 @@ pub(crate) fn branch_plots(study: &WaveBranchStudy) -> Vec<crate::figures::Panel
     };
     let growth = |one: &BranchWave| one.spectrum.fastest().map(|fastest| fastest.growth);
     let panel = |kind, label: &str, lines| Panel::new(kind, [symbol, label], lines);
-    let grows = vec![line("exact", &growth), line("DpS", &|one| one.modulation.filter(|growth| *growth > 0.0))];
+    let grows = [line("exact", &growth), line("DpS", &|one| one.modulation.filter(|growth| *growth > 0.0))];
     let errors = vec![
         line("E_x", &|one| one.errors.map(|errors| errors[0])),
         line("E_y", &|one| one.errors.map(|errors| errors[1])),
     ];
     vec![
         panel(Kind::Parameter, "amplitude", vec![line("amplitude", &|one| Some(one.wave.amplitude()))]),
-        panel(Kind::LogParameter, "largest growth", grows),
+        panel(Kind::LogParameter, "largest growth", grows.into_iter().filter(|line| !line.points.is_empty()).collect()),
         panel(Kind::LogParameter, "error of the ansatz", errors),
     ]
 }

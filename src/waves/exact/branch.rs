@@ -22,7 +22,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 /// Largest, first and smallest `ds`: the state changes by that share of its size.
-const LONGEST: f64 = 0.1;
+const LONGEST: f64 = 0.25;
 const FIRST: f64 = 0.02;
 const SHORTEST: f64 = 1e-7;
 /// Largest number of corrector steps, and the number up to which `ds` grows.
@@ -30,6 +30,11 @@ const MOST_CORRECTIONS: usize = 8;
 const GOOD_CORRECTIONS: usize = 4;
 /// A correction below this is the last one.
 const LAST_CORRECTION: f64 = 1e-9;
+/// Least unit of the frequency, relative to it.
+const LEAST_DETUNING: f64 = 1e-4;
+/// Relative distance of `omega_tw` from `omega` below which a wave with a crest no higher than its
+/// mean strain is free of contacts: then both are equal up to roundings.
+const FREE: f64 = 1e-11;
 /// Largest residual of a wave.
 const SOLVED: f64 = 1e-12;
 
@@ -124,6 +129,8 @@ pub enum WaveEnd {
     MostPoints,
     /// It turned back and the parameter passed its first value.
     TurnedBack,
+    /// No contact closes any more: every wave of frequency `omega` without contacts follows.
+    NoContact,
     /// No wave was found with the shortest step.
     Lost,
     /// The process was asked to end.
@@ -137,6 +144,7 @@ impl WaveEnd {
             Self::Reached => "the parameter has its final value",
             Self::MostPoints => "it has the largest number of points",
             Self::TurnedBack => "it turned back and passed its first value",
+            Self::NoContact => "no contact closes any more, and the frequency is omega",
             Self::Lost => "no wave was found with the shortest step",
             Self::Stopped => "the process was asked to end",
         }
@@ -150,6 +158,21 @@ pub struct WaveBranch {
     pub waves: Vec<ExactWave>,
     /// Why it ended.
     pub end: WaveEnd,
+}
+
+/// The next wave, the length of the step after it, and whether it has the final value.
+struct Next {
+    wave: ExactWave,
+    ds: f64,
+    lands: bool,
+}
+
+impl ExactWave {
+    /// Whether no contact closes.
+    fn free_of_contacts(&self) -> bool {
+        let omega = self.setting.params.omega();
+        self.amplitude() <= self.mean() && (self.setting.omega_tw / omega - 1.0).abs() <= FREE
+    }
 }
 
 /// Units of the unknowns.
@@ -174,26 +197,22 @@ impl WaveContinuation {
         }
         let direction = (self.to - from).signum();
         let mut waves = vec![start];
-        let mut ds = FIRST;
+        let (mut ds, mut landed) = (FIRST, false);
         let end = loop {
             let Some(wave) = waves.last() else { break WaveEnd::Lost };
             seen(wave);
             let value = self.parameter.of(wave);
-            if (value - self.to) * direction >= 0.0 {
-                break WaveEnd::Reached;
+            match () {
+                () if landed || (value - self.to) * direction > 0.0 => break WaveEnd::Reached,
+                () if (value - from) * direction < 0.0 => break WaveEnd::TurnedBack,
+                () if wave.free_of_contacts() => break WaveEnd::NoContact,
+                () if waves.len() >= self.most_points => break WaveEnd::MostPoints,
+                () if interrupt::asked() => break WaveEnd::Stopped,
+                () => {}
             }
-            if (value - from) * direction < 0.0 {
-                break WaveEnd::TurnedBack;
-            }
-            if waves.len() >= self.most_points {
-                break WaveEnd::MostPoints;
-            }
-            if interrupt::asked() {
-                break WaveEnd::Stopped;
-            }
-            let Some((next, length)) = self.next(&waves, direction, ds) else { break WaveEnd::Lost };
-            waves.push(next);
-            ds = length;
+            let Some(next) = self.next(&waves, direction, ds) else { break WaveEnd::Lost };
+            waves.push(next.wave);
+            (ds, landed) = (next.ds, next.lands);
         };
         Ok(WaveBranch { waves, end })
     }
@@ -206,7 +225,7 @@ impl WaveContinuation {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
         }
-        if !(self.step > 0.0) {
+        if self.step.is_nan() || self.step <= 0.0 {
             return Err(Error::parameter("step", self.step, "positive"));
         }
         if self.most_points < 2 {
@@ -215,8 +234,7 @@ impl WaveContinuation {
         Ok(())
     }
 
-    /// The next wave and the length of the step after it.
-    fn next(&self, waves: &[ExactWave], direction: f64, ds: f64) -> Option<(ExactWave, f64)> {
+    fn next(&self, waves: &[ExactWave], direction: f64, ds: f64) -> Option<Next> {
         let wave = waves.last()?;
         let scales = self.scales(wave);
         let tangent = self.tangent(waves, scales, direction)?;
@@ -233,7 +251,7 @@ impl WaveContinuation {
             match self.step(wave, &tangent, scales, length, lands) {
                 Ok(next) => {
                     let factor = if next.newton.len() <= GOOD_CORRECTIONS { 1.5 } else { 0.7 };
-                    return Some((next, ds * factor));
+                    return Some(Next { wave: next, ds: ds * factor, lands });
                 }
                 Err(_) if ds > SHORTEST => ds *= 0.5,
                 Err(_) => return None,
@@ -245,8 +263,10 @@ impl WaveContinuation {
         let setting = &wave.setting;
         let size = swing(&wave.z, setting.params.rho);
         let parameter = match self.parameter {
-            // What changes the wave by its size.
-            WaveParameter::OmegaTw | WaveParameter::Amplitude => setting.omega_tw - setting.params.omega(),
+            // About what changes the wave by its size. Waves without contacts have no detuning.
+            WaveParameter::OmegaTw | WaveParameter::Amplitude => {
+                (setting.omega_tw - setting.params.omega()).abs().max(LEAST_DETUNING * setting.omega_tw)
+            }
             WaveParameter::Mean => size,
             _ => self.parameter.free(setting),
         };
@@ -294,12 +314,9 @@ impl WaveContinuation {
         let free = self.parameter.free(&wave.setting) + ds * t[columns] * scales.parameter;
         let setting = self.parameter.with(&wave.setting, free);
         if lands {
-            let given =
-                if self.parameter == WaveParameter::Amplitude { Given::Amplitude(self.to) } else { Given::Frequency };
-            let setting = if self.parameter == WaveParameter::Amplitude {
-                setting
-            } else {
-                self.parameter.with(&setting, self.to)
+            let (setting, given) = match self.parameter {
+                WaveParameter::Amplitude => (setting, Given::Amplitude(self.to)),
+                parameter => (parameter.with(&setting, self.to), Given::Frequency),
             };
             let search = Search { most_steps: MOST_CORRECTIONS + 1, ..self.search };
             return search.solve(&setting, given, &z);
@@ -319,7 +336,7 @@ impl WaveContinuation {
             let Some(by) = least_squares(matrix, &residual.push(0.0)) else { break };
             let step = by.norm();
             // A correction as long as the step leads elsewhere.
-            if !(step <= 0.5 * ds) {
+            if step.is_nan() || step > 0.5 * ds {
                 break;
             }
             wave.newton.push(NewtonStep { residual: relative, step });

@@ -5,9 +5,6 @@ use crate::{error::Result, waves::TravellingWave};
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use std::f64::consts::PI;
 
-/// Least number of samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at
-/// `alpha = 3/2` those beyond the samples change a coefficient by `1e-15` of the first.
-const SAMPLES: usize = 2048;
 /// Harmonics that are given.
 const HARMONICS: usize = 128;
 
@@ -21,13 +18,13 @@ pub struct Profile {
 }
 
 impl ExactWave {
-    /// The profiles: what every site of a cell does in the time `T/m`.
+    /// At least `samples` values of the profiles: what every site of a cell does in the time `T/m`.
     ///
     /// # Errors
     /// An integration that fails.
-    pub fn profile(&self, search: &Search) -> Result<Profile> {
+    pub fn profile(&self, samples: usize, search: &Search) -> Result<Profile> {
         let (setting, m) = (&self.setting, self.setting.q.cell());
-        let (cells, parts) = (setting.least_cells(), 2 * SAMPLES.div_ceil(2 * m));
+        let (cells, parts) = (setting.least_cells(), 2 * samples.div_ceil(2 * m).max(1));
         let (ring, total) = (cells * m, parts * m);
         let time = setting.period() / m as f64;
         let start = repeated(&self.z, cells);
@@ -90,8 +87,15 @@ impl Profile {
         [largest(&self.x, amplitude) / amplitude, largest(&self.y, -amplitude / rho) * rho / amplitude]
     }
 
-    /// The share of the period in which a contact is closed: `X < 0`.
+    /// The share of the period in which a contact is closed, `X < 0`, with straight lines between the
+    /// samples.
     pub fn closed(&self) -> f64 {
-        self.x.iter().filter(|x| **x < 0.0).count() as f64 / self.x.len() as f64
+        let next = self.x.iter().skip(1).chain(self.x.first());
+        let share = |(a, b): (&f64, &f64)| match (*a < 0.0, *b < 0.0) {
+            (true, true) => 1.0,
+            (false, false) => 0.0,
+            _ => a.min(*b) / (a.min(*b) - a.max(*b)),
+        };
+        self.x.iter().zip(next).map(share).sum::<f64>() / self.x.len() as f64
     }
 }

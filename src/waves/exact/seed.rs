@@ -3,8 +3,9 @@
 
 use super::{ExactWave, Given, MeanStrain, Search, WaveSetting};
 use crate::{
+    dps::Averages,
     error::{Error, Result},
-    waves::{Shape, Size, TravellingWave},
+    waves::{Shape, Size, TravellingWave, detuning},
 };
 
 /// Size of the first wave where the ansatz of the wanted one is too far away, relative to it, and
@@ -37,36 +38,48 @@ pub fn ansatz(setting: &WaveSetting, given: Given) -> Result<TravellingWave> {
         let value = format!("{omega_tw}, where omega = {}", params.omega());
         return Err(Error::parameter("omega_tw", value, "above omega: contacts raise the frequency of a wave"));
     }
-    let mean = match mean {
-        MeanStrain::Value(mean) => mean,
-        MeanStrain::OfAmplitude(share) => {
-            return wave(2.0 * params.kappa * share, Size::Detuning(omega_tw - params.omega()));
+    let size = Size::Detuning(omega_tw - params.omega());
+    match mean {
+        MeanStrain::OfAmplitude(share) => wave(2.0 * params.kappa * share, size),
+        MeanStrain::Value(0.0) => wave(0.0, size),
+        MeanStrain::Value(mean) => {
+            let epsilon = size_under(mean, setting)?;
+            wave(mean / epsilon, Size::Epsilon(epsilon))
         }
+    }
+}
+
+/// The size of the ansatz with `a = 1` that has the frequency of the setting under this mean strain,
+/// which is not zero.
+fn size_under(mean: f64, setting: &WaveSetting) -> Result<f64> {
+    let WaveSetting { params, q, omega_tw, .. } = *setting;
+    params.validate()?;
+    let (averages, omega) = (Averages::new(params.alpha, params.kappa)?, params.omega());
+    let above = |epsilon: f64| {
+        let per_size = detuning(omega, q.q(), averages.h(mean / epsilon, 1.0));
+        per_size * epsilon.powf(params.alpha - 1.0) > omega_tw - omega
     };
-    // No contact closes below this size.
-    let least = 0.5 * mean.max(0.0) / params.kappa;
-    let of = |epsilon: f64| wave(mean / epsilon, Size::Epsilon(epsilon));
-    let above = |epsilon: f64| of(epsilon).is_ok_and(|wave| wave.omega_tw() > omega_tw);
-    let first = least * (1.0 + 1e-9);
-    let (mut low, mut high) = (first.max(1e-250), least.max(1e-200));
+    // Under a gap, no contact closes at the first size or below. Under a precompression, much
+    // smaller waves are those of the linear chain.
+    let first = mean.abs() * if mean > 0.0 { 0.5 / params.kappa } else { 1e-6 };
+    if above(first) {
+        let rule = "under this mean strain the ansatz has only waves of higher frequency";
+        return Err(Error::parameter("omega_tw", omega_tw, rule));
+    }
+    let (mut low, mut high) = (first, 2.0 * first);
     while !above(high) {
-        (low, high) = (high.max(first), high * 2.0);
-        if high > 1e200 {
+        (low, high) = (high, 2.0 * high);
+        if !high.is_finite() {
             return Err(Error::parameter("omega_tw", omega_tw, "a frequency that the ansatz has at some size"));
         }
     }
-    if mean < 0.0 && above(low) {
-        let rule = "above the band of the chain under this mean strain, where the ansatz has no wave";
-        return Err(Error::parameter("omega_tw", omega_tw, rule));
-    }
-    while high / low - 1.0 > 4.0 * f64::EPSILON {
-        let middle = (low * high).sqrt();
+    loop {
+        let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
-            break;
+            return Ok(high);
         }
         *(if above(middle) { &mut high } else { &mut low }) = middle;
     }
-    of(high)
 }
 
 /// The state of a cell at `t = 0` in the ansatz.

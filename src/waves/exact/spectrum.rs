@@ -25,10 +25,10 @@
 //! condition numbers, and the Krein signature `Im(z_1^* G z_2)` of `z = (z_1, z_2)` on the circle:
 //! positive for `e^{i omega t}` of a linear oscillator.
 
-use super::{ExactWave, Search, eigen::eigen, newton::moved, repeated};
+use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
     error::{Error, Result},
-    orbits::{Eigenpair, flow},
+    orbits::{self, Eigenpair, flow},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
@@ -86,9 +86,9 @@ pub struct WaveQuality {
     pub eigen_residual: f64,
     /// `max |B z' - z'| / max |z'|`: the rate of the wave is an eigenvector of 1.
     pub phase_shift: f64,
-    /// `|nu - 1|` of the four that are 1 in theory. They form Jordan blocks, which the solver splits:
-    /// near the square root of a rounding.
-    pub trivial: [f64; 4],
+    /// `|mean - 1|` for the mean of the four `nu` that are 1 in theory. They form Jordan blocks, which
+    /// the solver splits by the square root of a rounding; their mean keeps all digits.
+    pub trivial: f64,
     /// Larger `|nu - e^{+-i omega T/m}|` of the two that are this in theory.
     pub linear: f64,
     /// Largest distance of a `1/conj(nu)` from the nearest eigenvalue; the trivial four are left out.
@@ -140,7 +140,7 @@ impl ExactWave {
         let cells = sites / m;
         let blocks = self.responses(cells, search)?;
         let mut multipliers = Vec::with_capacity(4 * sites);
-        let mut quality: Option<WaveQuality> = None;
+        let mut qualities = Vec::with_capacity(cells / 2 + 1);
         // Blocks of -theta are the conjugates.
         for j in 0..=cells / 2 {
             let block = Block::new(self, &blocks, j, cells);
@@ -148,7 +148,7 @@ impl ExactWave {
                 let rule = "no multipliers: the eigenvalues did not converge";
                 Error::parameter("omega_tw", self.setting.omega_tw, rule)
             })?;
-            quality = Some(quality.map_or(own, |all| all.with(&own)));
+            qualities.push(own);
             if j > 0 && 2 * j < cells {
                 multipliers.extend(found.iter().map(WaveMultiplier::conjugate));
             }
@@ -161,9 +161,8 @@ impl ExactWave {
             let (a_key, b_key) = (order(a), order(b));
             place(a).total_cmp(&place(b)).then(a_key.0.total_cmp(&b_key.0)).then(a_key.1.total_cmp(&b_key.1))
         });
-        quality
-            .map(|quality| WaveSpectrum { sites, multipliers, quality })
-            .ok_or_else(|| unreachable!("a ring has cells"))
+        let quality = qualities[1..].iter().fold(qualities[0], WaveQuality::with);
+        Ok(WaveSpectrum { sites, multipliers, quality })
     }
 
     /// The derivative of `B` by the state of the first cell: a block for the response of each cell.
@@ -207,9 +206,9 @@ impl<'a> Block<'a> {
         let theta = 2.0 * PI * j as f64 / cells as f64;
         let turn = |cell: usize| {
             // Exactly real where theta is a multiple of pi.
-            let eighths = (j * cell) % cells;
-            let angle = 2.0 * PI * eighths as f64 / cells as f64;
-            let sin = if 2 * eighths % cells == 0 { 0.0 } else { angle.sin() };
+            let part = (j * cell) % cells;
+            let angle = 2.0 * PI * part as f64 / cells as f64;
+            let sin = if (2 * part).is_multiple_of(cells) { 0.0 } else { angle.sin() };
             Complex::new(angle.cos(), -sin)
         };
         let size = wave.z.len();
@@ -250,14 +249,16 @@ impl<'a> Block<'a> {
 
     /// All multipliers, and how good they are.
     fn multipliers(&self) -> Option<(Vec<WaveMultiplier>, WaveQuality)> {
-        let pairs = eigen(&self.matrix)?;
+        // At theta = 0 and pi the matrix is real, and its eigenvalues cost a quarter.
+        let real = self.matrix.iter().all(|entry| entry.im == 0.0);
+        let pairs = if real { orbits::eigen(&self.matrix.map(|z| z.re))? } else { eigen::eigen(&self.matrix)? };
         let size = self.matrix.norm();
         let residual = |(nu, z): &Eigenpair| (&self.matrix * z - z * *nu).norm() / size;
         let mut quality = WaveQuality {
             symplectic_defect: self.symplectic_defect(),
             eigen_residual: pairs.iter().map(residual).fold(0.0, f64::max),
             phase_shift: 0.0,
-            trivial: [0.0; 4],
+            trivial: 0.0,
             linear: 0.0,
             pairing: 0.0,
         };
@@ -285,14 +286,15 @@ impl<'a> Block<'a> {
             let apart = |k: &usize| (pairs[*k].0 - value).norm();
             let free = (0..pairs.len()).filter(|&k| kinds[k].is_none());
             let nearest = free.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            nearest.map_or(f64::NAN, |k| {
+            nearest.map_or(Complex::from(f64::NAN), |k| {
                 kinds[k] = Some(kind);
-                apart(&k)
+                pairs[k].0 - value
             })
         };
         let linear = [1.0, -1.0].map(|sign| take(Complex::from_polar(1.0, sign * angle), WaveKind::Linear));
-        quality.linear = linear[0].max(linear[1]);
-        quality.trivial = [(); 4].map(|()| take(Complex::ONE, WaveKind::Trivial));
+        quality.linear = linear[0].norm().max(linear[1].norm());
+        let trivial = [(); 4].map(|()| take(Complex::ONE, WaveKind::Trivial));
+        quality.trivial = 0.25 * trivial.iter().sum::<Complex<f64>>().norm();
         let rate = DVector::from_vec(self.wave.rate()).map(Complex::from);
         let moved = &self.matrix * &rate - &rate;
         let largest = |z: &DVector<Complex<f64>>| z.iter().map(|z| z.norm()).fold(0.0, f64::max);
@@ -363,12 +365,12 @@ impl WaveMultiplier {
 
 impl WaveQuality {
     /// The worse of two, with what only `theta = 0` has.
-    fn with(&self, other: &Self) -> Self {
+    fn with(self, other: &Self) -> Self {
         Self {
             symplectic_defect: self.symplectic_defect.max(other.symplectic_defect),
             eigen_residual: self.eigen_residual.max(other.eigen_residual),
             pairing: self.pairing.max(other.pairing),
-            ..*self
+            ..self
         }
     }
 }

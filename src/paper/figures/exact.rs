@@ -1,0 +1,211 @@
+//! Exact travelling waves, which Sec. 8 of the paper leaves open.
+
+use super::Tables;
+use crate::{
+    chain::Params,
+    error::Result,
+    number::{shown, written},
+    output::csv,
+    study::{
+        BranchWave, ContinueWave, ExactStudy, Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables,
+        fit_line, wave_branch_csv,
+    },
+    waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
+};
+/// Sites of the ring for waves of decreasing size, `q = pi/5`.
+const SITES: usize = 10;
+
+/// Kind and parameters of a figure of exact travelling waves.
+#[derive(Debug)]
+pub enum ExactRecipe {
+    /// The exact companion of the wave of a scene.
+    Wave {
+        /// Name of a built-in scene.
+        scene: &'static str,
+    },
+    /// Branches in the frequency, with the ratio of mean strain to amplitude of the scene.
+    Branches {
+        /// The branches: name of a built-in scene, heading, ends as differences from `omega`.
+        runs: &'static [(&'static str, &'static str, [f64; 2])],
+    },
+    /// Waves of decreasing size, `q = pi/5`, `a = b = 1`, against the modulation equations.
+    Limits {
+        /// Mass ratios.
+        rhos: &'static [f64],
+        /// Sizes.
+        epsilons: &'static [f64],
+    },
+}
+
+/// The numbers of a figure of exact travelling waves.
+#[derive(Debug)]
+pub enum ExactData {
+    /// A wave.
+    Wave(Box<ExactStudy>),
+    /// Branches with their headings.
+    Branches(Vec<(&'static str, WaveBranchStudy)>),
+    /// Waves of decreasing size.
+    Limits(Vec<LimitWave>),
+}
+
+/// An exact wave against the modulation equations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitWave {
+    /// Mass ratio.
+    pub rho: f64,
+    /// `epsilon` of the ansatz.
+    pub epsilon: f64,
+    /// `E_x` and `E_y` of the ansatz.
+    pub errors: [f64; 2],
+    /// Growth at the Bloch wave number `pi`, per unit of time.
+    pub growth: f64,
+    /// The same by the modulation equations.
+    pub modulation: f64,
+}
+
+impl LimitWave {
+    /// Relative difference of the growth from that of the modulation equations.
+    pub fn apart(&self) -> f64 {
+        self.growth / self.modulation - 1.0
+    }
+}
+
+/// The exact companion of the wave `q = pi/5`, `a = b = 1`, `alpha = 3/2`, `kappa = 1` of this size.
+pub(in super::super) fn limit_wave(rho: f64, epsilon: f64) -> Result<LimitWave> {
+    let (params, q, search) = (Params::new(1.5, 1.0, rho)?, WaveNumber::on_ring(0.2, SITES)?, Search::default());
+    let shape = Shape { q: q.q(), a: 1.0, b: 1.0, phi: 0.0 };
+    let wave = TravellingWave::new(params, shape, Size::Epsilon(epsilon))?;
+    let setting = WaveSetting { params, q, omega_tw: wave.omega_tw(), mean: MeanStrain::Value(epsilon) };
+    let (exact, ansatz) = search.wave(&setting, Given::Frequency)?;
+    let study = exact_study("", exact, ansatz, SITES, &search)?;
+    let last = study.growth.last().copied();
+    let (growth, modulation) = last.map_or((f64::NAN, f64::NAN), |row| (row.exact, row.modulation));
+    Ok(LimitWave { rho, epsilon, errors: study.errors, growth, modulation })
+}
+
+impl ExactRecipe {
+    pub(super) fn data(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<ExactData> {
+        match *self {
+            Self::Wave { scene } => Ok(ExactData::Wave(Box::new(Wanted::of(scene).study()?))),
+            Self::Branches { runs } => {
+                let branch = |(k, &(scene, heading, above)): (usize, &(&'static str, &'static str, [f64; 2]))| {
+                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
+                    Ok((heading, branch(scene, above)?.branch(&tell)?))
+                };
+                runs.iter().enumerate().map(branch).collect::<Result<_>>().map(ExactData::Branches)
+            }
+            Self::Limits { rhos, epsilons } => {
+                let both = rhos.iter().flat_map(|&rho| epsilons.iter().map(move |&epsilon| (rho, epsilon)));
+                both.map(|(rho, epsilon)| limit_wave(rho, epsilon)).collect::<Result<_>>().map(ExactData::Limits)
+            }
+        }
+    }
+}
+
+/// The branch between two differences of `omega_tw` from `omega`.
+fn branch(scene: &str, [from, to]: [f64; 2]) -> Result<ContinueWave> {
+    let omega = crate::scene::Scene::load(scene)?.chain().params().omega();
+    let wanted = Wanted { omega_tw: Some(omega + from), ..Wanted::of(scene) };
+    Ok(ContinueWave { wanted, vary: WaveParameter::OmegaTw, to: Some(omega + to), step: None, waves: 500 })
+}
+
+/// Slope of the logarithms over all sizes.
+fn slope(waves: &[LimitWave], of: impl Fn(&LimitWave) -> f64) -> f64 {
+    let points: Vec<(f64, f64)> = waves.iter().map(|wave| (wave.epsilon.ln(), of(wave).ln())).collect();
+    fit_line(&points).map_or(f64::NAN, |(slope, _)| slope)
+}
+
+/// The waves of each mass ratio.
+fn by_rho(waves: &[LimitWave]) -> impl Iterator<Item = &[LimitWave]> {
+    waves.chunk_by(|a, b| a.rho == b.rho)
+}
+
+pub(super) fn exact_words(data: &ExactData) -> String {
+    let words = match data {
+        ExactData::Wave(study) => exact_caption(study),
+        ExactData::Branches(branches) => {
+            let words = |(heading, study): &(&str, WaveBranchStudy)| {
+                let fast = |one: &&BranchWave| {
+                    one.spectrum.fastest().is_some_and(|fastest| fastest.growth > 2.0 * one.modulation.unwrap_or(0.0))
+                };
+                let grows = study.waves.iter().find(fast).map_or("growth near that of DpS".to_owned(), |one| {
+                    let (omega_tw, amplitude) = (one.wave.setting.omega_tw, shown(one.wave.amplitude()));
+                    format!("growth more than twice that of DpS from ω_tw = {omega_tw:.5}, amplitude {amplitude}, on")
+                });
+                format!("{heading}: {} waves, {grows}. ", study.waves.len())
+            };
+            let params = branches.first().and_then(|(_, study)| study.waves.first());
+            let params = params.map_or(String::new(), |one| crate::study::params_words(one.wave.setting.params));
+            let sites = branches.first().map_or(0, |(_, study)| study.sites);
+            format!(
+                "{params}, N = {sites}, mean strain half the amplitude. {}",
+                branches.iter().map(words).collect::<String>().trim_end()
+            )
+        }
+        ExactData::Limits(waves) => {
+            let words = |waves: &[LimitWave]| {
+                let [x, y, growth] = [
+                    slope(waves, |wave| wave.errors[0]),
+                    slope(waves, |wave| wave.errors[1]),
+                    slope(waves, |wave| wave.apart().abs()),
+                ];
+                format!("ρ = {}: {x:.3}, {y:.3}, {growth:.3}; ", written(waves[0].rho))
+            };
+            let slopes = by_rho(waves).map(words).collect::<String>();
+            format!(
+                "q = π/5, a = b = 1, α = 3/2, κ = 1, ring of {SITES} sites. Slopes of E_x, E_y and of the difference of the growth at p = π: {}.",
+                slopes.trim_end_matches("; ")
+            )
+        }
+    };
+    format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
+}
+
+pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Tables)> {
+    match data {
+        ExactData::Wave(study) => vec![(String::new(), exact_tables(study))],
+        ExactData::Branches(branches) => branches
+            .iter()
+            .map(|(_, study)| (study.scene.clone(), vec![("waves.csv", wave_branch_csv(study))]))
+            .collect(),
+        ExactData::Limits(waves) => {
+            let row = |wave: &LimitWave| {
+                let &LimitWave { rho, epsilon, errors: [e_x, e_y], growth, modulation } = wave;
+                vec![rho, epsilon, e_x, e_y, growth, modulation]
+            };
+            let names = ["rho", "epsilon", "e_x", "e_y", "growth", "modulation"];
+            vec![(String::new(), vec![("limits.csv", csv(&names, waves.iter().map(row)))])]
+        }
+    }
+}
+
+/// The panels of a figure of exact waves.
+#[cfg(feature = "plot")]
+pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> crate::figures::Panels {
+    use crate::figures::{Column, Kind, Line, Panel, Panels};
+    let columns = match data {
+        ExactData::Wave(study) => crate::study::exact_columns(study),
+        ExactData::Branches(branches) => {
+            let column = |(heading, study): &(&str, WaveBranchStudy)| {
+                Column::new(*heading, crate::study::wave_branch_plots(study))
+            };
+            branches.iter().map(column).collect()
+        }
+        ExactData::Limits(waves) => {
+            let panel = |label: &str, of: &dyn Fn(&LimitWave) -> f64| {
+                let line = |waves: &[LimitWave]| {
+                    let name = format!("ρ = {}", written(waves[0].rho));
+                    Line::new(&name, waves.iter().map(|wave| (wave.epsilon, of(wave))))
+                };
+                let mut lines: Vec<Line> = by_rho(waves).map(line).collect();
+                let root = by_rho(waves).next().unwrap_or_default();
+                lines.push(Line::new("√ε/10", root.iter().map(|wave| (wave.epsilon, 0.1 * wave.epsilon.sqrt()))));
+                Panel::new(Kind::LogLog, ["size ε", label], lines)
+            };
+            let errors = panel("E_x of the ansatz", &|wave| wave.errors[0]);
+            let growth = panel("|growth / DpS growth − 1| at p = π", &|wave| wave.apart().abs());
+            vec![Column::new("", [errors]), Column::new("", [growth])]
+        }
+    };
+    Panels { title: title.to_owned(), columns, caption }
+}

@@ -1,0 +1,322 @@
+//! Exact travelling waves: against another integrator, a solution by Fourier series, closed forms,
+//! the whole monodromy matrix, and the modulation equations.
+
+use hertzchain::{
+    Run, State,
+    chain::{Chain, Params, Site},
+    integrators::collocation::{Pace, monodromy},
+    run::Method,
+    study::{ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
+    waves::{ExactWave, Given, MeanStrain, Search, WaveEnd, WaveKind, WaveNumber, WaveParameter, WaveSetting},
+};
+use nalgebra::{Complex, DMatrix};
+use std::{
+    f64::consts::{PI, TAU},
+    sync::OnceLock,
+};
+
+/// The companions of the first two scenes of Sec. 4.1.
+fn companions() -> &'static [ExactStudy; 2] {
+    static BOTH: OnceLock<[ExactStudy; 2]> = OnceLock::new();
+    BOTH.get_or_init(|| ["tw-q15", "tw-q45"].map(|scene| Wanted::of(scene).study().unwrap()))
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |largest, value| if value.is_nan() { value } else { largest.max(value.abs()) })
+}
+
+fn setting(rho: f64, q_over_pi: f64, sites: usize, omega_tw: f64, mean: MeanStrain) -> WaveSetting {
+    let params = Params::new(1.5, 1.0, rho).unwrap();
+    WaveSetting { params, q: WaveNumber::on_ring(q_over_pi, sites).unwrap(), omega_tw, mean }
+}
+
+fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
+    let wanted = Wanted { sites: Some(10), ..wanted };
+    ContinueWave { wanted, vary, to: Some(to), step: None, waves: 200 }.branch(&|_, _| {}).unwrap()
+}
+
+// Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code with
+// the one that found the wave, and by the same. Measured: 2.5e-12, the error of its steps, and below
+// 1e-13.
+#[test]
+fn an_exact_wave_moves_on_by_a_site_in_the_time_q_over_omega_and_is_back_after_a_period() {
+    for study in companions() {
+        let wave = &study.wave;
+        assert!(wave.residual < 1e-13, "{:e}", wave.residual);
+        let chain = Chain::new(wave.setting.params, hertzchain::Boundary::StrainRing, 10).unwrap();
+        let [x, y, vx, vy] = wave.on_ring(10);
+        let state = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: vx[n], v_dot: vy[n] }).unwrap();
+        let times = [wave.setting.q.q() / wave.setting.omega_tw, wave.setting.period()];
+        for (method, within) in [("dop853-regularised", 1e-11), ("collocation", 1e-13)] {
+            let run = Run::new(chain.clone(), state.clone()).until(times[1]).unwrap();
+            let run = run.method(Method::named(method).unwrap()).tolerance(1e-14).unwrap();
+            let states: Vec<_> = run.at(&times).unwrap().map(Result::unwrap).collect();
+            let off = |state: &[f64], shift: usize| {
+                let of = |n: usize, k: usize| state[10 * k + (n + shift) % 10];
+                let entry = |n: usize| [of(n, 0) - x[n], of(n, 1) - y[n], of(n, 2) - vx[n], of(n, 3) - vy[n]];
+                largest((0..10).flat_map(entry)) / wave.amplitude()
+            };
+            let apart = [off(states[0].as_slice(), 1), off(states[1].as_slice(), 0)];
+            assert!(apart[0] < within && apart[1] < within, "{method}: {apart:?}");
+        }
+    }
+}
+
+/// Coefficients of `sum f_k cos(k phi)` from `2^bits` equally spaced values of an even function.
+fn cosines(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    let mut z: Vec<Complex<f64>> = values.iter().map(|&value| Complex::from(value)).collect();
+    transform(&mut z);
+    (0..=n / 2).map(|k| z[k].re * if k == 0 { 1.0 } else { 2.0 } / n as f64).collect()
+}
+
+/// The discrete Fourier transform, of a power of two.
+fn transform(z: &mut [Complex<f64>]) {
+    let n = z.len();
+    let bits = n.trailing_zeros();
+    for i in 0..n {
+        let j = i.reverse_bits() >> (usize::BITS - bits);
+        if i < j {
+            z.swap(i, j);
+        }
+    }
+    let mut length = 2;
+    while length <= n {
+        let turns: Vec<_> =
+            (0..length / 2).map(|k| Complex::from_polar(1.0, -TAU * k as f64 / length as f64)).collect();
+        for block in z.chunks_exact_mut(length) {
+            let (low, high) = block.split_at_mut(length / 2);
+            for ((low, high), turn) in low.iter_mut().zip(high).zip(&turns) {
+                let by = turn * *high;
+                (*low, *high) = (*low + by, *low - by);
+            }
+        }
+        length *= 2;
+    }
+}
+
+/// Coefficients of `X` from the advance-delay equation: with `F = (-X)_+^alpha`,
+/// `X_k (kappa - kappa^2/(kappa - rho (k omega)^2) - (k omega)^2) = 4 sin^2(q k/2) F_k`.
+///
+/// The first 16 by Newton's method, the others by iteration; `first` is the start of `X_1`.
+fn by_fourier(wave: &WaveSetting, mean: f64, first: f64, points: usize) -> Vec<f64> {
+    let Params { alpha, kappa, rho } = wave.params;
+    let modes = points / 8;
+    let gain = |k: usize| {
+        let square = (k as f64 * wave.omega_tw).powi(2);
+        let divisor = kappa - kappa * kappa / (kappa - rho * square) - square;
+        4.0 * (0.5 * wave.q.q() * k as f64).sin().powi(2) / divisor
+    };
+    let mut x = vec![0.0; modes];
+    (x[0], x[1]) = (mean, first);
+    for _ in 0..12 {
+        let mut z = vec![Complex::from(0.0); points];
+        for (k, x) in x.iter().enumerate() {
+            z[k] += Complex::from(0.5 * x);
+            z[(points - k) % points] += Complex::from(0.5 * x);
+        }
+        transform(&mut z);
+        let force = cosines(&z.iter().map(|x| (-x.re).max(0.0).powf(alpha)).collect::<Vec<_>>());
+        let slope = cosines(&z.iter().map(|x| -alpha * (-x.re).max(0.0).powf(alpha - 1.0)).collect::<Vec<_>>());
+        const LOW: usize = 16;
+        let product = |k: usize, j: usize| {
+            let beside = if k == j { slope[0] } else { 0.5 * slope[k.abs_diff(j)] };
+            beside + 0.5 * slope[k + j]
+        };
+        let matrix =
+            DMatrix::from_fn(LOW, LOW, |k, j| f64::from(u8::from(k == j)) - gain(k + 1) * product(k + 1, j + 1));
+        let right = nalgebra::DVector::from_fn(LOW, |k, _| x[k + 1] - gain(k + 1) * force[k + 1]);
+        let by = matrix.lu().solve(&right).unwrap();
+        for k in 1..modes {
+            x[k] = if k <= LOW { x[k] - by[k - 1] } else { gain(k) * force[k] };
+        }
+    }
+    x
+}
+
+// Truth: the same wave from its advance-delay equation by Fourier series, without any integration.
+// Its error falls like the power 2.5 of the number of points: with an eighth of them it is 8e-11, so
+// with all of them 5e-13.
+#[test]
+fn an_exact_wave_solves_the_equation_of_its_profile() {
+    for study in companions() {
+        let wave = &study.wave;
+        let of = |points: usize| by_fourier(&wave.setting, wave.mean(), 0.99 * study.ansatz.amplitude(), points);
+        let (coarse, fine) = (of(1 << 14), of(1 << 17));
+        let value = |x: &[f64], n: usize| -> f64 {
+            x.iter().enumerate().map(|(k, x)| x * (k as f64 * wave.setting.q.q() * n as f64).cos()).sum()
+        };
+        let [x, ..] = wave.on_ring(10);
+        let apart = |a: &dyn Fn(usize) -> f64| largest((0..10).map(|n| a(n) - value(&fine, n))) / wave.amplitude();
+        let [converged, off] = [apart(&|n| value(&coarse, n)), apart(&|n| x[n])];
+        assert!(converged < 1e-10 && off < 1e-11, "{converged:e} {off:e}");
+        let given = &study.fourier[0];
+        let harmonics = largest((0..64).map(|k| given[k] - fine[k])) / wave.amplitude();
+        assert!(harmonics < 1e-10, "{harmonics:e}");
+    }
+}
+
+// Truth: the contact force opens like a power alpha, so its coefficients fall like k^{-(alpha+1)}, and
+// two derivatives more in X. Measured: slopes of the largest of each octave from -4.6 to -4.3.
+#[test]
+fn fourier_coefficients_fall_like_the_power_of_an_opening_contact() {
+    for study in companions() {
+        let fourier = &study.fourier[0];
+        let octave = |k: usize| largest((k..2 * k).map(|k| fourier[k] * (k as f64).powf(4.5)));
+        let [low, middle, high] = [octave(16), octave(32), octave(64)];
+        let slopes = [(middle / low).log2(), (high / middle).log2()];
+        assert!(slopes.iter().all(|slope| slope.abs() < 0.4), "{slopes:?}");
+        assert!(study.odd < 1e-14 * study.wave.amplitude(), "{:e}", study.odd);
+    }
+}
+
+// Truth: the next order of the expansion is epsilon^{alpha-1} smaller. Measured: 0.499 to 0.500 for E_x,
+// 0.5 to 1e-3 for the growth.
+#[test]
+fn the_ansatz_and_its_growth_become_exact_like_the_root_of_the_size() {
+    for rho in ["0.3333333333333333", "3"] {
+        let of = |epsilon: &str| {
+            let mut wanted = Wanted { sites: Some(10), ..Wanted::of("tw-rho3") };
+            wanted.set.set = vec![format!("chain.rho={rho}"), format!("initial.epsilon={epsilon}")];
+            let study = wanted.study().unwrap();
+            let last = study.growth.last().unwrap();
+            [study.errors[0], study.errors[1], last.exact / last.modulation - 1.0]
+        };
+        let [small, large] = ["1e-6", "1e-4"].map(of);
+        for (small, large) in small.iter().zip(large) {
+            let slope = (large / small).ln() / 100_f64.ln();
+            assert!((slope - 0.5).abs() < 5e-3, "rho = {rho}: {slope}");
+        }
+    }
+}
+
+// Truth: the dispersion relation of the chain about a precompression, where each contact is a spring
+// of stiffness alpha |mean|^{alpha-1}. The frequency differs by the square of the amplitude.
+#[test]
+fn small_waves_under_precompression_are_those_of_the_linear_chain() {
+    let (mean, rho) = (-0.05_f64, 1.0 / 3.0);
+    let stiffness = 1.5 * (-mean).sqrt() * 4.0 * (0.1 * PI).sin().powi(2);
+    // rho w^4 - (rho stiffness + 1 + rho) w^2 + stiffness = 0, the optical branch.
+    let half = 0.5 * (rho * stiffness + 1.0 + rho);
+    let omega = ((half + (half * half - rho * stiffness).sqrt()) / rho).sqrt();
+    let start = Wanted { mean: Some(mean), amplitude: Some(0.55), ..Wanted::of("tw-q15") };
+    let study = branch(start, WaveParameter::Amplitude, 1e-3);
+    let last = study.waves.last().unwrap();
+    assert_eq!((study.end, last.closed), (WaveEnd::Reached, 1.0));
+    assert!((last.wave.setting.omega_tw / omega - 1.0).abs() < 1e-6, "{} {omega}", last.wave.setting.omega_tw);
+    assert!((last.wave.amplitude() - 1e-3).abs() < 1e-15);
+    // On the way the contacts open, and the frequency has its least value above omega: a fold.
+    let lowest = study.waves.iter().map(|one| one.wave.setting.omega_tw).fold(f64::INFINITY, f64::min);
+    assert!((2.0071..2.0073).contains(&lowest) && lowest < omega, "{lowest}");
+    assert!(study.waves.iter().all(|one| one.wave.residual < 1e-13), "all of the branch is solved");
+}
+
+// Truth: multipliers of the whole period are eigenvalues of the monodromy matrix of the ring, so
+// M - e^{lambda T} is singular. Measured: 5e-13 and 1e-13.
+#[test]
+fn relative_multipliers_are_eigenvalues_of_the_monodromy_matrix() {
+    for study in companions() {
+        let wave = &study.wave;
+        let chain = wave.setting.chain(10 / wave.setting.q.cell()).unwrap();
+        let z: Vec<f64> = wave.on_ring(10).concat();
+        let whole = monodromy(chain, &z, (0.0, wave.setting.period()), Pace::Tolerance(1e-14)).unwrap();
+        let matrix = DMatrix::from_column_slice(40, 40, &whole).map(Complex::from);
+        let spectrum = wave.spectrum(10, &Search::default()).unwrap();
+        assert_eq!(spectrum.multipliers.len(), 40);
+        let mut product = Complex::from(1.0);
+        for m in &spectrum.multipliers {
+            let whole = (Complex::new(m.growth, m.frequency) * wave.setting.period()).exp();
+            product *= whole;
+            let shifted = &matrix - DMatrix::identity(40, 40) * whole;
+            let least = shifted.singular_values().min();
+            assert!(least < 2e-12, "{m:?}: {least:e}");
+            let mu = Complex::from_polar(1.0, m.bloch)
+                * (Complex::new(m.growth, m.frequency) * wave.setting.q.q() / wave.setting.omega_tw).exp();
+            assert!((mu - Complex::new(m.re, m.im)).norm() < 1e-13, "{m:?}");
+        }
+        assert!((product - 1.0).norm() < 1e-11, "volume is conserved: {product}");
+        let count = |kind| spectrum.multipliers.iter().filter(|m| m.kind == kind).count();
+        assert_eq!([count(WaveKind::Trivial), count(WaveKind::Linear)], [4, 2]);
+        let quality = spectrum.quality;
+        let errors = [quality.symplectic_defect, quality.eigen_residual, quality.phase_shift, quality.trivial];
+        assert!(largest(errors) < 2e-14 && quality.linear.max(quality.pairing) < 5e-13, "{quality:?}");
+    }
+}
+
+// Truth: the paper has q = pi/5 unstable and q = 4 pi/5 neutral; the modulation equations have the
+// band of growing wave numbers, and its edge is that of the exact wave to a wave number of the ring.
+#[test]
+fn modulations_grow_where_the_modulation_equations_say() {
+    let [long, short] = companions();
+    assert!(short.spectrum.fastest().is_none());
+    let fastest = long.spectrum.fastest().unwrap();
+    assert!(fastest.bloch == PI && fastest.frequency.abs() < 1e-13, "{fastest:?}");
+    for row in &long.growth {
+        assert_eq!(row.exact > 0.0, row.modulation > 0.0, "{row:?}");
+        assert!((row.exact - row.modulation).abs() < 0.08 * row.exact.max(1e-300), "{row:?}");
+    }
+}
+
+// Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as the
+// mean strain is above zero.
+#[test]
+fn waves_under_a_gap_end_where_no_contact_closes() {
+    let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };
+    let study = branch(start, WaveParameter::OmegaTw, 1.9);
+    assert_eq!(study.end, WaveEnd::NoContact);
+    let [.., before, last] = &study.waves[..] else { panic!("{} waves", study.waves.len()) };
+    assert!(before.closed > 0.0 && last.closed == 0.0 && last.wave.setting.omega_tw - 2.0 < 1e-10);
+    // From wave to wave the state changes by at most a quarter of its size.
+    assert!((1.0..1.25).contains(&(before.wave.amplitude() / 0.05)), "{}", before.wave.amplitude());
+}
+
+// Truth: scaling. Lengths by l and times by l^{-(alpha-1)/2} are the same chain with another kappa.
+#[test]
+fn waves_scale_as_the_model_does() {
+    let search = Search::default();
+    let solve = |kappa: f64, length: f64| {
+        let setting = setting(2.0, 0.4, 10, 2.0, MeanStrain::Value(0.02 * length));
+        let params = Params { kappa, ..setting.params };
+        search.wave(&WaveSetting { params, ..setting }, Given::Amplitude(0.06 * length)).unwrap().0
+    };
+    let [one, other] = [solve(1.0, 1.0), solve(3.0, 9.0)];
+    let off = one.z[..10].iter().zip(&other.z[..10]).map(|(one, other)| other / 9.0 - one);
+    assert!(largest(off) < 1e-14, "strains");
+    assert!((other.setting.omega_tw / one.setting.omega_tw - 3_f64.sqrt()).abs() < 1e-12);
+    // The amplitude is as asked for, and a wave asked for by its frequency is the same.
+    assert!((one.amplitude() - 0.06).abs() < 1e-15);
+    let same = search.wave(&one.setting, Given::Frequency).unwrap().0;
+    assert!((same.amplitude() - 0.06).abs() < 1e-11, "{}", same.amplitude());
+}
+
+#[test]
+fn the_shortest_wave_has_a_cell_of_two_sites() {
+    let setting = setting(1.0 / 3.0, 1.0, 4, 2.001, MeanStrain::OfAmplitude(0.5));
+    let (wave, _): (ExactWave, _) = Search::default().wave(&setting, Given::Frequency).unwrap();
+    assert_eq!(wave.setting.q.cell(), 2);
+    assert!(wave.residual < 1e-13 && wave.newton.len() <= 6, "{wave:?}");
+    // X at 0 and pi: the mean strain is half the height of the crest above it.
+    assert!((wave.mean() / wave.amplitude() - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn refusals_name_value_and_rule() {
+    for (wanted, message) in [
+        (Wanted { q_over_pi: Some(0.21), ..Wanted::of("tw-q15") }, "0.21 on 50 sites (the nearest is 0.2)"),
+        (Wanted { sites: Some(12), ..Wanted::of("tw-q15") }, "0.2 on 12 sites (the nearest is 0.16666666666666666)"),
+        (Wanted { sites: Some(2), ..Wanted::of("tw-q15") }, "sites = 2 is not valid: from 3 to 256 sites"),
+        (Wanted { omega_tw: Some(1.9), ..Wanted::of("tw-q15") }, "omega_tw = 1.9, where omega = 2 is not valid"),
+        (Wanted { amplitude: Some(0.0), ..Wanted::of("tw-q15") }, "amplitude = 0 is not valid"),
+        (Wanted { mean: Some(f64::NAN), ..Wanted::of("tw-q15") }, "is not valid"),
+        (Wanted { tol: 1e-3, ..Wanted::of("tw-q15") }, "tol = 0.001 is not valid: from 1e-15 to 1e-12"),
+        (Wanted::of("cradle"), "travelling-wave"),
+    ] {
+        let text = wanted.study().unwrap_err().to_string();
+        assert!(text.contains(message), "{message}: {text}");
+    }
+    // A search that may take no step.
+    let setting = setting(1.0 / 3.0, 0.2, 10, 2.001, MeanStrain::Value(0.057));
+    let search = Search { most_steps: 1, ..Search::default() };
+    let text = search.wave(&setting, Given::Frequency).unwrap_err().to_string();
+    assert!(text.contains("the smallest residual is") && text.contains("q = 0.2 pi, omega_tw = 2.00"), "{text}");
+}
