@@ -16,6 +16,14 @@ pub trait Stepper<R: Real> {
     /// # Errors
     /// The failure of the method. The last state stays readable through [`sample`](Self::sample).
     fn step(&mut self) -> Result<(), Error>;
+    /// Makes one accepted step or a few in a row, none after the first that ends at the time
+    /// `wanted` or later.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    fn steps(&mut self, _wanted: Option<R>) -> Result<(), Error> {
+        self.step()
+    }
     /// Writes the state at `t`, a time inside the last step, without changing the run.
     fn sample(&mut self, t: R, y: &mut [R]);
     /// Work done so far.
@@ -39,6 +47,10 @@ impl<R: Real, S: Stepper<R> + ?Sized> Stepper<R> for Box<S> {
         (**self).step()
     }
 
+    fn steps(&mut self, wanted: Option<R>) -> Result<(), Error> {
+        (**self).steps(wanted)
+    }
+
     fn sample(&mut self, t: R, y: &mut [R]) {
         (**self).sample(t, y);
     }
@@ -58,7 +70,7 @@ pub trait Observer<R: Real> {
     /// # Errors
     /// A reason to end the run, such as a state that is not finite.
     fn observe(&mut self, t: R, y: &[R], stats: Stats) -> Result<ControlFlow<()>, Error>;
-    /// Whether the run must end now; asked before every step.
+    /// Whether the run must end now; asked between steps, or rows of steps that take little time.
     fn stop(&self) -> bool {
         false
     }
@@ -114,7 +126,7 @@ where
         } else if observer.stop() {
             Some(Err(Error::Stopped { t: stepper.time().f64() }))
         } else {
-            stepper.step().err().map(Err)
+            stepper.steps(observer.next()).err().map(Err)
         };
         if let Some(outcome) = outcome {
             stepper.sample(stepper.time(), y);

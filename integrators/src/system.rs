@@ -33,6 +33,11 @@ pub trait SplitFlow<R: Real> {
     /// The flow of the kick over `kick`, then the drift over `drift`. A flow may do both in one
     /// sweep over the state.
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>);
+    /// Kicks and drifts one after the other. A flow may do several in one sweep over the state,
+    /// with the same bits.
+    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+        pairs.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
+    }
 }
 
 /// A split system whose forces act in bonds; each force depends on one overlap only.

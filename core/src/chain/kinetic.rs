@@ -3,7 +3,7 @@
 use super::{
     Chain, Resonators,
     aligned::Aligned,
-    sweep::{Sites, sweep},
+    sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
 
@@ -88,15 +88,44 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
+        let now = self.begin(kick, drift);
+        self.visit(now, Step);
+    }
+
+    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+        for now in pairs.chunks(if long(&self.chain) { MOST_KICKS } else { 1 }) {
+            match now {
+                &[(kick, drift)] => self.kick_drift(kick, drift),
+                _ => follow(self, now),
+            }
+        }
+    }
+}
+
+impl<R: Real> Swept<R> for KineticFlow<R> {
+    /// The durations of kick and drift: a pass does both.
+    type Moment = [R; 2];
+
+    fn swept(&self) -> &Chain<R> {
+        &self.chain
+    }
+
+    #[inline]
+    fn begin(&mut self, kick: R, drift: Twofold<R>) -> [R; 2] {
+        [kick, drift.value()]
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, [kick, dt]: [R; 2], work: impl Visit<R>) {
         let Self { chain, beads: [u, u_dot], resonators: [v, v_dot] } = self;
-        let beads = Beads { u: u.column(), u_dot: u_dot.column(), kick, dt: drift.value() };
+        let beads = Beads { u: u.column(), u_dot: u_dot.column(), kick, dt };
         let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
         match params.resonators() {
-            Resonators::None => sweep(chain, beads),
-            Resonators::Fixed => sweep(chain, Cradle { beads, kappa }),
+            Resonators::None => work.visit(chain, beads),
+            Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }),
             Resonators::Moving => {
                 let kick_v = kick * kappa / R::of(params.rho);
-                sweep(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa, kick_v });
+                work.visit(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa, kick_v });
             }
         }
     }

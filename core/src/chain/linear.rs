@@ -17,7 +17,7 @@ use super::{
     aligned::Aligned,
     averaged::Bonds,
     phase::Phase,
-    sweep::{Sites, Visit, sweep},
+    sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
 
@@ -193,37 +193,43 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
-        self.count_kick();
-        let now = self.now();
         // The drift changes no number of a site: its rotation is computed beside the pass.
-        self.drift(drift);
-        self.visit(now, kick, Step);
+        self.count_kick();
+        let now = self.begin(kick, drift);
+        self.visit(now, Step);
+    }
+
+    fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+        let mut rest = pairs;
+        while long(&self.chain) && rest.len() > 1 {
+            self.count_kick();
+            // No anchor between kicks that follow each other.
+            let most = (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize;
+            let (now, later) = rest.split_at(rest.len().min(MOST_KICKS).min(most));
+            self.kicks += now.len() as u32 - 1;
+            follow(self, now);
+            rest = later;
+        }
+        rest.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
     }
 }
 
-/// Sine and cosine of the phase, and `tau`.
-type Now<R> = ((R, R), R);
+impl<R: Real> Swept<R> for LinearFlow<R> {
+    type Moment = Now<R>;
 
-/// A kick of the contact forces.
-struct Step;
-
-impl<R: Real> Visit<R> for Step {
-    #[inline(always)]
-    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
-        sweep(chain, sites);
+    fn swept(&self) -> &Chain<R> {
+        &self.chain
     }
-}
 
-impl<R: Real> LinearFlow<R> {
-    /// What positions and kicks depend on.
     #[inline]
-    pub(super) fn now(&self) -> Now<R> {
-        (self.phase.sin_cos(), self.tau)
+    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Now<R> {
+        let now = self.now(kick);
+        self.drift(drift);
+        now
     }
 
-    /// Hands over the sites as they are at some time, for a kick over `kick` then.
     #[inline(always)]
-    pub(super) fn visit(&mut self, ((sin, cos), tau): Now<R>, kick: R, work: impl Visit<R>) {
+    fn visit(&mut self, ((sin, cos), tau, kick): Now<R>, work: impl Visit<R>) {
         let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
         let centre = Centre { r0: r0.column(), v: v.column(), tau, kick_r0: -(kick_v * tau), kick_v };
@@ -234,6 +240,17 @@ impl<R: Real> LinearFlow<R> {
             Resonators::Fixed => work.visit(chain, oscillation),
             Resonators::Moving => work.visit(chain, Both { centre, oscillation }),
         }
+    }
+}
+
+/// Sine and cosine of the phase, `tau`, and the duration of the kick.
+pub(super) type Now<R> = ((R, R), R, R);
+
+impl<R: Real> LinearFlow<R> {
+    /// What positions, and a kick over `kick`, depend on.
+    #[inline]
+    pub(super) fn now(&self, kick: R) -> Now<R> {
+        (self.phase.sin_cos(), self.tau, kick)
     }
 }
 

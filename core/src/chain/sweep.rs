@@ -4,12 +4,20 @@
 //! register before, moved by a lane. A register of sites is updated when the forces of the next
 //! are known, so that a pass reads and writes each array once, and no load waits for a store of the
 //! same pass. [`Real::run_vector`] compiles the pass for the vector unit at hand.
+//!
+//! # Several kicks at once
+//!
+//! On a chain that does not fit into the cache the kicks follow each other through it: kick `k`
+//! works on a piece that kick `k - 1` has just left, a register behind it. On a ring the first bond
+//! of a pass joins the first site to the last, which the kick before reaches at its end. So kick
+//! `k` begins `8 k` sites from the first, goes on to the last, and then does those before its own
+//! first. Each number is computed as by one kick after the other, so that the bits are the same.
 
 use super::{
     Chain,
-    law::{Power, with_power},
+    law::{LANES, Power, with_power},
 };
-use hertzchain_integrators::{Real, Vector, VectorKernel};
+use hertzchain_integrators::{Real, Twofold, Vector, VectorKernel};
 
 /// What a sweep visits: sites in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
@@ -33,13 +41,159 @@ pub(crate) trait Visit<R: Real> {
     fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S);
 }
 
+/// A kick of the contact forces.
+pub(crate) struct Step;
+
+impl<R: Real> Visit<R> for Step {
+    #[inline(always)]
+    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
+        sweep(chain, sites);
+    }
+}
+
+/// Kicks that follow each other through a chain at most.
+pub(crate) const MOST_KICKS: usize = 16;
+/// Sites that a kick goes on before the next follows: chosen so that these and those of all kicks
+/// stay in the cache.
+const PIECE: usize = 64 * LANES;
+/// Sites from which kicks follow each other: shorter chains stay in the cache.
+const LONG: usize = 8192;
+
+/// A flow whose kicks are sweeps.
+pub(crate) trait Swept<R: Real> {
+    /// What the sites depend on beside columns.
+    type Moment: Copy;
+    /// The chain.
+    fn swept(&self) -> &Chain<R>;
+    /// What the next kick depends on; then the drift, but for what it does to columns.
+    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Self::Moment;
+    /// Hands over the sites at the time of a kick.
+    fn visit(&mut self, moment: Self::Moment, work: impl Visit<R>);
+}
+
+/// Whether kicks of a chain are to follow each other.
+pub(crate) fn long<R: Real>(chain: &Chain<R>) -> bool {
+    chain.sites() >= LONG
+}
+
+/// Kicks and drifts, at most [`MOST_KICKS`], on a [`long`] chain: kick `k` is 8 sites behind kick
+/// `k - 1`.
+pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, Twofold<R>)]) {
+    let (n, count, ring) = (flow.swept().sites(), pairs.len(), flow.swept().topology.ring());
+    let mut kicks: [Option<(F::Moment, Pass<R>)>; MOST_KICKS] = [None; MOST_KICKS];
+    // All begin: the sites where the next does are moved then.
+    for (k, &(kick, drift)) in pairs.iter().enumerate() {
+        let (moment, mut pass) = (flow.begin(kick, drift), Pass::new(if ring { k * LANES } else { 0 }));
+        flow.visit(moment, Piece { pass: &mut pass, to: (2 * count - k) * LANES });
+        kicks[k] = Some((moment, pass));
+    }
+    for front in (2 * count * LANES + PIECE..n).step_by(PIECE) {
+        for (k, (moment, pass)) in kicks.iter_mut().flatten().enumerate() {
+            flow.visit(*moment, Piece { pass, to: front - k * LANES });
+        }
+    }
+    for (moment, mut pass) in kicks.into_iter().flatten() {
+        flow.visit(moment, Piece { pass: &mut pass, to: n });
+        if pass.began > 0 {
+            flow.visit(moment, Piece { pass: &mut pass.again(), to: pass.began });
+        }
+    }
+}
+
 /// Visits every site of `chain` once.
 pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: S) {
-    R::run_vector(Sweep { chain, sites });
+    let mut pass = Pass::new(0);
+    R::run_vector(Sweep { chain, piece: Piece { pass: &mut pass, to: chain.sites() }, sites });
+}
+
+/// A pass on its way.
+#[derive(Clone, Copy)]
+pub(crate) struct Pass<R> {
+    /// The first site, and the next; both begin registers of any width.
+    began: usize,
+    next: usize,
+    /// Position of the site before the next.
+    q: R,
+    /// Position beyond the last site.
+    right: R,
+    /// Forces of the last register, whose sites are updated next, of the bond before that, and of
+    /// the first.
+    f: [R; LANES],
+    before: R,
+    first: R,
+    /// Whether it goes on behind the end of a ring, to where it had begun.
+    closing: bool,
+}
+
+impl<R: Real> Pass<R> {
+    /// Begins at a site; the sites around it are where the kick before has left them.
+    fn new(began: usize) -> Self {
+        let zero = R::zero();
+        let f = [zero; LANES];
+        Self { began, next: began, q: zero, right: zero, f, before: zero, first: zero, closing: false }
+    }
+
+    /// The rest of a pass that has come to the end of a ring.
+    fn again(&self) -> Self {
+        Self { q: self.q, first: self.first, closing: true, ..Self::new(0) }
+    }
+
+    /// The position to the left of the first site.
+    #[inline(always)]
+    fn begin<S: Sites<R>>(&mut self, chain: &Chain<R>, sites: &S) -> R {
+        if self.began > 0 {
+            // SAFETY: a pass begins at a site.
+            return unsafe { sites.positions::<R>(self.began - 1) };
+        }
+        if !self.closing {
+            (self.q, self.right) = ghosts(chain, sites);
+        }
+        self.q
+    }
+
+    /// Keeps the force of the first bond, if the pass is to end there.
+    #[inline(always)]
+    fn begun<V: Vector<R>>(&mut self, f: V) {
+        if self.began > 0 {
+            // SAFETY: there are at most so many lanes.
+            unsafe { f.store(self.f.as_mut_ptr()) };
+            self.first = self.f[0];
+        }
+    }
+
+    /// Keeps what the next piece begins with.
+    #[inline(always)]
+    fn keep<V: Vector<R>>(&mut self, next: usize, [q, f, before]: [V; 3]) {
+        let mut lanes = [R::zero(); LANES];
+        self.next = next;
+        // SAFETY: there are at most so many lanes.
+        unsafe {
+            f.store(self.f.as_mut_ptr());
+            q.store(lanes.as_mut_ptr());
+            self.q = lanes[V::LANES - 1];
+            before.store(lanes.as_mut_ptr());
+            self.before = lanes[V::LANES - 1];
+        }
+    }
+}
+
+/// What a pass does at a time: it goes on up to a site, or to the end of the chain.
+struct Piece<'a, R> {
+    pass: &'a mut Pass<R>,
+    to: usize,
+}
+
+impl<R: Real> Visit<R> for Piece<'_, R> {
+    // Not inlined: the kernel would be compiled again wherever a pass goes on.
+    #[inline(never)]
+    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
+        R::run_vector(Sweep { chain, piece: self, sites });
+    }
 }
 
 struct Sweep<'a, R, S> {
     chain: &'a Chain<R>,
+    piece: Piece<'a, R>,
     sites: S,
 }
 
@@ -48,47 +202,85 @@ impl<R: Real, S: Sites<R>> VectorKernel<R> for Sweep<'_, R, S> {
 
     #[inline(always)]
     fn run<V: Vector<R>>(self) {
-        assert!(self.sites.room() >= self.chain.sites().next_multiple_of(V::LANES), "columns are whole registers");
-        with_power!(self.chain.law, power => {
-            if self.chain.topology.strains() {
-                pass::<R, V, S, _, true>(self.chain, power, self.sites);
+        let Self { chain, piece: Piece { pass, to }, sites } = self;
+        assert!(sites.room() >= chain.sites().next_multiple_of(V::LANES), "columns are whole registers");
+        with_power!(chain.law, power => {
+            if chain.topology.strains() {
+                go_on::<R, V, S, _, true>(chain, power, sites, pass, to);
             } else {
-                pass::<R, V, S, _, false>(self.chain, power, self.sites);
+                go_on::<R, V, S, _, false>(chain, power, sites, pass, to);
             }
         });
     }
 }
 
 #[inline(always)]
-fn pass<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, mut sites: S) {
+fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
+    chain: &Chain<R>,
+    power: P,
+    mut sites: S,
+    pass: &mut Pass<R>,
+    to: usize,
+) {
     let n = chain.sites();
     let (rest, end) = (n % V::LANES, n - n % V::LANES);
+    let (none, stop) = (V::all(R::zero()), to.min(end));
+    let mut at = pass.next;
+    // Positions and forces of the register before, which is to be updated next; the forces of that
+    // before it.
+    let (mut q, mut f, mut before);
     // SAFETY, here and below: a register of sites that begins before `n` ends within the columns,
     // by the check of `run`.
-    let (first, last) = unsafe { (sites.positions::<R>(0), sites.positions::<R>(n - 1)) };
-    let (left, right) = chain.topology.ghosts(first, last);
-    let mut q = V::all(left);
-    // Forces of the register to be updated next, and of that before.
-    let (mut before, mut f) = (V::all(R::zero()), bonds::<R, V, P, STRAIN>(chain, power, q, q));
-    for at in (0..end).step_by(V::LANES) {
+    if at > pass.began {
+        (q, f, before) = (V::all(pass.q), unsafe { V::load(pass.f.as_ptr()) }, V::all(pass.before));
+    } else {
+        let left = pass.begin(chain, &sites);
+        let zero = R::zero();
+        (q, before) = (V::all(left), none);
+        f = V::all(if STRAIN { bonds::<R, R, P, STRAIN>(chain, power, zero, left) } else { zero });
+        if at < stop {
+            let here = unsafe { sites.positions::<V>(at) };
+            (before, f) = (f, bonds::<R, V, P, STRAIN>(chain, power, q, here));
+            (q, at) = (here, at + V::LANES);
+            pass.begun(f);
+        }
+    }
+    while at < stop {
         let here = unsafe { sites.positions::<V>(at) };
         let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
-        if at > 0 {
-            unsafe { sites.update(at - V::LANES, push::<R, V, STRAIN>(before, f, next)) };
+        unsafe { sites.update(at - V::LANES, push::<R, V, STRAIN>(before, f, next)) };
+        (q, before, f, at) = (here, f, next, at + V::LANES);
+    }
+    if to < n {
+        if pass.closing {
+            unsafe { sites.update(to - V::LANES, push::<R, V, STRAIN>(before, f, V::all(pass.first))) };
+        } else {
+            pass.keep(to, [q, f, before]);
         }
-        (q, before, f) = (here, f, next);
+        return;
+    }
+    if pass.began > 0 {
+        // On a ring: the pass goes on there.
+        (pass.q, pass.right) = ghosts(chain, &sites);
     }
     // The sites that fill no register, and what lies beyond the last.
-    let beyond = V::all(right);
+    let beyond = V::all(pass.right);
     let here = if rest > 0 { unsafe { sites.positions::<V>(end) }.first(rest, beyond) } else { beyond };
     let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
     if end > 0 {
         unsafe { sites.update(end - V::LANES, push::<R, V, STRAIN>(before, f, next)) };
     }
     if rest > 0 {
-        let none = V::all(R::zero());
         unsafe { sites.update(end, push::<R, V, STRAIN>(f, next, none).first(rest, none)) };
     }
+}
+
+/// Positions beyond the two ends.
+#[inline(always)]
+fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S) -> (R, R) {
+    // SAFETY: a chain has a site.
+    let (first, last) = unsafe { (sites.positions::<R>(0), sites.positions::<R>(chain.sites() - 1)) };
+    chain.topology.ghosts(first, last)
 }
 
 // Functions, as closures would not be compiled for the registers of the pass.
@@ -109,9 +301,9 @@ pub(crate) fn push<R: Real, V: Vector<R>, const STRAIN: bool>(before: V, f: V, n
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Boundary, Field, Params};
+    use super::super::{Boundary, Field, KineticFlow, LinearFlow, Params};
     use super::*;
-    use hertzchain_integrators::{Instructions, VectorField};
+    use hertzchain_integrators::{Instructions, SplitFlow, VectorField};
 
     #[test]
     fn a_pass_is_the_topology_site_by_site() {
@@ -130,6 +322,40 @@ mod tests {
                     let mut dy = y.clone();
                     Field::new(chain.clone()).eval(0.0, &y, &mut dy);
                     assert_eq!(dy[n..], want, "{boundary:?} {n} {alpha} {set}");
+                }
+            }
+        }
+        assert!(used.select());
+    }
+
+    /// The state after some kicks in a row, and after one after the other.
+    fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, Twofold<f64>)]) -> [Vec<f64>; 2] {
+        flow.load(y);
+        let mut other = flow.duplicate();
+        flow.kick_drifts(pairs);
+        pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
+        [&flow, &other].map(|flow| {
+            let mut state = y.to_vec();
+            flow.store(&mut state);
+            state
+        })
+    }
+
+    #[test]
+    fn kicks_that_follow_each_other_have_the_bits_of_one_after_the_other() {
+        // Truth: one kick at a time; a chain that ends within a register and within a piece, more
+        // kicks than follow each other or than there are between two anchors.
+        let used = Instructions::used();
+        let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
+        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+                for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {
+                    let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();
+                    let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64).sin()).collect();
+                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs);
+                    assert!(got == want && want != y, "kinetic {boundary:?} {rho} {set}");
+                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs);
+                    assert!(got == want && want != y, "linear {boundary:?} {rho} {set}");
                 }
             }
         }

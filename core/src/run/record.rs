@@ -119,6 +119,10 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
         self.run.step()
     }
 
+    fn steps(&mut self, wanted: Option<f64>) -> std::result::Result<(), Failure> {
+        self.run.steps(wanted)
+    }
+
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let clock = Instant::now();
         self.run.sample(t, y);

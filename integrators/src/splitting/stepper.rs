@@ -10,6 +10,10 @@ use crate::{
     system::SplitFlow,
 };
 
+/// Most steps that are made in a row, and most numbers times kicks: about a tenth of a second.
+const STEPS_A_ROW: usize = 16;
+const NUMBERS_A_ROW: usize = 1 << 26;
+
 /// A splitting scheme with a fixed number of equal steps.
 ///
 /// The last pair of each step is kept back and merged with the first of the next.
@@ -20,7 +24,11 @@ pub struct Splitting<R, S> {
     /// The copy of the flow for samples; made at the first sample.
     mirror: Option<S>,
     pairs: Vec<Pair<R>>,
-    seam: Pair<R>,
+    /// Kicks and drifts of as many steps as are made in a row. Each begins with the seam, where it
+    /// meets the step before; inner pairs follow.
+    row: Vec<(R, Twofold<R>)>,
+    /// How many of them are one step.
+    inner: usize,
     start: Twofold<R>,
     span: Twofold<R>,
     h: Twofold<R>,
@@ -45,12 +53,29 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         let (head, tail) = (pairs[0], pairs[pairs.len() - 1]);
         let zero = Twofold::zero();
         let seam = if head.0 == zero { (tail.0, tail.1 + head.1) } else { (tail.0 + head.0, head.1) };
-        Ok(Self { flow, mirror: None, pairs, seam, start: Twofold::new(start), span, h, taken: 0, total, kicks: 0 })
+        let inner = pairs.len() - 1;
+        let steps = (NUMBERS_A_ROW / (flow.dim() * inner).max(1)).clamp(1, STEPS_A_ROW);
+        let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.value(), drift));
+        let row = step.cycle().take(steps * inner).collect();
+        let start = Twofold::new(start);
+        Ok(Self { flow, mirror: None, pairs, row, inner, start, span, h, taken: 0, total, kicks: 0 })
     }
 
     /// The step size.
     pub fn step_size(&self) -> R {
         self.h.value()
+    }
+
+    /// Makes so many steps, of which the first of the run begins otherwise.
+    fn run(&mut self, steps: usize) {
+        let mut row = &self.row[..steps * self.inner];
+        if self.taken == 0 {
+            apply(&mut self.flow, self.pairs[0], &mut self.kicks);
+            row = &row[1..];
+        }
+        self.flow.kick_drifts(row);
+        self.kicks += row.len() as u64;
+        self.taken += steps as u64;
     }
 
     fn time_after(&self, steps: u64) -> Twofold<R> {
@@ -120,12 +145,15 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     }
 
     fn step(&mut self) -> Result<(), Error> {
-        let head = if self.taken == 0 { self.pairs[0] } else { self.seam };
-        apply(&mut self.flow, head, &mut self.kicks);
-        for &pair in &self.pairs[1..self.pairs.len() - 1] {
-            apply(&mut self.flow, pair, &mut self.kicks);
-        }
-        self.taken += 1;
+        self.run(1);
+        Ok(())
+    }
+
+    fn steps(&mut self, wanted: Option<R>) -> Result<(), Error> {
+        let most = (self.row.len() / self.inner) as u64;
+        // Two steps less than the quotient says, so that no rounding leads beyond.
+        let before = wanted.map_or(most, |t| (((t - self.time()) / self.h.value()).f64() - 2.0) as u64);
+        self.run(before.min(most).min(self.total - self.taken).max(1) as usize);
         Ok(())
     }
 
@@ -156,5 +184,65 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
 
     fn stats(&self) -> Stats {
         Stats { steps: self.taken, rejected: 0, force_evaluations: self.kicks }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::tables, *};
+
+    /// `q'' = -q^3`.
+    struct Quartic([f64; 2]);
+
+    impl SplitFlow<f64> for Quartic {
+        fn dim(&self) -> usize {
+            2
+        }
+        fn load(&mut self, y: &[f64]) {
+            self.0.copy_from_slice(y);
+        }
+        fn store(&self, y: &mut [f64]) {
+            y.copy_from_slice(&self.0);
+        }
+        fn duplicate(&self) -> Self {
+            Self(self.0)
+        }
+        fn copy_from(&mut self, other: &Self) {
+            self.0 = other.0;
+        }
+        fn drift(&mut self, dt: Twofold<f64>) {
+            self.0[0] += dt.value() * self.0[1];
+        }
+        fn kick_drift(&mut self, kick: f64, drift: Twofold<f64>) {
+            self.0[1] -= kick * self.0[0].powi(3);
+            self.drift(drift);
+        }
+    }
+
+    #[test]
+    fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
+        // Truth: one step at a time, to the bit; times between steps, at their ends, and none.
+        for (scheme, first) in
+            [(tables::STRANG, First::Kick), (tables::STRANG, First::Drift), (tables::ABA864, First::Drift)]
+        {
+            let run = || Splitting::new(&scheme, first, Quartic([1.0, 0.3]), (0.5, 7.5), 700).unwrap();
+            let (mut row, mut one) = (run(), run());
+            for wanted in [Some(0.52), Some(0.525), Some(1.5), Some(2.0), Some(2.003), None, None, Some(7.5)] {
+                loop {
+                    row.steps(wanted).unwrap();
+                    let before = row.time_after(row.taken - 1).value();
+                    assert!(wanted.is_none_or(|t| before < t - 1e-12), "{wanted:?} {before}");
+                    if wanted.is_none_or(|t| row.time() > t - 1e-12) {
+                        break;
+                    }
+                }
+                while one.taken < row.taken {
+                    one.step().unwrap();
+                }
+                assert_eq!(row.flow.0, one.flow.0);
+                assert_eq!((row.time(), row.stats()), (one.time(), one.stats()));
+            }
+            assert!(row.done() && row.stats().force_evaluations >= 699);
+        }
     }
 }

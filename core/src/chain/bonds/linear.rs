@@ -1,7 +1,7 @@
 //! Beads on the exact paths of the linear flow, as contact-corrected splitting moves them.
 
 use super::{
-    super::{Chain, LinearFlow},
+    super::{Chain, LinearFlow, sweep::Swept},
     Forces, Kick, Modified, SiteFlow, Survey,
 };
 use hertzchain_integrators::splitting::corrected::Correction;
@@ -12,7 +12,7 @@ impl SiteFlow for LinearFlow<f64> {
     }
 
     fn survey(&mut self, forces: Forces<'_>) {
-        self.visit(self.now(), 0.0, Survey(forces));
+        self.visit(self.now(0.0), Survey(forces));
     }
 
     fn bead(&self, site: usize) -> (f64, f64) {
@@ -64,7 +64,7 @@ impl SiteFlow for LinearFlow<f64> {
 
     fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
-        self.visit(self.now(), kick, Kick(forces));
+        self.visit(self.now(kick), Kick(forces));
     }
 }
 
