@@ -35,9 +35,9 @@ fn branch(wanted: Wanted, vary: WaveParameter, to: f64) -> WaveBranchStudy {
     ContinueWave { wanted, vary, to: Some(to), step: None, waves: 200 }.branch(&|_, _| {}).unwrap()
 }
 
-// Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code with
-// the one that found the wave, and by the same. Measured: 2.5e-12, the error of its steps, and below
-// 1e-13.
+// Truth: the definition, x_{n+1}(t + q/omega_tw) = x_n(t), by an integrator that shares no code
+// with the one that found the wave, and by the same. Measured: 2.5e-12, the error of its steps, and
+// below 1e-13.
 #[test]
 fn an_exact_wave_moves_on_by_a_site_in_the_time_q_over_omega_and_is_back_after_a_period() {
     for study in companions() {
@@ -135,8 +135,8 @@ fn by_fourier(wave: &WaveSetting, mean: f64, first: f64, points: usize) -> Vec<f
 }
 
 // Truth: the same wave from its advance-delay equation by Fourier series, without any integration.
-// Its error falls like the power 2.5 of the number of points: with an eighth of them it is 8e-11, so
-// with all of them 5e-13.
+// Its error falls like the power 2.5 of the number of points: with an eighth of them it is 8e-11,
+// so with all of them 5e-13.
 #[test]
 fn an_exact_wave_solves_the_equation_of_its_profile() {
     for study in companions() {
@@ -156,8 +156,8 @@ fn an_exact_wave_solves_the_equation_of_its_profile() {
     }
 }
 
-// Truth: the contact force opens like a power alpha, so its coefficients fall like k^{-(alpha+1)}, and
-// two derivatives more in X. Measured: slopes of the largest of each octave from -4.6 to -4.3.
+// Truth: the contact force opens like a power alpha, so its coefficients fall like k^{-(alpha+1)},
+// and two derivatives more in X. Measured: slopes of the largest of each octave from -4.6 to -4.3.
 #[test]
 fn fourier_coefficients_fall_like_the_power_of_an_opening_contact() {
     for study in companions() {
@@ -170,8 +170,8 @@ fn fourier_coefficients_fall_like_the_power_of_an_opening_contact() {
     }
 }
 
-// Truth: the next order of the expansion is epsilon^{alpha-1} smaller. Measured: 0.499 to 0.500 for E_x,
-// 0.5 to 1e-3 for the growth.
+// Truth: the next order of the expansion is epsilon^{alpha-1} smaller. Measured: 0.499 to 0.500 for
+// E_x, 0.5 to 1e-3 for the growth.
 #[test]
 fn the_ansatz_and_its_growth_become_exact_like_the_root_of_the_size() {
     for rho in ["0.3333333333333333", "3"] {
@@ -190,8 +190,8 @@ fn the_ansatz_and_its_growth_become_exact_like_the_root_of_the_size() {
     }
 }
 
-// Truth: the dispersion relation of the chain about a precompression, where each contact is a spring
-// of stiffness alpha |mean|^{alpha-1}. The frequency differs by the square of the amplitude.
+// Truth: the dispersion relation of the chain about a precompression, where each contact is a
+// spring of stiffness alpha |mean|^{alpha-1}. The frequency differs by the square of the amplitude.
 #[test]
 fn small_waves_under_precompression_are_those_of_the_linear_chain() {
     let (mean, rho) = (-0.05_f64, 1.0 / 3.0);
@@ -244,7 +244,8 @@ fn relative_multipliers_are_eigenvalues_of_the_monodromy_matrix() {
 }
 
 // Truth: the paper has q = pi/5 unstable and q = 4 pi/5 neutral; the modulation equations have the
-// band of growing wave numbers, and its edge is that of the exact wave to a wave number of the ring.
+// band of growing wave numbers, and its edge is that of the exact wave to a wave number of the
+// ring.
 #[test]
 fn modulations_grow_where_the_modulation_equations_say() {
     let [long, short] = companions();
@@ -257,8 +258,8 @@ fn modulations_grow_where_the_modulation_equations_say() {
     }
 }
 
-// Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as the
-// mean strain is above zero.
+// Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as
+// the mean strain is above zero.
 #[test]
 fn waves_under_a_gap_end_where_no_contact_closes() {
     let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };

@@ -70,7 +70,8 @@ impl LimitWave {
     }
 }
 
-/// The exact companion of the wave `q = pi/5`, `a = b = 1`, `alpha = 3/2`, `kappa = 1` of this size.
+/// The exact companion of the wave `q = pi/5`, `a = b = 1`, `alpha = 3/2`, `kappa = 1` of this
+/// size.
 pub(in super::super) fn limit_wave(rho: f64, epsilon: f64) -> Result<LimitWave> {
     let (params, q, search) = (Params::new(1.5, 1.0, rho)?, WaveNumber::on_ring(0.2, SITES)?, Search::default());
     let shape = Shape { q: q.q(), a: 1.0, b: 1.0, phi: 0.0 };

@@ -1,4 +1,5 @@
-//! Exact travelling waves: one with its multipliers, beside its first-order ansatz; branches of them.
+//! Exact travelling waves: one with its multipliers, beside its first-order ansatz; branches of
+//! them.
 
 mod report;
 
@@ -179,7 +180,8 @@ impl Study for Exact {
     }
 }
 
-/// Writes the best iterate of a search that did not converge, in place of what an earlier run has left.
+/// Writes the best iterate of a search that did not converge, in place of what an earlier run has
+/// left.
 fn keep_iterate(folder: Option<&Folder>, why: &Error) {
     let (Some(folder), Error::Stalled { steps, best: Some(best) }) = (folder, why) else { return };
     let Iterate { z, residual, place } = &**best;

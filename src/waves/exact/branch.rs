@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `(z/s, p/P)` | state and parameter, scaled; `s = sqrt(4m) max abs(z - mean)`, and `P` the unit of `p` |
+//! | `(z/s, p/P)` | state and parameter, scaled by `s = sqrt(4m) max abs(z - mean)` and `P` |
 //! | `ds` | length of a step along the branch |
 //!
 //! A branch in the amplitude varies the frequency: the amplitude is a number of the state.
@@ -183,8 +183,8 @@ struct Scales {
 }
 
 impl WaveContinuation {
-    /// Follows the branch from `start`; `seen` is called with every wave. The rule for the mean strain
-    /// is that of `start`.
+    /// Follows the branch from `start`; `seen` is called with every wave. The rule for the mean
+    /// strain is that of `start`.
     ///
     /// # Errors
     /// An end at the start, a step that is not positive, fewer than two waves. A branch that ends

@@ -107,7 +107,8 @@ mod tests {
     use super::*;
 
     // Truth: a unitary similarity of a triangular matrix, whose eigenvalues are its diagonal; and
-    // the residuals. Measured: 2e-15 and 7e-15 where eigenvalues are apart, residuals below 3e-15 in all.
+    // the residuals. Measured: 2e-15 and 7e-15 where eigenvalues are apart, residuals below 3e-15
+    // in all.
     #[test]
     fn eigenvalues_of_a_turned_triangular_matrix_are_its_diagonal() {
         let n = 30;

@@ -18,9 +18,9 @@
 //!
 //! The derivative of `B - 1` has the null vectors `z'` (shift of the phase) and `dz/dmean`, and two
 //! left null vectors, from the conservation of energy and of `sum (x' + rho y')`. Two equations
-//! remove the null vectors: the phase of the first harmonic,
-//! `sum (x_n sin(q n) - x_n'/omega_tw cos(q n)) = 0`, and the mean strain. So there are two equations
-//! more than unknowns, and the least-squares solution satisfies all of them.
+//! remove the null vectors: the phase of the first harmonic, `sum (x_n sin(q n) - x_n'/omega_tw
+//! cos(q n)) = 0`, and the mean strain. So there are two equations more than unknowns, and the
+//! least-squares solution satisfies all of them.
 
 mod branch;
 mod eigen;

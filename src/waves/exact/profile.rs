@@ -87,8 +87,8 @@ impl Profile {
         [largest(&self.x, amplitude) / amplitude, largest(&self.y, -amplitude / rho) * rho / amplitude]
     }
 
-    /// The share of the period in which a contact is closed, `X < 0`, with straight lines between the
-    /// samples.
+    /// The share of the period in which a contact is closed, `X < 0`, with straight lines between
+    /// the samples.
     pub fn closed(&self) -> f64 {
         let next = self.x.iter().skip(1).chain(self.x.first());
         let share = |(a, b): (&f64, &f64)| match (*a < 0.0, *b < 0.0) {

@@ -49,8 +49,8 @@ pub fn ansatz(setting: &WaveSetting, given: Given) -> Result<TravellingWave> {
     }
 }
 
-/// The size of the ansatz with `a = 1` that has the frequency of the setting under this mean strain,
-/// which is not zero.
+/// The size of the ansatz with `a = 1` that has the frequency of the setting under this mean
+/// strain, which is not zero.
 fn size_under(mean: f64, setting: &WaveSetting) -> Result<f64> {
     let WaveSetting { params, q, omega_tw, .. } = *setting;
     params.validate()?;

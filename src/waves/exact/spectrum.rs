@@ -2,10 +2,10 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `theta` | phase from cell to cell: `w_{n+m} = e^{i theta} w_n`, `theta = 2 pi j/c` on `c` cells |
+//! | `theta` | phase from cell to cell, `w_{n+m} = e^{i theta} w_n`; `2 pi j/c` on `c` cells |
 //! | `B_theta` | the derivative of `B` on such perturbations, `4m x 4m` |
 //! | `nu` | eigenvalue of `B_theta` |
-//! | `p, lambda` | Bloch wave number and exponent: `w_n(t) = e^{i p n + lambda t} W(q n - omega_tw t)` |
+//! | `p, lambda` | of `w_n(t) = e^{i p n + lambda t} W(q n - omega_tw t)`: wave number, exponent |
 //! | `mu` | relative multiplier of the shift by one site, `mu = e^{i p + lambda q/omega_tw}` |
 //!
 //! # Labels
@@ -14,8 +14,8 @@
 //! `W e^{-i k phi}` with `p + k q` and `lambda + i k omega_tw` is the same perturbation, so one of
 //! its labels has `|Im lambda| <= omega_tw/2`, and this one is given. Perturbations of the
 //! modulation equations (see [`Modulation`](crate::waves::Modulation)) have `lambda` of order
-//! `epsilon^{alpha-1}`, so there `p` and `lambda` are those of this label. The multiplier of the whole
-//! period is `e^{lambda T}`.
+//! `epsilon^{alpha-1}`, so there `p` and `lambda` are those of this label. The multiplier of the
+//! whole period is `e^{lambda T}`.
 //!
 //! # The symplectic form
 //!
@@ -45,8 +45,8 @@ pub enum WaveKind {
     /// One of the four that equal 1: shift of the phase, change of frequency, change of the mean
     /// strain, and drift.
     Trivial,
-    /// `lambda = +-i omega` up to multiples of `i omega_tw`: the sum of all beads relative to that of
-    /// all resonators is a linear oscillator.
+    /// `lambda = +-i omega` up to multiples of `i omega_tw`: the sum of all beads relative to that
+    /// of all resonators is a linear oscillator.
     Linear,
     /// On the unit circle, to the estimated error.
     Circle,
@@ -86,12 +86,13 @@ pub struct WaveQuality {
     pub eigen_residual: f64,
     /// `max |B z' - z'| / max |z'|`: the rate of the wave is an eigenvector of 1.
     pub phase_shift: f64,
-    /// `|mean - 1|` for the mean of the four `nu` that are 1 in theory. They form Jordan blocks, which
-    /// the solver splits by the square root of a rounding; their mean keeps all digits.
+    /// `|mean - 1|` for the mean of the four `nu` that are 1 in theory. They form Jordan blocks,
+    /// which the solver splits by the square root of a rounding; their mean keeps all digits.
     pub trivial: f64,
     /// Larger `|nu - e^{+-i omega T/m}|` of the two that are this in theory.
     pub linear: f64,
-    /// Largest distance of a `1/conj(nu)` from the nearest eigenvalue; the trivial four are left out.
+    /// Largest distance of a `1/conj(nu)` from the nearest eigenvalue; the trivial four are left
+    /// out.
     pub pairing: f64,
 }
 
