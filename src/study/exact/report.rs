@@ -1,6 +1,8 @@
 //! Exact waves and their branches as text, JSON, files and pictures.
 
-use super::{BlochGrowth, BranchWave, ExactStudy, WaveBranchStudy};
+#[cfg(feature = "plot")]
+use super::BlochGrowth;
+use super::{BranchWave, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{of_pi, shown},
@@ -147,6 +149,7 @@ pub(crate) fn tables(study: &ExactStudy) -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
+#[cfg(feature = "plot")]
 fn program() -> String {
     format!("hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
