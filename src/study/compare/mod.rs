@@ -54,10 +54,10 @@ pub struct CompareOptions {
         )
     )]
     pub integrators: Vec<String>,
-    /// Wall time for all runs, in seconds.
+    /// Wall time for all runs, in seconds; what would not fit is left out.
     ///
-    /// Rungs that would not fit are left out, and so are those that take more than a 400th of it
-    /// and are expected to be beaten in error and in time.
+    /// So are rungs that take more than a 400th of it and are expected to be beaten in error and in
+    /// time.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "10"))]
     pub max_time: f64,
 }

@@ -412,12 +412,15 @@ mod tests {
     fn the_last_axis_goes_fastest_and_zipped_axes_move_together() {
         let plan = parsed(
             r#"
-            scene = "impact"
             axis = [
                 { key = "chain.rho", from = 0.1, to = 10, count = 3, scale = "log" },
                 { key = "chain.kappa", values = [1, 2.5, 4], zip = true },
                 { key = "chain.sites", from = 10, to = 30, count = 3 },
-            ]"#,
+            ]
+            [scene]
+            chain = { sites = 10, alpha = 1.5, kappa = 1, rho = 1, boundary = "free" }
+            initial = { kind = "single-bead", site = 0, velocity = 1 }
+            span = { until = 3 }"#,
         )
         .unwrap();
         assert_eq!((plan.points(), plan.name.as_str()), (9, "plan"));
