@@ -243,40 +243,34 @@ impl<R: Real> ContactLaw<R> {
     }
 
     /// The force `(g)_+^alpha`.
-    #[inline]
     pub fn force(&self, g: R) -> R {
         with_power!(self, power => power.raise(self.positive_part(g)))
     }
 
-    /// The forces of several overlaps, a multiple of the lanes of a register.
+    /// The forces of several overlaps.
     ///
-    /// The loop for `alpha = 3/2` is inlined into the caller and uses its registers; the loops for
-    /// other powers are a call.
+    /// The loop for `alpha = 3/2` is inlined into the caller and uses its vector instructions; the
+    /// loops for other powers are a call.
     #[inline(always)]
-    pub fn forces<V: Vector<R>, const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
-        const { assert!(M.is_multiple_of(V::LANES)) };
-        if self.exponent != Exponent::ThreeHalves {
-            return self.other_forces(overlaps);
+    pub fn forces<const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
+        if self.exponent == Exponent::ThreeHalves {
+            self.raise_all(ThreeHalves, overlaps)
+        } else {
+            self.other_forces(overlaps)
         }
-        let mut force = *overlaps;
-        for j in (0..M).step_by(V::LANES) {
-            // SAFETY: a register from `j` on lies within the array.
-            unsafe {
-                let g = self.positive_part(V::load(overlaps.as_ptr().add(j)));
-                ThreeHalves.raise(g).store(force.as_mut_ptr().add(j));
-            }
-        }
-        force
     }
 
     #[inline(never)]
     fn other_forces<const M: usize>(&self, overlaps: &[R; M]) -> [R; M] {
-        let mut force = *overlaps;
-        with_power!(self, power => {
-            for f in &mut force {
-                *f = power.raise(self.positive_part(*f));
-            }
-        });
+        with_power!(self, power => self.raise_all(power, overlaps))
+    }
+
+    #[inline(always)]
+    fn raise_all<const M: usize>(&self, power: impl Power<R>, overlaps: &[R; M]) -> [R; M] {
+        let mut force = [R::zero(); M];
+        for j in 0..M {
+            force[j] = power.raise(self.positive_part(overlaps[j]));
+        }
         force
     }
 
@@ -293,7 +287,6 @@ impl<R: Real> ContactLaw<R> {
 
     /// The stiffness `alpha (g)_+^{alpha-1}`, the derivative of the force; zero where there is no
     /// contact.
-    #[inline]
     pub fn stiffness(&self, g: R) -> R {
         let g = self.positive_part(g);
         if g == R::zero() { g } else { self.alpha * (self.force(g) / g) }

@@ -1,6 +1,6 @@
 //! The scalar type of the methods.
 
-use crate::vector::{Pair, Quad, Vector};
+use crate::vector::{Pair, Vector};
 #[cfg(target_arch = "x86_64")]
 use crate::{
     instructions::Instructions,
@@ -120,31 +120,6 @@ impl Real for f64 {
         }
         kernel.run::<Pair>()
     }
-}
-
-/// Runs a kernel on numbers that come in fours, with the instructions in use. All give the same
-/// bits.
-#[inline(always)]
-pub(crate) fn run_in_fours<K: VectorKernel<f64>>(kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        // The same registers, but twice as many of them.
-        #[target_feature(enable = "avx512f,avx512dq,avx512vl,fma")]
-        fn avx512<K: VectorKernel<f64>>(kernel: K) -> K::Output {
-            kernel.run::<Four>()
-        }
-        #[target_feature(enable = "avx2,fma")]
-        fn avx2<K: VectorKernel<f64>>(kernel: K) -> K::Output {
-            kernel.run::<Four>()
-        }
-        // SAFETY: `used` returns a set that this machine has.
-        match Instructions::used() {
-            Instructions::Avx512 => return unsafe { avx512(kernel) },
-            Instructions::Avx2 => return unsafe { avx2(kernel) },
-            Instructions::Portable => {}
-        }
-    }
-    kernel.run::<Quad>()
 }
 
 impl Real for twofloat::TwoFloat {

@@ -34,12 +34,6 @@ pub trait Vector<R>:
     /// # Safety
     /// `LANES` numbers can be written there.
     unsafe fn store(self, start: *mut R);
-    /// `self by + plus`, rounded once.
-    fn fused(self, by: Self, plus: Self) -> Self;
-    /// The larger number of each pair.
-    fn larger(self, other: Self) -> Self;
-    /// `then` in lanes that are this number, zero in others.
-    fn equal(self, number: R, then: Self) -> Self;
     /// Square roots.
     fn root(self) -> Self;
     /// `1/x`.
@@ -78,21 +72,6 @@ impl<R: Real> Vector<R> for R {
     unsafe fn store(self, start: *mut R) {
         // SAFETY: the caller's promise.
         unsafe { *start = self }
-    }
-
-    #[inline(always)]
-    fn fused(self, by: Self, plus: Self) -> Self {
-        self.mul_add(by, plus)
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        if other > self { other } else { self }
-    }
-
-    #[inline(always)]
-    fn equal(self, number: R, then: Self) -> Self {
-        if self == number { then } else { R::zero() }
     }
 
     #[inline(always)]
@@ -282,21 +261,6 @@ impl Vector<f64> for Pair {
     }
 
     #[inline(always)]
-    fn fused(self, by: Self, plus: Self) -> Self {
-        Self([self.0[0].mul_add(by.0[0], plus.0[0]), self.0[1].mul_add(by.0[1], plus.0[1])])
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self(pairwise(self.0, other.0, |x, other| if other > x { other } else { x }))
-    }
-
-    #[inline(always)]
-    fn equal(self, number: f64, then: Self) -> Self {
-        Self(pairwise(self.0, then.0, |x, then| if x == number { then } else { 0.0 }))
-    }
-
-    #[inline(always)]
     fn root(self) -> Self {
         Self([self.0[0].sqrt(), self.0[1].sqrt()])
     }
@@ -329,92 +293,6 @@ impl Vector<f64> for Pair {
     #[inline(always)]
     fn first(self, n: usize, others: Self) -> Self {
         Self([if n > 0 { self.0[0] } else { others.0[0] }, if n > 1 { self.0[1] } else { others.0[1] }])
-    }
-}
-
-/// Four numbers on machines whose registers the program does not ask for: two pairs.
-#[derive(Clone, Copy)]
-pub(crate) struct Quad([Pair; 2]);
-
-operations!(Quad:
-    Add add |[a, b]: [Pair; 2], [c, d]: [Pair; 2]| [a + c, b + d],
-    Sub sub |[a, b]: [Pair; 2], [c, d]: [Pair; 2]| [a - c, b - d],
-    Mul mul |[a, b]: [Pair; 2], [c, d]: [Pair; 2]| [a * c, b * d],
-    Div div |[a, b]: [Pair; 2], [c, d]: [Pair; 2]| [a / c, b / d]
-);
-
-impl Vector<f64> for Quad {
-    const LANES: usize = 4;
-    each_lane!();
-
-    #[inline(always)]
-    fn all(x: f64) -> Self {
-        Self([Pair::all(x); 2])
-    }
-
-    #[inline(always)]
-    unsafe fn load(start: *const f64) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe { Self([Pair::load(start), Pair::load(start.add(2))]) }
-    }
-
-    #[inline(always)]
-    unsafe fn store(self, start: *mut f64) {
-        // SAFETY: the caller's promise.
-        unsafe {
-            self.0[0].store(start);
-            self.0[1].store(start.add(2));
-        }
-    }
-
-    #[inline(always)]
-    fn fused(self, by: Self, plus: Self) -> Self {
-        Self([self.0[0].fused(by.0[0], plus.0[0]), self.0[1].fused(by.0[1], plus.0[1])])
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        Self([self.0[0].larger(other.0[0]), self.0[1].larger(other.0[1])])
-    }
-
-    #[inline(always)]
-    fn equal(self, number: f64, then: Self) -> Self {
-        Self([self.0[0].equal(number, then.0[0]), self.0[1].equal(number, then.0[1])])
-    }
-
-    #[inline(always)]
-    fn root(self) -> Self {
-        Self([self.0[0].root(), self.0[1].root()])
-    }
-
-    #[inline(always)]
-    fn above(self, bound: f64, then: Self) -> Self {
-        Self([self.0[0].above(bound, then.0[0]), self.0[1].above(bound, then.0[1])])
-    }
-
-    #[inline(always)]
-    fn positive(self) -> u64 {
-        self.0[0].positive() | self.0[1].positive() << 2
-    }
-
-    #[inline(always)]
-    fn size(self) -> Self {
-        Self([self.0[0].size(), self.0[1].size()])
-    }
-
-    #[inline(always)]
-    fn before(self, next: Self) -> Self {
-        Self([self.0[0].before(self.0[1]), self.0[1].before(next.0[0])])
-    }
-
-    #[inline(always)]
-    fn after(self, previous: Self) -> Self {
-        Self([self.0[0].after(previous.0[1]), self.0[1].after(self.0[0])])
-    }
-
-    #[inline(always)]
-    fn first(self, n: usize, others: Self) -> Self {
-        Self([self.0[0].first(n, others.0[0]), self.0[1].first(n.saturating_sub(2), others.0[1])])
     }
 }
 
@@ -455,21 +333,6 @@ mod wide {
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
             unsafe { _mm256_storeu_pd(start, self.0) }
-        }
-
-        #[inline(always)]
-        fn fused(self, by: Self, plus: Self) -> Self {
-            unsafe { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
-        }
-
-        #[inline(always)]
-        fn larger(self, other: Self) -> Self {
-            unsafe { Self(_mm256_max_pd(other.0, self.0)) }
-        }
-
-        #[inline(always)]
-        fn equal(self, number: f64, then: Self) -> Self {
-            unsafe { Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, _mm256_set1_pd(number)))) }
         }
 
         #[inline(always)]
@@ -539,24 +402,6 @@ mod wide {
         }
 
         #[inline(always)]
-        fn fused(self, by: Self, plus: Self) -> Self {
-            unsafe { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
-        }
-
-        #[inline(always)]
-        fn larger(self, other: Self) -> Self {
-            unsafe { Self(_mm512_max_pd(other.0, self.0)) }
-        }
-
-        #[inline(always)]
-        fn equal(self, number: f64, then: Self) -> Self {
-            unsafe {
-                let mask = _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, _mm512_set1_pd(number));
-                Self(_mm512_maskz_mov_pd(mask, then.0))
-            }
-        }
-
-        #[inline(always)]
         fn root(self) -> Self {
             unsafe { Self(_mm512_sqrt_pd(self.0)) }
         }
@@ -605,7 +450,7 @@ mod wide {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{VectorKernel, instructions::Instructions, real::run_in_fours};
+    use crate::{VectorKernel, instructions::Instructions};
 
     /// All operations on some numbers, at the width of the instructions in use.
     struct All<'a>(&'a [f64], &'a mut Vec<f64>);
@@ -627,9 +472,6 @@ mod tests {
                     a - b,
                     a * b,
                     a / b,
-                    a.fused(b, a - b),
-                    a.larger(b),
-                    a.equal(x[0], b),
                     a.root(),
                     a.inverse(),
                     a.above(0.25, b),
@@ -679,43 +521,36 @@ mod tests {
             if !set.select() {
                 continue;
             }
-            for fours in [false, true] {
-                let mut got = Vec::new();
-                let all = All(&x, &mut got);
-                let lanes = if fours { run_in_fours(all) } else { f64::run_vector(all) };
-                let mut want = Vec::new();
-                for at in (0..32).step_by(lanes) {
-                    let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
-                    let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                    let operations: [&dyn Fn(f64, f64) -> f64; 14] = [
-                        &|a, b| a + b,
-                        &|a, b| a - b,
-                        &|a, b| a * b,
-                        &|a, b| a / b,
-                        &|a, b| a.mul_add(b, a - b),
-                        &|a, b| if b > a { b } else { a },
-                        &|a, b| if a == x[0] { b } else { 0.0 },
-                        &|a, _| a.sqrt(),
-                        &|a, _| 1.0 / a,
-                        &|a, b| if a > 0.25 { b } else { 0.0 },
-                        &|a, b| (a - b).abs(),
-                        &|_, _| positive as f64,
-                        &|a, _| a.powf(1.3),
-                        &|_, _| 0.618,
-                    ];
-                    want.extend(operations.iter().flat_map(|f| pairs().map(|(a, b)| f(a, b))));
-                }
-                assert_eq!(got, want, "{set}");
-
-                let mut got = Vec::new();
-                let moves = Moves(&mut got);
-                let lanes = if fours { run_in_fours(moves) } else { f64::run_vector(moves) };
-                let mut want: Vec<f64> = (1..=lanes).chain(lanes - 1..2 * lanes - 1).map(|k| k as f64).collect();
-                for n in 0..=lanes {
-                    want.extend((0..lanes).map(|k| if k < n { k as f64 } else { (lanes + k) as f64 }));
-                }
-                assert_eq!(got, want, "{set}");
+            let mut got = Vec::new();
+            let lanes = f64::run_vector(All(&x, &mut got));
+            let mut want = Vec::new();
+            for at in (0..32).step_by(lanes) {
+                let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
+                let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
+                let operations: [&dyn Fn(f64, f64) -> f64; 11] = [
+                    &|a, b| a + b,
+                    &|a, b| a - b,
+                    &|a, b| a * b,
+                    &|a, b| a / b,
+                    &|a, _| a.sqrt(),
+                    &|a, _| 1.0 / a,
+                    &|a, b| if a > 0.25 { b } else { 0.0 },
+                    &|a, b| (a - b).abs(),
+                    &|_, _| positive as f64,
+                    &|a, _| a.powf(1.3),
+                    &|_, _| 0.618,
+                ];
+                want.extend(operations.iter().flat_map(|f| pairs().map(|(a, b)| f(a, b))));
             }
+            assert_eq!(got, want, "{set}");
+
+            let mut got = Vec::new();
+            let lanes = f64::run_vector(Moves(&mut got));
+            let mut want: Vec<f64> = (1..=lanes).chain(lanes - 1..2 * lanes - 1).map(|k| k as f64).collect();
+            for n in 0..=lanes {
+                want.extend((0..lanes).map(|k| if k < n { k as f64 } else { (lanes + k) as f64 }));
+            }
+            assert_eq!(got, want, "{set}");
         }
         assert!(used.select());
     }

@@ -16,8 +16,7 @@ use super::{
 };
 use crate::{
     events::Curve,
-    real::{Kernel, Real, VectorKernel, run_in_fours},
-    vector::Vector,
+    real::{Kernel, Real},
 };
 use std::ops::{Range, RangeInclusive};
 
@@ -159,8 +158,7 @@ impl<const M: usize> Workspace<M> {
             b = if b + 1 == all { 0 } else { b + 1 };
         }
         // Contacts that begin in a window far too long for them are seen before anything is solved.
-        if let Some((b, stiffness)) = too_stiff(bonds.iter_mut().map(|bond| bond.approach(frame, goal.stiffest)), goal)
-        {
+        if let Some((b, stiffness)) = too_stiff(bonds.iter().map(|bond| bond.approach(frame, goal.stiffest)), goal) {
             return Verdict {
                 failure: Some(((first + b) % all, stiffness)),
                 work: BOND * len as u64,
@@ -290,7 +288,7 @@ impl<const M: usize> Work<'_, M> {
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let done = run_in_fours(Pass { stretch: stretch.again(), old: &mut *old, frame, goal, levels });
+            let done = f64::run(Pass { stretch: stretch.again(), old: &mut *old, frame, goal, levels });
             levels = 1..=1;
             verdict.sweeps += done.deepest as u64;
             verdict.work += done.work;
@@ -347,11 +345,11 @@ struct Passed {
     failure: Option<(usize, f64)>,
 }
 
-impl<const M: usize> VectorKernel<f64> for Pass<'_, M> {
+impl<const M: usize> Kernel for Pass<'_, M> {
     type Output = Passed;
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(mut self) -> Passed {
+    fn run(mut self) -> Passed {
         let (n, levels) = (self.stretch.bonds.len(), self.levels.clone());
         let mut passed = Passed::default();
         for place in 0..n + 2 * levels.end() {
@@ -363,7 +361,7 @@ impl<const M: usize> VectorKernel<f64> for Pass<'_, M> {
                 while b >= n {
                     b -= n;
                 }
-                if level == 0 { self.start::<V>(b, &mut passed) } else { self.sweep::<V>(b, level, &mut passed) }
+                if level == 0 { self.start(b, &mut passed) } else { self.sweep(b, level, &mut passed) }
             }
         }
         passed
@@ -373,22 +371,22 @@ impl<const M: usize> VectorKernel<f64> for Pass<'_, M> {
 impl<const M: usize> Pass<'_, M> {
     /// Lays out the panels of a bond and takes forces from the prediction.
     #[inline(always)]
-    fn start<V: Vector<f64>>(&mut self, b: usize, passed: &mut Passed) {
+    fn start(&mut self, b: usize, passed: &mut Passed) {
         let (me, beside) = self.stretch.at(b);
-        me.lay_out::<V>(self.frame, beside, self.old);
-        me.start::<V>(self.frame, beside);
+        me.lay_out(self.frame, beside, self.old);
+        me.start(self.frame, beside);
         me.pending.sweep = true;
         passed.work += LAYOUT * me.panels.len as u64;
     }
 
     /// Sweeps a bond if it has something to do, and tells its neighbours what changed.
     #[inline(always)]
-    fn sweep<V: Vector<f64>>(&mut self, b: usize, level: usize, passed: &mut Passed) {
+    fn sweep(&mut self, b: usize, level: usize, passed: &mut Passed) {
         let Self { frame, goal, .. } = *self;
         let (me, beside) = self.stretch.at(b);
         let anew = me.pending.layout;
         if anew {
-            me.lay_out::<V>(frame, beside, self.old);
+            me.lay_out(frame, beside, self.old);
         }
         // A contact that turned out to be none is swept once more, to be forgotten.
         if !(anew || me.pending.sweep && !me.contacts.found.is_empty()) {
@@ -396,7 +394,7 @@ impl<const M: usize> Pass<'_, M> {
             return;
         }
         passed.deepest = passed.deepest.max(level);
-        let change = me.sweep::<V>(frame, beside, anew.then_some(&*self.old));
+        let change = me.sweep(frame, beside, anew.then_some(&*self.old));
         let age = me.sweeps.age;
         passed.work += change.work;
         let unsettled = change.impulse > goal.rounded;
@@ -415,7 +413,6 @@ impl<const M: usize> Pass<'_, M> {
         for beside in beside(b, bonds.len(), *ring).into_iter().flatten() {
             let other = &mut bonds[beside];
             other.sweeps.age = other.sweeps.age.min(age);
-            let far = far && other.pending.cut;
             let acts = far || unsettled && change.impulse * other.answer(age) > self.goal.change;
             if acts && !other.contacts.found.is_empty() {
                 other.pending.sweep = true;

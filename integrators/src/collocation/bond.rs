@@ -2,12 +2,11 @@
 
 use super::{
     detect::Crossing,
-    panel::{FOUR, Frame, Panel, dot, four, four_along, lanes, put, summed},
-    panels::{Act, Panels},
+    panel::{Frame, along, dot},
+    panels::Panels,
     sites::Free,
     system::Path,
 };
-use crate::vector::Vector;
 
 /// A stretch of time in which the bond is closed. It may have begun before the window and may end
 /// after it.
@@ -69,8 +68,6 @@ pub(crate) struct Initial {
     pub(crate) force: [f64; 2],
     /// The contact that the bond is in.
     pub(crate) ongoing: Option<Contact>,
-    /// A bound for `f'(g)` in the window, see [`Bond::approach`].
-    pub(crate) stiffest: f64,
 }
 
 /// What the forces at the start of a window, extrapolated linearly in time, make of the overlap.
@@ -130,8 +127,6 @@ pub(crate) struct Resolution {
 pub(crate) struct Pending {
     /// An event has moved: panels must be laid out anew.
     pub(crate) layout: bool,
-    /// Panels depend on where contacts of neighbours begin and end, for the rest of the window.
-    pub(crate) cut: bool,
     /// Forces have changed, here or beside: the bond must be swept again.
     pub(crate) sweep: bool,
     /// Newton's method found events that contradict the contacts: these must be searched for again.
@@ -163,36 +158,26 @@ const VIEW: u64 = 3;
 
 /// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
 #[inline(always)]
-pub(super) fn ramps<V: Vector<f64>, const M: usize>(frame: &Frame<'_, M>, t: V, cos: V, sin: V) -> (V, V) {
-    let (free2, free3) = (V::all(0.5) * t * t, t * t * t * V::all(1.0 / 6.0));
+pub(super) fn ramps<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64, sin: f64) -> (f64, f64) {
+    let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));
     if frame.omega * frame.h < 1e-3 {
         return (free2, free3);
     }
-    let (m, scale) = (V::all(frame.m), V::all(frame.mu_per_omega * frame.per_omega));
-    let per_omega = V::all(frame.per_omega);
-    (m * free2 + scale * (V::one() - cos), m * free3 + scale * (t - sin * per_omega))
+    let per_omega = frame.per_omega;
+    let scale = frame.mu_per_omega * per_omega;
+    (frame.m * free2 + scale * (1.0 - cos), frame.m * free3 + scale * (t - sin * per_omega))
 }
 
 /// `int_0^t K(t - s) s^2 ds`.
 #[inline(always)]
-fn ramp2<V: Vector<f64>, const M: usize>(frame: &Frame<'_, M>, t: V, cos: V) -> V {
-    let free = (t * t) * (t * t) * V::all(1.0 / 12.0);
+fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
+    let free = (t * t) * (t * t) * (1.0 / 12.0);
     if frame.omega * frame.h < 1e-2 {
         return free;
     }
     let square = frame.per_omega * frame.per_omega;
-    V::all(frame.m) * free + V::all(frame.mu * square) * (t * t - V::all(2.0 * square) * (V::one() - cos))
+    frame.m * free + frame.mu * square * (t * t - 2.0 * square * (1.0 - cos))
 }
-
-/// `4/((2n + 1)(2n + 2))`, see [`Bond::answer`].
-const ANSWERS: [f64; 8] = {
-    let (mut answers, mut n) = ([0.0; 8], 0);
-    while n < answers.len() {
-        answers[n] = 4.0 / ((2 * n + 1) * (2 * n + 2)) as f64;
-        n += 1;
-    }
-    answers
-};
 
 /// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not
 /// measured.
@@ -227,7 +212,7 @@ impl<const M: usize> Bond<M> {
             // forces that follow.
             force = [law.force(overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { recoil, path, band, overlap, force, ongoing, stiffest: 0.0 };
+        self.initial = Initial { recoil, path, band, overlap, force, ongoing };
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
@@ -241,26 +226,23 @@ impl<const M: usize> Bond<M> {
     ///
     /// The overlap stays below what the free path reaches; and below where the own force has taken
     /// up the speed of approach, `w^2/2 = recoil (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What
-    /// neighbours add is of the size of their own overlaps, which count for themselves. `f'` of the
-    /// largest overlap is kept in [`Initial::stiffest`].
-    pub(crate) fn approach(&mut self, frame: &Frame<'_, M>, most: f64) -> f64 {
+    /// neighbours add is of the size of their own overlaps, which count for themselves.
+    pub(crate) fn approach(&self, frame: &Frame<'_, M>, most: f64) -> f64 {
         let Initial { recoil, path: [r, v, c, s], overlap: [now, rate], .. } = self.initial;
         let (h, power) = (frame.h, frame.law.alpha() + 1.0);
-        let swing = if frame.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
+        let swing = if frame.omega == 0.0 { 0.0 } else { c.hypot(s) };
         let speed = rate.abs().max(v.abs() + frame.omega * swing);
         let reached = (r + v.max(0.0) * h + swing).min(now + speed * h);
         if reached <= 0.0 {
             return 0.0;
         }
         let lasts = if now < 0.0 { h + now / speed } else { h };
-        self.initial.stiffest = frame.law.stiffness(reached);
-        let stiffness = self.initial.stiffest * lasts * lasts;
+        let stiffness = frame.law.stiffness(reached) * lasts * lasts;
         if stiffness <= most && power >= 2.0 {
             return stiffness;
         }
         let stopped = (speed * speed * power / (2.0 * recoil) + now.max(0.0).powf(power)).powf(1.0 / power);
-        self.initial.stiffest = frame.law.stiffness(reached.min(stopped));
-        self.initial.stiffest * lasts * lasts
+        frame.law.stiffness(reached.min(stopped)) * lasts * lasts
     }
 
     /// The contact that outlasts the window, in the time of the next one.
@@ -271,27 +253,28 @@ impl<const M: usize> Bond<M> {
 
     /// The first forces, from the overlaps that the forces at the start of the window predict.
     #[inline(always)]
-    pub(crate) fn start<V: Vector<f64>>(&mut self, frame: &Frame<'_, M>, [left, right]: [Beside<M>; 2]) {
+    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, [left, right]: [Beside<M>; 2]) {
         let drive = self.drive([left, right]);
         let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.forecast.bend);
-        let bend = V::all(bend(left) + bend(right) - self.initial.recoil * self.forecast.bend);
-        let drive = [V::all(drive[0]), V::all(drive[1])];
-        let (mut before, mut largest) = ([0.0; 4], V::all(0.0));
+        let bend = bend(left) + bend(right) - self.initial.recoil * self.forecast.bend;
+        let (mut before, mut largest) = ([0.0; 4], 0.0);
         for panel in &mut self.panels.list[..self.panels.len] {
-            for j in (0..M).step_by(FOUR) {
-                let (t, cos, sin) = (four(&panel.tau, j), four(&panel.cos, j), four(&panel.sin, j));
-                let (k2, k3) = ramps::<V, M>(frame, t, cos, sin);
-                let forced = (drive[0] * k2 + drive[1] * k3) + bend * ramp2(frame, t, cos);
-                let g = four_along(&self.initial.path, t, cos, sin) + forced;
-                largest = largest.larger(g);
-                put(&mut panel.overlap, j, g);
+            let mut g = [0.0; M];
+            for j in 0..M {
+                let (t, cos, sin) = (panel.tau[j], panel.cos[j], panel.sin[j]);
+                let (k2, k3) = ramps(frame, t, cos, sin);
+                g[j] = along(&self.initial.path, t, cos, sin)
+                    + (drive[0] * k2 + drive[1] * k3)
+                    + bend * ramp2(frame, t, cos);
             }
-            panel.force = frame.law.forces::<V, M>(&panel.overlap);
+            for j in 0..M {
+                largest = if g[j] > largest { g[j] } else { largest };
+            }
+            panel.force = frame.law.forces(&g);
             panel.before = before;
-            before = panel.integrate::<V>(frame);
+            before = panel.integrate(frame);
         }
-        self.panels.total = before;
-        self.sweeps.largest = largest_lane(largest);
+        (self.panels.total, self.sweeps.largest) = (before, largest);
     }
 
     /// The share of a change of an impulse, here or beside and of that age, that the next sweep may
@@ -302,49 +285,74 @@ impl<const M: usize> Bond<M> {
     /// next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
     #[inline(always)]
     pub(crate) fn answer(&self, age: u32) -> f64 {
-        let age = (age.min(self.sweeps.age) as usize).min(ANSWERS.len() - 1);
-        let answer = self.sweeps.stiffness * ANSWERS[age];
+        let age = f64::from(age.min(self.sweeps.age));
+        let answer = 4.0 * self.sweeps.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
         if answer < 1.0 { answer } else { 1.0 }
     }
 
     /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and
     /// end. If panels have been laid out since the last one, those before them are `old`.
     #[inline(always)]
-    pub(crate) fn sweep<V: Vector<f64>>(
-        &mut self,
-        frame: &Frame<'_, M>,
-        beside: [Beside<M>; 2],
-        old: Option<&Panels<M>>,
-    ) -> Change {
+    pub(crate) fn sweep(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: Option<&Panels<M>>) -> Change {
+        let Initial { path: linear, recoil, .. } = self.initial;
         let anew = old.is_some();
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = old.map_or(self.panels.total, |old| old.total);
-        let (mut before, mut largest) = ([0.0; 4], V::all(0.0));
+        let mut before = [0.0; 4];
+        let mut largest = 0.0;
         for c in 0..self.contacts.found.len() {
             let (first, last) = self.contacts.found[c].panels;
             for k in first..last {
+                let panel = &self.panels.list[k];
+                let at = (&panel.tau, &panel.cos, &panel.sin);
+                let mut g = [0.0; M];
+                if let Some(old) = old {
+                    for j in 0..M {
+                        g[j] = along(&linear, panel.tau[j], panel.cos[j], panel.sin[j]);
+                    }
+                    old.influence(at, -recoil, &mut g);
+                } else {
+                    let mut path = linear;
+                    for i in 0..4 {
+                        path[i] -= recoil * before[i];
+                    }
+                    for j in 0..M {
+                        g[j] = along(&path, panel.tau[j], panel.cos[j], panel.sin[j]) - recoil * panel.local[j];
+                    }
+                }
                 let panel = &mut self.panels.list[k];
-                change.work += VIEW * update::<V, M>(panel, &self.initial, (&before, old), beside);
-                let force = frame.law.forces::<V, M>(&panel.overlap);
-                let mut by = V::all(0.0);
-                for j in (0..M).step_by(FOUR) {
-                    let off = (four::<V, M>(&force, j) - four(&panel.force, j)).size();
-                    by = off.fused(four(&panel.rate, j), by);
-                    largest = largest.larger(four(&panel.overlap, j));
+                if let Some(bond) = beside[0] {
+                    change.work += VIEW * bond.panels.act(panel, 0, &mut g);
+                }
+                if let Some(bond) = beside[1] {
+                    change.work += VIEW * bond.panels.act(panel, 1, &mut g);
+                }
+                let force = frame.law.forces(&g);
+                let mut by = [0.0; M];
+                for j in 0..M {
+                    by[j] = (force[j] - panel.force[j]).abs();
                 }
                 if !anew {
-                    let [a, b, c, d] = lanes(by);
-                    change.impulse = change.impulse.max((a + c) + (b + d));
+                    change.impulse = change.impulse.max(dot(&by, &panel.rate));
                 }
+                for j in 0..M {
+                    largest = if g[j] > largest { g[j] } else { largest };
+                }
+                panel.overlap = g;
                 panel.force = force;
                 panel.before = before;
-                before = panel.integrate::<V>(frame);
+                before = panel.integrate(frame);
                 if k == first {
-                    change.moved = change.moved.max(self.shift_onset(frame, c, k));
+                    let at_start = dot(&frame.rule.ends[0], &g);
+                    let slope = panel.chord(&g, 0, 1..M);
+                    change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
                 if k + 1 == last {
-                    change.moved = change.moved.max(self.shift_release(frame, c, k));
+                    let panel = &self.panels.list[k];
+                    let at_end = dot(&frame.rule.ends[1], &g);
+                    let slope = panel.chord(&g, M - 1, (0..M - 1).rev());
+                    change.moved = change.moved.max(self.shift_release(frame, c, (at_end, slope)));
                 }
             }
         }
@@ -355,7 +363,6 @@ impl<const M: usize> Bond<M> {
         }
         let sweeps = &mut self.sweeps;
         // A sweep may open all nodes: what it found before counts too.
-        let largest = largest_lane(largest);
         let was = std::mem::replace(&mut sweeps.largest, largest);
         sweeps.stiffness = frame.law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
         // Where the stiffness has no bound its largest overlap tells little.
@@ -366,17 +373,14 @@ impl<const M: usize> Bond<M> {
         change
     }
 
-    /// Moves an onset by Newton's method on the overlaps in panel `k`, its first; returns by how
-    /// much, zero if that is too little to matter.
+    /// Moves an onset by Newton's method; returns by how much, zero if that is too little to
+    /// matter.
     #[inline(always)]
-    fn shift_onset(&mut self, frame: &Frame<'_, M>, c: usize, k: usize) -> f64 {
+    fn shift_onset(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let contact = &mut self.contacts.found[c];
         if contact.onset < 0.0 {
             return 0.0;
         }
-        let panel = &self.panels.list[k];
-        let overlap = dot(&frame.rule.ends[0], &panel.overlap);
-        let slope = panel.chord(&panel.overlap, 0, 1..M);
         if slope > 0.0 {
             contact.slopes[0] = slope;
         }
@@ -389,22 +393,18 @@ impl<const M: usize> Bond<M> {
         by.abs()
     }
 
-    /// The same for a release, in the window or ahead of it, on the overlaps in its last panel.
+    /// The same for a release, in the window or ahead of it.
     #[inline(always)]
-    fn shift_release(&mut self, frame: &Frame<'_, M>, c: usize, k: usize) -> f64 {
-        let (h, panel) = (frame.h, &self.panels.list[k]);
+    fn shift_release(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
+        let h = frame.h;
         let contact = &mut self.contacts.found[c];
-        let overlap = dot(&frame.rule.ends[1], &panel.overlap);
         if contact.release == f64::INFINITY {
             self.pending.search |= overlap < -self.initial.band;
             return 0.0;
         }
         let (inside, ahead) = (contact.release <= h, contact.release - h);
-        if inside {
-            let slope = panel.chord(&panel.overlap, M - 1, (0..M - 1).rev());
-            if slope < 0.0 {
-                contact.slopes[1] = slope;
-            }
+        if inside && slope < 0.0 {
+            contact.slopes[1] = slope;
         }
         let by = if inside {
             // Not before the window: there the overlap is what it was.
@@ -423,69 +423,4 @@ impl<const M: usize> Bond<M> {
         self.pending.search |= contact.onset > contact.release || inside != (contact.release <= h);
         by.abs()
     }
-}
-
-#[inline(always)]
-fn largest_lane<V: Vector<f64>>(four: V) -> f64 {
-    let [a, b, c, d] = lanes(four);
-    let more = |a: f64, b: f64| if b > a { b } else { a };
-    more(more(a, b), more(c, d))
-}
-
-/// Computes the overlaps at the nodes of a panel from all forces: its own, those of panels before
-/// it, which left the path `before` behind, and those of neighbours. If panels have been laid out
-/// since the last time, their own forces are those of the `old` ones. Returns the number of pieces
-/// in which neighbours act.
-#[inline(always)]
-fn update<V: Vector<f64>, const M: usize>(
-    panel: &mut Panel<M>,
-    initial: &Initial,
-    (before, old): (&Path, Option<&Panels<M>>),
-    beside: [Beside<M>; 2],
-) -> u64 {
-    let recoil = initial.recoil;
-    let mut path = four::<V, FOUR>(&initial.path, 0);
-    if let Some(old) = old {
-        let mut own = [0.0; M];
-        old.influence((&panel.tau, &panel.cos, &panel.sin), -recoil, &mut own);
-        panel.local = own;
-    } else {
-        path = four::<V, FOUR>(before, 0).fused(V::all(-recoil), path);
-    }
-    let weight = V::all(if old.is_some() { 1.0 } else { -recoil });
-    // What acts alike on all nodes is added up before it is looked at from each of them.
-    let (mut series, mut pieces) = ([None; 2], 0);
-    let mut several = [None; 2];
-    for side in 0..2 {
-        let Some(bond) = beside[side] else { continue };
-        match bond.panels.act::<V>(panel, side) {
-            Act::Nothing => continue,
-            Act::Along(left) => path = path + four(left, 0),
-            Act::Inside(left, inside) => {
-                path = path + four(left, 0);
-                series[side] = Some(inside);
-            }
-            Act::Pieces => several[side] = Some(&bond.panels),
-        }
-        pieces += u64::from(several[side].is_none());
-    }
-    let path: Path = lanes(path);
-    for j in (0..M).step_by(FOUR) {
-        let mut g = four_along::<V>(&path, four(&panel.tau, j), four(&panel.cos, j), four(&panel.sin, j));
-        g = four::<V, M>(&panel.local, j).fused(weight, g);
-        for side in 0..2 {
-            if let Some(series) = series[side] {
-                g = g + summed(series, four::<V, M>(&panel.views[side].x, j));
-            }
-        }
-        put(&mut panel.overlap, j, g);
-    }
-    for side in 0..2 {
-        if let Some(panels) = several[side] {
-            let mut overlap = panel.overlap;
-            pieces += panels.add_pieces::<V>(panel, side, &mut overlap);
-            panel.overlap = overlap;
-        }
-    }
-    pieces
 }

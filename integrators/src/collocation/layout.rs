@@ -5,7 +5,7 @@ use super::{
     panel::{Frame, Origin},
     panels::Panels,
 };
-use crate::{law::ContactLaw, vector::Vector};
+use crate::law::ContactLaw;
 
 /// How contacts are cut into panels, and what is too small for that.
 #[derive(Clone, Copy, Debug)]
@@ -25,15 +25,7 @@ pub(crate) struct Cuts {
     pub(crate) least_overlap: f64,
     /// Panels of a neighbour are laid out anew if an event moves by more than this time.
     pub(crate) least_move_beside: f64,
-    /// Panels are not cut where a neighbour's contact begins or ends if that leaves less than this
-    /// undone of an impulse.
-    pub(crate) kink: f64,
 }
-
-/// With `M` nodes the rule of Gauss misses the integral of `x_+^p` over a panel of unit length by
-/// at most `KINK/M^{p+1}`, wherever in the panel `x` is zero. Computed for `p` from 2.5 to 4.5 and
-/// all numbers of nodes: 0.036 to 0.048.
-const KINK: f64 = 0.05;
 
 impl Cuts {
     /// Whether an event may be off by a time and an overlap.
@@ -44,33 +36,9 @@ impl Cuts {
 }
 
 impl<const M: usize> Bond<M> {
-    /// Whether a panel of this length must be cut where a neighbour's contact begins or ends with
-    /// this `|dg/dt|`.
-    ///
-    /// From there on the overlap has a term `|dg/dt|^alpha t^{alpha + 2}/((alpha + 1)(alpha + 2))`,
-    /// and the force `f'` times that. In a contact that grazes `dg/dt` is small there and not small
-    /// elsewhere: the rate at the start of the window counts if it is larger. Where a cut has been
-    /// made before in the window, or the nodes do not resolve the force, all cuts are made: rates
-    /// move from sweep to sweep, and panels that come and go with them would never settle.
-    #[inline(always)]
-    fn feels(&self, frame: &Frame<'_, M>, rate: f64, length: f64) -> bool {
-        let alpha = frame.law.alpha();
-        if frame.cuts.kink == 0.0 || alpha < 1.0 || self.pending.cut || self.resolution.halvings > 0 {
-            return true;
-        }
-        let parts = length / frame.rule.count as f64;
-        let term = frame.law.force(rate) * frame.law.force(parts) * parts * parts * parts;
-        KINK * self.initial.stiffest * term > frame.cuts.kink * (alpha + 1.0) * (alpha + 2.0)
-    }
-
     /// Cuts the contacts into panels.
     #[inline(always)]
-    pub(crate) fn lay_out<V: Vector<f64>>(
-        &mut self,
-        frame: &Frame<'_, M>,
-        beside: [Beside<M>; 2],
-        old: &mut Panels<M>,
-    ) {
+    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: &mut Panels<M>) {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;
@@ -86,7 +54,7 @@ impl<const M: usize> Bond<M> {
             self.contacts.found[i].panels = (first, self.panels.len);
         }
         for panel in &mut self.panels.list[..self.panels.len] {
-            panel.place::<V>(frame);
+            panel.place(frame);
         }
     }
 
@@ -97,33 +65,25 @@ impl<const M: usize> Bond<M> {
         // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
         let (mut behind, mut ahead) = (contact.onset, contact.release);
         let mut points = [(0.0, false); 8];
-        let (mut count, mut cut) = (0, false);
+        let mut count = 0;
         if cuts.neighbours {
             for bond in beside.into_iter().flatten() {
                 for c in &bond.contacts.found {
-                    let rate = bond.initial.overlap[1].abs();
-                    let [onset, release] = c.slopes.map(|slope| self.feels(frame, slope.abs().max(rate), end - start));
-                    if onset {
-                        if c.onset <= start + cuts.merge {
-                            behind = behind.max(c.onset.min(start));
-                        } else if c.onset < end - cuts.merge && count < points.len() {
-                            points[count] = (c.onset, true);
-                            count += 1;
-                        }
+                    if c.onset <= start + cuts.merge {
+                        behind = behind.max(c.onset.min(start));
+                    } else if c.onset < end - cuts.merge && count < points.len() {
+                        points[count] = (c.onset, true);
+                        count += 1;
                     }
-                    if release {
-                        if c.release >= end - cuts.merge {
-                            ahead = ahead.min(c.release.max(end));
-                        } else if c.release > start + cuts.merge && count < points.len() {
-                            points[count] = (c.release, false);
-                            count += 1;
-                        }
+                    if c.release >= end - cuts.merge {
+                        ahead = ahead.min(c.release.max(end));
+                    } else if c.release > start + cuts.merge && count < points.len() {
+                        points[count] = (c.release, false);
+                        count += 1;
                     }
-                    cut |= onset && c.onset > start - (end - start) || release && c.release < end + (end - start);
                 }
             }
         }
-        self.pending.cut |= cut;
         let points = &mut points[..count];
         if count > 1 {
             points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -165,30 +125,6 @@ impl<const M: usize> Bond<M> {
             let end = if i == parts { to } else { origin.between(frame.q, from, to, f64::from(i) / f64::from(parts)) };
             self.panels.push(start, end, origin, frame.q);
             start = end;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{super::rule::Rule, KINK};
-
-    #[test]
-    fn a_kink_is_missed_by_no_more_than_its_bound() {
-        // Truth: int_0^1 (t - s)_+^p dt = (1 - s)^{p+1}/(p + 1). Measured: 0.72 to 0.97 of the bound.
-        for count in [4, 6, 8, 10, 12] {
-            let rule = Rule::<12>::new(count);
-            for p in [2.5, 3.0, 3.5, 4.5] {
-                let missed = |s: f64| {
-                    let term = |(x, weight): (&f64, &f64)| 0.5 * weight * (0.5 * (1.0 + x) - s).max(0.0).powf(p);
-                    let sum: f64 = rule.nodes.iter().zip(&rule.weights).map(term).sum();
-                    (sum - (1.0 - s).powf(p + 1.0) / (p + 1.0)).abs()
-                };
-                let most = (0..2000).map(|k| missed(f64::from(k) / 2000.0)).fold(0.0, f64::max);
-                let share = most / (KINK / (count as f64).powf(p + 1.0));
-                println!("{count} nodes, power {p}: {share:.2} of the bound");
-                assert!((0.5..1.0).contains(&share), "{count} nodes, power {p}: {share}");
-            }
         }
     }
 }

@@ -38,9 +38,7 @@
 //! variable on the singular side; where both ends are singular the panel is cut once more in the
 //! middle. Without these cuts the order is about `alpha + 3`; with them it is that of Gauss
 //! quadrature, and doubling the nodes squares the error. Cutting in ever smaller parts towards `t'`
-//! instead reaches the same with three times the panels. A cut is left out where it matters less
-//! than the tolerance of the window allows: there the rule of Gauss, on a panel of length `L`, loses
-//! at most `0.05 f' |dg/dt|^alpha L^{alpha+3} M^{-(alpha+3)}/((alpha+1)(alpha+2))` of an impulse.
+//! instead reaches the same with three times the panels.
 //!
 //! # The sweep
 //!

@@ -8,36 +8,7 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
 use super::{layout::Cuts, rule::Rule, system::Path};
-use crate::{events::Curve, law::ContactLaw, vector::Vector};
-
-/// Numbers that are worked on together, see [`run_in_fours`](crate::real::run_in_fours).
-pub(crate) const FOUR: usize = 4;
-
-/// Four numbers from the `j`-th on.
-#[inline(always)]
-pub(crate) fn four<V: Vector<f64>, const M: usize>(numbers: &[f64; M], j: usize) -> V {
-    const { assert!(V::LANES == FOUR && M.is_multiple_of(FOUR)) };
-    assert!(j + FOUR <= M);
-    // SAFETY: just asserted.
-    unsafe { V::load(numbers.as_ptr().add(j)) }
-}
-
-/// Writes four numbers from the `j`-th on.
-#[inline(always)]
-pub(crate) fn put<V: Vector<f64>, const M: usize>(numbers: &mut [f64; M], j: usize, four: V) {
-    const { assert!(V::LANES == FOUR && M.is_multiple_of(FOUR)) };
-    assert!(j + FOUR <= M);
-    // SAFETY: just asserted.
-    unsafe { four.store(numbers.as_mut_ptr().add(j)) }
-}
-
-/// The four numbers of a register.
-#[inline(always)]
-pub(crate) fn lanes<V: Vector<f64>>(four: V) -> [f64; FOUR] {
-    let mut lanes = [0.0; FOUR];
-    put(&mut lanes, 0, four);
-    lanes
-}
+use crate::{events::Curve, law::ContactLaw};
 
 /// What all bonds share in a window.
 #[derive(Clone, Debug)]
@@ -82,7 +53,6 @@ impl Origin {
 }
 
 #[derive(Clone, Debug)]
-#[repr(align(32))]
 pub(crate) struct Panel<const M: usize> {
     pub(crate) start: f64,
     pub(crate) end: f64,
@@ -124,29 +94,26 @@ pub(crate) struct Panel<const M: usize> {
 /// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next
 /// `2 k + 1`, one before all -1.
 #[derive(Clone, Debug)]
-#[repr(align(32))]
 pub(crate) struct View<const M: usize> {
-    /// The nodes in the variable of the panel that they are in.
-    pub(crate) x: [f64; M],
-    /// Ascending; not set where all nodes have the same.
-    pub(crate) place: [f64; M],
     /// Of the neighbour's panels.
     pub(crate) version: u64,
-    /// The places of the first and the last node.
-    pub(crate) first: i32,
-    pub(crate) last: i32,
+    /// Ascending.
+    pub(crate) place: [f64; M],
+    /// The nodes in the variable of the panel that they are in.
+    pub(crate) x: [f64; M],
+}
+
+impl<const M: usize> View<M> {
+    /// The first and the last place.
+    #[inline(always)]
+    pub(crate) fn span(&self) -> (i32, i32) {
+        (self.place[0] as i32, self.place[M - 1] as i32)
+    }
 }
 
 #[inline(always)]
 pub(crate) fn along(path: &Path, t: f64, cos: f64, sin: f64) -> f64 {
     (path[0] + path[1] * t) + (path[2] * cos + path[3] * sin)
-}
-
-/// The same at four times.
-#[inline(always)]
-pub(crate) fn four_along<V: Vector<f64>>(path: &Path, t: V, cos: V, sin: V) -> V {
-    let [r, v, c, s] = path.map(V::all);
-    t.fused(v, r) + cos.fused(c, sin * s)
 }
 
 /// `distance^{1/q}`.
@@ -193,7 +160,7 @@ impl<const M: usize> Panel<M> {
             local: zeros,
             series: zeros,
             before: [0.0; 4],
-            views: std::array::from_fn(|_| View { x: zeros, place: zeros, version: 0, first: -1, last: -1 }),
+            views: std::array::from_fn(|_| View { version: 0, place: zeros, x: zeros }),
         }
     }
 
@@ -213,50 +180,58 @@ impl<const M: usize> Panel<M> {
 
     /// Places the nodes.
     #[inline(always)]
-    pub(super) fn place<V: Vector<f64>>(&mut self, frame: &Frame<'_, M>) {
+    pub(super) fn place(&mut self, frame: &Frame<'_, M>) {
         let Self { start, end, origin, sign, q, .. } = *self;
         let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         (self.middle, self.half, self.per_half) = (middle, half, 1.0 / half);
+        let mut sigma = [0.0; M];
+        for j in 0..M {
+            sigma[j] = middle + half * frame.rule.nodes[j];
+        }
         let scale = sign * half * f64::from(q);
-        for j in (0..M).step_by(FOUR) {
-            let sigma = V::all(half).fused(four(&frame.rule.nodes, j), V::all(middle));
-            let (mut power, mut rate) = (sigma, V::all(scale));
-            for _ in 1..q {
-                (power, rate) = (power * sigma, rate * sigma);
-            }
-            let tau = power.fused(V::all(sign), V::all(origin));
-            put(&mut self.tau, j, tau);
-            put(&mut self.rate, j, rate);
-            if frame.omega != 0.0 {
-                let (sin, cos) = sin_cos(V::all(frame.omega) * tau);
-                put(&mut self.sin, j, sin);
-                put(&mut self.cos, j, cos);
+        self.rate = [scale; M];
+        let mut tau = sigma;
+        for _ in 1..q {
+            for j in 0..M {
+                tau[j] *= sigma[j];
+                self.rate[j] *= sigma[j];
             }
         }
-        self.weigh::<V>(frame);
+        for j in 0..M {
+            self.tau[j] = origin + sign * tau[j];
+        }
+        if frame.omega != 0.0 {
+            for j in 0..M {
+                let (sin, cos) = sin_cos(frame.omega * self.tau[j]);
+                self.sin[j] = sin;
+                self.cos[j] = cos;
+            }
+        }
+        self.weigh(frame);
     }
 
     /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
     /// the weights of the integrals over `s`.
     #[inline(always)]
-    fn weigh<V: Vector<f64>>(&mut self, frame: &Frame<'_, M>) {
+    fn weigh(&mut self, frame: &Frame<'_, M>) {
         let Self { tau, cos, sin, rate, reaction, left, .. } = self;
         let rule = frame.rule;
         let (m, mu) = (frame.m, frame.mu_per_omega);
         for k in 0..M {
             let rate = rate[k];
             let [free, moved, c, s] = [m * rate, m * rate * tau[k], mu * rate * cos[k], mu * rate * sin[k]];
-            let weight = rule.weights[k];
-            left[k] = [weight * -moved, weight * free, weight * -s, weight * c];
-            let [free, back, c, s] = [free, -moved, c, -s].map(V::all);
-            for j in (0..M).step_by(FOUR) {
-                let mut kernel = free.fused(four(tau, j), back);
-                if mu != 0.0 {
-                    kernel = c.fused(four(sin, j), s.fused(four(cos, j), kernel));
-                }
-                put(&mut reaction[k], j, kernel * four(&rule.integral[k], j));
+            left[k] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
+            let mut kernel = [0.0; M];
+            for j in 0..M {
+                kernel[j] = free.mul_add(tau[j], -moved);
             }
+            if mu != 0.0 {
+                for j in 0..M {
+                    kernel[j] = c.mul_add(sin[j], (-s).mul_add(cos[j], kernel[j]));
+                }
+            }
+            reaction[k] = times(&rule.integral[k], &kernel);
         }
     }
 
@@ -284,23 +259,6 @@ impl<const M: usize> Panel<M> {
         x
     }
 
-    /// `x` at the nodes of another panel, all of which are inside this one.
-    #[inline(always)]
-    pub(crate) fn variables<V: Vector<f64>>(&self, t: &[f64; M], x: &mut [f64; M]) {
-        for j in (0..M).step_by(FOUR) {
-            let distance = V::all(self.sign) * (four::<V, M>(t, j) - V::all(self.origin));
-            let distance = distance.above(0.0, distance);
-            let sigma = if self.q == 2 { distance.root() } else { distance };
-            put(x, j, sigma);
-        }
-        if self.q > 2 {
-            *x = any_root(*x, self.q);
-        }
-        for j in (0..M).step_by(FOUR) {
-            put(x, j, (four::<V, M>(x, j) - V::all(self.middle)) * V::all(self.per_half));
-        }
-    }
-
     /// What the force of this panel has moved by times inside it.
     #[inline(always)]
     pub(crate) fn moved<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
@@ -320,7 +278,7 @@ impl<const M: usize> Panel<M> {
     /// The overlap, to be kept; `None` for a panel of no length.
     pub(crate) fn curve(&self, rule: &Rule<M>) -> Option<Curve> {
         let [start, end] = rule.ends.map(|row| dot(&row, &self.overlap));
-        let inner = rule.nodes.iter().zip(self.overlap).take(rule.count).map(|(x, g)| (0.5 * (1.0 + x), g));
+        let inner = rule.nodes.iter().zip(self.overlap).map(|(x, g)| (0.5 * (1.0 + x), g));
         let points = std::iter::once((0.0, start)).chain(inner).chain([(1.0, end)]);
         let sigma = [self.middle - self.half, self.middle + self.half];
         (self.half != 0.0).then(|| Curve::new((self.origin, self.sign, self.q), sigma, points))
@@ -356,35 +314,18 @@ impl<const M: usize> Panel<M> {
     /// From the force at the nodes, what it moves: [`local`](Self::local),
     /// [`series`](Self::series), and the path that is left behind at the end.
     #[inline(always)]
-    pub(crate) fn integrate<V: Vector<f64>>(&mut self, frame: &Frame<'_, M>) -> Path {
-        self.local = product::<V, M>(&self.reaction, &self.force);
-        self.series = product::<V, M>(&frame.rule.series, &self.local);
-        let (mut even, mut odd) = (four::<V, FOUR>(&self.before, 0), V::all(0.0));
+    pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
+        self.local = product(&self.reaction, &self.force);
+        self.series = product(&frame.rule.series, &self.local);
+        let (mut even, mut odd) = (self.before, [0.0; 4]);
         for k in (0..M).step_by(2) {
-            even = four::<V, FOUR>(&self.left[k], 0).fused(V::all(self.force[k]), even);
-            odd = four::<V, FOUR>(&self.left[k + 1], 0).fused(V::all(self.force[k + 1]), odd);
+            for i in 0..4 {
+                even[i] = self.left[k][i].mul_add(self.force[k], even[i]);
+                odd[i] = self.left[k + 1][i].mul_add(self.force[k + 1], odd[i]);
+            }
         }
-        lanes(even + odd)
+        std::array::from_fn(|i| even[i] + odd[i])
     }
-}
-
-/// The sum of the series of a panel at four places.
-#[inline(always)]
-pub(crate) fn summed<V: Vector<f64>, const M: usize>(c: &[f64; M], x: V) -> V {
-    if M <= MONOMIAL {
-        let mut out = V::all(c[M - 1]);
-        for i in (0..M - 1).rev() {
-            out = x.fused(out, V::all(c[i]));
-        }
-        return out;
-    }
-    let twice = x + x;
-    let (mut b1, mut b2) = (V::all(c[M - 1]), V::all(0.0));
-    for i in (1..M - 1).rev() {
-        let b = twice.fused(b1, V::all(c[i]) - b2);
-        (b1, b2) = (b, b1);
-    }
-    x.fused(b1, V::all(c[0]) - b2)
 }
 
 #[inline(always)]
@@ -441,15 +382,12 @@ fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L
 
 /// `sum_k columns[k] values[k]`.
 #[inline(always)]
-fn product<V: Vector<f64>, const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
+fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
-    for j in (0..M).step_by(FOUR) {
-        let (mut even, mut odd) = (V::all(0.0), V::all(0.0));
-        for k in (0..M).step_by(2) {
-            even = four::<V, M>(&columns[k], j).fused(V::all(values[k]), even);
-            odd = four::<V, M>(&columns[k + 1], j).fused(V::all(values[k + 1]), odd);
+    for k in 0..M {
+        for j in 0..M {
+            out[j] = columns[k][j].mul_add(values[k], out[j]);
         }
-        put(&mut out, j, even + odd);
     }
     out
 }
@@ -472,57 +410,48 @@ fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64;
     out
 }
 
-/// Taylor coefficients of `(sin r - r)/r^3` and of `cos r - 1` over `r^2`, in `r^2` and highest
-/// first.
-const SIN: [f64; 7] = [
-    -7.647163731819816e-13,
-    1.6059043836821613e-10,
-    -2.505210838544172e-8,
-    2.7557319223985893e-6,
-    -1.984126984126984e-4,
-    8.333333333333333e-3,
-    -1.6666666666666666e-1,
-];
-const COS: [f64; 8] = [
-    4.779477332387385e-14,
-    -1.1470745597729725e-11,
-    2.08767569878681e-9,
-    -2.755731922398589e-7,
-    2.48015873015873e-5,
-    -1.388888888888889e-3,
-    4.1666666666666664e-2,
-    -0.5,
-];
-/// `pi/2` in three parts.
-const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591833e-33];
-
-/// Sine and cosine; to 2 units in the last place for `|x| < 10^6`.
+/// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last
+/// place for `|x| < 10^6`.
 ///
 /// Reduction by three parts of pi/2 (Cody and Waite), then Taylor polynomials on `[-pi/4, pi/4]`.
-/// Without branches, so that four are computed at once; one number is computed like four.
 #[inline(always)]
-pub(crate) fn sin_cos<V: Vector<f64>>(x: V) -> (V, V) {
-    // Adding and taking away this number rounds to whole numbers.
-    let whole = V::all(1.5 / f64::EPSILON);
-    let turns = (x * V::all(std::f64::consts::FRAC_2_PI) + whole) - whole;
-    let mut r = x;
-    for part in HALF_PI {
-        r = turns.fused(V::all(-part), r);
-    }
+pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
+    const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591833e-33];
+    let turns = (x * std::f64::consts::FRAC_2_PI).round_ties_even();
+    let r = (-turns).mul_add(HALF_PI[0], x);
+    let r = (-turns).mul_add(HALF_PI[1], r);
+    let r = (-turns).mul_add(HALF_PI[2], r);
     let z = r * r;
-    let (mut s, mut c) = (V::all(SIN[0]), V::all(COS[0]));
-    for k in 1..SIN.len() {
-        s = z.fused(s, V::all(SIN[k]));
+    let mut s = -7.647163731819816e-13;
+    for c in [
+        1.6059043836821613e-10,
+        -2.505210838544172e-8,
+        2.7557319223985893e-6,
+        -1.984126984126984e-4,
+        8.333333333333333e-3,
+        -1.6666666666666666e-1,
+    ] {
+        s = z.mul_add(s, c);
     }
-    for k in 1..COS.len() {
-        c = z.fused(c, V::all(COS[k]));
+    let s = r.mul_add(z * s, r);
+    let mut c = 4.779477332387385e-14;
+    for k in [
+        -1.1470745597729725e-11,
+        2.08767569878681e-9,
+        -2.755731922398589e-7,
+        2.48015873015873e-5,
+        -1.388888888888889e-3,
+        4.1666666666666664e-2,
+        -0.5,
+    ] {
+        c = z.mul_add(c, k);
     }
-    let (s, c) = (r.fused(z * s, r), z.fused(c, V::one()));
-    // Quarter turns from -2 to 2: odd ones swap, and all but the first change a sign. One of the
-    // terms of a sum is not zero.
-    let quarter = turns - V::all(4.0) * ((turns * V::all(0.25) + whole) - whole);
-    let size = quarter.size();
-    let sin = size.equal(0.0, s) + size.equal(1.0, c * quarter) - size.equal(2.0, s);
-    let cos = size.equal(0.0, c) - size.equal(1.0, s * quarter) - size.equal(2.0, c);
+    let c = z.mul_add(c, 1.0);
+    // Quarter turns: 1 swaps, 2 changes both signs.
+    let quarter = turns - 4.0 * (0.25 * turns).floor();
+    let swap = quarter == 1.0 || quarter == 3.0;
+    let (sin, cos) = if swap { (c, s) } else { (s, c) };
+    let sin = if quarter >= 2.0 { -sin } else { sin };
+    let cos = if quarter == 1.0 || quarter == 2.0 { -cos } else { cos };
     (sin, cos)
 }

@@ -1,10 +1,9 @@
 //! The panels of a bond in a window, and what their forces move in its neighbours.
 
 use super::{
-    panel::{FOUR, Origin, Panel, View, along, four, four_along, put, summed},
+    panel::{Origin, Panel, View, along},
     system::Path,
 };
-use crate::vector::Vector;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Panels<const M: usize> {
@@ -53,87 +52,51 @@ impl<const M: usize> Panels<M> {
 
     /// Where ascending times are among these panels.
     #[inline(always)]
-    fn look<V: Vector<f64>>(&self, tau: &[f64; M], view: &mut View<M>) {
+    fn look(&self, tau: &[f64; M], view: &mut View<M>) {
         view.version = self.version;
-        let (mut first, mut last) = (-1, -1);
-        for (k, panel) in self.as_slice().iter().enumerate() {
-            let place = |t: f64, before: i32| {
-                if t > panel.end {
-                    2 * k as i32 + 1
-                } else if t >= panel.start {
-                    2 * k as i32
-                } else {
-                    before
-                }
-            };
-            (first, last) = (place(tau[0], first), place(tau[M - 1], last));
-        }
-        (view.first, view.last) = (first, last);
-        if first != last {
-            self.look_one_by_one(tau, view);
-        } else if first >= 0 && first % 2 == 0 {
-            self.list[(first / 2) as usize].variables::<V>(tau, &mut view.x);
-        }
-    }
-
-    /// The places of times that are not all the same.
-    #[inline(never)]
-    fn look_one_by_one(&self, tau: &[f64; M], view: &mut View<M>) {
         view.place = [-1.0; M];
         for (k, panel) in self.as_slice().iter().enumerate() {
+            if tau[M - 1] < panel.start {
+                return;
+            }
             let place = 2.0 * k as f64;
             for j in 0..M {
-                if tau[j] > panel.end {
-                    view.place[j] = place + 1.0;
-                } else if tau[j] >= panel.start {
-                    view.place[j] = place;
-                    [view.x[j]] = panel.variable(&[tau[j]]);
+                view.place[j] = if tau[j] > panel.end { place + 1.0 } else { view.place[j] };
+            }
+            if tau[0] <= panel.end {
+                let x = panel.variable(tau);
+                for j in 0..M {
+                    let inside = tau[j] >= panel.start && tau[j] <= panel.end;
+                    view.place[j] = if inside { place } else { view.place[j] };
+                    view.x[j] = if inside { x[j] } else { view.x[j] };
                 }
             }
         }
     }
 
-    /// How these panels act on a panel of a neighbour.
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many
+    /// pieces.
     #[inline(always)]
-    pub(super) fn act<V: Vector<f64>>(&self, panel: &mut Panel<M>, side: usize) -> Act<'_, M> {
-        let Panel { tau, views, .. } = panel;
+    pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
+        let Panel { tau, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
-            self.look::<V>(tau, view);
+            self.look(tau, view);
         }
-        let k = (view.first / 2) as usize;
-        if view.first != view.last {
-            Act::Pieces
-        } else if view.first < 0 {
-            Act::Nothing
-        } else if view.first % 2 == 0 {
-            Act::Inside(&self.list[k].before, &self.list[k].series)
-        } else {
-            Act::Along(self.before(k + 1))
-        }
-    }
-
-    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour, which are in several
-    /// of these panels, or between them. Returns in how many pieces.
-    #[inline(always)]
-    pub(super) fn add_pieces<V: Vector<f64>>(&self, panel: &Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
-        let view = &panel.views[side];
+        let (first, last) = view.span();
         let mut pieces = 0;
-        for place in view.first.max(0)..=view.last {
+        for place in first.max(0)..=last {
             let k = (place / 2) as usize;
-            let number = f64::from(place);
-            if place % 2 != 0 && !view.place.contains(&number) {
+            let (path, moved) = if place % 2 == 0 {
+                (&self.list[k].before, self.list[k].moved_at(&view.x))
+            } else if view.place.contains(&f64::from(place)) {
+                (self.before(k + 1), [0.0; M])
+            } else {
                 continue;
-            }
-            let (path, inside) =
-                if place % 2 == 0 { (&self.list[k].before, true) } else { (self.before(k + 1), false) };
-            for j in (0..M).step_by(FOUR) {
-                let mut value = four_along::<V>(path, four(&panel.tau, j), four(&panel.cos, j), four(&panel.sin, j));
-                if inside {
-                    value = value + summed(&self.list[k].series, four::<V, M>(&view.x, j));
-                }
-                let here = four::<V, M>(&view.place, j).equal(number, value);
-                put(out, j, four::<V, M>(out, j) + here);
+            };
+            for j in 0..M {
+                let value = along(path, tau[j], cos[j], sin[j]) + moved[j];
+                out[j] += if view.place[j] == f64::from(place) { value } else { 0.0 };
             }
             pieces += 1;
         }
@@ -176,17 +139,4 @@ impl<const M: usize> Panels<M> {
             }
         }
     }
-}
-
-/// How the forces of a bond act on a panel of a neighbour.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Act<'a, const M: usize> {
-    /// Not yet.
-    Nothing,
-    /// By the path that panels before have left behind.
-    Along(&'a Path),
-    /// By that path, and by the series of the panel that all nodes are in.
-    Inside(&'a Path, &'a [f64; M]),
-    /// Not in the same way on all nodes.
-    Pieces,
 }

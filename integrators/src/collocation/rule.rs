@@ -4,13 +4,11 @@
 use super::{panel::MONOMIAL, solver::MOST_NODES};
 use std::{any::Any, sync::OnceLock};
 
-/// Gauss-Legendre collocation with up to `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials
-/// of the nodes.
+/// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of
+/// the nodes.
 ///
-/// Matrices are kept by columns, so that a product runs over nodes in vector registers. `M` is a
-/// multiple of four: what fills the last register up repeats the last node, without weight.
+/// Matrices are kept by columns, so that a product runs over nodes in vector registers.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
 pub(crate) struct Rule<const M: usize> {
     /// Nodes, ascending.
     pub(crate) nodes: [f64; M],
@@ -24,8 +22,6 @@ pub(crate) struct Rule<const M: usize> {
     pub(crate) tail: [[f64; M]; 2],
     /// `l_k(-1)` and `l_k(1)`.
     pub(crate) ends: [[f64; M]; 2],
-    /// Number of nodes.
-    pub(crate) count: usize,
 }
 
 /// `P_0(x) .. P_{N}(x)` by their recursion.
@@ -39,26 +35,25 @@ fn legendre(n: usize, x: f64) -> Vec<f64> {
 }
 
 impl<const M: usize> Rule<M> {
-    /// The rule with so many nodes, computed when somebody first asks for it: short runs by the
-    /// thousand share it.
-    pub(crate) fn shared(count: usize) -> &'static Self {
+    /// The rule, computed when somebody first asks for it: short runs by the thousand share it.
+    pub(crate) fn shared() -> &'static Self {
         // A static cannot be generic: one place for each number of nodes.
         static RULES: [OnceLock<Box<dyn Any + Send + Sync>>; MOST_NODES + 1] =
             [const { OnceLock::new() }; MOST_NODES + 1];
-        let rule = RULES[count].get_or_init(|| Box::new(Self::new(count)));
+        let rule = RULES[M].get_or_init(|| Box::new(Self::new()));
         rule.downcast_ref().expect("a rule is kept by its number of nodes")
     }
 
-    pub(crate) fn new(count: usize) -> Self {
-        let nodes: [f64; M] = std::array::from_fn(|j| node(count, j.min(count - 1)));
+    pub(crate) fn new() -> Self {
+        let nodes: [f64; M] = std::array::from_fn(node::<M>);
         // Discrete orthogonality: l_k = sum_i (2 i + 1)/2 w_k P_i(x_k) P_i.
-        let p: Vec<Vec<f64>> = nodes.iter().map(|&x| legendre(count + 1, x)).collect();
+        let p: Vec<Vec<f64>> = nodes.iter().map(|&x| legendre(M + 1, x)).collect();
         let weights: [f64; M] = std::array::from_fn(|k| {
-            let slope = count as f64 * p[k][count - 1] / (1.0 - nodes[k] * nodes[k]);
-            if k < count { 2.0 / ((1.0 - nodes[k] * nodes[k]) * slope * slope) } else { 0.0 }
+            let slope = M as f64 * p[k][M - 1] / (1.0 - nodes[k] * nodes[k]);
+            2.0 / ((1.0 - nodes[k] * nodes[k]) * slope * slope)
         });
         let share = |i: usize, k: usize| (i as f64 + 0.5) * weights[k] * p[k][i];
-        let expand = |k: usize, value: &dyn Fn(usize) -> f64| (0..count).map(|i| share(i, k) * value(i)).sum::<f64>();
+        let expand = |k: usize, value: &dyn Fn(usize) -> f64| (0..M).map(|i| share(i, k) * value(i)).sum::<f64>();
         // int_{-1}^{x} P_i = (P_{i+1} - P_{i-1}) / (2 i + 1); x + 1 for i = 0.
         let antiderivative = |i: usize, j: usize| match i {
             0 => nodes[j] + 1.0,
@@ -66,15 +61,14 @@ impl<const M: usize> Rule<M> {
         };
         let integral = std::array::from_fn(|k| std::array::from_fn(|j| expand(k, &|i| antiderivative(i, j))));
         // Chebyshev coefficients from values at Chebyshev points.
-        let angle = |n: usize| std::f64::consts::PI * (n as f64 + 0.5) / count as f64;
-        let at_points: Vec<Vec<f64>> = (0..count).map(|n| legendre(count + 1, angle(n).cos())).collect();
+        let angle = |n: usize| std::f64::consts::PI * (n as f64 + 0.5) / M as f64;
+        let at_points: Vec<Vec<f64>> = (0..M).map(|n| legendre(M + 1, angle(n).cos())).collect();
         let chebyshev = |i: usize, k: usize| {
-            let sum: f64 = (0..count).map(|n| expand(k, &|d| at_points[n][d]) * (i as f64 * angle(n)).cos()).sum();
-            sum * if i == 0 { 1.0 } else { 2.0 } / count as f64
+            let sum: f64 = (0..M).map(|n| expand(k, &|d| at_points[n][d]) * (i as f64 * angle(n)).cos()).sum();
+            sum * if i == 0 { 1.0 } else { 2.0 } / M as f64
         };
-        let mut series: [[f64; M]; M] =
-            std::array::from_fn(|k| std::array::from_fn(|i| if i < count { chebyshev(i, k) } else { 0.0 }));
-        let tail = [1, 2].map(|i| std::array::from_fn(|k| series[k][count - i]));
+        let mut series: [[f64; M]; M] = std::array::from_fn(|k| std::array::from_fn(|i| chebyshev(i, k)));
+        let tail = [1, 2].map(|i| std::array::from_fn(|k| series[k][M - i]));
         if M <= MONOMIAL {
             for column in &mut series {
                 *column = powers(column);
@@ -82,7 +76,7 @@ impl<const M: usize> Rule<M> {
         }
         let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let ends = [std::array::from_fn(|k| expand(k, &sign)), std::array::from_fn(|k| expand(k, &|_| 1.0))];
-        Self { nodes, weights, integral, series, tail, ends, count }
+        Self { nodes, weights, integral, series, tail, ends }
     }
 }
 
@@ -102,13 +96,13 @@ fn powers<const M: usize>(chebyshev: &[f64; M]) -> [f64; M] {
     out
 }
 
-/// The `k`-th zero of `P_n` in ascending order, by Newton's method.
-fn node(n: usize, k: usize) -> f64 {
-    let mut x = -f64::cos(std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5));
+/// The `k`-th zero of `P_M` in ascending order, by Newton's method.
+fn node<const M: usize>(k: usize) -> f64 {
+    let mut x = -f64::cos(std::f64::consts::PI * (k as f64 + 0.75) / (M as f64 + 0.5));
     for _ in 0..8 {
-        let p = legendre(n, x);
-        let slope = n as f64 * (p[n - 1] - x * p[n]) / (1.0 - x * x);
-        x -= p[n] / slope;
+        let p = legendre(M, x);
+        let slope = M as f64 * (p[M - 1] - x * p[M]) / (1.0 - x * x);
+        x -= p[M] / slope;
     }
     x
 }

@@ -9,7 +9,7 @@ use super::{
     system::Links,
     tangent,
 };
-use crate::{real::run_in_fours, regularised::power};
+use crate::{real::Real, regularised::power};
 
 /// Order that the variable near an event is chosen for. Chosen;
 /// `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
@@ -37,8 +37,7 @@ pub(crate) trait Solver: Send {
     ) -> Result<(), (usize, f64)>;
 }
 
-/// Numbers of nodes that a panel may have. Loops over nodes are compiled for multiples of four, the
-/// numbers in a register; other numbers are filled up, see [`Rule`]. More nodes resolve
+/// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve
 /// nothing that shorter windows do not resolve at less cost; `run --windows-per-period N --nodes M`
 /// shows both sides.
 pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
@@ -47,9 +46,11 @@ pub(crate) const MOST_NODES: usize = 12;
 /// A solver with so many nodes a panel, one of [`NODES`], for a chain with so many bonds.
 pub(crate) fn with_nodes(nodes: usize, bonds: usize) -> Box<dyn Solver> {
     match nodes {
-        ..=4 => Box::new(Nodes::<4>::new(nodes, bonds)),
-        5..=8 => Box::new(Nodes::<8>::new(nodes, bonds)),
-        _ => Box::new(Nodes::<12>::new(nodes, bonds)),
+        ..=4 => Box::new(Nodes::<4>::new(bonds)),
+        5..=6 => Box::new(Nodes::<6>::new(bonds)),
+        7..=8 => Box::new(Nodes::<8>::new(bonds)),
+        9..=10 => Box::new(Nodes::<10>::new(bonds)),
+        _ => Box::new(Nodes::<12>::new(bonds)),
     }
 }
 
@@ -60,13 +61,13 @@ struct Nodes<const M: usize> {
 }
 
 impl<const M: usize> Nodes<M> {
-    fn new(nodes: usize, bonds: usize) -> Self {
+    fn new(bonds: usize) -> Self {
         #[cfg(feature = "parallel")]
         let threads = rayon::current_num_threads();
         #[cfg(not(feature = "parallel"))]
         let threads = 1;
         let count = blocks(bonds).min(threads).max(1);
-        Self { rule: Rule::shared(nodes), workspaces: (0..count).map(|_| Workspace::new()).collect() }
+        Self { rule: Rule::shared(), workspaces: (0..count).map(|_| Workspace::new()).collect() }
     }
 }
 
@@ -126,11 +127,11 @@ impl<const M: usize> Solver for Nodes<M> {
     }
 
     fn nodes(&self) -> usize {
-        self.rule.count
+        M
     }
 
     fn another(&self, bonds: usize) -> Box<dyn Solver> {
-        Box::new(Self::new(self.rule.count, bonds))
+        Box::new(Self::new(bonds))
     }
 
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_> {
@@ -146,6 +147,6 @@ impl<const M: usize> Solver for Nodes<M> {
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frame = &frame(self.rule, links, cuts, h);
-        run_in_fours(tangent::Window { links, frame, bonds, columns })
+        f64::run(tangent::Window { links, frame, bonds, columns })
     }
 }

@@ -16,13 +16,12 @@ use super::{
     Collocation,
     block::blocks,
     bond::Bond,
-    layout::Cuts,
     panel::{Frame, Panel, along, dot},
     panels::Panels,
     sites::Phase,
     system::{ContactChain, Links, Path, beside},
 };
-use crate::{drive::Stepper, error::Error, real::VectorKernel, vector::Vector};
+use crate::{drive::Stepper, error::Error, real::Kernel};
 
 /// Columns that are worked on together: a register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.
@@ -117,9 +116,7 @@ impl Tangent {
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
-        // The derivative of a force is less smooth than the force, and feels every event beside it.
-        let cuts = Cuts { kink: 0.0, ..run.control.goal(h).cuts };
-        let phase = run.state.phase.sin_cos();
+        let (cuts, phase) = (run.control.goal(h).cuts, run.state.phase.sin_cos());
         let chain = &run.chain;
         let across = |block: &Block| {
             let of = |b| across(chain, b, block, phase);
@@ -216,8 +213,6 @@ struct Row<'a, const M: usize> {
     path: [[f64; M]; 4],
     /// `D T` for each panel that acts on this one.
     from: Vec<(usize, [[f64; M]; M])>,
-    /// The panels that this one acts on.
-    to: Vec<usize>,
     /// The path that the force at each node leaves behind.
     left: [Path; M],
 }
@@ -231,118 +226,38 @@ pub(crate) struct Window<'a, const M: usize> {
     pub(crate) columns: &'a mut [Block],
 }
 
-impl<const M: usize> VectorKernel<f64> for Window<'_, M> {
+impl<const M: usize> Kernel for Window<'_, M> {
     /// Or bond and residual where it did not settle.
     type Output = Result<(), (usize, f64)>;
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(self) -> Self::Output {
+    fn run(self) -> Self::Output {
         let Self { links, frame, bonds, columns } = self;
         let ring = links.ring && bonds.len() > 1;
-        let panels = laid_out::<V, M>(frame, bonds, ring);
-        let rows = rows::<V, M>(frame, bonds, &panels, ring);
-        let answers = answers(&rows, bonds.len())?;
-        let mut left = vec![[[0.0; LANES]; 4]; bonds.len()];
+        let panels = laid_out(frame, bonds, ring);
+        let rows = rows(frame, bonds, &panels, ring);
+        let mut force = vec![[[0.0; LANES]; M]; rows.len()];
         for bond in columns {
-            left.fill([[0.0; LANES]; 4]);
-            for answer in &answers {
-                answer.act(bond, &mut left);
+            settle(&rows, bond, &mut force)?;
+            bond.fill([[0.0; LANES]; 4]);
+            for (row, force) in rows.iter().zip(&force) {
+                for (left, force) in row.left.iter().zip(force) {
+                    for (sum, &left) in bond[row.bond].iter_mut().zip(left) {
+                        add(sum, left, force);
+                    }
+                }
             }
-            bond.copy_from_slice(&left);
         }
         Ok(())
     }
 }
 
-/// Functions of a linear path.
-const FUNCTIONS: usize = 4;
-/// Bonds that are disturbed together: each in one function of its path in each lane.
-const TOGETHER: usize = LANES / FUNCTIONS;
-
-/// What unit changes of the linear paths of [`TOGETHER`] bonds leave behind, in these and in
-/// neighbours as far as they are felt.
-struct Answer {
-    /// The first of the bonds.
-    first: usize,
-    /// Bonds that something is left behind in, and what each change leaves.
-    left: Vec<(usize, [Lanes; FUNCTIONS])>,
-}
-
-impl Answer {
-    /// Adds what changes of the paths of the bonds leave behind.
-    #[inline(always)]
-    fn act(&self, path: &[[Lanes; 4]], left: &mut [[Lanes; 4]]) {
-        for (bond, by) in &self.left {
-            let mut sums = left[*bond];
-            for (b, path) in path[self.first..].iter().take(TOGETHER).enumerate() {
-                for k in 0..FUNCTIONS {
-                    for i in 0..FUNCTIONS {
-                        add(&mut sums[i], by[i][b * FUNCTIONS + k], &path[k]);
-                    }
-                }
-            }
-            left[*bond] = sums;
-        }
-    }
-}
-
-/// What changes of the linear path of every bond leave behind; or bond and residual where sweeps do
-/// not settle.
-///
-/// A change is felt by a neighbour with a factor of a few hundredths, so that each reaches a dozen
-/// bonds, whatever the length of the chain.
-#[inline(always)]
-fn answers<const M: usize>(rows: &[Row<'_, M>], bonds: usize) -> Result<Vec<Answer>, (usize, f64)> {
-    let (mut force, mut pending) = (vec![[[0.0; LANES]; M]; rows.len()], vec![false; rows.len()]);
-    let mut answers = Vec::with_capacity(bonds.div_ceil(TOGETHER));
-    for first in (0..bonds).step_by(TOGETHER) {
-        force.fill([[0.0; LANES]; M]);
-        settle(rows, first, &mut force, &mut pending)?;
-        let mut left: Vec<(usize, [Lanes; FUNCTIONS])> = Vec::new();
-        for (row, force) in rows.iter().zip(&force) {
-            if *force == [[0.0; LANES]; M] {
-                continue;
-            }
-            if left.last().is_none_or(|(bond, _)| *bond != row.bond) {
-                left.push((row.bond, [[0.0; LANES]; FUNCTIONS]));
-            }
-            let Some((_, sums)) = left.last_mut() else { continue };
-            for j in 0..M {
-                for i in 0..FUNCTIONS {
-                    add(&mut sums[i], row.left[j][i], &force[j]);
-                }
-            }
-        }
-        answers.push(Answer { first, left });
-    }
-    Ok(answers)
-}
-
-/// What `of` makes of four lanes of each number of a path: a difference of sites or bonds, which is
-/// the same for every number.
-#[inline(always)]
-fn lane_by_lane(of: impl Fn(usize, usize) -> Path) -> [Lanes; 4] {
-    let mut out = [[0.0; LANES]; 4];
-    for k in 0..4 {
-        for first in (0..LANES).step_by(4) {
-            out[k][first..first + 4].copy_from_slice(&of(k, first));
-        }
-    }
-    out
-}
-
-#[inline(always)]
-fn four(lanes: &Lanes, first: usize) -> Path {
-    [lanes[first], lanes[first + 1], lanes[first + 2], lanes[first + 3]]
-}
-
 /// The changes of the linear path of a bond that changes of sites make, in phase `(sin, cos)`.
 #[inline(always)]
-fn across<C: ContactChain>(chain: &C, bond: usize, block: &Block, (sin, cos): (f64, f64)) -> [Lanes; 4] {
-    let mut path = lane_by_lane(|k, first| chain.across(bond, |i| four(&block[i][k], first)));
+fn across<C: ContactChain>(chain: &C, bond: usize, block: &Block, phase: (f64, f64)) -> [Lanes; 4] {
+    let mut path = [[0.0; LANES]; 4];
     for lane in 0..LANES {
-        let [c, s] = [path[2][lane], path[3][lane]];
-        (path[2][lane], path[3][lane]) = (c * cos + s * sin, s * cos - c * sin);
+        set(&mut path, lane, turned(chain.across(bond, |i| get(&block[i], lane)), phase));
     }
     path
 }
@@ -357,7 +272,7 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
 /// The panels of a solved window, with their ends where the contacts of its solution begin and end,
 /// and the overlaps at their nodes.
 #[inline(always)]
-fn laid_out<V: Vector<f64>, const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool) -> Vec<Panels<M>> {
+fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool) -> Vec<Panels<M>> {
     let n = bonds.len();
     let mut anew = bonds.to_vec();
     for bond in &mut anew {
@@ -384,7 +299,7 @@ fn laid_out<V: Vector<f64>, const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<
     for b in 0..n {
         let beside = beside(b, n, ring);
         let mut me = anew[b].clone();
-        me.lay_out::<V>(frame, beside.map(|b| b.map(|b| &anew[b])), &mut old);
+        me.lay_out(frame, beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = (&panel.tau, &panel.cos, &panel.sin);
             let mut g = [0.0; M];
@@ -404,7 +319,7 @@ fn laid_out<V: Vector<f64>, const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<
 
 /// The linear system of a window, its influences from unit forces.
 #[inline(always)]
-fn rows<'a, V: Vector<f64>, const M: usize>(
+fn rows<'a, const M: usize>(
     frame: &Frame<'_, M>,
     bonds: &[Bond<M>],
     panels: &'a [Panels<M>],
@@ -417,7 +332,7 @@ fn rows<'a, V: Vector<f64>, const M: usize>(
             let stiffness = panel.overlap.map(|g| if g > 0.0 { frame.law.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
             let path = [stiffness, scaled(&panel.tau), scaled(&panel.cos), scaled(&panel.sin)];
-            rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), to: Vec::new(), left: [[0.0; 4]; M] });
+            rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), left: [[0.0; 4]; M] });
         }
         first.push(rows.len());
     }
@@ -436,12 +351,11 @@ fn rows<'a, V: Vector<f64>, const M: usize>(
             .collect();
         for &(p, _) in &targets {
             rows[p].from.push((q, [[0.0; M]; M]));
-            rows[q].to.push(p);
         }
         for l in 0..M {
             source.list[0].force = [0.0; M];
             source.list[0].force[l] = 1.0;
-            source.total = source.list[0].integrate::<V>(frame);
+            source.total = source.list[0].integrate(frame);
             for &(p, weight) in &targets {
                 let row = &mut rows[p];
                 let mut out = [0.0; M];
@@ -457,79 +371,77 @@ fn rows<'a, V: Vector<f64>, const M: usize>(
     rows
 }
 
-/// Adds four rows of a matrix, from the `first`, times what is there.
+/// Adds rows `first..first + R` of a matrix times what is there.
 #[inline(always)]
-fn act<const M: usize>(matrix: &[[f64; M]; M], there: &[Lanes; M], out: &mut [Lanes; M], first: usize) {
-    let mut sums = [[0.0; LANES]; 4];
+fn act<const R: usize, const M: usize>(matrix: &[[f64; M]; M], there: &[Lanes; M], out: &mut [Lanes; M], first: usize) {
+    let mut sums = [[0.0; LANES]; R];
     for l in 0..M {
-        for j in 0..4 {
+        for j in 0..R {
             add(&mut sums[j], matrix[l][first + j], &there[l]);
         }
     }
-    for j in 0..4 {
+    for j in 0..R {
         for lane in 0..LANES {
             out[first + j][lane] += sums[j][lane];
         }
     }
 }
 
-/// Solves `df = D (dg_lin + T df)` by sweeps for unit changes of the paths of [`TOGETHER`] bonds,
-/// where nothing has happened yet; or bond and residual where it does not settle.
-///
-/// A panel is swept again when a force that acts on it has changed by more than a rounding.
+/// Solves `df = D (dg_lin + T df)` by sweeps; or bond and residual where it does not settle.
 #[inline(always)]
 fn settle<const M: usize>(
     rows: &[Row<'_, M>],
-    first: usize,
+    path: &[[Lanes; 4]],
     force: &mut [[Lanes; M]],
-    pending: &mut [bool],
 ) -> Result<(), (usize, f64)> {
-    for (pending, row) in pending.iter_mut().zip(rows) {
-        *pending = (first..first + TOGETHER).contains(&row.bond);
-    }
-    let (mut size, mut worst) = ([0.0; LANES], (0, 0.0));
+    force.fill([[0.0; LANES]; M]);
+    let (mut worst, mut last) = ((0, 0.0), [f64::INFINITY; LANES]);
     for _ in 0..MOST_SWEEPS {
-        let mut settled = true;
-        worst.1 = 0.0;
+        let (mut change, mut size) = ([0.0; LANES], [0.0; LANES]);
+        worst = (0, 0.0);
         for (p, row) in rows.iter().enumerate() {
-            if !pending[p] {
-                continue;
-            }
-            (pending[p], settled) = (false, false);
             let mut next = [[0.0; LANES]; M];
-            if (first..first + TOGETHER).contains(&row.bond) {
-                for j in 0..M {
-                    for k in 0..FUNCTIONS {
-                        next[j][(row.bond - first) * FUNCTIONS + k] = row.path[k][j];
-                    }
+            for (path, column) in path[row.bond].iter().zip(&row.path) {
+                for (next, &by) in next.iter_mut().zip(column) {
+                    add(next, by, path);
                 }
             }
             for (q, matrix) in &row.from {
-                // Four rows of sums fit the registers.
-                for j in (0..M).step_by(4) {
-                    act(matrix, &force[*q], &mut next, j);
+                // Four rows of sums fit the registers; M is even.
+                let mut j = 0;
+                while j + 4 <= M {
+                    act::<4, M>(matrix, &force[*q], &mut next, j);
+                    j += 4;
+                }
+                if j < M {
+                    act::<2, M>(matrix, &force[*q], &mut next, j);
                 }
             }
-            let mut changed = false;
-            for lane in 0..LANES {
-                let mut by = 0.0;
-                for j in 0..M {
-                    let (off, value) = ((next[j][lane] - force[p][j][lane]).abs(), next[j][lane].abs());
+            for j in 0..M {
+                for lane in 0..LANES {
+                    let by = (next[j][lane] - force[p][j][lane]).abs();
                     // Not a number counts as large.
-                    by = if off <= by { by } else { off };
+                    change[lane] = if by <= change[lane] { change[lane] } else { by };
+                    let value = next[j][lane].abs();
                     size[lane] = if value > size[lane] { value } else { size[lane] };
                 }
-                changed |= by.is_nan() || by > f64::EPSILON * size[lane];
-                worst = if by <= worst.1 { worst } else { (row.bond, by) };
+            }
+            let most = change.iter().fold(0.0, |most: f64, &by| if by <= most { most } else { by });
+            if most > worst.1 || most.is_nan() {
+                worst = (row.bond, most);
             }
             force[p] = next;
-            if changed {
-                row.to.iter().for_each(|&p| pending[p] = true);
-            }
         }
-        if settled {
+        // By the next change, as sweeps contract at least as fast as they did.
+        let settled = |lane: usize| {
+            let (by, before) = (change[lane], last[lane]);
+            let rounding = f64::EPSILON * size[lane];
+            by <= rounding || by * (by / before) <= 0.1 * rounding && before < f64::INFINITY
+        };
+        if (0..LANES).all(settled) {
             return Ok(());
         }
+        last = change;
     }
     Err(worst)
 }
@@ -538,13 +450,12 @@ fn settle<const M: usize>(
 #[inline(always)]
 fn advance<C: ContactChain>(chain: &C, left: &[[Lanes; 4]], block: &mut Block, h: f64, (sin, cos): (f64, f64)) {
     for (i, site) in block.iter_mut().enumerate() {
-        let by = lane_by_lane(|k, first| chain.push(i, |b| four(&left[b][k], first)));
         for lane in 0..LANES {
-            let (v, by_c, by_s) = (site[1][lane] + by[1][lane], by[2][lane], by[3][lane]);
-            site[0][lane] = (site[0][lane] + by[0][lane]) + v * h;
-            site[1][lane] = v;
-            site[2][lane] += by_c * cos - by_s * sin;
-            site[3][lane] += by_c * sin + by_s * cos;
+            let by = chain.push(i, |b| get(&left[b], lane));
+            let [r, v, c, s] = get(site, lane);
+            let v = v + by[1];
+            let (c, s) = (c + (by[2] * cos - by[3] * sin), s + (by[2] * sin + by[3] * cos));
+            set(site, lane, [(r + by[0]) + v * h, v, c, s]);
         }
     }
 }

@@ -19,12 +19,6 @@ const SLOW_TAIL: f64 = 2e2;
 /// control of the error, and with it, where halvings make good for events farther away. Chosen; the
 /// first is held by `methods every_exponent_and_mass_ratio_is_resolved_in_equal_windows`.
 const NEAR: [f64; 2] = [0.75, 0.5];
-/// Share of the tolerance of a window that panels may lose where they are not cut at an event of a
-/// neighbour. Chosen: a bond has up to four in a window.
-const KINKS: f64 = 0.25;
-/// Under looser tolerances panels are always cut: four nodes without cuts leave more windows that do
-/// not settle. Held by `methods hardly_a_window_is_given_up`.
-const LOOSEST_UNCUT: f64 = 5e-4;
 /// Share of the tolerance of a window that sweeps may leave undone. Chosen, not measured.
 const UNDONE: f64 = 1e-2;
 /// The same at least: what sweeps leave undone and what events are off by comes from one side and
@@ -114,10 +108,6 @@ impl Accuracy {
                 event_impulse: 0.1 * least * self.size,
                 least_overlap: (0.1 * least * self.size / h).powf(1.0 / self.alpha),
                 least_move_beside: lost(self.alpha + 3.0),
-                kink: match self.pace {
-                    Pace::Tolerance(tol) if tol < LOOSEST_UNCUT => KINKS * share * self.size,
-                    _ => 0.0,
-                },
             },
         }
     }

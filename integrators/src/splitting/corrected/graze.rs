@@ -275,7 +275,7 @@ fn gap_integral(alpha: f64, x: f64) -> f64 {
 /// `int_low^high f`, by the rule of Gauss and Legendre.
 fn integral(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    let rule = Rule::<NODES>::shared(NODES);
+    let rule = Rule::<NODES>::shared();
     rule.nodes.iter().zip(&rule.weights).map(|(x, weight)| half * weight * f(middle + half * x)).sum()
 }
 
