@@ -82,7 +82,12 @@ impl<S: Study> Told<S> {
 impl<S: Study + Args> Args for Told<S> {
     fn augment_args(command: Command) -> Command {
         let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
-        let engine = Arg::new("engine").long("engine").value_name("E").value_parser(ENGINES).default_value(ENGINES[0]);
+        let engine = Arg::new("engine")
+            .long("engine")
+            .value_name("E")
+            .value_parser(ENGINES)
+            .default_value(ENGINES[0])
+            .hide_short_help(true);
         let flags = [shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)];
         with_outputs(S::augment_args(command), S::FILES).args(flags.into_iter().filter(|_| S::SWEEPS))
     }

@@ -324,8 +324,9 @@ pub fn wave_in(
         let difference = differences(&wave, own, unperturbed);
         // All but the wave of the scene leave no more than how they differ.
         let others = Others { scene, options, times: &times, unperturbed };
-        ensemble = Some(others.ensemble(&seeds, difference.clone(), engine, &tell)?);
+        // Before what may be asked to end and then has part of its members.
         perturbed = Some(perturbed_run(scene, options, &times, own, &difference)?);
+        ensemble = Some(others.ensemble(&seeds, difference, engine, &tell)?);
     }
     Ok(WaveStudy {
         scene: scene.clone(),
