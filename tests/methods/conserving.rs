@@ -75,7 +75,7 @@ fn both_have_order_two_through_contacts() {
     // strains sites have no momenta of their own; the mean strain keeps some contact closed.
     let ring = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::StrainRing, 5).unwrap();
     let (walls, y0) = chain(1.5, 0.5);
-    let pressed = y0.iter().enumerate().map(|(i, y)| if i < 10 { y - 0.1 } else { *y }).collect();
+    let pressed = y0.iter().enumerate().map(|(i, y)| if i < 10 { y - 0.3 } else { *y }).collect();
     for (chain, y0) in [(walls, y0), (ring, pressed)] {
         let truth = end(chain.collocation(&y0, (0.0, END), Pace::Tolerance(1e-12)).unwrap());
         let errors = |steps: u64| {
