@@ -106,7 +106,8 @@ pub(crate) fn run<'py>(
         });
         (outcome, thrown, rows)
     };
-    let short = matches!(how, How::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
+    let short =
+        matches!(how, How::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
     let ((outcome, thrown, rows), raised) =
         if short { (brief(py, work)?, None) } else { watched(py, progress.as_ref(), work)? };
     let outcome = outcome.or_raise(py)?;

@@ -2,8 +2,7 @@
 
 use crate::{error::OrRaise, scene::Scene, studies::center, work::finished};
 use hertzchain::{
-    Params,
-    breathers,
+    Params, breathers,
     chain::Site,
     dps::{Averages, Constraint, DarkProfile, Dps, Ends, Form, Homoclinic, Layout},
     integrators::{Dop853, dop853::Options},

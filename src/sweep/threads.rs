@@ -1,7 +1,9 @@
 //! Computation on the threads of this process, or on one thread without the feature `parallel`.
 
 use super::Backend;
-use crate::{error::Result, interrupt};
+use crate::error::Result;
+#[cfg(feature = "parallel")]
+use crate::interrupt;
 
 /// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
 #[derive(Clone, Copy, Debug, Default)]

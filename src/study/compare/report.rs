@@ -1,6 +1,8 @@
 //! A comparison as people and machines read it.
 
-use super::{Comparison, Entrant, Row};
+#[cfg(feature = "plot")]
+use super::Entrant;
+use super::{Comparison, Row};
 use crate::{
     error::Result,
     present::{machine_json, rows_csv, table},
