@@ -1,5 +1,5 @@
-//! Flags that ask work to end. Runs, sweeps and branches look at them, stop, and keep what they have
-//! computed.
+//! Flags that ask work to end. Runs, sweeps and branches look at them, stop, and keep what they
+//! have computed.
 //!
 //! There is one flag of the process, which a signal handler sets, and a thread may have one of its
 //! own while it does a piece of work, so that one piece can be stopped without the others.

@@ -129,6 +129,9 @@ impl Wanted {
         let sites = self.sites.unwrap_or(scene.chain().sites());
         let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
         let share = MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a));
+        if let Some(mean) = self.mean.filter(|mean| !mean.is_finite()) {
+            return Err(Error::parameter("mean", mean, "a finite number"));
+        }
         let mean = self.mean.map_or(share, MeanStrain::Value);
         let given = self.amplitude.map_or(Given::Frequency, Given::Amplitude);
         let setting = WaveSetting { params, q, omega_tw: self.omega_tw.unwrap_or(wave.omega_tw()), mean };
