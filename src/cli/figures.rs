@@ -16,7 +16,7 @@ pub(super) fn main(args: &FiguresArgs) -> Exit {
         let clock = Instant::now();
         bar.set_message(figure.name);
         let tell = |share: f64| bar.set_position((1000.0 * (k as f64 + share.min(1.0)) / chosen.len() as f64) as u64);
-        Drawn { figure, outcome: files(figure, &folder, &tell), wall: clock.elapsed() }
+        Drawn { figure, outcome: files(figure, args, &folder, &tell), wall: clock.elapsed() }
     };
     let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
     bar.finish_and_clear();
@@ -40,16 +40,27 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
 
 /// Computes a figure and writes its tables and its picture: its caption, and the names of the
 /// files.
-fn files(figure: &Figure, folder: &Folder, tell: &(dyn Fn(f64) + Sync)) -> Result<(String, Vec<String>)> {
+#[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
+fn files(
+    figure: &Figure,
+    args: &FiguresArgs,
+    folder: &Folder,
+    tell: &(dyn Fn(f64) + Sync),
+) -> Result<(String, Vec<String>)> {
     let data = figure.data(tell)?;
     let files = figure.tables(&data);
     #[cfg(feature = "plot")]
-    let files = [vec![(format!("{}.png", figure.name), figure.png(&data)?)], files].concat();
+    let drawings = [(format!("{}.png", figure.name), figure.picture(&data)?)];
+    #[cfg(feature = "plot")]
+    let pictures = args.formats.write(folder, &drawings)?;
     let caption = figure.caption(&data);
     let origin = (format!("{}.json", figure.name), figure.origin(&caption).into_bytes());
     let files = [files, vec![origin]].concat();
     for (name, bytes) in &files {
         folder.write(name, bytes)?;
     }
-    Ok((caption, files.into_iter().map(|(name, _)| name).collect()))
+    let names = files.into_iter().map(|(name, _)| name);
+    #[cfg(feature = "plot")]
+    let names = pictures.into_iter().chain(names);
+    Ok((caption, names.collect()))
 }

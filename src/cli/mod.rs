@@ -3,6 +3,8 @@
 
 mod args;
 mod figures;
+#[cfg(feature = "plot")]
+mod formats;
 mod integrators;
 mod report;
 mod run;

@@ -13,6 +13,8 @@ use crate::{
     },
     sweep::Engine,
 };
+#[cfg(feature = "plot")]
+use crate::{figures::Format, study::Drawing};
 use std::time::Instant;
 
 /// Told of the share of a part that is done.
@@ -137,11 +139,7 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
     let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
     let comparison = compare(&scene, &options, &|share, _| tell(share))?;
     #[cfg(feature = "plot")]
-    let pictures = vec![Block::Picture {
-        title: "Error against run time".to_owned(),
-        caption: scene.file().summary.clone(),
-        png: comparison.pictures()?.remove(0).1,
-    }];
+    let pictures = comparison.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
     Ok([pictures, vec![Block::Table(comparison.text())]].concat())
@@ -150,14 +148,10 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
     let study = order(&OrderOptions { alpha: 1.5, beads: 6, integrators: vec![] }, tell)?;
     #[cfg(feature = "plot")]
-    let pictures = study.pictures()?.into_iter().map(|(name, png)| {
-        let tangent = name.contains("tangent");
-        let of = if tangent { "Error of the derivative by the initial state" } else { "Error of the state" };
-        Block::Picture { title: of.to_owned(), caption: "Against the number of steps, α = 1.5.".to_owned(), png }
-    });
+    let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
-    let pictures = std::iter::empty();
-    Ok(pictures.chain([Block::Table(study.text())]).collect())
+    let pictures = vec![];
+    Ok([pictures, vec![Block::Table(study.text())]].concat())
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -182,13 +176,10 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     let study =
         charts(&Problem::built_in(), &options, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
     #[cfg(feature = "plot")]
-    let pictures = study.pictures()?.into_iter().map(|(name, png)| {
-        let title = name.trim_end_matches(".png").to_owned();
-        Block::Picture { title, caption: "The caption is in the picture.".to_owned(), png }
-    });
+    let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
-    let pictures = std::iter::empty();
-    Ok(std::iter::once(Block::Table(study.text())).chain(pictures).collect())
+    let pictures = vec![];
+    Ok([vec![Block::Table(study.text())], pictures].concat())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -213,7 +204,14 @@ fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
 #[cfg(feature = "plot")]
 fn shown(figure: &Figure, data: &Data) -> Result<Block> {
     let (title, caption) = (figure.title.to_owned(), figure.caption(data));
-    Ok(Block::Picture { title, caption, png: figure.png(data)? })
+    Ok(Block::Picture { title, caption, svg: figure.picture(data)?.file(Format::Svg)? })
+}
+
+/// A picture with its own title and caption.
+#[cfg(feature = "plot")]
+fn drawn((_, picture): &Drawing) -> Result<Block> {
+    let (title, caption) = (picture.title().to_owned(), picture.caption().to_owned());
+    Ok(Block::Picture { title, caption, svg: picture.file(Format::Svg)? })
 }
 
 /// In words where nothing can be drawn.

@@ -85,7 +85,7 @@ fn report(
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let pictures = study::run_pictures(scene, name, wording, &outcome);
+        let pictures = study::run_pictures(scene, name, wording, &outcome).and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
         let pictures: Result<Vec<_>> = Ok(Vec::new());
         study::run_files(folder, scene, &outcome, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;

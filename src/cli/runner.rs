@@ -54,6 +54,8 @@ pub(super) struct Told<S> {
     shard: Option<Shard>,
     mpi: bool,
     json: bool,
+    #[cfg(feature = "plot")]
+    formats: Option<super::formats::Formats>,
 }
 
 impl<S: Study> Told<S> {
@@ -75,7 +77,49 @@ impl<S: Study> Told<S> {
             Some(shard) => engine.shard(shard),
             None => engine,
         };
-        carry_out(work, &engine, self.json, &S::sometimes())
+        self.carry_out(work, &engine)
+    }
+
+    /// Does the work, prints what came of it and writes its files, in place of those that an earlier
+    /// run may have left.
+    fn carry_out(&self, work: Work<'_>, engine: &Engine) -> Exit {
+        let bar = progress_bar();
+        let report = work(engine, &|share, what| {
+            bar.set_position((1000.0 * share.min(1.0)) as u64);
+            bar.set_message(what.to_owned());
+        });
+        bar.finish_and_clear();
+        let report = match engine.part() {
+            Some(part) if part.kept == part.points => return print(&part_text(&part, self.json)).map(|()| DONE),
+            Some(_) => report?,
+            None => whole(report?, engine)?,
+        };
+        if let Some(remark) = report.remark() {
+            say(&remark);
+        }
+        let text = to_json(&report.json());
+        // What was computed is not lost if a file cannot be written, nor if it cannot be printed.
+        let printed = print(&if self.json { format!("{text}\n") } else { report.text() });
+        if let Some(folder) = engine.folder() {
+            self.write(folder, &*report, &text)?;
+        }
+        printed.map(|()| if report.succeeded() { DONE } else { FAILED })
+    }
+
+    fn write(&self, folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
+        let left = S::sometimes();
+        #[cfg(feature = "plot")]
+        let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
+        folder.remove(left.iter().map(String::as_str))?;
+        for (name, bytes) in report.files(json)? {
+            folder.write(&name, &bytes)?;
+        }
+        #[cfg(feature = "plot")]
+        if let Some(formats) = &self.formats {
+            formats.write(folder, &report.pictures()?)?;
+        }
+        say(&format!("written to {}", folder.path().display()));
+        Ok(())
     }
 }
 
@@ -97,13 +141,21 @@ impl<S: Study + Args> Args for Told<S> {
     }
 }
 
-impl<S: FromArgMatches> FromArgMatches for Told<S> {
+impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
         let shard = matches.try_get_one("shard").ok().flatten().copied();
         let engine = matches.try_get_one::<String>("engine").ok().flatten();
         let mpi = engine.is_some_and(|engine| engine == ENGINES[1]);
-        Ok(Self { study: S::from_arg_matches(matches)?, out, shard, mpi, json: matches.get_flag("json") })
+        Ok(Self {
+            study: S::from_arg_matches(matches)?,
+            out,
+            shard,
+            mpi,
+            json: matches.get_flag("json"),
+            #[cfg(feature = "plot")]
+            formats: drawn(S::FILES).then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,
+        })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
@@ -118,34 +170,15 @@ fn with_outputs(command: Command, files: &'static str) -> Command {
     if files.is_empty() {
         return command.arg(json);
     }
+    #[cfg(feature = "plot")]
+    let command = if drawn(files) { super::formats::Formats::augment_args(command) } else { command };
     command.arg(out.long_help(format!("{OUT}.\n\n{files}"))).arg(json)
 }
 
-/// Does the work of a study, prints what came of it and writes its files, in place of those that an
-/// earlier run may have `left`.
-fn carry_out(work: Work<'_>, engine: &Engine, json: bool, left: &[String]) -> Exit {
-    let bar = progress_bar();
-    let report = work(engine, &|share, what| {
-        bar.set_position((1000.0 * share.min(1.0)) as u64);
-        bar.set_message(what.to_owned());
-    });
-    bar.finish_and_clear();
-    let report = match engine.part() {
-        Some(part) if part.kept == part.points => return print(&part_text(&part, json)).map(|()| DONE),
-        Some(_) => report?,
-        None => whole(report?, engine)?,
-    };
-    if let Some(remark) = report.remark() {
-        say(&remark);
-    }
-    let text = to_json(&report.json());
-    // What was computed is not lost if a file cannot be written, nor if it cannot be printed.
-    let printed = print(&if json { format!("{text}\n") } else { report.text() });
-    if let Some(folder) = engine.folder() {
-        folder.remove(left.iter().map(String::as_str))?;
-        write(folder, &*report, &text)?;
-    }
-    printed.map(|()| if report.succeeded() { DONE } else { FAILED })
+/// Whether pictures are among the files of a study.
+#[cfg(feature = "plot")]
+fn drawn(files: &str) -> bool {
+    files.contains(".png")
 }
 
 /// Refuses the report of a study that had no grid to take a shard of.
@@ -168,16 +201,4 @@ fn part_text(part: &Part, json: bool) -> String {
         "store": store,
     });
     to_json(&value) + "\n"
-}
-
-fn write(folder: &Folder, report: &dyn Report, json: &str) -> Result<()> {
-    for (name, bytes) in report.files(json)? {
-        folder.write(&name, &bytes)?;
-    }
-    #[cfg(feature = "plot")]
-    for (name, bytes) in report.pictures()? {
-        folder.write(&name, &bytes)?;
-    }
-    say(&format!("written to {}", folder.path().display()));
-    Ok(())
 }

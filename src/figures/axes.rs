@@ -348,27 +348,27 @@ impl Axes {
         let (across, up) = (|p: f64| frame.x0 + p * frame.width(), |p: f64| frame.y1 - p * frame.height());
         if grid {
             for (p, _) in &x.ticks {
-                canvas.line(&[(across(*p), frame.y0), (across(*p), frame.y1)], GRID, 1.0, &[])?;
+                canvas.line(&[(across(*p), frame.y0), (across(*p), frame.y1)], GRID, 1.0, &[]);
             }
             for (p, _) in &y.ticks {
-                canvas.line(&[(frame.x0, up(*p)), (frame.x1, up(*p))], GRID, 1.0, &[])?;
+                canvas.line(&[(frame.x0, up(*p)), (frame.x1, up(*p))], GRID, 1.0, &[]);
             }
         }
         for (place, label) in &x.ticks {
             let at = across(*place);
-            canvas.line(&[(at, frame.y1), (at, frame.y1 + TICK)], INK, 1.0, &[])?;
+            canvas.line(&[(at, frame.y1), (at, frame.y1 + TICK)], INK, 1.0, &[]);
             canvas.text(label, (at, frame.y1 + TICK + 5.0), SMALL, INK, (0.5, 0.0))?;
         }
         for (place, label) in &y.ticks {
             let at = up(*place);
-            canvas.line(&[(frame.x0 - TICK, at), (frame.x0, at)], INK, 1.0, &[])?;
+            canvas.line(&[(frame.x0 - TICK, at), (frame.x0, at)], INK, 1.0, &[]);
             canvas.text(label, (frame.x0 - TICK - 4.0, at), SMALL, INK, (1.0, 0.5))?;
         }
         for &place in &x.minor {
-            canvas.line(&[(across(place), frame.y1), (across(place), frame.y1 + 0.5 * TICK)], INK, 0.7, &[])?;
+            canvas.line(&[(across(place), frame.y1), (across(place), frame.y1 + 0.5 * TICK)], INK, 0.7, &[]);
         }
         for &place in &y.minor {
-            canvas.line(&[(frame.x0 - 0.5 * TICK, up(place)), (frame.x0, up(place))], INK, 0.7, &[])?;
+            canvas.line(&[(frame.x0 - 0.5 * TICK, up(place)), (frame.x0, up(place))], INK, 0.7, &[]);
         }
         let label_top = frame.y1 + TICK + 1.5 * SMALL + 2.0;
         canvas.text(&x.factor, (frame.x1, label_top), SMALL, INK, (1.0, 0.0))?;
@@ -381,13 +381,13 @@ impl Axes {
             let at = frame.x0 - left + LINE * k as f64;
             canvas.text_upwards(line, (at, middle_y), LABEL, INK, (0.5, 0.0))?;
         }
-        axes.close(canvas)?;
+        axes.close(canvas);
         Ok(axes)
     }
 
     /// Draws the frame; called again after a picture has covered the edge.
-    pub(super) fn close(&self, canvas: &mut Canvas) -> Result<(), Error> {
-        canvas.border(&self.frame, INK)
+    pub(super) fn close(&self, canvas: &mut Canvas) {
+        canvas.border(&self.frame, INK);
     }
 
     /// The position of a point on the canvas; `None` if an axis cannot show it.
@@ -410,45 +410,37 @@ impl Axes {
 
     /// Joins points, with a gap at each point that cannot be shown; a point between two gaps
     /// becomes a dot.
-    pub(super) fn join(&self, canvas: &mut Canvas, points: &[(f64, f64)], style: &Style) -> Result<(), Error> {
+    pub(super) fn join(&self, canvas: &mut Canvas, points: &[(f64, f64)], style: &Style) {
         let places: Vec<_> = points.iter().map(|&point| self.place(point)).collect();
         for run in places.split(Option::is_none) {
             let run = thin(run.iter().flatten().copied());
             match run.as_slice() {
                 [] => {}
-                &[(x, y)] => canvas.line(&[(x - 2.5, y), (x + 2.5, y)], style.colour, 5.0, &[])?,
-                run => canvas.line(run, style.colour, 1.6, style.dash)?,
+                &[(x, y)] => canvas.line(&[(x - 2.5, y), (x + 2.5, y)], style.colour, 5.0, &[]),
+                run => canvas.line(run, style.colour, 1.6, style.dash),
             }
         }
-        Ok(())
     }
 }
 
-pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: bool) -> Result<(), Error> {
-    mark_of(canvas, style, at, hollow, MARKER)
+pub(super) fn mark(canvas: &mut Canvas, style: &Style, at: (f64, f64), hollow: bool) {
+    mark_of(canvas, style, at, hollow, MARKER);
 }
 
 /// [`mark`] with another radius.
-pub(super) fn mark_of(
-    canvas: &mut Canvas,
-    style: &Style,
-    (x, y): (f64, f64),
-    hollow: bool,
-    radius: f64,
-) -> Result<(), Error> {
-    let Some(marker) = style.marker else { return Ok(()) };
+pub(super) fn mark_of(canvas: &mut Canvas, style: &Style, (x, y): (f64, f64), hollow: bool, radius: f64) {
+    let Some(marker) = style.marker else { return };
     let mut outline: Vec<_> = marker.outline(radius).into_iter().map(|(u, v)| (x + u, y + v)).collect();
     if !outline.is_empty() {
-        canvas.polygon(&outline, if hollow { PAPER } else { style.colour })?;
+        canvas.polygon(&outline, if hollow { PAPER } else { style.colour });
         if hollow {
             outline.extend_from_within(..2);
-            canvas.line(&outline, style.colour, 1.3, &[])?;
+            canvas.line(&outline, style.colour, 1.3, &[]);
         }
     }
-    marker
-        .strokes(radius)
-        .into_iter()
-        .try_for_each(|stroke| canvas.line(&stroke.map(|(u, v)| (x + u, y + v)), style.colour, 1.4, &[]))
+    for stroke in marker.strokes(radius) {
+        canvas.line(&stroke.map(|(u, v)| (x + u, y + v)), style.colour, 1.4, &[]);
+    }
 }
 
 /// Leaves out points that do not change the picture: of those in a column of pixels the first, the

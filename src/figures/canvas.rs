@@ -1,20 +1,14 @@
-//! The surface of a figure: lines, polygons and text in an RGB buffer, and the PNG file made from
-//! it.
+//! The surface of a figure: a list of shapes, drawn in their order.
 //!
-//! All lengths are pixels of the finished picture. The buffer is [`FINE`] times finer and is
-//! averaged at the end, which smooths every edge. Shapes are rasterised by `plotters`. Glyphs are
-//! placed here, with their side bearings and kerning, because the text of `plotters` ignores the
-//! bearings.
+//! All lengths are pixels of the finished picture; `y` increases downwards. Widths of texts are those
+//! of the font that is part of the program.
 
 use std::sync::LazyLock;
 
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::{Color, RGBColor};
 
-use super::Error;
-use super::palette::Rgb;
 use super::text::runs;
+use super::{Error, palette::Rgb, picture::Picture};
 
 /// Size of the title, in pixels per em.
 pub(super) const TITLE: f64 = 20.0;
@@ -25,10 +19,10 @@ pub(super) const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
 
-/// Pixels of the buffer per pixel of the picture, along one side.
+/// Pixels of a bitmap per pixel of the picture, along one side. Widths of texts are rounded to them.
 pub(super) const FINE: u32 = 3;
 
-static FONT: LazyLock<FontRef<'static>> =
+pub(super) static FONT: LazyLock<FontRef<'static>> =
     LazyLock::new(|| FontRef::try_from_slice(dejavu::sans::regular()).expect("the embedded font is a valid font"));
 
 /// The characters of a text that the font of the figures cannot draw, each once, in increasing
@@ -62,8 +56,9 @@ impl Rect {
     }
 }
 
-/// The glyphs of a text on a baseline from the origin, and the width of the text, in fine pixels.
-fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
+/// The glyphs of a text on a baseline from the origin, and the width of the text, in fine
+/// pixels.
+pub(super) fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
     let em = size as f32 * FINE as f32;
     let (mut glyphs, mut x) = (Vec::<Glyph>::new(), 0.0);
     for (level, run) in runs(text) {
@@ -116,57 +111,62 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// The nearest corner of a fine pixel. A text that started between two rows would be rounded
-/// unevenly and look faint.
-fn snapped((x, y): (f64, f64)) -> (f64, f64) {
-    let snap = |value: f64| (value * f64::from(FINE)).round() / f64::from(FINE);
-    (snap(x), snap(y))
+/// A text, and how it lies.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Label {
+    pub(super) text: String,
+    /// The point of the picture where the anchor lies.
+    pub(super) at: (f64, f64),
+    /// Pixels per em.
+    pub(super) size: f64,
+    pub(super) colour: Rgb,
+    /// The point of the text that lies there. Along the text 0 is its start and 1 its end; across it
+    /// 0 is the top of the capitals and 1 the baseline.
+    pub(super) anchor: (f64, f64),
+    /// Whether it runs upwards.
+    pub(super) upwards: bool,
+}
+
+/// Height of capitals, in units of the size.
+pub(super) const CAPITALS: f64 = 0.73;
+
+/// What is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
+    /// A line through points; `dash` holds the lengths of strokes and gaps in turn, and is empty for
+    /// a solid line.
+    Line { points: Vec<(f64, f64)>, colour: Rgb, width: f64, dash: Vec<f64> },
+    /// A filled polygon.
+    Polygon { points: Vec<(f64, f64)>, colour: Rgb },
+    /// A vertical strip between two straight edges that is darkened to a pale colour.
+    Tint { x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb },
+    /// Pixels, row by row from the top.
+    Image { corner: (u32, u32), width: usize, pixels: Vec<Rgb> },
+    /// A text.
+    Text(Label),
 }
 
 /// A picture that is being drawn.
 pub(super) struct Canvas {
     size: (u32, u32),
-    fine: Vec<u8>,
+    title: String,
+    shapes: Vec<Shape>,
 }
 
 impl Canvas {
-    /// A white canvas.
-    pub(super) fn new(size: (u32, u32)) -> Self {
-        Self { size, fine: vec![255; (size.0 * size.1 * FINE * FINE * 3) as usize] }
-    }
-
-    fn backend(&mut self) -> BitMapBackend<'_> {
-        BitMapBackend::with_buffer(&mut self.fine, (self.size.0 * FINE, self.size.1 * FINE))
+    /// A white canvas, for a picture of this title.
+    pub(super) fn new(size: (u32, u32), title: &str) -> Self {
+        Self { size, title: title.to_owned(), shapes: Vec::new() }
     }
 
     /// Draws a line through points; `dash` holds the lengths of strokes and gaps in turn, and is
     /// empty for a solid line.
-    pub(super) fn line(&mut self, points: &[(f64, f64)], colour: Rgb, width: f64, dash: &[f64]) -> Result<(), Error> {
-        if !dash.is_empty() {
-            return dashes(points, dash).iter().try_for_each(|stroke| self.line(stroke, colour, width, &[]));
-        }
-        let half = width / 2.0;
-        for pair in points.windows(2) {
-            let (dx, dy) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
-            let scale = half / dx.hypot(dy);
-            if scale.is_finite() {
-                let (u, v) = (-dy * scale, dx * scale);
-                let sides = [(pair[0], 1.0), (pair[0], -1.0), (pair[1], -1.0), (pair[1], 1.0)];
-                self.polygon(&sides.map(|((x, y), side)| (x + side * u, y + side * v)), colour)?;
-            }
-        }
-        // Round joints fill the wedges between the strokes of a bent line.
-        let radius = (half * f64::from(FINE)) as u32;
-        if radius > 1 {
-            for &joint in points.iter().skip(1).rev().skip(1) {
-                self.backend().draw_circle(fine(joint), radius, &solid(colour), true).map_err(drawing)?;
-            }
-        }
-        Ok(())
+    pub(super) fn line(&mut self, points: &[(f64, f64)], colour: Rgb, width: f64, dash: &[f64]) {
+        self.shapes.push(Shape::Line { points: points.to_vec(), colour, width, dash: dash.to_vec() });
     }
 
-    pub(super) fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) -> Result<(), Error> {
-        self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
+    pub(super) fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) {
+        self.shapes.push(Shape::Polygon { points: points.to_vec(), colour });
     }
 
     /// Darkens a vertical strip between two straight edges, `top` and `bottom`, to a pale colour.
@@ -174,49 +174,24 @@ impl Canvas {
     /// Darker pixels stay as they are, and a second tint with the same colour changes nothing. So
     /// neighbouring strips leave no seam, and of two overlapping ranges both are seen.
     pub(super) fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
-        let scale = f64::from(FINE);
-        let (wide, high) = (f64::from(self.size.0 * FINE), f64::from(self.size.1 * FINE));
-        let whole = |value: f64, most: f64| (value * scale).round().clamp(0.0, most - 1.0) as usize;
-        let (from, to) = (whole(x[0].min(x[1]), wide), whole(x[0].max(x[1]), wide));
-        for column in from..=to {
-            let share =
-                if x[0] == x[1] { 0.0 } else { ((column as f64 / scale - x[0]) / (x[1] - x[0])).clamp(0.0, 1.0) };
-            let at = |edge: [f64; 2]| whole(edge[0] + share * (edge[1] - edge[0]), high);
-            for row in at(top)..=at(bottom) {
-                let start = 3 * (row * wide as usize + column);
-                for (ink, pale) in self.fine[start..start + 3].iter_mut().zip([colour.0, colour.1, colour.2]) {
-                    *ink = (*ink).min(pale);
-                }
-            }
-        }
+        self.shapes.push(Shape::Tint { x, top, bottom, colour });
     }
 
-    pub(super) fn border(&mut self, area: &Rect, colour: Rgb) -> Result<(), Error> {
+    pub(super) fn border(&mut self, area: &Rect, colour: Rgb) {
         let Rect { x0, y0, x1, y1 } = *area;
         let (left, right) = (x0 - 0.5, x1 + 0.5);
-        [[(left, y0), (right, y0)], [(left, y1), (right, y1)], [(x0, y0), (x0, y1)], [(x1, y0), (x1, y1)]]
-            .iter()
-            .try_for_each(|side| self.line(side, colour, 1.0, &[]))
+        for side in [[(left, y0), (right, y0)], [(left, y1), (right, y1)], [(x0, y0), (x0, y1)], [(x1, y0), (x1, y1)]] {
+            self.line(&side, colour, 1.0, &[]);
+        }
     }
 
     /// Draws a picture of `width` columns, given row by row from the top, with its corner at a
     /// whole pixel.
-    pub(super) fn image(&mut self, corner: (u32, u32), width: usize, pixels: &[Rgb]) -> Result<(), Error> {
-        let f = FINE as usize;
-        let mut enlarged = Vec::with_capacity(pixels.len() * f * f * 3);
-        for row in pixels.chunks(width) {
-            let line: Vec<u8> = row.iter().flat_map(|&(r, g, b)| [r, g, b].repeat(f)).collect();
-            enlarged.extend(line.repeat(f));
-        }
-        let corner = ((corner.0 * FINE) as i32, (corner.1 * FINE) as i32);
-        let size = (width as u32 * FINE, (pixels.len() / width) as u32 * FINE);
-        self.backend().blit_bitmap(corner, size, &enlarged).map_err(drawing)
+    pub(super) fn image(&mut self, corner: (u32, u32), width: usize, pixels: Vec<Rgb>) {
+        self.shapes.push(Shape::Image { corner, width, pixels });
     }
 
-    /// Draws a text at a point.
-    ///
-    /// `anchor` is the point of the text that lies there. Along the text 0 is its start and 1 its
-    /// end; across it 0 is the top of the capitals and 1 the baseline.
+    /// Draws a text with its [`anchor`](Label::anchor) at a point.
     pub(super) fn text(
         &mut self,
         text: &str,
@@ -225,11 +200,10 @@ impl Canvas {
         colour: Rgb,
         anchor: (f64, f64),
     ) -> Result<(), Error> {
-        let (x, y) = snapped(at);
-        self.glyphs(text, size, colour, anchor, |u, v| (x + u, y + v))
+        self.label(Label { text: text.to_owned(), at, size, colour, anchor, upwards: false })
     }
 
-    /// Draws a text that runs upwards; `anchor` as in [`Canvas::text`].
+    /// Draws a text that runs upwards.
     pub(super) fn text_upwards(
         &mut self,
         text: &str,
@@ -238,132 +212,27 @@ impl Canvas {
         colour: Rgb,
         anchor: (f64, f64),
     ) -> Result<(), Error> {
-        let (x, y) = snapped(at);
-        self.glyphs(text, size, colour, anchor, |u, v| (x + v, y - u))
+        self.label(Label { text: text.to_owned(), at, size, colour, anchor, upwards: true })
     }
 
-    fn glyphs(
-        &mut self,
-        text: &str,
-        size: f64,
-        colour: Rgb,
-        anchor: (f64, f64),
-        place: impl Fn(f64, f64) -> (f64, f64),
-    ) -> Result<(), Error> {
-        let missing = missing_glyphs(text);
-        if !missing.is_empty() {
-            return Err(Error(format!("the font of the figures lacks {missing:?}, needed for {text:?}")));
-        }
-        let (glyphs, width) = layout(text, size);
-        let scale = f64::from(FINE);
-        let (du, dv) = ((-anchor.0 * f64::from(width)).round(), (0.73 * (1.0 - anchor.1) * size * scale).round());
-        let mut backend = self.backend();
-        for outline in glyphs.into_iter().filter_map(|glyph| FONT.outline_glyph(glyph)) {
-            let corner = outline.px_bounds().min;
-            let mut result = Ok(());
-            outline.draw(|x, y, cover| {
-                let u = du + f64::from(corner.x) + f64::from(x);
-                let v = dv + f64::from(corner.y) + f64::from(y);
-                let ink = solid(colour).mix(f64::from(cover.min(1.0))).to_backend_color();
-                let drawn = backend.draw_pixel(fine(place(u / scale, v / scale)), ink);
-                if let Err(error) = drawn {
-                    result = Err(drawing(error));
-                }
-            });
-            result?;
-        }
+    fn label(&mut self, label: Label) -> Result<(), Error> {
+        drawable(&label.text)?;
+        self.shapes.push(Shape::Text(label));
         Ok(())
     }
 
-    /// The finished PNG file, with the caption as a text chunk.
-    pub(super) fn png(self, caption: &str) -> Result<Vec<u8>, Error> {
-        let missing = missing_glyphs(caption);
-        if !missing.is_empty() {
-            return Err(Error(format!("the font of the figures lacks {missing:?}, needed for the caption")));
-        }
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.size.0, self.size.1);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Balanced);
-        // Without a filter flat colours repeat, which compresses best.
-        encoder.set_filter(png::Filter::NoFilter);
-        let software = concat!("hertzchain ", env!("CARGO_PKG_VERSION")).to_string();
-        encoder.add_text_chunk("Software".into(), software).map_err(encoding)?;
-        encoder.add_itxt_chunk("Description".into(), caption.into()).map_err(encoding)?;
-        let mut writer = encoder.write_header().map_err(encoding)?;
-        writer.write_image_data(&self.averaged()).map_err(encoding)?;
-        writer.finish().map_err(encoding)?;
-        Ok(bytes)
-    }
-
-    /// The picture in its final size: each pixel is the mean of its fine pixels.
-    fn averaged(&self) -> Vec<u8> {
-        let (f, width) = (FINE as usize, self.size.0 as usize);
-        let block = 3 * f;
-        let mut means = Vec::with_capacity(3 * width * self.size.1 as usize);
-        for rows in self.fine.chunks(block * width * f) {
-            for at in (0..width).map(|x| x * block) {
-                let lines = || rows.chunks(block * width).map(|row| &row[at..at + block]);
-                let first = &rows[at..at + block];
-                if first[3..] == first[..block - 3] && lines().all(|line| line == first) {
-                    means.extend_from_slice(&first[..3]);
-                    continue;
-                }
-                let mut sums = [FINE * FINE / 2; 3];
-                for pixel in lines().flat_map(|line| line.chunks(3)) {
-                    sums.iter_mut().zip(pixel).for_each(|(sum, &c)| *sum += u32::from(c));
-                }
-                means.extend(sums.map(|sum| (sum / (FINE * FINE)) as u8));
-            }
-        }
-        means
+    /// The finished picture.
+    pub(super) fn picture(self, caption: &str) -> Result<Picture, Error> {
+        drawable(caption)?;
+        Ok(Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes })
     }
 }
 
-fn solid((r, g, b): Rgb) -> RGBColor {
-    RGBColor(r, g, b)
-}
-
-fn fine((x, y): (f64, f64)) -> (i32, i32) {
-    let scale = f64::from(FINE);
-    ((x * scale).round() as i32, (y * scale).round() as i32)
-}
-
-fn drawing(error: impl std::fmt::Display) -> Error {
-    Error(format!("drawing failed: {error}"))
-}
-
-fn encoding(error: png::EncodingError) -> Error {
-    Error(format!("writing the PNG failed: {error}"))
-}
-
-/// Cuts a line into the strokes of a dash pattern.
-fn dashes(points: &[(f64, f64)], dash: &[f64]) -> Vec<Vec<(f64, f64)>> {
-    let mut strokes = Vec::new();
-    let (mut part, mut left) = (0, dash[0]);
-    let mut stroke: Vec<_> = points.first().copied().into_iter().collect();
-    for pair in points.windows(2) {
-        let (mut at, end) = (pair[0], pair[1]);
-        loop {
-            let rest = (end.0 - at.0).hypot(end.1 - at.1);
-            if rest <= left {
-                left -= rest;
-                stroke.push(end);
-                break;
-            }
-            at = (at.0 + (end.0 - at.0) * left / rest, at.1 + (end.1 - at.1) * left / rest);
-            stroke.push(at);
-            if part % 2 == 0 {
-                strokes.push(std::mem::take(&mut stroke));
-            }
-            stroke = vec![at];
-            part = (part + 1) % dash.len();
-            left = dash[part];
-        }
+/// Refuses a text with a character that the font lacks.
+fn drawable(text: &str) -> Result<(), Error> {
+    let missing = missing_glyphs(text);
+    if missing.is_empty() {
+        return Ok(());
     }
-    if part % 2 == 0 {
-        strokes.push(stroke);
-    }
-    strokes
+    Err(Error(format!("the font of the figures lacks {missing:?}, needed for {text:?}")))
 }

@@ -54,16 +54,16 @@ impl ColourBar {
         let high = frame.height() as usize;
         let column = (0..high).map(|k| self.axis.value(1.0 - (k as f64 + 0.5) / high as f64));
         let pixels: Vec<Rgb> = column.flat_map(|value| [colour(value); WIDTH]).collect();
-        canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, &pixels)?;
-        canvas.border(&strip, INK)?;
+        canvas.image((strip.x0 as u32, strip.y0 as u32), WIDTH, pixels);
+        canvas.border(&strip, INK);
         if self.beyond {
             let tip =
                 [(strip.x0, strip.y0 - 1.0), (strip.x1, strip.y0 - 1.0), (x0 + 0.5 * WIDTH as f64, strip.y0 - TIP)];
-            canvas.polygon(&tip, BEYOND)?;
+            canvas.polygon(&tip, BEYOND);
         }
         for (place, label) in &self.axis.ticks {
             let y = strip.y1 - place * strip.height();
-            canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[])?;
+            canvas.line(&[(strip.x1, y), (strip.x1 + 5.0, y)], INK, 1.0, &[]);
             canvas.text(label, (strip.x1 + 9.0, y), SMALL, INK, (0.0, 0.5))?;
         }
         canvas.text(&self.axis.factor, (edge, strip.y0 - 0.6 * SMALL), SMALL, INK, (1.0, 1.0))?;

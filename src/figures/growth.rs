@@ -1,5 +1,6 @@
 //! Growth rates: curves with measured points, and a map beside them.
 
+use super::Picture;
 use super::axes::{Axes, Axis, mark};
 use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
@@ -53,7 +54,7 @@ pub struct GrowthMap {
 ///
 /// No point of the theory that can be drawn, a map without cells or with an incomplete row, a
 /// letter that the font lacks, or more text than fits.
-pub fn growth(figure: &Growth) -> Result<Vec<u8>, Error> {
+pub fn growth(figure: &Growth) -> Result<Picture, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     let middle = 0.5 * (body.x0 + body.x1);
     let left = if figure.map.is_some() { Rect { x1: middle - 24.0, ..body } } else { body };
@@ -61,7 +62,7 @@ pub fn growth(figure: &Growth) -> Result<Vec<u8>, Error> {
     if let Some(map) = &figure.map {
         draw_map(&mut canvas, Rect { x0: middle, ..body }, map)?;
     }
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 fn curves(canvas: &mut Canvas, area: Rect, figure: &Growth) -> Result<(), Error> {
@@ -79,10 +80,10 @@ fn curves(canvas: &mut Canvas, area: Rect, figure: &Growth) -> Result<(), Error>
     let x = Axis::linear(points().map(|point| point.0), 0.0);
     let y = Axis::linear(points().map(|point| point.1).chain([0.0]), 0.06);
     let axes = Axes::draw(canvas, area, (x, &figure.wave_label), (y, &figure.growth_label), true)?;
-    axes.join(canvas, &figure.theory.points, &theory)?;
+    axes.join(canvas, &figure.theory.points, &theory);
     for (line, style) in measured {
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            mark(canvas, style, at, true)?;
+            mark(canvas, style, at, true);
         }
     }
     Ok(())
@@ -113,13 +114,13 @@ fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Erro
     let frame = axes.frame;
     let (wide, high) = (frame.width() as usize, frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&map.values, map.columns, (wide, high)).into_iter().map(colour).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
+    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, pixels);
     for (nth, line) in lines {
-        axes.join(canvas, &line.points, &over(nth))?;
+        axes.join(canvas, &line.points, &over(nth));
     }
     for at in map.points.points.iter().filter_map(|&point| axes.place(point)) {
-        mark(canvas, &dots, at, true)?;
+        mark(canvas, &dots, at, true);
     }
-    axes.close(canvas)?;
+    axes.close(canvas);
     bar.draw(canvas, frame, area.x1, colour)
 }

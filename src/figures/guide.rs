@@ -23,7 +23,7 @@ pub(super) fn draw(
         return Ok(());
     };
     let [start, end] = chord(&axes.frame, p, q);
-    canvas.line(&[start, end], GREY, 1.0, &[6.0, 4.0])?;
+    canvas.line(&[start, end], GREY, 1.0, &[6.0, 4.0]);
 
     let (width, height) = (text_width(label, SMALL) + 8.0, 1.4 * SMALL);
     let along = |k: u32| f64::from(k) / 40.0;
@@ -39,7 +39,7 @@ pub(super) fn draw(
         return Err(Error(format!("the label {label:?} does not fit the axes")));
     };
     let Rect { x0, y0, x1, y1 } = around(at);
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER)?;
+    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER);
     canvas.text(label, at, SMALL, GREY, (0.5, 0.5))?;
     avoid.push(at);
     Ok(())

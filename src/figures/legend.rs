@@ -54,9 +54,9 @@ impl Entry {
     fn draw(&self, canvas: &mut Canvas, x: f64, y: f64, size: f64, lines: &[String]) -> Result<(), Error> {
         if let Some((style, hollow)) = self.sample {
             if self.width > 0.0 {
-                canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, self.width, style.dash)?;
+                canvas.line(&[(x, y), (x + SAMPLE, y)], style.colour, self.width, style.dash);
             }
-            mark(canvas, &style, (x + SAMPLE / 2.0, y), hollow)?;
+            mark(canvas, &style, (x + SAMPLE / 2.0, y), hollow);
         }
         for (k, line) in lines.iter().enumerate() {
             let at = (x + self.indent(), y + k as f64 * 1.3 * size);

@@ -1,6 +1,7 @@
 //! Maps of cells: a positive number for each pair of two positive parameters, with logarithmic axes
 //! and colours.
 
+use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect, SMALL, text_width};
 use super::colour_bar::ColourBar;
@@ -51,7 +52,7 @@ pub struct CellMap {
 ///
 /// No map; a map with another number of values or notes than cells; parameters that are not
 /// positive and increasing; a letter the font lacks; more text than fits.
-pub fn maps(figure: &Maps) -> Result<Vec<u8>, Error> {
+pub fn maps(figure: &Maps) -> Result<Picture, Error> {
     if figure.maps.is_empty() {
         return Err(Error("a figure of maps needs one".into()));
     }
@@ -61,7 +62,7 @@ pub fn maps(figure: &Maps) -> Result<Vec<u8>, Error> {
         let left = body.x0 + k as f64 * width;
         draw(&mut canvas, Rect { x0: left, x1: left + width - 12.0, ..body }, map)?;
     }
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
@@ -99,7 +100,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
             axes.place((x_edges[column], y_edges[row])).zip(axes.place((x_edges[column + 1], y_edges[row + 1])));
         let Some(((x0, y1), (x1, y0))) = corners else { continue };
         let colour = kind(k).map_or_else(|| colour(value), of_kind);
-        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour)?;
+        canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour);
         places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour, note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
@@ -108,20 +109,18 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
         let points: Vec<_> = line.points.iter().map(|&point| axes.place(point).filter(inside)).collect();
         for run in points.split(Option::is_none) {
             let run: Vec<_> = run.iter().flatten().copied().collect();
-            canvas.line(&run, PAPER, 5.0, &[])?;
-            canvas.line(&run, INK, 1.6, style(nth).dash)?;
+            canvas.line(&run, PAPER, 5.0, &[]);
+            canvas.line(&run, INK, 1.6, style(nth).dash);
         }
     }
     // Notes are drawn over the lines.
     for ((x, y), colour, note) in places.into_iter().filter(|place| !place.2.is_empty()) {
         let (wide, high) = (0.5 * text_width(note, SMALL) + 1.0, 0.6 * SMALL);
-        canvas.polygon(
-            &[(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)],
-            colour,
-        )?;
+        canvas
+            .polygon(&[(x - wide, y - high), (x + wide, y - high), (x + wide, y + high), (x - wide, y + high)], colour);
         canvas.text(note, (x, y), SMALL, legible(colour), (0.5, 0.5))?;
     }
-    axes.close(canvas)?;
+    axes.close(canvas);
     bar.draw(canvas, axes.frame, area.x1, colour)
 }
 

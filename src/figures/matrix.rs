@@ -1,6 +1,7 @@
 //! A matrix of cells: a positive number for each named row and each named column, with logarithmic
 //! colours.
 
+use super::Picture;
 use super::axes::Axis;
 use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width};
 use super::colour_bar::ColourBar;
@@ -39,7 +40,7 @@ pub struct Matrix {
 ///
 /// No cell, another number of values or notes than cells, a letter the font lacks, or more
 /// text than fits.
-pub fn matrix(figure: &Matrix) -> Result<Vec<u8>, Error> {
+pub fn matrix(figure: &Matrix) -> Result<Picture, Error> {
     let Matrix { title, rows, columns, labels: [column_label, value_label], values, notes, caption } = figure;
     let cells = rows.len() * columns.len();
     if cells == 0 || values.len() != cells || notes.len() != cells {
@@ -63,16 +64,16 @@ pub fn matrix(figure: &Matrix) -> Result<Vec<u8>, Error> {
     for (k, (&value, note)) in values.iter().zip(notes).enumerate() {
         let (left, top) = (frame.x0 + (k % columns.len()) as f64 * wide, frame.y0 + (k / columns.len()) as f64 * high);
         let corners = [(left, top), (left + wide, top), (left + wide, top + high), (left, top + high)];
-        canvas.polygon(&corners, colour(value))?;
+        canvas.polygon(&corners, colour(value));
         let middle = (left + 0.5 * wide, top + 0.5 * high);
         canvas.text(note, middle, NOTE, legible(colour(value)), (0.5, 0.5))?;
     }
     name(&mut canvas, &frame, rows, columns)?;
     let middle = 0.5 * (frame.x0 + frame.x1);
     canvas.text(column_label, (middle, y1 - 0.4 * LABEL), LABEL, INK, (0.5, 1.0))?;
-    canvas.border(&frame, INK)?;
+    canvas.border(&frame, INK);
     bar.draw(&mut canvas, frame, body.x1, colour)?;
-    canvas.png(caption)
+    canvas.picture(caption)
 }
 
 fn name(canvas: &mut Canvas, frame: &Rect, rows: &[String], columns: &[String]) -> Result<(), Error> {

@@ -1,8 +1,8 @@
-//! Figures as PNG files; all pictures of this crate are drawn here.
+//! Figures as PNG and SVG files; all pictures of this crate are drawn here.
 //!
-//! Every function takes numbers and words and returns the bytes of a PNG file. This module computes
-//! no physics and reads no file: the font is part of the program, so that a figure needs no display
-//! and no installed files, and the same input gives the same bytes.
+//! Every function takes numbers and words and returns a [`Picture`], which becomes a file of either
+//! [`Format`]. This module computes no physics and reads no file: the font is part of the program, so
+//! that a figure needs no display and no installed files, and the same input gives the same bytes.
 //!
 //! | figure | function |
 //! | --- | --- |
@@ -16,10 +16,12 @@
 //!
 //! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
 //!
-//! The caption is drawn below the axes. The file also holds the whole caption as the text chunk
-//! `Description`, so that a picture without its page says how it was made.
+//! The caption is drawn below the axes. The file also holds the whole caption, as the text chunk
+//! `Description` of PNG or the element `desc` of SVG, so that a picture without its page says how it
+//! was made.
 
 mod axes;
+mod bitmap;
 mod canvas;
 mod colour_bar;
 pub mod growth;
@@ -29,8 +31,10 @@ pub mod maps;
 pub mod matrix;
 pub mod palette;
 pub mod panels;
+mod picture;
 pub mod raster;
 pub mod space_time;
+mod svg;
 mod text;
 pub mod work_precision;
 
@@ -41,6 +45,7 @@ pub use growth::{Growth, GrowthMap, growth};
 pub use maps::{CellMap, Maps, maps};
 pub use matrix::{Matrix, matrix};
 pub use panels::{Band, Column, Inset, Kind, Panel, Panels, Plot, panels};
+pub use picture::{Format, Picture};
 pub use raster::{Bar, Raster, raster};
 pub use space_time::{SpaceTime, space_time};
 pub use work_precision::{Curve, Point, WorkPrecision, work_precision};
@@ -52,6 +57,9 @@ pub const SIZE: (u32, u32) = (1200, 800);
 /// Largest number of lines of the caption that are drawn; the text chunk of the file holds all of
 /// them.
 const CAPTION_LINES: usize = 7;
+
+/// What files say made them.
+const SOFTWARE: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
 
 /// The reason why a figure could not be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,7 +104,7 @@ fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
 
 /// A [`page`] of another size.
 fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
-    let mut canvas = Canvas::new(size);
+    let mut canvas = Canvas::new(size, title);
     let (width, height) = (f64::from(size.0), f64::from(size.1));
     let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
 

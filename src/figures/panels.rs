@@ -1,6 +1,7 @@
 //! Panels: pairs of axes in columns, with values against site, time or a parameter; a column may
 //! also hold maps.
 
+use super::Picture;
 use super::axes::{Axes, Axis, LEFT, mark, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
@@ -253,7 +254,7 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// No column, a column without panels, a panel without a point that its axes can show, an inset of
 /// a line that does not exist or on a logarithmic ordinate, a letter the font lacks, or more
 /// text than fits.
-pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
+pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
         return Err(Error("a figure of panels has a column, and each column a panel".into()));
@@ -289,7 +290,7 @@ pub fn panels(figure: &Panels) -> Result<Vec<u8>, Error> {
             top += height;
         }
     }
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), Error> {
@@ -309,7 +310,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     let axes = if panel.kind == Kind::Plane {
         let axes = Axes::draw_equal(canvas, area, x, y)?;
         let circle: Vec<_> = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).collect();
-        axes.join(canvas, &circle, &Style { colour: GREY, dash: &[], marker: None })?;
+        axes.join(canvas, &circle, &Style { colour: GREY, dash: &[], marker: None });
         axes
     } else {
         Axes::draw(canvas, area, x, y, true)?
@@ -319,13 +320,13 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis) -> Result<(), E
     }
     for (line, style) in lines {
         if !cloud {
-            axes.join(canvas, &line.points, &style)?;
+            axes.join(canvas, &line.points, &style);
         }
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            if cloud { mark_of(canvas, &style, at, false, SMALL_MARKER)? } else { mark(canvas, &style, at, false)? }
+            if cloud { mark_of(canvas, &style, at, false, SMALL_MARKER) } else { mark(canvas, &style, at, false) }
         }
     }
-    axes.close(canvas)?;
+    axes.close(canvas);
     panel.inset.as_ref().map_or(Ok(()), |inset| draw_inset(canvas, &axes.frame, panel, inset))
 }
 
@@ -349,10 +350,11 @@ fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset) -
         y1: frame.y0 + INSET.1 * frame.height(),
     };
     let Rect { x0, x1, y0, y1 } = area;
-    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER)?;
+    canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], PAPER);
     let enlarged = Panel { kind: panel.kind, lines: vec![line.clone()], ..Panel::default() };
     let x = (enlarged.abscissa(panel.points()), "");
     let axes = Axes::draw_bare(canvas, area, x, (enlarged.ordinate(), &inset.label))?;
-    axes.join(canvas, &line.points, &panel.style(inset.line))?;
-    axes.close(canvas)
+    axes.join(canvas, &line.points, &panel.style(inset.line));
+    axes.close(canvas);
+    Ok(())
 }

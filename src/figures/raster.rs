@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::LABEL;
 use super::colour_bar::{ColourBar, range_with_zero};
@@ -64,7 +65,7 @@ impl Raster {
 ///
 /// Bonds, times or a bar that are not finite or decrease, a letter the font lacks, or more
 /// text than fits.
-pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
+pub fn raster(figure: &Raster) -> Result<Picture, Error> {
     let ((first, last), (start, end)) = (figure.bonds, figure.times);
     let forward = |lo: f64, hi: f64| usable(lo) && usable(hi) && lo <= hi;
     if !(forward(first, last) && forward(start, end)) {
@@ -93,8 +94,8 @@ pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
     let frame = axes.frame;
     let pixels: Vec<Rgb> =
         largest(&axes, figure.bonds, &bars).into_iter().map(|shade| shade.map_or(palette::PAPER, colour)).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), frame.width() as usize, &pixels)?;
-    axes.close(&mut canvas)?;
+    canvas.image((frame.x0 as u32, frame.y0 as u32), frame.width() as usize, pixels);
+    axes.close(&mut canvas);
     match key {
         Some(key) => key.draw(&mut canvas, frame, body.x1, colour)?,
         None => {
@@ -102,7 +103,7 @@ pub fn raster(figure: &Raster) -> Result<Vec<u8>, Error> {
             canvas.text("no contact", middle, LABEL, palette::GREY, (0.5, 0.5))?;
         }
     }
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 /// The largest magnitude at each pixel between the axes, row by row from the top; `None` where

@@ -1,5 +1,6 @@
 //! Space-time maps: the values of a chain against site and time, in colour.
 
+use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
@@ -44,10 +45,10 @@ pub struct SpaceTime {
 ///
 /// A matrix without entries or with an incomplete row, times that are not finite or decrease, a
 /// letter that the font lacks, or more text than fits.
-pub fn space_time(figure: &SpaceTime) -> Result<Vec<u8>, Error> {
+pub fn space_time(figure: &SpaceTime) -> Result<Picture, Error> {
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;
     draw(&mut canvas, body, figure)?;
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
@@ -78,8 +79,8 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
     let frame = axes.frame;
     let (wide, high) = (frame.width() as usize, frame.height() as usize);
     let pixels: Vec<Rgb> = largest(&figure.values, sites, (wide, high)).into_iter().map(colour).collect();
-    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, &pixels)?;
-    axes.close(canvas)?;
+    canvas.image((frame.x0 as u32, frame.y0 as u32), wide, pixels);
+    axes.close(canvas);
     bar.draw(canvas, frame, area.x1, colour)
 }
 

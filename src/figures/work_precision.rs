@@ -1,5 +1,6 @@
 //! Work-precision diagrams: the error of each method against its cost.
 
+use super::Picture;
 use super::axes::{Axes, Axis, mark, short};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
@@ -69,7 +70,7 @@ pub struct WorkPrecision {
 /// # Errors
 ///
 /// No point that can be drawn, a letter the font lacks, or more text than fits.
-pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
+pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     let drawable = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.drawable());
     if drawable().next().is_none() {
         return Err(Error("a work-precision diagram needs a point with positive finite work and error".into()));
@@ -115,7 +116,7 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     let y = Axis::log(drawable().map(|point| point.error).chain(floor));
     let axes = Axes::draw(&mut canvas, body, (x, &figure.work_label), (y, &figure.error_label), true)?;
     if let Some((_, at)) = floor.zip(drawable().next()).and_then(|(floor, point)| axes.place((point.work, floor))) {
-        canvas.line(&[(axes.frame.x0, at), (axes.frame.x1, at)], palette::GREY, 1.6, &[])?;
+        canvas.line(&[(axes.frame.x0, at), (axes.frame.x1, at)], palette::GREY, 1.6, &[]);
     }
     let middle = middle(figure);
     let mut avoid = samples(figure, &axes);
@@ -125,14 +126,14 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Vec<u8>, Error> {
     for (curve, style) in styled {
         let points: Vec<_> = curve.points.iter().filter(|point| point.drawable()).collect();
         let line: Vec<_> = points.iter().map(|point| (point.work, point.error)).collect();
-        axes.join(&mut canvas, &line, &style)?;
+        axes.join(&mut canvas, &line, &style);
         for (point, at) in points.iter().zip(&line) {
             if let Some(at) = axes.place(*at) {
-                mark(&mut canvas, &style, at, point.below_reference)?;
+                mark(&mut canvas, &style, at, point.below_reference);
             }
         }
     }
-    canvas.png(&figure.caption)
+    canvas.picture(&figure.caption)
 }
 
 /// The medians of work and error on logarithmic axes, of the points that the reference resolves, or

@@ -42,7 +42,7 @@ pub enum Block {
         /// What can be seen.
         caption: String,
         /// The file.
-        png: Vec<u8>,
+        svg: Vec<u8>,
     },
     /// What could not be made, and why.
     Failure(String),
@@ -169,9 +169,9 @@ impl Block {
         match self {
             Self::Table(text) => html! { pre { (text) } },
             Self::Failure(why) => html! { p.failure { "Failed: " (why) } },
-            Self::Picture { title, caption, png } => html! {
+            Self::Picture { title, caption, svg } => html! {
                 figure {
-                    img alt=(title) src={ "data:image/png;base64," (STANDARD.encode(png)) };
+                    img alt=(title) src={ "data:image/svg+xml;base64," (STANDARD.encode(svg)) };
                     figcaption { strong { (title) ". " } (caption) }
                 }
             },
@@ -187,7 +187,7 @@ mod tests {
     fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
         let blocks = vec![
             Block::Table("1 < 2 & <script>".into()),
-            Block::Picture { title: "a \"b\"".into(), caption: "α < 2".into(), png: vec![1, 2, 3] },
+            Block::Picture { title: "a \"b\"".into(), caption: "α < 2".into(), svg: vec![1, 2, 3] },
             Block::Failure("no <reason>".into()),
         ];
         let section = Section { name: "one", title: "One", shows: "nothing".into(), blocks, wall: Duration::ZERO };

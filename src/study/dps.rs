@@ -81,7 +81,7 @@ impl Report for Integrated {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(Vec::new())
     }
 }
@@ -151,7 +151,7 @@ impl Report for Homoclinic {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(Vec::new())
     }
 }
@@ -293,7 +293,7 @@ impl Report for Profiled {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
         let panel = |label: &str, values: &[f64]| {
             let points = self.profile.sites().map(|n| n as f64).zip(values.iter().copied());

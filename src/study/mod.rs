@@ -71,6 +71,10 @@ use std::path::PathBuf;
 /// The name of a file and what is in it.
 pub type File = (String, Vec<u8>);
 
+/// The name of the PNG file of a picture, and the picture.
+#[cfg(feature = "plot")]
+pub type Drawing = (String, crate::figures::Picture);
+
 /// Told of the share that is done, and of what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
@@ -125,7 +129,7 @@ pub trait Report {
     /// # Errors
     /// A picture that cannot be drawn.
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>>;
+    fn pictures(&self) -> Result<Vec<Drawing>>;
 
     /// What is to be known beside the results.
     fn remark(&self) -> Option<String> {
@@ -138,9 +142,9 @@ pub trait Report {
     }
 }
 
-/// Names for files.
-fn named<const N: usize>(files: [(&str, Vec<u8>); N]) -> Vec<File> {
-    files.map(|(name, bytes)| (name.to_owned(), bytes)).into()
+/// Names for files and pictures.
+fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
+    files.map(|(name, file)| (name.to_owned(), file)).into()
 }
 
 /// A scene by its name, with changes.

@@ -415,3 +415,33 @@ fn dps_integrals_keep_their_contract() {
         assert!(refusal(&args).contains(rule), "{}", refusal(&args));
     }
 }
+#[cfg(feature = "plot")]
+#[test]
+fn pictures_are_written_in_the_formats_that_are_asked_for_and_in_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = |formats: &str| {
+        let output = hertzchain(&["run", "impact", "--until", "5", "--out", out, "--format", formats]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary: Value =
+            serde_json::from_str(&std::fs::read_to_string(folder.path().join("summary.json")).unwrap()).unwrap();
+        let mut names: Vec<String> =
+            std::fs::read_dir(out).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|name| name.ends_with("g"));
+        names.sort_unstable();
+        let told: Vec<&str> = summary["files"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        assert!(names.iter().all(|name| told.contains(&name.as_str())), "{told:?}");
+        assert_eq!(told.iter().filter(|name| name.ends_with("g")).count(), names.len());
+        names
+    };
+    let names = |end: &str| ["energy", "profile", "spacetime"].map(|stem| format!("{stem}.{end}"));
+    assert_eq!(run("png"), names("png"));
+    let mut both = [names("png"), names("svg")].concat();
+    both.sort_unstable();
+    assert_eq!(run("svg,png"), both);
+    assert_eq!(run("svg"), names("svg"));
+    let other = hertzchain(&["dps", "dark", "--out", out, "--format", "jpg"]);
+    assert_eq!(other.status.code(), Some(2));
+    let why = String::from_utf8_lossy(&other.stderr);
+    assert!(why.contains("jpg") && why.contains("svg"), "{why}");
+}

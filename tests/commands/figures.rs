@@ -89,7 +89,8 @@ fn energies(values: &[f64], log: bool) -> Panels {
 }
 
 /// The pixels of a figure, row by row, and its caption as the file keeps it.
-fn decode(bytes: &[u8]) -> (Vec<[u8; 3]>, String) {
+fn decode(picture: &Picture) -> (Vec<[u8; 3]>, String) {
+    let bytes = picture.file(Format::Png).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     assert_eq!(reader.info().size(), SIZE);
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -113,13 +114,36 @@ fn the_same_numbers_give_the_same_bytes_and_keep_their_caption() {
             raster(&contacts(&[(2.0, 10.0, 20.0, 1.0), (7.0, 15.0, 60.0, 2.0)])).unwrap(),
         ]
     };
-    let first = draw();
-    assert_eq!(first, draw());
-    for bytes in first {
-        let (pixels, caption) = decode(&bytes);
+    let files = |format: Format| draw().map(|picture| picture.file(format).unwrap());
+    for format in Format::ALL {
+        assert_eq!(files(format), files(format));
+    }
+    for picture in draw() {
+        let (pixels, caption) = decode(&picture);
         assert_eq!(caption, CAPTION);
         assert!(pixels.iter().any(|&p| p != pixels[0]));
+        let svg = String::from_utf8(picture.file(Format::Svg).unwrap()).unwrap();
+        let (title, caption) = (picture.title(), CAPTION.replace('&', "&amp;"));
+        assert!(svg.contains(&format!("<title>{title}</title>\n<desc>{caption}</desc>")));
+        assert_eq!(unclosed(&svg), Vec::<&str>::new());
+        // Nothing is fetched from elsewhere.
+        assert_eq!(svg.matches("http").count(), 1);
+        assert_eq!(svg.matches("href=").count(), svg.matches("href=\"data:image/png;base64,").count());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
     }
+}
+
+/// The elements of an XML text that are not closed in their order.
+fn unclosed(xml: &str) -> Vec<&str> {
+    let mut open = Vec::new();
+    for tag in xml.split('<').skip(1).map(|part| part.split_once('>').expect("a tag ends").0) {
+        match tag.strip_prefix('/') {
+            Some(name) => assert_eq!(open.pop(), Some(name)),
+            None if tag.ends_with('/') => {}
+            None => open.push(tag.split(' ').next().unwrap()),
+        }
+    }
+    open
 }
 
 #[test]
@@ -226,8 +250,8 @@ fn the_legend_of_many_curves_stands_apart_from_the_axes() {
 }
 
 /// The pixels between the axes of a figure: from the frame, found by its ink, inwards.
-fn inside(bytes: &[u8]) -> Vec<Vec<[u8; 3]>> {
-    let (pixels, _) = decode(bytes);
+fn inside(picture: &Picture) -> Vec<Vec<[u8; 3]>> {
+    let (pixels, _) = decode(picture);
     let rows: Vec<&[[u8; 3]]> = pixels.chunks(SIZE.0 as usize).collect();
     let ink = |p: &[u8; 3]| p.iter().all(|&c| c < 200);
     let framed = |y: &usize| rows[*y].iter().filter(|p| ink(p)).count() > 800;
@@ -613,7 +637,7 @@ fn panels_of_another_label_have_a_range_of_their_own() {
         panels(&Panels::column("Norms", vec![panel(labels[0], 10.0), panel(labels[1], 100.0)], CAPTION)).unwrap()
     };
     // The first of them ends a tenth of the way if it shares the range of the second.
-    let right = |bytes: &[u8]| {
+    let right = |bytes: &Picture| {
         let (pixels, _) = decode(bytes);
         let rows: Vec<_> = pixels.chunks(SIZE.0 as usize).take(SIZE.1 as usize / 3).collect();
         (700..1150).any(|x| rows.iter().skip(80).any(|row| blue(&row[x])))

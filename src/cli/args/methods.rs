@@ -68,7 +68,7 @@ pub(crate) struct RunArgs {
     pub(crate) plan: bool,
     /// Write the results to this folder; without it, no file is written.
     ///
-    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and PNGs.
+    /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and pictures.
     /// What an earlier run has left of its files is removed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -84,6 +84,9 @@ pub(crate) struct RunArgs {
     /// with it must be its own.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["checkpoint", "steps_per_period", "step", "tol", "windows_per_period", "nodes", "until", "samples", "set", "out", "plan"])]
     pub(crate) resume: Option<PathBuf>,
+    #[cfg(feature = "plot")]
+    #[command(flatten)]
+    pub(crate) formats: super::super::formats::Formats,
     /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,

@@ -68,9 +68,12 @@ pub(crate) struct FiguresArgs {
         value_name = "DIR",
         default_value = "out/figures",
         help = OUT_ALWAYS,
-        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png, the tables NAME-….csv, and NAME.json, which says what made them.")
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which says what made them.")
     )]
     pub(crate) out: PathBuf,
+    #[cfg(feature = "plot")]
+    #[command(flatten)]
+    pub(crate) formats: super::super::formats::Formats,
     /// Print JSON instead of text.
     ///
     /// Name, source, title, files, caption and wall time of every figure.

@@ -226,12 +226,12 @@ impl Figure {
         }))
     }
 
-    /// The picture as PNG.
+    /// The picture.
     ///
     /// # Errors
     /// A picture that cannot be drawn.
     #[cfg(feature = "plot")]
-    pub fn png(&self, data: &Data) -> Result<Vec<u8>> {
+    pub fn picture(&self, data: &Data) -> Result<crate::figures::Picture> {
         use crate::figures::{growth, maps, panels};
         let (title, caption) = (self.title, self.caption(data));
         Ok(match data {

@@ -133,7 +133,7 @@ impl Report for BrightStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("breather.png", bright_picture(self)?)]))
     }
 }
@@ -315,7 +315,7 @@ impl Report for TrivialStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("breather.png", trivial_picture(self)?)]))
     }
 }
@@ -333,7 +333,7 @@ fn kink_height(study: &TrivialStudy) -> f64 {
 /// Beads and resonators at the end beside the ansatz; distances from it, and the share of the core,
 /// in time.
 #[cfg(feature = "plot")]
-fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
+fn bright_picture(study: &BrightStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let BrightStudy { scene, breather, samples, profiles, .. } = study;
     let (layout, last) = (scene.chain().layout(), &profiles[profiles.len() - 1]);
@@ -366,7 +366,7 @@ fn bright_picture(study: &BrightStudy) -> Result<Vec<u8>> {
 /// Amplitudes and mean positions by site; the distance of the integrator from the closed form in
 /// time.
 #[cfg(feature = "plot")]
-fn trivial_picture(study: &TrivialStudy) -> Result<Vec<u8>> {
+fn trivial_picture(study: &TrivialStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};
     let breather = &study.breather;
     let sites = |label: &str, values: &[f64]| {

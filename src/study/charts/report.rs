@@ -82,7 +82,7 @@ impl Report for ChartStudy {
 
     /// Heat maps of every chart.
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         let mut pictures = Vec::new();
         for &chart in &self.charts {
             let name = chart.name();

@@ -76,7 +76,7 @@ impl Report for Comparison {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("compare.png", picture(self)?)]))
     }
 }
@@ -188,7 +188,7 @@ const PICTURED: [&str; 12] = [
 
 /// The work-precision diagram.
 #[cfg(feature = "plot")]
-fn picture(comparison: &Comparison) -> Result<Vec<u8>> {
+fn picture(comparison: &Comparison) -> Result<crate::figures::Picture> {
     use crate::figures::{Curve, Point, WorkPrecision, work_precision};
     let (mut methods, mut loops) = (Vec::new(), Vec::new());
     for entrant in comparison.entrants() {

@@ -71,7 +71,7 @@ impl Report for DriftStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("drift.png", picture(self)?)]))
     }
 }
@@ -105,7 +105,7 @@ fn points(row: &DriftRow) -> Vec<crate::figures::Point> {
 
 /// Largest relative error of the energy up to `t` against `t`.
 #[cfg(feature = "plot")]
-fn picture(study: &DriftStudy) -> Result<Vec<u8>> {
+fn picture(study: &DriftStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Curve, WorkPrecision, work_precision};
     let methods: Vec<_> = study.rows.iter().map(|row| row.method).collect();
     let (families, family_of) = crate::study::families(&methods);

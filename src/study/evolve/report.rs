@@ -78,7 +78,7 @@ impl Report for Evolution {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("evolution.png", picture(self)?)]))
     }
 
@@ -136,7 +136,7 @@ pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
 /// `evolution.png`: largest strains over space and time, return error and position of the kink in
 /// time.
 #[cfg(feature = "plot")]
-fn picture(study: &Evolution) -> Result<Vec<u8>> {
+fn picture(study: &Evolution) -> Result<crate::figures::Picture> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let setting = study.orbit.setting;
     let time = |kind: Kind, label: &str, values: &[f64]| {

@@ -125,7 +125,7 @@ impl Report for ExactStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         use crate::figures::{Panels, panels};
         let caption = format!("{} {}", exact_caption(self), program());
         let title = format!("Exact travelling wave, q = {}", of_pi(self.wave.setting.q.q()));
@@ -293,7 +293,7 @@ impl Report for WaveBranchStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         use crate::figures::{Panels, panels};
         let symbol = self.continuation.parameter.symbol();
         let params = self.waves.first().map_or(String::new(), |one| params_words(one.wave.setting.params));

@@ -33,7 +33,7 @@ impl Report for LifetimeStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("lifetimes.png", picture(self)?)]))
     }
 }
@@ -193,7 +193,7 @@ pub(crate) fn csv(study: &LifetimeStudy) -> Vec<u8> {
 
 /// Lifetimes over mass ratio and size, each with its number and the first letter of its fate.
 #[cfg(feature = "plot")]
-fn picture(study: &LifetimeStudy) -> Result<Vec<u8>> {
+fn picture(study: &LifetimeStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{CellMap, Maps, maps};
     let options = &study.options;
     let ascending = |values: &[f64]| {

@@ -121,7 +121,7 @@ impl Report for StabilityStudy {
 
     /// Growth against wave number with what was measured, and the chart.
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         let png = crate::figures::growth(&figure(self, caption(self)))?;
         Ok(crate::study::named([("dps-growth.png", png)]))
     }

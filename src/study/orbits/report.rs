@@ -30,7 +30,7 @@ impl Report for DarkStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         let title = format!("Dark breather about a {}", center_word(self.center));
         Ok(named([("dark-breather.png", orbit_picture(title, &self.study)?)]))
     }
@@ -51,7 +51,7 @@ impl Report for Branch {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("branch.png", branch_picture(self)?)]))
     }
 
@@ -87,7 +87,7 @@ impl Report for DoubledStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         self.doubled.branch.pictures()
     }
 
@@ -326,7 +326,7 @@ fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
 
 /// Strains of the orbit at rest, and its multipliers in the complex plane.
 #[cfg(feature = "plot")]
-fn orbit_picture(title: String, study: &OrbitStudy) -> Result<Vec<u8>> {
+fn orbit_picture(title: String, study: &OrbitStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{self, Column, Line, Panel, Panels, panels};
     let Setting { params, sites, omega_b, .. } = study.orbit.setting;
     let half = (sites / 2) as i64;
@@ -364,7 +364,7 @@ const UNSTABLE: f64 = 1.0 + 1e-6;
 /// The amplitude along the branch with stability marked, the largest modulus, and where
 /// bifurcations are.
 #[cfg(feature = "plot")]
-fn branch_picture(branch: &Branch) -> Result<Vec<u8>> {
+fn branch_picture(branch: &Branch) -> Result<crate::figures::Picture> {
     use crate::figures::{self, Line, Panel, Panels, panels};
     let parameter = branch.continuation.parameter;
     use super::BranchPoint;

@@ -84,7 +84,7 @@ impl Report for OrderStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         let (state, tangent) = ((Quantity::State, self.floor.0), (Quantity::Tangent, self.floor.1));
         Ok(named([("order-state.png", picture(self, state)?), ("order-tangent.png", picture(self, tangent)?)]))
     }
@@ -110,7 +110,7 @@ const PICTURED: [&str; 7] =
 
 /// Errors of the state or of the tangent against steps.
 #[cfg(feature = "plot")]
-fn picture(study: &OrderStudy, (quantity, floor): (Quantity, f64)) -> Result<Vec<u8>> {
+fn picture(study: &OrderStudy, (quantity, floor): (Quantity, f64)) -> Result<crate::figures::Picture> {
     use crate::{
         figures::{Curve, Point, WorkPrecision, work_precision},
         study::Mode,

@@ -31,7 +31,7 @@ impl Report for Template {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(Vec::new())
     }
 }
@@ -80,9 +80,9 @@ impl Report for PlanStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         let picture = picture::of(self)?;
-        Ok(picture.map(|png| ("sweep.png".to_owned(), png)).into_iter().collect())
+        Ok(picture.map(|picture| ("sweep.png".to_owned(), picture)).into_iter().collect())
     }
 
     fn remark(&self) -> Option<String> {
@@ -161,7 +161,7 @@ mod picture {
     const NAMED: usize = 40;
 
     /// The picture, if the plan has one or two axes and shows a number.
-    pub(super) fn of(study: &PlanStudy) -> Result<Option<Vec<u8>>> {
+    pub(super) fn of(study: &PlanStudy) -> Result<Option<crate::figures::Picture>> {
         let column = &study.columns[study.plan.keys().count() + study.plan.picture];
         let finite = column.numbers.iter().any(|number| number.is_finite());
         if column.width != 1 || !finite {
@@ -194,7 +194,7 @@ mod picture {
         format!("Scene {scene}, changed by {}. hertzchain {}.", of(&settings["set"]), env!("CARGO_PKG_VERSION"))
     }
 
-    fn line(study: &PlanStudy, name: &str, values: &[f64]) -> Result<Vec<u8>> {
+    fn line(study: &PlanStudy, name: &str, values: &[f64]) -> Result<crate::figures::Picture> {
         let x = numbers(study, 0).unwrap_or_else(|| (0..values.len()).map(|k| k as f64).collect());
         let positive = x.iter().chain(values).all(|number| *number > 0.0);
         let kind = if positive { Kind::LogLog } else { Kind::Parameter };
@@ -203,7 +203,7 @@ mod picture {
         Ok(panels(&Panels::column(study.plan.name.clone(), vec![panel], caption(study)))?)
     }
 
-    fn map(study: &PlanStudy, name: &str, values: &[f64]) -> Result<Vec<u8>> {
+    fn map(study: &PlanStudy, name: &str, values: &[f64]) -> Result<crate::figures::Picture> {
         let (rows, columns) = (study.plan.axes[0].values.len(), study.plan.axes[1].values.len());
         let few = |most: usize| rows <= most && columns <= most;
         let note = |value: &f64| if few(NOTED) && value.is_finite() { shown(*value) } else { String::new() };

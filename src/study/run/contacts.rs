@@ -111,7 +111,12 @@ pub fn contact_lines(contacts: &[Contact]) -> Vec<String> {
 /// # Errors
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
-pub fn contacts_png(scene: &crate::scene::Scene, how: &str, t_end: f64, contacts: &[Contact]) -> Result<Vec<u8>> {
+pub fn contacts_picture(
+    scene: &crate::scene::Scene,
+    how: &str,
+    t_end: f64,
+    contacts: &[Contact],
+) -> Result<crate::figures::Picture> {
     use crate::{
         chain::Overlaps,
         figures::{Bar, Raster, raster},
@@ -240,7 +245,7 @@ mod tests {
         for (name, _) in crate::scene::Scene::list() {
             let scene = crate::scene::Scene::load(name).unwrap();
             for contacts in [&three()[..], &[]] {
-                contacts_png(&scene, "Integrator verlet.", 1.0, contacts).unwrap();
+                contacts_picture(&scene, "Integrator verlet.", 1.0, contacts).unwrap();
             }
         }
     }

@@ -8,7 +8,7 @@ mod report;
 
 pub use checkpoint::LongRun;
 #[cfg(feature = "plot")]
-pub use contacts::contacts_png;
+pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use how::{Asked, How};
 #[cfg(feature = "plot")]

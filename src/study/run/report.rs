@@ -141,7 +141,7 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
 }
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 12] = [
+pub const RUN_FILES: [&str; 16] = [
     "summary.json",
     "scene.toml",
     "final.csv",
@@ -151,9 +151,13 @@ pub const RUN_FILES: [&str; 12] = [
     "contacts.csv",
     "contacts.npz",
     "profile.png",
+    "profile.svg",
     "spacetime.png",
+    "spacetime.svg",
     "energy.png",
+    "energy.svg",
     "contacts.png",
+    "contacts.svg",
 ];
 
 /// Writes the run: `summary.json`, which is the JSON with the names of all files, `scene.toml`,
@@ -168,13 +172,13 @@ pub fn run_files(
     scene: &Scene,
     outcome: &Trajectory,
     json: &Value,
-    pictures: &[(&str, Vec<u8>)],
+    pictures: &[crate::study::File],
     in_legs: bool,
 ) -> Result<()> {
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
-        _ if name.ends_with(".png") => pictures.iter().any(|picture| picture.0 == name),
+        _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
         _ => logged || !name.starts_with("contacts"),
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
@@ -238,7 +242,7 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
     out.flush()
 }
 
-/// The pictures of a run, `(file name, PNG)`: the profile at the end, the strain over space and
+/// The pictures of a run: the profile at the end, the strain over space and
 /// time, the energy error.
 ///
 /// # Errors
@@ -249,7 +253,7 @@ pub fn run_pictures(
     integrator: &str,
     setting: &str,
     outcome: &Trajectory,
-) -> Result<Vec<(&'static str, Vec<u8>)>> {
+) -> Result<Vec<crate::study::Drawing>> {
     use crate::figures;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
@@ -283,9 +287,9 @@ pub fn run_pictures(
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
     }
     if let Some(contacts) = &outcome.contacts {
-        pictures.push(("contacts.png", super::contacts::contacts_png(scene, &how, outcome.t, contacts)?));
+        pictures.push(("contacts.png", super::contacts::contacts_picture(scene, &how, outcome.t, contacts)?));
     }
-    Ok(pictures)
+    Ok(pictures.into_iter().map(|(name, picture)| (name.to_owned(), picture)).collect())
 }
 
 /// The number of the first strain: bonds count as the sites to their right, and the first of a free

@@ -62,7 +62,7 @@ impl Report for ScalingStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("scaling.png", picture(self)?)]))
     }
 }
@@ -97,7 +97,7 @@ fn how(study: &ScalingStudy) -> String {
 
 /// Nanoseconds per bond and period against the number of sites.
 #[cfg(feature = "plot")]
-fn picture(study: &ScalingStudy) -> Result<Vec<u8>> {
+fn picture(study: &ScalingStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Curve, Point, WorkPrecision, work_precision};
     let methods = ScalingStudy::methods();
     let point = |row: &ScalingRow| {

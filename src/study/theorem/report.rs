@@ -126,7 +126,7 @@ impl Report for TheoremStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(files([("theorem.png", picture(self)?)]))
     }
 
@@ -253,7 +253,7 @@ fn slopes_csv(study: &TheoremStudy) -> Vec<u8> {
 /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there is:
 /// bounded as the theorem says where they do not grow to the left.
 #[cfg(feature = "plot")]
-fn picture(study: &TheoremStudy) -> Result<Vec<u8>> {
+fn picture(study: &TheoremStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};
     let options = &study.options;
     let line = |quantity: usize, norm: Norm| {

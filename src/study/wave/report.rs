@@ -117,7 +117,7 @@ impl Report for WaveStudy {
     }
 
     #[cfg(feature = "plot")]
-    fn pictures(&self) -> Result<Vec<File>> {
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(crate::study::named([("wave.png", picture(self)?)]))
     }
 
@@ -241,7 +241,7 @@ fn spread_csv(study: &WaveStudy, ensemble: &Ensemble) -> Vec<u8> {
 
 /// Strains at the end beside the ansatz, and errors in time.
 #[cfg(feature = "plot")]
-fn picture(study: &WaveStudy) -> Result<Vec<u8>> {
+fn picture(study: &WaveStudy) -> Result<crate::figures::Picture> {
     use super::Errors;
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
     let over = |x: &mut dyn Iterator<Item = f64>, y: &[f64]| x.zip(y.iter().copied()).collect::<Vec<_>>();

@@ -1,0 +1,54 @@
+//! `--format`: which files a picture becomes.
+
+use crate::{
+    error::Result,
+    figures::Format,
+    output::Folder,
+    study::{Drawing, File},
+};
+use clap::Args;
+
+/// The formats of pictures.
+#[derive(Args, Clone, Debug)]
+pub(super) struct Formats {
+    /// Formats of pictures, separated by commas: png, svg
+    #[arg(
+        long,
+        value_name = "F,..",
+        value_delimiter = ',',
+        value_parser = |name: &str| name.parse::<Format>(),
+        default_value = "png",
+        hide_short_help = true
+    )]
+    format: Vec<Format>,
+}
+
+impl Formats {
+    /// The files of pictures, in the formats that are asked for.
+    pub(super) fn files(&self, drawings: &[Drawing]) -> Result<Vec<File>> {
+        let formats = || Format::ALL.into_iter().filter(|format| self.format.contains(format));
+        let pairs = drawings.iter().flat_map(|drawing| formats().map(move |format| (drawing, format)));
+        pairs.map(|((name, picture), format)| Ok((format.name(name), picture.file(format)?))).collect()
+    }
+
+    /// Writes pictures to a folder, in place of what an earlier run has left of them in other
+    /// formats. The names of the files.
+    pub(super) fn write(&self, folder: &Folder, drawings: &[Drawing]) -> Result<Vec<String>> {
+        let files = self.files(drawings)?;
+        let all = drawings.iter().flat_map(|(name, _)| names(name));
+        let left: Vec<String> = all.filter(|name| files.iter().all(|file| file.0 != *name)).collect();
+        folder.remove(left.iter().map(String::as_str))?;
+        files.iter().try_for_each(|(name, bytes)| folder.write(name, bytes).map(drop))?;
+        Ok(files.into_iter().map(|(name, _)| name).collect())
+    }
+}
+
+/// The names that the file of a picture may have, from that of its PNG file; any other name as it
+/// is.
+pub(super) fn names(name: &str) -> Vec<String> {
+    if name.ends_with(".png") {
+        Format::ALL.iter().map(|format| format.name(name)).collect()
+    } else {
+        vec![name.to_owned()]
+    }
+}

@@ -1,0 +1,166 @@
+//! A picture as an SVG file: one file without references to others.
+//!
+//! Texts are texts, in the font of the other format where a viewer has it and in its own sans-serif
+//! else; each is set to the width that was laid out for it. Images are PNG files inside.
+
+use std::fmt::Write;
+
+use base64::{Engine, engine::general_purpose::STANDARD};
+
+use super::Error;
+use super::bitmap::encoded;
+use super::canvas::{CAPITALS, Label, Shape, text_width};
+use super::palette::Rgb;
+use super::picture::Picture;
+use super::text::runs;
+
+/// The SVG file, with the caption as its description.
+pub(super) fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
+    let (width, height) = picture.size;
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+         role=\"img\" font-family=\"DejaVu Sans, Verdana, sans-serif\" stroke-linejoin=\"round\">\n\
+         <title>{}</title>\n<desc>{}</desc>\n<metadata>{}</metadata>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+        escaped(&picture.title),
+        escaped(&picture.caption),
+        super::SOFTWARE
+    );
+    for shape in &picture.shapes {
+        element(&mut out, shape)?;
+    }
+    out += "</svg>\n";
+    Ok(out.into_bytes())
+}
+
+/// Appends a shape.
+fn element(out: &mut String, shape: &Shape) -> Result<(), Error> {
+    match shape {
+        Shape::Line { points, colour, width, dash } => {
+            let dash = dash.iter().map(|&length| number(length)).collect::<Vec<_>>().join(" ");
+            let dash = if dash.is_empty() { dash } else { format!(" stroke-dasharray=\"{dash}\"") };
+            let (at, colour, width) = (places(points), hex(*colour), number(*width));
+            line(
+                out,
+                format_args!(
+                    "<polyline points=\"{at}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>"
+                ),
+            );
+        }
+        Shape::Polygon { points, colour } => {
+            line(out, format_args!("<polygon points=\"{}\" fill=\"{}\"/>", places(points), hex(*colour)));
+        }
+        // As pixels: the darker colour stays. Edges without smoothing leave no seam between strips.
+        Shape::Tint { x: [from, to], top, bottom, colour } => {
+            let at = places(&[(*from, top[0]), (*to, top[1]), (*to, bottom[1]), (*from, bottom[0])]);
+            let style = "style=\"mix-blend-mode:darken\" shape-rendering=\"crispEdges\"";
+            line(out, format_args!("<polygon points=\"{at}\" fill=\"{}\" {style}/>", hex(*colour)));
+        }
+        Shape::Image { corner: (x, y), width, pixels } => {
+            let size = (*width as u32, (pixels.len() / width) as u32);
+            let bytes: Vec<u8> = pixels.iter().flat_map(|&(r, g, b)| [r, g, b]).collect();
+            let data = STANDARD.encode(encoded(size, &bytes, None)?);
+            let (wide, high) = size;
+            line(
+                out,
+                format_args!(
+                    "<image x=\"{x}\" y=\"{y}\" width=\"{wide}\" height=\"{high}\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/>"
+                ),
+            );
+        }
+        Shape::Text(label) => text(out, label),
+    }
+    Ok(())
+}
+
+/// Appends a text: its runs, those that are lower or higher moved by a share of the size.
+fn text(out: &mut String, label: &Label) {
+    let &Label { ref text, at: (x, y), size, colour, anchor, upwards } = label;
+    if text.trim().is_empty() {
+        return;
+    }
+    let width = text_width(text, size);
+    let (along, across) = (-anchor.0 * width, CAPITALS * (1.0 - anchor.1) * size);
+    let turn = if upwards { " rotate(-90)" } else { "" };
+    let mut inside = String::new();
+    let mut drop = 0.0;
+    for (level, run) in runs(text) {
+        let (scale, below) = level.scale_and_drop();
+        let (dy, run) = (size * (below - drop), escaped(&run));
+        drop = below;
+        if scale == 1.0 && dy == 0.0 {
+            inside += &run;
+        } else {
+            let (dy, size) = (number(dy), number(size * scale));
+            let _ = write!(inside, "<tspan dy=\"{dy}\" font-size=\"{size}\">{run}</tspan>");
+        }
+    }
+    let (place, along, across) = (places(&[(x, y)]), number(along), number(across));
+    let (size, width, colour) = (number(size), number(width), hex(colour));
+    line(
+        out,
+        format_args!(
+            "<text transform=\"translate({place}){turn}\" x=\"{along}\" y=\"{across}\" font-size=\"{size}\" fill=\"{colour}\" \
+         textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\" xml:space=\"preserve\">{inside}</text>"
+        ),
+    );
+}
+
+fn line(out: &mut String, element: std::fmt::Arguments<'_>) {
+    let _ = writeln!(out, "{element}");
+}
+
+/// Points, as lists of points are written.
+fn places(points: &[(f64, f64)]) -> String {
+    points.iter().map(|&(x, y)| format!("{},{}", number(x), number(y))).collect::<Vec<_>>().join(" ")
+}
+
+/// A length to a hundredth of a pixel.
+fn number(value: f64) -> String {
+    let rounded = (100.0 * value).round() / 100.0;
+    // Without the sign of a zero.
+    (rounded + 0.0).to_string()
+}
+
+fn hex((r, g, b): Rgb) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::canvas::Canvas;
+    use super::*;
+
+    #[test]
+    fn a_text_is_set_to_its_width_with_its_scripts_and_escaped() {
+        // Truth: the rules of SVG: three runs of `a_b < c`, the middle one lower and smaller.
+        let mut canvas = Canvas::new((100, 50), "1 < 2");
+        canvas.text("ω_b < c", (50.0, 20.0), 10.0, (0, 0, 0), (0.5, 1.0)).unwrap();
+        let svg = String::from_utf8(svg(&canvas.picture("a & b").unwrap()).unwrap()).unwrap();
+        assert!(svg.contains("<title>1 &lt; 2</title>\n<desc>a &amp; b</desc>"), "{svg}");
+        let set = "ω<tspan dy=\"1.6\" font-size=\"7.2\">b</tspan><tspan dy=\"-1.6\" font-size=\"10\"> &lt; c</tspan>";
+        assert!(svg.contains(set), "{svg}");
+        let width = number(text_width("ω_b < c", 10.0));
+        assert!(svg.contains(&format!("textLength=\"{width}\"")), "{svg}");
+    }
+
+    #[test]
+    fn shapes_are_written_to_a_hundredth_of_a_pixel() {
+        let mut canvas = Canvas::new((9, 9), "t");
+        canvas.line(&[(0.0, -0.001), (1.0 / 3.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
+        canvas.tint([0.0, 1.0], [2.0, 3.0], [4.0, 5.0], (1, 2, 3));
+        canvas.image((3, 4), 2, vec![(0, 0, 0); 6]);
+        let svg = String::from_utf8(svg(&canvas.picture("c").unwrap()).unwrap()).unwrap();
+        assert!(
+            svg.contains(
+                "points=\"0,0 0.33,2\" fill=\"none\" stroke=\"#ff0001\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\""
+            ),
+            "{svg}"
+        );
+        assert!(svg.contains("points=\"0,2 1,3 1,5 0,4\" fill=\"#010203\" style=\"mix-blend-mode:darken\""), "{svg}");
+        assert!(svg.contains("<image x=\"3\" y=\"4\" width=\"2\" height=\"3\""), "{svg}");
+    }
+}
