@@ -4,7 +4,7 @@ use super::{DONE, Exit, FAILED, args::ReportArgs, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     output::Folder,
-    paper::{Data, FIGURES, Figure, verify, verify_table},
+    paper::{Data, FIGURES, Figure, verify, verify_csv, verify_table},
     present::{Block, Page, Section},
     scene::Scene,
     study::{
@@ -142,7 +142,7 @@ fn comparison(tell: Tell<'_>) -> Result<Vec<Block>> {
     let pictures = comparison.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([pictures, vec![Block::Table(comparison.text())]].concat())
+    Ok([pictures, vec![Block::Text(comparison.text()), data(&comparison)?]].concat())
 }
 
 fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -151,17 +151,18 @@ fn orders(tell: Tell<'_>) -> Result<Vec<Block>> {
     let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([pictures, vec![Block::Table(study.text())]].concat())
+    Ok([pictures, vec![Block::Text(study.text()), data(&study)?]].concat())
 }
 
 fn theorems(tell: Tell<'_>) -> Result<Vec<Block>> {
     let laws = [RhoLaw::Heavy, RhoLaw::Light];
-    let study = |(k, rho_law): (usize, RhoLaw)| {
+    let blocks = |(k, rho_law): (usize, RhoLaw)| {
         let options = TheoremOptions { rho_law, epsilons: EPSILONS.to_vec(), ..TheoremOptions::default() };
         let study = theorem(&options, &Engine::threads(), &|share| tell((k as f64 + share) / laws.len() as f64))?;
-        Ok(Block::Table(study.text()))
+        Ok([Block::Text(study.text()), data(&study)?])
     };
-    laws.into_iter().enumerate().map(study).collect()
+    let laws: Vec<[Block; 2]> = laws.into_iter().enumerate().map(blocks).collect::<Result<_>>()?;
+    Ok(laws.into_flattened())
 }
 
 fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
@@ -179,13 +180,14 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
     let pictures = study.pictures()?.iter().map(drawn).collect::<Result<Vec<_>>>()?;
     #[cfg(not(feature = "plot"))]
     let pictures = vec![];
-    Ok([vec![Block::Table(study.text())], pictures].concat())
+    Ok([vec![Block::Text(study.text()), data(&study)?], pictures].concat())
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
     let verification = verify(None, &|done, total| tell(done as f64 / total as f64))?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
-    let mut blocks = vec![Block::Table(verify_table(&verification))];
+    let files = vec![("verify.csv".to_owned(), verify_csv(&verification))];
+    let mut blocks = vec![Block::Text(verify_table(&verification)), Block::Data(files)];
     if !unexpected.is_empty() {
         blocks.push(Block::Failure(format!("not as known: {}", unexpected.join(", "))));
     }
@@ -193,18 +195,23 @@ fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn figures(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let block = |(k, figure): (usize, &'static Figure)| {
+    let blocks = |(k, figure): (usize, &'static Figure)| {
         let data = figure.data(&|share| tell((k as f64 + share) / FIGURES.len() as f64));
-        let made = data.and_then(|data| shown(figure, &data));
-        made.unwrap_or_else(|error| Block::Failure(format!("{}: {error}", figure.name)))
+        let made = data.and_then(|data| Ok(vec![shown(figure, &data)?, Block::Data(figure.tables(&data))]));
+        made.unwrap_or_else(|error| vec![Block::Failure(format!("{}: {error}", figure.name))])
     };
-    Ok(FIGURES.iter().enumerate().map(block).collect())
+    Ok(FIGURES.iter().enumerate().flat_map(blocks).collect())
 }
 
 #[cfg(feature = "plot")]
 fn shown(figure: &Figure, data: &Data) -> Result<Block> {
     let (title, caption) = (figure.title.to_owned(), figure.caption(data));
     Ok(Block::Picture { title, caption, svg: figure.picture(data)?.file(Format::Svg)? })
+}
+
+/// The numbers of a study.
+fn data(report: &dyn Report) -> Result<Block> {
+    Ok(Block::Data(report.files("")?.into_iter().filter(|(name, _)| name.ends_with(".csv")).collect()))
 }
 
 /// A picture with its own title and caption.
@@ -217,5 +224,5 @@ fn drawn((_, picture): &Drawing) -> Result<Block> {
 /// In words where nothing can be drawn.
 #[cfg(not(feature = "plot"))]
 fn shown(figure: &Figure, data: &Data) -> Result<Block> {
-    Ok(Block::Table(format!("{}. {}\n", figure.title, figure.caption(data))))
+    Ok(Block::Text(format!("{}. {}\n", figure.title, figure.caption(data))))
 }

@@ -572,8 +572,55 @@ fn a_report_is_one_page_that_fetches_nothing() {
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     // Both laws are there, each with its verdict, and what looks like a tag is none.
     assert!(page.contains("violated") && page.contains("bounded") && page.contains("0 &lt;= t"), "{page}");
-    assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script"));
+    assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("<script src"));
     let unknown = hertzchain(&["paper", "report", "--only", "theory", "--out", out.to_str().unwrap()]);
     let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
     assert!(!unknown.status.success() && message.contains("\"theory\"") && message.contains("theorem"), "{message}");
+}
+
+/// A browser without a window, if one is installed.
+fn browser() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok())
+}
+
+#[test]
+fn a_browser_finds_no_error_in_a_report() {
+    let Some(browser) = browser() else {
+        println!("SKIPPED: no Chromium here");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = hertzchain(&["paper", "report", "--only", "order,theorem", "--out", out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    // Errors of scripts, pictures that are not drawn, links that lead nowhere; then a table is sorted
+    // by its second column, and a picture is shown large.
+    let early = "<script>window.wrong = []; addEventListener('error', e => wrong.push(e.message));</script>";
+    let late = r##"<script>addEventListener('load', () => {
+        for (const image of document.images) if (!image.naturalWidth) wrong.push('not drawn: ' + image.alt);
+        for (const link of document.querySelectorAll('a[href^="#"]'))
+            if (!document.querySelector(link.hash)) wrong.push('leads nowhere: ' + link.hash);
+        const table = document.querySelector('#theorem table');
+        const head = table.tHead.rows[0].cells[1];
+        const column = () => [...table.tBodies[0].rows].map(row => parseFloat(row.cells[1].textContent));
+        head.firstChild.click(); head.firstChild.click();
+        const numbers = column();
+        if (numbers.some((x, k) => k > 0 && x > numbers[k - 1])) wrong.push('not sorted: ' + numbers);
+        document.querySelector('button.zoom').click();
+        if (!document.querySelector('dialog[open] img')) wrong.push('not large');
+        document.title = wrong.length + ' wrong, ' + document.images.length + ' pictures: ' + wrong.join('; ');
+    });</script></body>"##;
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let watched = folder.path().join("watched.html");
+    std::fs::write(&watched, page.replacen("<head>", &format!("<head>{early}"), 1).replacen("</body>", late, 1))
+        .unwrap();
+    let data = format!("--user-data-dir={}", folder.path().join("browser").display());
+    let flags = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=10000", "--dump-dom"];
+    let output =
+        Command::new(browser).args(flags).arg(data).arg(format!("file://{}", watched.display())).output().unwrap();
+    let seen = String::from_utf8_lossy(&output.stdout).into_owned();
+    let title = seen.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>")).map(|(title, _)| title);
+    assert_eq!(title, Some("0 wrong, 3 pictures: "), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -1,0 +1,345 @@
+//! One self-contained HTML page of everything: tables, pictures and their data inside, nothing
+//! fetched from elsewhere.
+
+use super::{
+    machine, machine_json,
+    table::{Part, parts},
+};
+use crate::output::to_json;
+use base64::{Engine, engine::general_purpose::STANDARD};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde_json::json;
+use std::time::{Duration, SystemTime};
+
+/// A page.
+#[derive(Clone, Debug, Default)]
+pub struct Page {
+    /// Its parts.
+    pub sections: Vec<Section>,
+}
+
+/// A part of a page.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Name, of its anchor and on the command line.
+    pub name: &'static str,
+    /// Title.
+    pub title: &'static str,
+    /// What it shows, in one sentence.
+    pub shows: String,
+    /// What stands in it.
+    pub blocks: Vec<Block>,
+    /// Wall time of its making.
+    pub wall: Duration,
+}
+
+/// What stands in a part.
+#[derive(Clone, Debug)]
+pub enum Block {
+    /// Words and tables, as plain text.
+    Text(String),
+    /// Files with the numbers.
+    Data(Vec<(String, Vec<u8>)>),
+    /// A picture.
+    Picture {
+        /// Title, also for those who do not see it.
+        title: String,
+        /// What can be seen.
+        caption: String,
+        /// The file.
+        svg: Vec<u8>,
+    },
+    /// What could not be made, and why.
+    Failure(String),
+}
+
+impl Section {
+    /// What failed in it.
+    pub fn failures(&self) -> impl Iterator<Item = &str> {
+        self.blocks.iter().filter_map(|block| if let Block::Failure(why) = block { Some(why.as_str()) } else { None })
+    }
+
+    fn pictures(&self) -> usize {
+        self.blocks.iter().filter(|block| matches!(block, Block::Picture { .. })).count()
+    }
+}
+
+/// Legible on a phone, where tables scroll, in the dark, and on paper.
+const STYLE: &str = include_str!("style.css");
+/// Sorts tables and shows pictures large. Without it nothing is missing but that.
+const SCRIPT: &str = include_str!("page.js");
+
+impl Page {
+    /// The page as HTML.
+    pub fn html(&self) -> String {
+        let version = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="generator" content=(version);
+                    title { "Report of " (version) }
+                    style { (PreEscaped(STYLE)) }
+                }
+                body {
+                    header {
+                        h1 { "Report of " (version) }
+                        p { "Nonlinear waves in locally resonant Hertzian chains: what this program computes on this machine, and how well." }
+                        (self.summary())
+                    }
+                    div.columns {
+                        nav aria-label="Contents" {
+                            ul { @for section in &self.sections { li { a href={ "#" (section.name) } { (section.title) } } } }
+                        }
+                        main { @for section in &self.sections { (section.html()) } }
+                    }
+                    dialog aria-label="A picture, large" { button type="button" { "Close" } }
+                    script { (PreEscaped(SCRIPT)) }
+                }
+            }
+        };
+        page.into_string()
+    }
+
+    /// Date, machine, and what was made.
+    fn summary(&self) -> Markup {
+        let sections = &self.sections;
+        let pictures: usize = sections.iter().map(Section::pictures).sum();
+        let failures: usize = sections.iter().map(|section| section.failures().count()).sum();
+        let wall: f64 = sections.iter().map(|section| section.wall.as_secs_f64()).sum();
+        let tables = sections.iter().flat_map(|section| &section.blocks).map(Block::verdicts);
+        let [good, bad, open] = tables.fold([0; 3], |sums, counts| std::array::from_fn(|k| sums[k] + counts[k]));
+        let ended = if failures == 0 { "good" } else { "bad" };
+        html! {
+            div.summary {
+                dl {
+                    dt { "made on" } dd { (date(SystemTime::now())) ", in " (format!("{wall:.0}")) " s" }
+                    dt { "parts" } dd { (sections.len()) ", " (pictures) " pictures, " span class=(ended) { (failures) " failed" } }
+                    @if good + bad + open > 0 {
+                        dt { "verdicts" }
+                        dd {
+                            span.good { (good) " agree or hold" } ", " span.bad { (bad) " differ or fail" } ", "
+                            span.open { (open) " open" }
+                        }
+                    }
+                    @for (name, value) in machine() { dt { (name) } dd { (value) } }
+                }
+            }
+        }
+    }
+
+    /// What was made, as JSON: `sections: [{name, title, shows, pictures, wall_s, failures}]`,
+    /// `machine`, `version`.
+    pub fn json(&self) -> String {
+        let section = |one: &Section| {
+            json!({
+                "name": one.name,
+                "title": one.title,
+                "shows": one.shows,
+                "pictures": one.pictures(),
+                "wall_s": one.wall.as_secs_f64(),
+                "failures": one.failures().collect::<Vec<_>>(),
+            })
+        };
+        to_json(&json!({
+            "sections": self.sections.iter().map(section).collect::<Vec<_>>(),
+            "machine": machine_json(),
+            "version": env!("CARGO_PKG_VERSION"),
+        }))
+    }
+
+    /// What was made, as a table.
+    pub fn table(&self) -> String {
+        let row = |one: &Section| {
+            let failures = one.failures().count();
+            let outcome = if failures == 0 { "ok".to_owned() } else { format!("{failures} FAILED") };
+            vec![
+                one.name.to_owned(),
+                outcome,
+                one.pictures().to_string(),
+                format!("{:.1}", one.wall.as_secs_f64()),
+                one.shows.clone(),
+            ]
+        };
+        crate::present::table(
+            &["section", "outcome", "pictures", "wall (s)", "what it shows"],
+            &self.sections.iter().map(row).collect::<Vec<_>>(),
+        )
+    }
+}
+
+impl Section {
+    fn html(&self) -> Markup {
+        html! {
+            section id=(self.name) {
+                h2 { (self.title) }
+                p.shows { (self.shows) }
+                @for block in &self.blocks { (block.html()) }
+                p { small { "Made in " (format!("{:.1}", self.wall.as_secs_f64())) " s." } }
+            }
+        }
+    }
+}
+
+impl Block {
+    /// How many cells of its tables are a good verdict, a bad one, and an open one.
+    fn verdicts(&self) -> [usize; 3] {
+        let Self::Text(text) = self else { return [0; 3] };
+        let classes: Vec<&str> = parts(text)
+            .iter()
+            .filter_map(|part| match part {
+                // Where it is not the last column, verdicts are repeated beside remarks.
+                Part::Table { head, rows } if head.last().is_some_and(|name| name == VERDICT) => {
+                    Some((head.len() - 1, rows))
+                }
+                _ => None,
+            })
+            .flat_map(|(column, rows)| rows.iter().map(move |row| class(&row[column])))
+            .collect();
+        ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
+    }
+
+    fn html(&self) -> Markup {
+        match self {
+            Self::Text(text) => html! { @for part in parts(text) { (part.html()) } },
+            Self::Failure(why) => html! { p.failure { "Failed: " (why) } },
+            Self::Picture { title, caption, svg } => html! {
+                figure {
+                    button.zoom type="button" title="Show large" { img alt=(title) src=(uri("image/svg+xml", svg)); }
+                    figcaption { strong { (title) ". " } (caption) }
+                }
+            },
+            Self::Data(files) => html! {
+                p.data { "Data: "
+                    @for (k, (name, bytes)) in files.iter().enumerate() {
+                        @if k > 0 { ", " }
+                        a download=(name) href=(uri("text/plain", bytes)) { (name) }
+                    }
+                }
+            },
+        }
+    }
+}
+
+/// A file inside a link.
+fn uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", STANDARD.encode(bytes))
+}
+
+/// The column that is shown first, and in colour.
+const VERDICT: &str = "verdict";
+
+/// The class of a verdict; none of another cell.
+fn class(cell: &str) -> &'static str {
+    match cell.trim_end_matches(" (!)") {
+        "agrees" | "holds" | "bounded" | "ok" => "good",
+        "differs" | "fails" | "violated" | "FAILED" => "bad",
+        "not decidable" | "undecided" => "open",
+        _ => "",
+    }
+}
+
+impl Part {
+    fn html(&self) -> Markup {
+        let (head, rows) = match self {
+            Self::Words(words) => return html! { p.words { (words) } },
+            Self::Table { head, rows } => (head, rows),
+        };
+        let mut columns: Vec<usize> = (0..head.len()).collect();
+        columns.sort_by_key(|&column| head[column] != VERDICT);
+        let numbers = |column: usize| {
+            let mut cells = rows.iter().map(|row| &row[column]).filter(|cell| !cell.is_empty());
+            cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        };
+        let class = |row: &[String], column: usize| if numbers(column) { "number" } else { class(&row[column]) };
+        html! {
+            div.wide tabindex="0" {
+                table {
+                    thead { tr { @for &column in &columns { th scope="col" { button type="button" { (head[column]) } } } } }
+                    tbody {
+                        @for row in rows {
+                            tr { @for &column in &columns { td class=(class(row, column)) { (row[column]) } } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A time as date and time of day, in UTC.
+///
+/// The civil calendar from days since 1970-03-01 less two months: years begin in March, so that the
+/// leap day is the last of a year.
+fn date(time: SystemTime) -> String {
+    let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    // Days since 0000-03-01.
+    let days = seconds / 86_400 + 719_468;
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let of_year = day - (365 * year + year / 4 - year / 100);
+    let from_march = (5 * of_year + 2) / 153;
+    let of_month = of_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = 400 * era + year + u64::from(month <= 2);
+    let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
+    format!("{year}-{month:02}-{of_month:02} {hour:02}:{minute:02} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
+        let blocks = vec![
+            Block::Text("1 < 2 & <script>".into()),
+            Block::Picture { title: "a \"b\"".into(), caption: "α < 2".into(), svg: vec![1, 2, 3] },
+            Block::Failure("no <reason>".into()),
+        ];
+        let section = Section { name: "one", title: "One", shows: "nothing".into(), blocks, wall: Duration::ZERO };
+        let page = Page { sections: vec![section] };
+        let html = page.html();
+        for wanted in [
+            "1 &lt; 2 &amp; &lt;script&gt;",
+            "a &quot;b&quot;",
+            "α &lt; 2",
+            "data:image/svg+xml;base64,AQID",
+            "no &lt;reason&gt;",
+            "href=\"#one\"",
+        ] {
+            assert!(html.contains(wanted), "{wanted}");
+        }
+        for foreign in ["<script src", "1 < 2", "http:", "https:", "@import", "url("] {
+            assert!(!html.contains(foreign), "{foreign}");
+        }
+        assert_eq!(page.sections[0].failures().collect::<Vec<_>>(), ["no <reason>"]);
+    }
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        // Truth: dates of known numbers of seconds, leap days and ends of centuries among them.
+        for (seconds, expected) in [
+            (0, "1970-01-01 00:00 UTC"),
+            (951_782_399, "2000-02-28 23:59 UTC"),
+            (951_782_400, "2000-02-29 00:00 UTC"),
+            (1_709_251_199, "2024-02-29 23:59 UTC"),
+            (1_767_225_600, "2026-01-01 00:00 UTC"),
+            (4_107_542_400, "2100-03-01 00:00 UTC"),
+        ] {
+            assert_eq!(date(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)), expected);
+        }
+    }
+
+    #[test]
+    fn verdicts_are_counted_and_stand_first_in_colour() {
+        let rows = [["a", "holds"], ["b", "differs (!)"], ["c", "not decidable"], ["d", "agrees"]];
+        let text = crate::present::table(&["item", "verdict"], &rows.map(|row| row.map(str::to_owned).to_vec()));
+        let block = Block::Text(text);
+        assert_eq!(block.verdicts(), [2, 1, 1]);
+        let html = block.html().into_string();
+        assert!(html.contains("<td class=\"bad\">differs (!)</td><td class=\"\">b</td>"), "{html}");
+    }
+}
