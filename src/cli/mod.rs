@@ -10,6 +10,7 @@ mod report;
 mod run;
 mod runner;
 mod scenes;
+mod shell;
 mod signals;
 mod terminal;
 mod verify;
@@ -40,6 +41,9 @@ const DONE: u8 = 0;
 /// returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
+    if arguments.len() <= 1 {
+        return print(shell::FIRST_STEPS).map_or(FAILED, |()| DONE);
+    }
     let ended = numbers_checked(Cli::command())
         .try_get_matches_from(&arguments)
         .and_then(|matches| Cli::from_arg_matches(&matches))
@@ -48,6 +52,26 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         say(&format!("error: {error}"));
         code(&error)
     })
+}
+
+/// Whether arguments, the name of the program first, are a command with its flags; nothing is run.
+///
+/// ```
+/// use hertzchain::cli::understood;
+/// assert!(understood(["hertzchain", "run", "tw-q15", "--tol", "1e-9"].map(Into::into)).is_ok());
+/// assert!(understood(["hertzchain", "run", "tw-q15", "--tolerance", "1e-9"].map(Into::into)).is_err());
+/// ```
+///
+/// # Errors
+/// What the program would say.
+pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<(), String> {
+    match numbers_checked(Cli::command())
+        .try_get_matches_from(arguments)
+        .and_then(|matches| Cli::from_arg_matches(&matches))
+    {
+        Err(error) if error.use_stderr() => Err(error.to_string()),
+        _ => Ok(()),
+    }
 }
 
 /// Runs the command; if it was asked to end, that is its exit code.
@@ -128,6 +152,7 @@ fn run_command(command: &Command) -> Exit {
             PaperAction::Verify(args) => verify::main(args),
             PaperAction::Report(args) => report::main(args),
         },
+        Command::Shell(args) => shell::main(args),
     }
 }
 

@@ -36,9 +36,10 @@ fn commands() -> Vec<Vec<String>> {
 }
 
 #[test]
-fn there_are_ten_commands_and_each_has_its_place() {
+fn there_are_eleven_commands_and_each_has_its_place() {
     let all: Vec<String> = commands().iter().map(|path| path.join(" ")).collect();
-    let top = ["run", "compare", "sweep", "scenes", "integrators", "study", "wave", "breather", "dps", "paper"];
+    let top =
+        ["run", "compare", "sweep", "scenes", "integrators", "study", "wave", "breather", "dps", "paper", "shell"];
     let first: Vec<&str> =
         all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
     assert_eq!(first, top);
@@ -48,6 +49,7 @@ fn there_are_ten_commands_and_each_has_its_place() {
         ("breather", "bright trivial dark continue doubled evolve"),
         ("dps", "integrals homoclinic dark"),
         ("paper", "figures verify report"),
+        ("shell", "completions man"),
         ("scenes", "show template"),
     ];
     for (above, names) in below {
@@ -73,7 +75,7 @@ fn short_help_fits_a_screen_and_long_help_has_examples() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 34, "the program, ten commands, and those below them");
+    assert_eq!(seen, 37, "the program, eleven commands, and those below them");
 }
 
 #[test]
@@ -138,4 +140,37 @@ fn nothing_is_written_unless_a_folder_is_given() {
         assert!(output.status.success() && !output.stdout.is_empty(), "{args:?}: {said}");
         assert!(!said.contains("written to") && std::fs::read_dir(folder.path()).unwrap().count() == 0, "{args:?}");
     }
+}
+
+#[test]
+fn without_a_command_it_names_three_to_start_with() {
+    let output = hertzchain(&[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && output.stderr.is_empty());
+    let examples: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("  hertzchain ")).collect();
+    let names = commands();
+    assert_eq!(examples.len(), 3);
+    for example in examples {
+        assert!(names.iter().any(|path| !path.is_empty() && example.starts_with(&path.join(" "))), "{example}");
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= SCREEN.1), "{text}");
+}
+
+#[test]
+fn every_command_has_a_manual_page_and_completions_know_its_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(hertzchain(&["shell", "man", "--out", folder.path().to_str().unwrap()]).status.success());
+    let names = commands();
+    for path in &names {
+        let name = [&["hertzchain".to_owned()], &path[..]].concat().join("-");
+        let page = std::fs::read_to_string(folder.path().join(format!("{name}.1"))).unwrap();
+        assert!(page.contains(".TH") && page.contains(".SH DESCRIPTION"), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), names.len());
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let output = hertzchain(&["shell", "completions", shell]);
+        let script = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && script.contains("steps-per-period"), "{shell}");
+    }
+    assert_eq!(hertzchain(&["shell", "completions", "sh"]).status.code(), Some(2));
 }

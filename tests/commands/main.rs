@@ -5,6 +5,7 @@ mod bad_files;
 mod cli;
 mod figures;
 mod first_use;
+mod guide;
 mod help;
 mod long_runs;
 mod machines;

@@ -9,6 +9,7 @@ mod methods;
 mod modulation;
 mod paper;
 mod scenes;
+mod shell;
 mod study;
 
 pub(super) use breathers::*;
@@ -16,6 +17,7 @@ pub(super) use methods::*;
 pub(super) use modulation::*;
 pub(super) use paper::*;
 pub(super) use scenes::*;
+pub(super) use shell::*;
 pub(super) use study::*;
 
 use crate::{
@@ -128,6 +130,12 @@ Examples:
   hertzchain paper figures --only tw-q15
   hertzchain paper verify --section 3")]
     Paper(PaperArgs),
+    /// Completions of a shell, and manual pages.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain shell completions bash
+  hertzchain shell man --out out/man")]
+    Shell(ShellArgs),
 }
 
 /// Names that commands had before, and where they are now.
