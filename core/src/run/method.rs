@@ -1,9 +1,11 @@
 //! The integrators by name.
 
 use super::Run;
+pub use crate::chain::Split;
 use crate::{
     chain::{Bonded, Chain, Field, KineticFlow, LinearFlow, Overlaps, SiteFlow, max_norm},
     error::{Error, Result},
+    parts::Parted,
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
@@ -16,15 +18,6 @@ use hertzchain_integrators::{
 use serde::{Deserialize, Serialize};
 
 mod tolerance;
-
-/// The two ways to split the Hamiltonian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Split {
-    /// Kinetic energy and potential energy.
-    Kinetic,
-    /// Linear part, whose flow is exact, and contact potential.
-    Linear,
-}
 
 /// A method with a name for the command line and scene files.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +127,10 @@ const TELLING: [&str; 13] = [
 /// What is said to somebody who gives a tolerance to a method that takes none.
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
+/// What is said to somebody who asks for parts of a method that has none.
+pub const NOT_DIVISIBLE: &str = "only splitting schemes run in parts, as --integrator strang-linear or verlet: \
+                                 leave threads and ranks out, or take one";
+
 /// Smallest tolerance that collocation accepts.
 const LEAST_TOLERANCE: f64 = 1e-15;
 
@@ -240,6 +237,11 @@ impl Method {
         self.adaptive() || matches!(self, Self::Corrected(Parts { corrected: true, .. }, _))
     }
 
+    /// Whether it can run with the chain in [`parts`](crate::parts).
+    pub fn divisible(&self) -> bool {
+        matches!(self, Self::Splitting(..))
+    }
+
     /// Whether its tolerance holds for the whole run, not for a step.
     pub fn of_the_run(&self) -> bool {
         self.tolerant() && !matches!(self, Self::Dop853(_))
@@ -297,13 +299,20 @@ impl Method {
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
         let chain = run.chain().clone();
         match (self, setting) {
+            (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
+                let flow = loaded(Parted::new(&chain, split, run.parts())?, y);
+                Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
+            }
+            _ if !run.parts().whole() && !self.divisible() => {
+                Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE))
+            }
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 let flow = loaded(KineticFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, First::Kick, flow, span, steps)?))
+                Ok(Box::new(Splitting::new(scheme, Split::Kinetic.first(), flow, span, steps)?))
             }
             (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
                 let flow = loaded(LinearFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, First::Drift, flow, span, steps)?))
+                Ok(Box::new(Splitting::new(scheme, Split::Linear.first(), flow, span, steps)?))
             }
             (Self::Landed(scheme), Setting::Steps(steps)) => {
                 let flow = loaded(LinearFlow::new(chain), y);
@@ -369,6 +378,9 @@ pub fn start_logged(
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
+    if !run.parts().whole() && !method.divisible() {
+        return Err(Error::parameter("integrator", method.name(), NOT_DIVISIBLE));
+    }
     match (method, setting) {
         (Method::Collocation, _) => Ok(Some(Box::new(collocation(run.chain(), y, span, setting)?.logged()))),
         (
@@ -422,6 +434,16 @@ pub fn collocation(
         }
     };
     Ok(chain.collocation(y, span, pace)?)
+}
+
+impl Split {
+    /// The flow with which compositions begin on this split.
+    fn first(self) -> First {
+        match self {
+            Self::Kinetic => First::Kick,
+            Self::Linear => First::Drift,
+        }
+    }
 }
 
 /// A flow that holds the state `y`.
