@@ -19,6 +19,7 @@
 //! looks at it, and takes energies from it. So nothing that is computed depends on the number of
 //! parts, and no sum has to be brought together.
 
+mod demand;
 mod division;
 mod flow;
 mod order;
@@ -26,9 +27,10 @@ mod part;
 mod serve;
 mod threads;
 
+pub use demand::Demand;
 pub use division::{Division, GHOSTS};
 pub use flow::Parted;
-pub use serve::serve;
+pub use serve::{end, serve};
 
 use crate::error::{Error, Result};
 use std::{fmt::Debug, sync::Arc};
@@ -106,7 +108,10 @@ impl Parts {
     }
 
     /// Refuses more parts than sites, and none.
-    pub(crate) fn check(&self, sites: usize) -> Result<()> {
+    ///
+    /// # Errors
+    /// A number outside its rule.
+    pub fn check(&self, sites: usize) -> Result<()> {
         let count = self.count();
         if matches!(self, Self::Threads(_)) && !(1..=MOST_THREADS).contains(&count) {
             return Err(Error::parameter(self.name(), count, "from 1 to 1024 threads"));

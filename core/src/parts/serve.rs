@@ -42,3 +42,8 @@ const KNOWN: &str = "orders are about flows that were begun";
 fn of(flows: &mut BTreeMap<u64, Part>, flow: u64) -> &mut Part {
     flows.get_mut(&flow).expect(KNOWN)
 }
+
+/// Tells all parts that serve part 0, whose carrier this is, that this was all.
+pub fn end(carrier: &mut dyn Carrier) {
+    carrier.broadcast(&mut Order::End.words());
+}
