@@ -84,7 +84,7 @@ fn a_run_goes_on_in_another_number_of_parts() {
 fn what_cannot_run_in_parts_is_refused() {
     let impact = "run impact --until 1 --threads 2";
     for (line, words) in [
-        ("run impact --until 1 --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
+        ("run impact --until 1 --integrator verlet --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
         ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
         ("run impact --until 1 --tol 1e-6 --threads 2", "integrator = collocation is not valid: only splitting"),
         ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),

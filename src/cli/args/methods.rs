@@ -47,7 +47,7 @@ pub(crate) struct RunArgs {
     /// Nodes a panel: 4, 6, 8, 10 or 12 [default: 10].
     ///
     /// With --windows-per-period.
-    #[arg(long, value_name = "M", requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
+    #[arg(long, value_name = "M", hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T")]
