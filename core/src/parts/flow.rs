@@ -71,6 +71,10 @@ impl SplitFlow<f64> for Parted {
         self.layout.dim()
     }
 
+    fn moved(&self) -> usize {
+        self.dim().div_ceil(self.division.parts())
+    }
+
     fn load(&mut self, y: &[f64]) {
         let arrays = self.layout.arrays(y);
         let mut message = Vec::new();
