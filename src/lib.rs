@@ -11,6 +11,8 @@
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
 //! | [`scene`] | named, complete set-ups, read from TOML; what their runs compute and leave out |
 //! | [`run`] | a run: a chain, a state, a span, a method; the integrators by name |
+//! | [`parts`] | one long chain in parts: threads, or processes that send each other messages |
+//! | `ranks` | its parts as the ranks of an MPI job (feature `mpi`) |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`study`] | studies: their options, their computations, and their reports |
 //! | [`present`] | tables of text, CSV, and the HTML page |
@@ -36,12 +38,14 @@ pub mod output;
 pub mod paper;
 pub mod present;
 mod random;
+#[cfg(feature = "mpi")]
+pub mod ranks;
 pub mod scene;
 pub mod study;
 pub mod sweep;
 pub mod waves;
 
-pub use hertzchain_core::{chain, dps, error, interrupt, plain, run};
+pub use hertzchain_core::{chain, dps, error, interrupt, parts, plain, run};
 
 pub use chain::{Boundary, Chain, Params, State};
 pub use error::{Error, Result};

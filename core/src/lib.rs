@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, state, energy, and the two splittings |
 //! | [`dps`] | modulation theory: averages, flows, homoclinics, dark profiles |
+//! | [`parts`] | one long chain in parts: threads, or processes that send each other messages |
 //! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
 //! | [`error`] | the error type |
 //! | [`interrupt`] | the flag that asks the process to end |
@@ -17,6 +18,7 @@ pub mod chain;
 pub mod dps;
 pub mod error;
 pub mod interrupt;
+pub mod parts;
 pub mod plain;
 pub mod run;
 

@@ -18,6 +18,10 @@ pub trait VectorField<R: Real> {
 pub trait SplitFlow<R: Real> {
     /// Number of components of the state `y`.
     fn dim(&self) -> usize;
+    /// Number of components that one thread moves in a kick: all, unless the flow is divided.
+    fn moved(&self) -> usize {
+        self.dim()
+    }
     /// Sets the state to `y`, at time 0 of the flow.
     fn load(&mut self, y: &[R]);
     /// Writes the state into `y`.

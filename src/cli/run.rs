@@ -1,24 +1,32 @@
 //! `hertzchain run`.
 
-use super::{DONE, Exit, args::RunArgs, print, progress_bar, say, signals};
+use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::MPI, say, signals};
 use crate::{
-    error::Error,
+    error::{Error, Result},
     output::{Folder, to_json},
+    parts::Parts,
     run::{Method, Records, Trajectory},
-    scene::Scene,
+    scene::{Scene, SceneFile},
     study::{self, Asked, How, LongRun, folder_of},
 };
 use std::path::Path;
+#[cfg(feature = "mpi")]
+use std::sync::Arc;
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
+    let Some(parts) = parts(args)? else { return Ok(DONE) };
     if let Some(path) = &args.resume {
-        return resume(args, path);
+        return resume(args, path, parts);
     }
     let mut changes = args.set.set.clone();
     changes.extend(args.samples.map(|samples| format!("record.samples={samples}")));
-    let mut scene = Scene::load_with(args.scene.as_deref().unwrap_or_default(), &changes)?;
+    let name = args.scene.as_deref().unwrap_or_default();
+    if let Some(ranks) = args.ranks {
+        return plan_of_ranks(args, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
+    }
+    let mut scene = Scene::load_with(name, &changes)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
@@ -29,7 +37,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
     if args.plan {
         // What a run refuses is not planned.
-        let plan = how.plan(&scene, args.events)?;
+        let plan = how.plan(&scene, args.events, &parts)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
                 + "\n"
@@ -39,22 +47,68 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         say_why();
         return print(&text).map(|()| DONE);
     }
+    how.takes(&parts)?;
     if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval)?;
+        let long = how.in_legs(scene, args.events, interval)?.in_parts(parts)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
         say_why();
         return go_on(args, long, &folder);
     }
+    let run = scene.run().in_parts(parts)?;
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
     say_why();
     signals::ask()?;
-    let records = if folder.is_some() { Records::Profiles } else { Records::Energy };
+    let run = run.records(if folder.is_some() { Records::Profiles } else { Records::Energy });
     let bar = progress_bar();
-    let run = scene.run().records(records);
     let run = if args.events { run.contacts() } else { run };
     let outcome = how.start(run, &mut |t, _| bar.set_position((1000.0 * t / scene.end()) as u64));
     bar.finish_and_clear();
     report(args, &scene, (&name, &wording, reason), outcome?, folder.as_ref())
+}
+
+/// Where the sites are moved; none if this process has moved those of another one.
+fn parts(args: &RunArgs) -> Result<Option<Parts>> {
+    if args.engine != MPI {
+        return Ok(Some(args.threads.map_or(Parts::Whole, Parts::Threads)));
+    }
+    match args.threads {
+        Some(threads) => {
+            Err(Error::parameter("threads", threads, "with --engine mpi a rank has one part: leave it out"))
+        }
+        None => over_ranks(),
+    }
+}
+
+/// The ranks of an MPI job.
+#[cfg(feature = "mpi")]
+fn over_ranks() -> Result<Option<Parts>> {
+    let job = crate::ranks::Job::new()?;
+    if job.serves() {
+        // What asks rank 0 to end asks all: rank 0 decides.
+        signals::ask()?;
+        job.serve();
+        return Ok(None);
+    }
+    Ok(Some(Parts::Ranks(Arc::new(job))))
+}
+
+#[cfg(not(feature = "mpi"))]
+fn over_ranks() -> Result<Option<Parts>> {
+    let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --threads P";
+    Err(Error::parameter("engine", MPI, rule))
+}
+
+/// What a scene would need on so many ranks.
+fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
+    let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
+    let method = Method::named(named.unwrap_or("strang-linear"))?;
+    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
+    print(&if args.json {
+        to_json(&serde_json::json!({"scene": file.name, "integrator": name, "plan": plan})) + "\n"
+    } else {
+        format!("{}, {name}\n  {}\n", file.name, plan.join("\n  "))
+    })
+    .map(|()| DONE)
 }
 
 /// What the flags ask for.
@@ -77,7 +131,9 @@ fn report(
     outcome: Trajectory,
     folder: Option<&Folder>,
 ) -> Exit {
-    let json = study::run_json(scene, name, wording, reason, &outcome);
+    // Of a long chain this takes more memory than the run.
+    let wanted = args.json || folder.is_some();
+    let json = wanted.then(|| study::run_json(scene, name, wording, reason, &outcome)).unwrap_or_default();
     let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(scene, name, wording, &outcome) };
     // Of results that cannot be printed the files are written, and of files that cannot be written
     // the results are printed.
@@ -101,8 +157,8 @@ fn report(
 }
 
 /// Goes on from a checkpoint.
-fn resume(args: &RunArgs, path: &Path) -> Exit {
-    let long = LongRun::load(path)?;
+fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
+    let long = LongRun::load(path)?.in_parts(parts)?;
     let scene = args.scene.as_deref().map(Scene::load).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {

@@ -26,7 +26,8 @@ files as one process.";
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
 /// Where points are computed.
-const ENGINES: [&str; 2] = ["threads", "mpi"];
+const ENGINES: [&str; 2] = ["threads", MPI];
+pub(super) const MPI: &str = "mpi";
 const ENGINE: &str = "Where points are computed: threads or mpi";
 const ENGINE_LONG: &str = "\
 Where points are computed: threads or mpi.
@@ -44,7 +45,7 @@ fn over_ranks() -> Result<Engine> {
 #[cfg(not(feature = "mpi"))]
 fn over_ranks() -> Result<Engine> {
     let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --shard K/N";
-    Err(Error::parameter("engine", ENGINES[1], rule))
+    Err(Error::parameter("engine", MPI, rule))
 }
 
 /// A study with where its results go.
@@ -146,7 +147,7 @@ impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
         let shard = matches.try_get_one("shard").ok().flatten().copied();
         let engine = matches.try_get_one::<String>("engine").ok().flatten();
-        let mpi = engine.is_some_and(|engine| engine == ENGINES[1]);
+        let mpi = engine.is_some_and(|engine| engine == MPI);
         Ok(Self {
             study: S::from_arg_matches(matches)?,
             out,

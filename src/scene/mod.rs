@@ -17,7 +17,7 @@ use builtin::BUILTIN;
 use std::{f64::consts::PI, path::Path};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
-const MOST_SITES: usize = 100_000_000;
+pub(crate) const MOST_SITES: usize = 100_000_000;
 /// Longest scene file in bytes; arrays of millions of sites fit.
 const MOST_BYTES: u64 = 1 << 28;
 const MOST_SAMPLES: usize = 1_000_000;

@@ -13,9 +13,9 @@
 //! | `END` | 0 to rank | nothing |
 
 use super::{Backend, locked};
-use crate::error::{Error, Result};
+use crate::{error::Result, ranks::universe};
 use mpi::{
-    Tag, Threading,
+    Tag,
     environment::Universe,
     point_to_point::{MatchedReceiveVec, Message, Status},
     topology::SimpleCommunicator,
@@ -66,12 +66,7 @@ impl Mpi {
     /// # Errors
     /// An MPI library that does not start beside other threads, or that was started before.
     pub fn new() -> Result<Self> {
-        let rule = "an MPI library that can be called from one thread beside others, once a process";
-        let (universe, level) = mpi::initialize_with_threading(Threading::Funneled)
-            .ok_or_else(|| Error::parameter("engine", "mpi", rule))?;
-        if level < Threading::Funneled {
-            return Err(Error::parameter("engine", "mpi", rule));
-        }
+        let universe = universe()?;
         let given = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
         let threads = given.filter(|threads| *threads > 0).unwrap_or(1);
         // What is parallel inside a point has the same threads. Where there is a pool, it stays.

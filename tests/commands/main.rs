@@ -12,6 +12,7 @@ mod machines;
 #[cfg(feature = "mpi")]
 mod mpi;
 mod paper_figures;
+mod parts;
 mod provenance;
 mod scenes;
 mod shards;

@@ -255,3 +255,24 @@ fn shards_that_cannot_be_are_refused_with_what_to_do() {
     let none = Command::new(PROGRAM).args(["run", "impact", "--shard", "1/3"]).output().unwrap();
     assert_eq!(none.status.code(), Some(2));
 }
+
+/// Truth: the same study in one process. Wall times are in the JSON only.
+#[test]
+fn the_drift_of_methods_is_a_sweep() {
+    let line = "study drift --periods 30 --samples 12 --integrators verlet,strang-linear,dop853,verlet";
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    assert!(output(line, whole, &[]).status.success());
+    for shard in ["1/2", "2/2"] {
+        assert!(output(line, parts, &["--shard", shard]).status.success());
+    }
+    let stores: usize = files(parts).iter().map(|(name, _)| lines(&parts.join(name)) - 1).sum();
+    assert_eq!(stores, 3, "each integrator once");
+    assert!(output(line, parts, &[]).status.success());
+    for name in ["drift.csv", "drift.png"] {
+        assert!(fs::read(whole.join(name)).unwrap() == fs::read(parts.join(name)).unwrap(), "{name}");
+    }
+    // Another length is another study.
+    let other = output(&line.replace("30", "40"), parts, &[]);
+    assert!(String::from_utf8(other.stderr).unwrap().contains("drift.store"));
+}

@@ -3,6 +3,7 @@
 use super::{
     Chain, Resonators,
     aligned::Aligned,
+    divisible::Divisible,
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
@@ -33,13 +34,8 @@ impl<R: Real> KineticFlow<R> {
         (chain, Beads { u: u.column(), u_dot: u_dot.column(), kick, dt })
     }
 
-    fn columns(&self) -> [&Aligned<R>; 4] {
+    fn arrays(&self) -> [&[R]; 4] {
         let ([u, u_dot], [v, v_dot]) = (&self.beads, &self.resonators);
-        [u, v, u_dot, v_dot]
-    }
-
-    fn columns_mut(&mut self) -> [&mut Aligned<R>; 4] {
-        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
         [u, v, u_dot, v_dot]
     }
 }
@@ -50,21 +46,11 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn load(&mut self, y: &[R]) {
-        let mut from = y;
-        for column in self.columns_mut() {
-            let (head, tail) = from.split_at(column.len());
-            column.copy_from_slice(head);
-            from = tail;
-        }
+        self.read(0, self.chain.layout().arrays(y));
     }
 
     fn store(&self, y: &mut [R]) {
-        let mut to = y;
-        for column in self.columns() {
-            let (head, tail) = to.split_at_mut(column.len());
-            head.copy_from_slice(column);
-            to = tail;
-        }
+        self.write(0, self.chain.layout().arrays_mut(y));
     }
 
     fn duplicate(&self) -> Self {
@@ -74,7 +60,7 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn copy_from(&mut self, other: &Self) {
-        for (to, from) in self.columns_mut().into_iter().zip(other.columns()) {
+        for (to, from) in self.columns().into_iter().zip(other.arrays()) {
             to.copy_from_slice(from);
         }
     }
@@ -98,6 +84,29 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
                 &[(kick, drift)] => self.kick_drift(kick, drift),
                 _ => follow(self, now),
             }
+        }
+    }
+}
+
+impl<R: Real> Divisible<R> for KineticFlow<R> {
+    fn rest(chain: Chain<R>) -> Self {
+        Self::new(chain)
+    }
+
+    fn columns(&mut self) -> [&mut [R]; 4] {
+        let ([u, u_dot], [v, v_dot]) = (&mut self.beads, &mut self.resonators);
+        [u, v, u_dot, v_dot]
+    }
+
+    fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
+        for (to, from) in self.columns().into_iter().zip(arrays).filter(|(to, _)| !to.is_empty()) {
+            to[first..][..from.len()].copy_from_slice(from);
+        }
+    }
+
+    fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
+        for (from, to) in self.arrays().into_iter().zip(arrays).filter(|(from, _)| !from.is_empty()) {
+            to.copy_from_slice(&from[first..][..to.len()]);
         }
     }
 }

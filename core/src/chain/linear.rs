@@ -16,6 +16,7 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     averaged::Bonds,
+    divisible::Divisible,
     phase::Phase,
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
@@ -127,46 +128,11 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn load(&mut self, y: &[R]) {
-        let (layout, modes, omega) = (self.chain.layout(), self.chain.modes(), self.omega());
-        self.phase.reset();
-        (self.tau, self.kicks) = (R::zero(), 0);
-        let (u, u_dot, v, v_dot) = (layout.u(y), layout.u_dot(y), layout.v(y), layout.v_dot(y));
-        for i in 0..u.len() {
-            let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
-            let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
-            if let [r0, v] = &mut self.centre
-                && !v.is_empty()
-            {
-                (r0[i], v[i]) = (r, r_dot);
-            }
-            if let [c, s] = &mut self.oscillation
-                && !s.is_empty()
-            {
-                (c[i], s[i]) = (p, p_dot / omega);
-            }
-        }
+        self.read(0, self.chain.layout().arrays(y));
     }
 
     fn store(&self, y: &mut [R]) {
-        let (n, half, modes) = (self.chain.sites(), self.dim() / 2, self.chain.modes());
-        let phase = self.phase.sin_cos();
-        let (positions, velocities) = y.split_at_mut(half);
-        let (u, v) = positions.split_at_mut(n);
-        let (u_dot, v_dot) = velocities.split_at_mut(n);
-        if !self.chain.layout().resonators() {
-            for i in 0..n {
-                [u[i], _, u_dot[i], _] = modes.join(self.motions(i, phase));
-            }
-            return;
-        }
-        // Both motions are there: a loop without branches, with what `motions` says of a site.
-        let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
-        let (r0, v0, c, s) = (&r0[..n], &v0[..n], &c[..n], &s[..n]);
-        let (v, v_dot, omega, tau) = (&mut v[..n], &mut v_dot[..n], self.omega(), self.tau);
-        for i in 0..n {
-            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
-            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
-        }
+        self.write(0, self.chain.layout().arrays_mut(y));
     }
 
     fn duplicate(&self) -> Self {
@@ -211,6 +177,56 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
             rest = later;
         }
         rest.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
+    }
+}
+
+impl<R: Real> Divisible<R> for LinearFlow<R> {
+    fn rest(chain: Chain<R>) -> Self {
+        Self::new(chain)
+    }
+
+    fn columns(&mut self) -> [&mut [R]; 4] {
+        let ([r0, v], [c, s]) = (&mut self.centre, &mut self.oscillation);
+        [r0, v, c, s]
+    }
+
+    fn read(&mut self, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
+        let (modes, omega) = (self.chain.modes(), self.omega());
+        self.phase.reset();
+        (self.tau, self.kicks) = (R::zero(), 0);
+        for i in 0..u.len() {
+            let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
+            let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
+            if let [r0, v] = &mut self.centre
+                && !v.is_empty()
+            {
+                (r0[first + i], v[first + i]) = (r, r_dot);
+            }
+            if let [c, s] = &mut self.oscillation
+                && !s.is_empty()
+            {
+                (c[first + i], s[first + i]) = (p, p_dot / omega);
+            }
+        }
+    }
+
+    fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
+        let (n, modes, phase) = (u.len(), self.chain.modes(), self.phase.sin_cos());
+        if !self.chain.layout().resonators() {
+            for i in 0..n {
+                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i, phase));
+            }
+            return;
+        }
+        // Both motions are there: a loop without branches, with what `motions` says of a site.
+        let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
+        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
+        let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
+        let (omega, tau) = (self.omega(), self.tau);
+        for i in 0..n {
+            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
+            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
+        }
     }
 }
 

@@ -14,6 +14,7 @@ mod bonds;
 mod boundary;
 mod contact_chain;
 mod contacts;
+mod divisible;
 mod energy;
 mod field;
 mod gauss;
@@ -31,6 +32,7 @@ mod topology;
 pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
+pub use divisible::{Divisible, Split};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;
@@ -95,6 +97,18 @@ impl<R: Real> Chain<R> {
         }
         self.precompression = R::of(delta_0);
         Ok(self)
+    }
+
+    /// So many neighbouring sites of the chain, as a chain of its own: of displacements with free
+    /// ends, with walls at both ends if the chain has walls, or of strains on a ring. Where the
+    /// chain was cut, contact forces on the outermost sites are wrong.
+    pub(crate) fn cut(&self, sites: usize) -> Self {
+        let boundary = match self.boundary() {
+            Boundary::Ring => Boundary::Free,
+            other => other,
+        };
+        let layout = Layout::new(sites, self.layout.resonators());
+        Self { topology: Topology::new(boundary, sites), layout, ..self.clone() }
     }
 
     /// The parameters.

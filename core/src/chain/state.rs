@@ -53,6 +53,19 @@ impl Layout {
     pub fn v_dot<R>(self, y: &[R]) -> Option<&[R]> {
         self.resonators.then(|| &y[3 * self.sites..])
     }
+
+    /// The arrays `[u, v, u', v']`; those of resonators are empty unless they move.
+    pub fn arrays<R>(self, y: &[R]) -> [&[R]; 4] {
+        let none = &y[..0];
+        [self.u(y), self.v(y).unwrap_or(none), self.u_dot(y), self.v_dot(y).unwrap_or(none)]
+    }
+
+    /// The same, to be changed.
+    pub fn arrays_mut<R>(self, y: &mut [R]) -> [&mut [R]; 4] {
+        let (positions, velocities) = y.split_at_mut(self.dim() / 2);
+        let ((u, v), (u_dot, v_dot)) = (positions.split_at_mut(self.sites), velocities.split_at_mut(self.sites));
+        [u, v, u_dot, v_dot]
+    }
 }
 
 /// `max |y_i|`; entries that are not numbers are passed over.

@@ -1,9 +1,11 @@
 //! The integrators by name.
 
 use super::Run;
+pub use crate::chain::Split;
 use crate::{
     chain::{Bonded, Chain, Field, KineticFlow, LinearFlow, Overlaps, SiteFlow, max_norm},
     error::{Error, Result},
+    parts::{Parted, Parts},
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
@@ -11,20 +13,11 @@ use hertzchain_integrators::{
     conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
     regularised::power,
-    splitting::{Corrected, First, Landed, Parts, tables},
+    splitting::{self, Corrected, First, Landed, tables},
 };
 use serde::{Deserialize, Serialize};
 
 mod tolerance;
-
-/// The two ways to split the Hamiltonian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Split {
-    /// Kinetic energy and potential energy.
-    Kinetic,
-    /// Linear part, whose flow is exact, and contact potential.
-    Linear,
-}
 
 /// A method with a name for the command line and scene files.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +28,7 @@ pub enum Method {
     Landed(&'static Scheme),
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
     /// end.
-    Corrected(Parts, Split),
+    Corrected(splitting::Parts, Split),
     /// A scheme of order two that conserves an energy exactly.
     Conserving(Conserved),
     /// DOP853, the adaptive 8(5,3) pair.
@@ -134,17 +127,21 @@ const TELLING: [&str; 13] = [
 /// What is said to somebody who gives a tolerance to a method that takes none.
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
+/// What is said to somebody who asks for parts of a method that has none.
+const NOT_DIVISIBLE: &str = "only splitting schemes run in parts, as --integrator strang-linear or verlet: \
+                                 leave threads and ranks out, or take one";
+
 /// Smallest tolerance that collocation accepts.
 const LEAST_TOLERANCE: f64 = 1e-15;
 
 impl Method {
     /// Contact-corrected splitting on the exact linear flow.
-    pub const CORRECTED: Self = Self::Corrected(Parts::ALL, Split::Linear);
+    pub const CORRECTED: Self = Self::Corrected(splitting::Parts::ALL, Split::Linear);
     /// Contact-corrected splitting on the kinetic split.
-    pub const CORRECTED_KINETIC: Self = Self::Corrected(Parts::ALL, Split::Kinetic);
+    pub const CORRECTED_KINETIC: Self = Self::Corrected(splitting::Parts::ALL, Split::Kinetic);
     /// The processed kernel of Takahashi and Imada on the exact linear flow, without corrections at
     /// contacts.
-    pub const TAKAHASHI_IMADA: Self = Self::Corrected(Parts::PROCESSED, Split::Linear);
+    pub const TAKAHASHI_IMADA: Self = Self::Corrected(splitting::Parts::PROCESSED, Split::Linear);
 
     /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, those
     /// that conserve an energy, the adaptive ones, then collocation.
@@ -195,7 +192,7 @@ impl Method {
             Self::Splitting(scheme, Split::Kinetic) => scheme.name.to_owned(),
             Self::Splitting(scheme, Split::Linear) => format!("{}-linear", scheme.name),
             Self::Landed(scheme) => format!("{}-linear-landed", scheme.name),
-            Self::Corrected(Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
+            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => "takahashi-imada-linear".to_owned(),
             Self::Corrected(_, Split::Linear) => "corrected".to_owned(),
             Self::Corrected(_, Split::Kinetic) => "corrected-kinetic".to_owned(),
             Self::Conserving(Conserved::Energy) => "discrete-gradient".to_owned(),
@@ -237,7 +234,23 @@ impl Method {
 
     /// Whether the method accepts a tolerance.
     pub fn tolerant(&self) -> bool {
-        self.adaptive() || matches!(self, Self::Corrected(Parts { corrected: true, .. }, _))
+        self.adaptive() || matches!(self, Self::Corrected(splitting::Parts { corrected: true, .. }, _))
+    }
+
+    /// Whether it can run with the chain in [`parts`](crate::parts).
+    pub fn divisible(&self) -> bool {
+        matches!(self, Self::Splitting(..))
+    }
+
+    /// Refuses parts if it cannot run in them.
+    ///
+    /// # Errors
+    /// More than one part, or ranks, for a method that is not [`divisible`](Self::divisible).
+    pub fn takes(&self, parts: &Parts) -> Result<()> {
+        if parts.whole() || self.divisible() {
+            return Ok(());
+        }
+        Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE))
     }
 
     /// Whether its tolerance holds for the whole run, not for a step.
@@ -257,7 +270,7 @@ impl Method {
     pub fn source(&self) -> &'static str {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.source,
-            Self::Corrected(Parts { corrected: false, .. }, _) => {
+            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
                 "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235"
             }
             Self::Corrected(..) => "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271",
@@ -295,15 +308,20 @@ impl Method {
         span: (f64, f64),
         setting: Setting,
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
+        self.takes(run.parts())?;
         let chain = run.chain().clone();
         match (self, setting) {
+            (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
+                let flow = loaded(Parted::new(&chain, split, run.parts())?, y);
+                Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
+            }
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 let flow = loaded(KineticFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, First::Kick, flow, span, steps)?))
+                Ok(Box::new(Splitting::new(scheme, Split::Kinetic.first(), flow, span, steps)?))
             }
             (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
                 let flow = loaded(LinearFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, First::Drift, flow, span, steps)?))
+                Ok(Box::new(Splitting::new(scheme, Split::Linear.first(), flow, span, steps)?))
             }
             (Self::Landed(scheme), Setting::Steps(steps)) => {
                 let flow = loaded(LinearFlow::new(chain), y);
@@ -315,7 +333,7 @@ impl Method {
             (Self::Corrected(parts, Split::Linear), Setting::Steps(steps)) => {
                 Ok(Box::new(corrected(LinearFlow::new(chain), y, span, steps, *parts)?))
             }
-            (Self::Corrected(Parts { corrected: true, .. }, _), Setting::Tolerance(tol)) => {
+            (Self::Corrected(splitting::Parts { corrected: true, .. }, _), Setting::Tolerance(tol)) => {
                 let steps = tolerance::steps(run, *self, y, span, tol)?;
                 self.start(run, y, span, Setting::Steps(steps))
             }
@@ -369,10 +387,11 @@ pub fn start_logged(
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
+    method.takes(run.parts())?;
     match (method, setting) {
         (Method::Collocation, _) => Ok(Some(Box::new(collocation(run.chain(), y, span, setting)?.logged()))),
         (
-            Method::Corrected(parts @ Parts { corrected: true, .. }, split),
+            Method::Corrected(parts @ splitting::Parts { corrected: true, .. }, split),
             Setting::Steps(_) | Setting::Tolerance(_),
         ) => {
             let steps = match setting {
@@ -395,7 +414,7 @@ fn corrected<F: SiteFlow>(
     y: &[f64],
     span: (f64, f64),
     steps: u64,
-    parts: Parts,
+    parts: splitting::Parts,
 ) -> Result<Corrected<Bonded<F>>> {
     Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
 }
@@ -422,6 +441,16 @@ pub fn collocation(
         }
     };
     Ok(chain.collocation(y, span, pace)?)
+}
+
+impl Split {
+    /// The flow with which compositions begin on this split.
+    fn first(self) -> First {
+        match self {
+            Self::Kinetic => First::Kick,
+            Self::Linear => First::Drift,
+        }
+    }
 }
 
 /// A flow that holds the state `y`.

@@ -24,6 +24,7 @@ pub use states::state_at;
 use crate::{
     chain::{Chain, State},
     error::{Error, Result},
+    parts::Parts,
 };
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
@@ -64,6 +65,7 @@ pub struct Run {
     records: Records,
     sampling: Sampling,
     contacts: bool,
+    parts: Parts,
 }
 
 /// The times of samples.
@@ -111,6 +113,7 @@ impl Run {
             records: Records::Energy,
             sampling: Sampling::Equal(SAMPLES),
             contacts: false,
+            parts: Parts::Whole,
         }
     }
 
@@ -218,6 +221,22 @@ impl Run {
     pub fn contacts(mut self) -> Self {
         self.contacts = true;
         self
+    }
+
+    /// Moves the chain in [`parts`](crate::parts), with the same bits; splitting schemes only, any
+    /// other method is refused when the run starts.
+    ///
+    /// # Errors
+    /// No part, or more parts than sites.
+    pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
+        parts.check(self.chain.sites())?;
+        self.parts = parts;
+        Ok(self)
+    }
+
+    /// Where its sites are moved.
+    pub fn parts(&self) -> &Parts {
+        &self.parts
     }
 
     /// Sets the unit of time in "steps per period". The default is the period of the resonators, or

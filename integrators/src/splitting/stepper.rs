@@ -54,7 +54,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         let zero = Twofold::zero();
         let seam = if head.0 == zero { (tail.0, tail.1 + head.1) } else { (tail.0 + head.0, head.1) };
         let inner = pairs.len() - 1;
-        let steps = (NUMBERS_A_ROW / (flow.dim() * inner).max(1)).clamp(1, STEPS_A_ROW);
+        let steps = (NUMBERS_A_ROW / (flow.moved() * inner).max(1)).clamp(1, STEPS_A_ROW);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.value(), drift));
         let row = step.cycle().take(steps * inner).collect();
         let start = Twofold::new(start);

@@ -47,7 +47,7 @@ pub(crate) struct RunArgs {
     /// Nodes a panel: 4, 6, 8, 10 or 12 [default: 10].
     ///
     /// With --windows-per-period.
-    #[arg(long, value_name = "M", requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
+    #[arg(long, value_name = "M", hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T")]
@@ -63,9 +63,28 @@ pub(crate) struct RunArgs {
     /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
+    /// Threads that move parts of the chain [default: 1].
+    ///
+    /// For splitting schemes on long chains: each thread moves neighbouring sites, and the bits are
+    /// those of one. With --resume any number, whatever it was before.
+    #[arg(long, value_name = "P")]
+    pub(crate) threads: Option<usize>,
+    /// Where parts of the chain are moved: threads or mpi.
+    ///
+    /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part each,
+    /// for splitting schemes; rank 0 reads the scene, has the whole state, writes and prints, and the
+    /// bits are those of one process. Needs a build with the feature mpi.
+    #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
+    pub(crate) engine: String,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(crate) plan: bool,
+    /// With --plan: say what so many ranks would need, and stop.
+    ///
+    /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may have
+    /// more sites than can be run.
+    #[arg(long, value_name = "P", requires = "plan", hide_short_help = true)]
+    pub(crate) ranks: Option<usize>,
     /// Write the results to this folder; without it, no file is written.
     ///
     /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and pictures.
@@ -100,4 +119,8 @@ Examples:
 
 In legs that are kept, and gone on with:
   hertzchain run tw-q15 --checkpoint 10 --out out/tw
-  hertzchain run --resume out/tw";
+  hertzchain run --resume out/tw
+
+A long chain in parts:
+  hertzchain run impact --set chain.sites=2000000 --integrator verlet --until 1 --threads 2
+  hertzchain run impact --set chain.sites=1000000000 --integrator verlet --plan --ranks 1024";

@@ -6,15 +6,22 @@
 
 mod report;
 
-use super::{Changes, Progress, Study, Work, compare::steps_for_kicks, fit_line, methods, scene};
+use super::{Changes, Study, Work, compare::steps_for_kicks, fit_line, methods, scene, scene_json};
 use crate::{
     chain::Chain,
     error::{Error, Result},
+    interrupt,
     run::method::{Method, Setting},
     scene::Scene,
+    sweep::{Engine, Grid},
 };
 use hertzchain_integrators::{Error as Failure, Observer, Stats, Twofold, drive};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::{ops::ControlFlow, time::Instant};
+
+/// The store in the folder of results.
+const STORE: &str = "drift.store";
 
 /// Lengths of the runs in periods.
 const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
@@ -73,12 +80,19 @@ pub struct DriftOptions {
 }
 
 impl Study for Drift {
-    const FILES: &'static str = "Files: drift.csv, drift.json and drift.png.";
+    const FILES: &'static str = "\
+Files: drift.csv, drift.json, drift.png and drift.store. The store keeps every integrator as soon as it \
+has come to the end; the same command goes on from there.";
+    const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = scene(&self.scene, &self.set)?;
         methods(&self.options.integrators, Method::all)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(drift(&scene, &self.options, progress)?))))
+        Ok(Box::new(move |engine, progress| {
+            let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "integrators");
+            Ok(Box::new(drift(&scene, &self.options, engine, &tell)?))
+        }))
     }
 }
 
@@ -116,11 +130,27 @@ pub struct DriftStudy {
     pub rows: Vec<DriftRow>,
 }
 
-/// Runs the methods one after the other. `progress` is told the share done and which method runs.
+/// What is kept of a method.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    energy_error: Vec<f64>,
+    wall: f64,
+    /// Steps, rejected steps, and force evaluations.
+    work: [u64; 3],
+    failure: Option<String>,
+}
+
+/// Runs the methods, each a point of a grid. `progress` is told how many of how many are done.
 ///
 /// # Errors
-/// An option outside its rule, a scene without an energy, or a run that cannot start.
-pub fn drift(scene: &Scene, options: &DriftOptions, progress: Progress<'_>) -> Result<DriftStudy> {
+/// An option outside its rule, a scene without an energy, or a run that cannot start; the process was
+/// asked to end.
+pub fn drift(
+    scene: &Scene,
+    options: &DriftOptions,
+    engine: &Engine,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<DriftStudy> {
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
     if !PERIODS.contains(periods) {
@@ -135,13 +165,24 @@ pub fn drift(scene: &Scene, options: &DriftOptions, progress: Progress<'_>) -> R
     }
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
-    let mut rows = Vec::with_capacity(methods.len());
-    for (nth, method) in methods.iter().enumerate() {
-        let name = method.name();
-        let mut told = |share: f64| progress((nth as f64 + share) / methods.len() as f64, &name);
-        rows.push(row(&scene, *method, &times, &mut told)?);
+    let mut names: Vec<String> = Vec::new();
+    for name in methods.iter().map(Method::name) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
     }
-    Ok(DriftStudy { scene, periods: *periods, rows })
+    let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
+    let grid = Grid { store: STORE, study: "drift", settings };
+    let swept = engine.sweep(&grid, &names, progress, |name| kept(&scene, Method::named(name)?, &times))?;
+    if swept.missing > 0 {
+        let kept = format!("{} of {} integrators have run; those in --out are kept", swept.computed(), names.len());
+        return Err(Error::Stopped { kept });
+    }
+    let rows = names.into_iter().zip(swept.rows).map(|(name, row)| match row {
+        Ok(kept) => row_of(&scene, Method::named(&name)?, &times, kept),
+        Err(why) => Err(Error::Point { point: name, why }),
+    });
+    Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
 }
 
 /// So many times from `first` to `last`, both included, spaced evenly in their logarithm.
@@ -159,25 +200,39 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     }
 }
 
-fn row(scene: &Scene, method: Method, times: &[f64], progress: &mut dyn FnMut(f64)) -> Result<DriftRow> {
-    let (setting, words) = setting(scene, &method);
-    let mut stepper = scene.run().method(method).setting(setting).stepper()?;
+/// Runs a method.
+fn kept(scene: &Scene, method: Method, times: &[f64]) -> Result<Kept> {
+    let mut stepper = scene.run().method(method).setting(setting(scene, &method).0).stepper()?;
     let mut state = scene.initial().as_slice().to_vec();
-    let mut look = Look::new(scene, times, progress);
+    let mut look = Look::new(scene, times);
     let clock = Instant::now();
     let failure = drive(&mut *stepper, &mut look, &mut state).err();
-    let wall = clock.elapsed().as_secs_f64();
-    let energy_error = look.errors;
-    let t = times[..energy_error.len()].to_vec();
+    if let Some(stopped @ Failure::Stopped { .. }) = failure {
+        return Err(stopped.into());
+    }
+    let Stats { steps, rejected, force_evaluations } = stepper.stats();
+    Ok(Kept {
+        energy_error: look.errors,
+        wall: clock.elapsed().as_secs_f64(),
+        work: [steps, rejected, force_evaluations],
+        failure: failure.map(|failure| failure.to_string()),
+    })
+}
+
+/// A row from what was kept.
+fn row_of(scene: &Scene, method: Method, times: &[f64], kept: Kept) -> Result<DriftRow> {
+    let Kept { energy_error, wall, work: [steps, rejected, force_evaluations], failure } = kept;
+    let t = times.get(..energy_error.len()).map(<[f64]>::to_vec);
+    let t = t.ok_or_else(|| Error::Point { point: method.name(), why: "more errors than times".to_owned() })?;
     Ok(DriftRow {
         method,
-        setting: words,
+        setting: setting(scene, &method).1,
         slope: slope(&t, &energy_error).filter(|_| failure.is_none()),
         t,
         energy_error,
         wall,
-        stats: stepper.stats(),
-        failure: failure.map(|failure| failure.to_string()),
+        stats: Stats { steps, rejected, force_evaluations },
+        failure,
     })
 }
 
@@ -203,34 +258,25 @@ pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
 struct Look<'a> {
     scene: &'a Scene,
     times: &'a [f64],
-    progress: &'a mut dyn FnMut(f64),
     /// Looks so far, but for those at `times`.
     looks: u64,
-    /// The share of the run that was last told.
-    told: f64,
     initial: Twofold<f64>,
     /// Largest error so far.
     largest: f64,
     /// The same at each of `times` that has passed.
     errors: Vec<f64>,
+    token: interrupt::Token,
 }
 
 impl<'a> Look<'a> {
-    fn new(scene: &'a Scene, times: &'a [f64], progress: &'a mut dyn FnMut(f64)) -> Self {
+    fn new(scene: &'a Scene, times: &'a [f64]) -> Self {
         let initial = energy(scene.chain(), scene.initial().as_slice());
-        Self { scene, times, progress, looks: 0, told: 0.0, initial, largest: 0.0, errors: Vec::new() }
+        Self { scene, times, looks: 0, initial, largest: 0.0, errors: Vec::new(), token: interrupt::token() }
     }
 
     /// The next look that is not one of `times`.
     fn regular(&self) -> f64 {
         LOOK * self.scene.period() * (self.looks + 1) as f64
-    }
-
-    fn tell(&mut self, share: f64) {
-        if share >= self.told + 1e-3 {
-            self.told = share;
-            (self.progress)(share);
-        }
     }
 }
 
@@ -257,8 +303,11 @@ impl Observer<f64> for Look<'_> {
         } else {
             self.looks += 1;
         }
-        self.tell(t / self.scene.end());
         Ok(ControlFlow::Continue(()))
+    }
+
+    fn stop(&self) -> bool {
+        self.token.asked()
     }
 }
 

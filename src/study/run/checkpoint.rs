@@ -19,6 +19,7 @@ use crate::{
     chain::{Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Array, Folder, npz_with, to_json},
+    parts::Parts,
     run::method::{Method, Setting},
     run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
     scene::{Scene, SceneFile},
@@ -118,6 +119,17 @@ impl LongRun {
             self.kept = Kept::new(&self.run);
         }
         self
+    }
+
+    /// The same with the chain in parts. A checkpoint does not know of them, and may be gone on with
+    /// in any number of them.
+    ///
+    /// # Errors
+    /// A method that does not run in parts; more parts than sites.
+    pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
+        self.method.takes(&parts)?;
+        self.run = self.run.in_parts(parts)?;
+        Ok(self)
     }
 
     /// Whether contacts are kept.

@@ -1,10 +1,11 @@
 //! Which integrator runs a scene, and with which accuracy: what somebody asked for, else what the
 //! scene says, else what suits its chain.
 
-use super::LongRun;
+use super::{LongRun, parts_plan};
 use crate::{
     breathers::{self, TrivialBreather},
     error::{Error, Result},
+    parts::Parts,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::Scene,
 };
@@ -104,17 +105,38 @@ impl How {
         }
     }
 
-    /// What the run computes and what it leaves out, in words.
+    /// What the run computes and what it leaves out, in words; in parts, also what these need.
     ///
     /// # Errors
     /// What the run would refuse.
-    pub fn plan(&self, scene: &Scene, events: bool) -> Result<Vec<String>> {
+    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                scene.run().method(*method).setting(*setting).stepper()?;
-                Ok(scene.plan(events))
+                self.takes(parts)?;
+                let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
+                if parts.whole() {
+                    run.stepper()?;
+                    return Ok(scene.plan(events));
+                }
+                let own = parts_plan(scene.file(), *method, parts.count())?;
+                Ok(scene.plan(events).into_iter().chain(own).collect())
             }
-            Self::ClosedForm(_) => Ok(scene.plan_in_closed_form()),
+            Self::ClosedForm(_) => self.takes(parts).map(|()| scene.plan_in_closed_form()),
+        }
+    }
+
+    /// Refuses parts of what cannot run in them.
+    ///
+    /// # Errors
+    /// An exact solution, or a method that does not run in parts.
+    pub fn takes(&self, parts: &Parts) -> Result<()> {
+        match self {
+            Self::Integrated(method, ..) => method.takes(parts),
+            Self::ClosedForm(_) if parts.whole() => Ok(()),
+            Self::ClosedForm(_) => {
+                let rule = "an exact solution has no parts: name a splitting scheme, as --integrator strang-linear";
+                Err(Error::parameter("integrator", "closed-form", rule))
+            }
         }
     }
 

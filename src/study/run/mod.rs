@@ -4,6 +4,7 @@
 mod checkpoint;
 mod contacts;
 mod how;
+mod parts;
 mod report;
 
 pub use checkpoint::LongRun;
@@ -11,6 +12,7 @@ pub use checkpoint::LongRun;
 pub use contacts::contacts_picture;
 pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz};
 pub use how::{Asked, How};
+pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
 pub use report::{RUN_FILES, run_files, run_json, run_summary};

@@ -1,0 +1,137 @@
+//! One long chain in parts: threads of one process, or processes that send each other messages.
+//!
+//! | word | meaning |
+//! |---|---|
+//! | *part* | neighbouring sites that are moved in one place; the parts make up the chain |
+//! | *ghosts* | sites of both neighbours that a part moves as well, see [`Division::ghosts`] |
+//! | *carrier* | what takes numbers from part to part; see [`Carrier`] |
+//! | *order* | what part 0 tells the others to do next |
+//!
+//! A kick of a site depends on the site and its two neighbours. So a part that has `g` ghosts on
+//! either side can make `g` kicks on its own: where the chain was cut the ghosts are wrong by one
+//! more site with each kick, and after `g` kicks all its own sites are still right. Then the parts
+//! hand each other the outermost `g` of their own sites, in the variables of the flow, and go on.
+//! A message is paid once for many kicks.
+//!
+//! The bits are those of one process. A kernel does the same operations for a site wherever in an
+//! array it is, numbers that are handed over are copied, and phase and time depend on durations
+//! alone. Part 0 has the run: it tells the others what to do, has the whole state wherever somebody
+//! looks at it, and takes energies from it. So nothing that is computed depends on the number of
+//! parts, and no sum has to be brought together.
+
+mod demand;
+mod division;
+mod flow;
+mod order;
+mod part;
+mod serve;
+mod threads;
+
+pub use demand::Demand;
+pub use division::{Division, GHOSTS};
+pub use flow::Parted;
+pub use serve::{end, serve};
+
+use crate::error::{Error, Result};
+use std::{fmt::Debug, sync::Arc};
+
+/// Takes numbers from one part of a chain to another. Each part has one of its own.
+///
+/// Numbers between the same two parts arrive in the order in which they were sent.
+///
+/// # Panics
+/// All may panic if a part has ended that must not have.
+pub trait Carrier: Send {
+    /// Number of this part, from 0.
+    fn part(&self) -> usize;
+    /// Number of parts.
+    fn parts(&self) -> usize;
+    /// Gives the words of part 0 to all others, in place of theirs. Every part calls it.
+    fn broadcast(&mut self, words: &mut Vec<u64>);
+    /// Sends numbers to another part.
+    fn send(&mut self, to: usize, numbers: &[f64]);
+    /// Receives as many numbers from another part as it has sent.
+    fn receive(&mut self, from: usize, numbers: &mut [f64]);
+    /// Sends numbers to one part and receives as many from another, whichever comes first.
+    fn pass(&mut self, to: Option<(usize, &[f64])>, from: Option<(usize, &mut [f64])>);
+}
+
+/// Processes that [`serve`] this one.
+pub trait Ranks: Debug + Send + Sync {
+    /// Their number, with this process.
+    fn count(&self) -> usize;
+    /// What takes numbers to them and back. For one run at a time.
+    fn carrier(&self) -> Box<dyn Carrier>;
+}
+
+/// Where the sites of a run are moved.
+///
+/// ```
+/// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State, parts::Parts};
+/// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 100)?;
+/// let mut state = State::rest(&chain);
+/// state.u_dot_mut()[0] = 1.0;
+/// let run = Run::new(chain, state).until(30.0)?.method(Method::named("verlet")?).step(0.1)?;
+/// let [one, three] = [run.clone(), run.in_parts(Parts::Threads(3))?].map(|run| run.start());
+/// assert_eq!(one?.state, three?.state);
+/// # Ok::<(), hertzchain_core::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub enum Parts {
+    /// All in the thread that runs.
+    #[default]
+    Whole,
+    /// In so many threads, this one among them.
+    Threads(usize),
+    /// In this process and those that serve it.
+    Ranks(Arc<dyn Ranks>),
+}
+
+impl Parts {
+    /// Number of parts.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Whole => 1,
+            Self::Threads(count) => *count,
+            Self::Ranks(ranks) => ranks.count(),
+        }
+    }
+
+    /// Whether there is nothing to divide.
+    pub fn whole(&self) -> bool {
+        matches!(self, Self::Whole | Self::Threads(1))
+    }
+
+    /// Name of what gives their number.
+    fn name(&self) -> &'static str {
+        if matches!(self, Self::Ranks(_)) { "ranks" } else { "threads" }
+    }
+
+    /// Refuses more parts than sites, and none.
+    ///
+    /// # Errors
+    /// A number outside its rule.
+    pub fn check(&self, sites: usize) -> Result<()> {
+        let count = self.count();
+        if matches!(self, Self::Threads(_)) && !(1..=MOST_THREADS).contains(&count) {
+            return Err(Error::parameter(self.name(), count, "from 1 to 1024 threads"));
+        }
+        if count > sites {
+            let rule = "a chain has at most as many parts as sites: ask for fewer";
+            return Err(Error::parameter(self.name(), count, rule));
+        }
+        Ok(())
+    }
+
+    /// The carrier of part 0.
+    fn carrier(&self) -> Box<dyn Carrier> {
+        match self {
+            Self::Whole => threads::start(1),
+            Self::Threads(count) => threads::start(*count),
+            Self::Ranks(ranks) => ranks.carrier(),
+        }
+    }
+}
+
+/// More than any machine has cores for.
+const MOST_THREADS: usize = 1024;

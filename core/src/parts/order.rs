@@ -1,0 +1,123 @@
+//! What part 0 tells the others: words of 64 bits.
+
+use crate::{
+    chain::{Boundary, Chain, Params, Split},
+    error::Result,
+};
+use hertzchain_integrators::Twofold;
+
+/// What a part is to do next. A part may have several flows, each with a number.
+#[derive(Debug)]
+pub(super) enum Order {
+    /// Begin a flow of a chain, at rest.
+    Begin(u64, Split, Box<Chain<f64>>),
+    /// Receive its state.
+    Load(u64),
+    /// Send its state.
+    Store(u64),
+    Drift(u64, Twofold<f64>),
+    Kicks(u64, Vec<(f64, Twofold<f64>)>),
+    /// Begin a flow as a copy of another, given first.
+    Duplicate(u64, u64),
+    /// Copy the first to the second.
+    Copy(u64, u64),
+    /// Forget a flow.
+    Forget(u64),
+    /// End.
+    End,
+}
+
+const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+const SPLITS: [Split; 2] = [Split::Kinetic, Split::Linear];
+
+fn place<T: PartialEq>(of: &T, all: &[T]) -> u64 {
+    all.iter().position(|one| one == of).unwrap_or_default() as u64
+}
+
+impl Order {
+    /// As words.
+    pub(super) fn words(&self) -> Vec<u64> {
+        match self {
+            Self::Begin(flow, split, chain) => {
+                let Params { alpha, kappa, rho } = chain.params();
+                let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
+                let boundary = place(&chain.boundary(), &BOUNDARIES);
+                let head = [0, *flow, place(split, &SPLITS), boundary, chain.sites() as u64];
+                [&head[..], &numbers].concat()
+            }
+            Self::Load(flow) => vec![1, *flow],
+            Self::Store(flow) => vec![2, *flow],
+            Self::Drift(flow, dt) => vec![3, *flow, dt.hi.to_bits(), dt.lo.to_bits()],
+            Self::Kicks(flow, pairs) => kicks(*flow, pairs),
+            Self::Duplicate(from, to) => vec![5, *from, *to],
+            Self::Copy(from, to) => vec![6, *from, *to],
+            Self::Forget(flow) => vec![7, *flow],
+            Self::End => vec![8],
+        }
+    }
+
+    /// The order in words, if it is one.
+    pub(super) fn of(words: &[u64]) -> Option<Self> {
+        Some(match *words {
+            [0, flow, split, boundary, sites, alpha, kappa, rho, rest] => {
+                let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
+                let chain = || -> Result<Chain<f64>> {
+                    let boundary = BOUNDARIES[boundary as usize % BOUNDARIES.len()];
+                    Chain::new(Params::new(alpha, kappa, rho)?, boundary, sites as usize)?.precompressed(rest)
+                };
+                Self::Begin(flow, *SPLITS.get(split as usize)?, Box::new(chain().ok()?))
+            }
+            [1, flow] => Self::Load(flow),
+            [2, flow] => Self::Store(flow),
+            [3, flow, hi, lo] => Self::Drift(flow, twofold(hi, lo)),
+            [4, flow, ref pairs @ ..] if pairs.len().is_multiple_of(3) => {
+                let pair = |words: &[u64]| (f64::from_bits(words[0]), twofold(words[1], words[2]));
+                Self::Kicks(flow, pairs.chunks_exact(3).map(pair).collect())
+            }
+            [5, from, to] => Self::Duplicate(from, to),
+            [6, from, to] => Self::Copy(from, to),
+            [7, flow] => Self::Forget(flow),
+            [8] => Self::End,
+            _ => return None,
+        })
+    }
+}
+
+/// Kicks and drifts as words.
+fn kicks(flow: u64, pairs: &[(f64, Twofold<f64>)]) -> Vec<u64> {
+    let head = [4, flow].into_iter();
+    head.chain(pairs.iter().flat_map(|(kick, drift)| [*kick, drift.hi, drift.lo].map(f64::to_bits))).collect()
+}
+
+fn twofold(hi: u64, lo: u64) -> Twofold<f64> {
+    Twofold { hi: f64::from_bits(hi), lo: f64::from_bits(lo) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_order_arrives_as_it_was_given() {
+        let third = Twofold::new(1.0).over(Twofold::new(3.0));
+        let chain = Chain::new(Params::new(1.5, 1.0, f64::INFINITY).unwrap(), Boundary::Fixed, 9).unwrap();
+        let chain = Box::new(chain.precompressed(0.1).unwrap());
+        let orders = [
+            Order::Begin(3, Split::Linear, chain),
+            Order::Load(1),
+            Order::Store(2),
+            Order::Drift(4, third),
+            Order::Kicks(5, vec![(0.1, third), (-0.2, Twofold::zero())]),
+            Order::Kicks(5, Vec::new()),
+            Order::Duplicate(6, 7),
+            Order::Copy(8, 9),
+            Order::Forget(10),
+            Order::End,
+        ];
+        for order in orders {
+            let back = Order::of(&order.words()).unwrap();
+            assert_eq!(format!("{order:?}"), format!("{back:?}"));
+        }
+        assert!(Order::of(&[]).is_none() && Order::of(&[4, 0, 1]).is_none() && Order::of(&[99]).is_none());
+    }
+}

@@ -1,0 +1,219 @@
+//! A part of a chain: its own sites, and ghosts on either side.
+
+use super::{Carrier, Division};
+use crate::chain::{Chain, Divisible, KineticFlow, LinearFlow, Split};
+use hertzchain_integrators::{SplitFlow, Twofold};
+use std::ops::Range;
+
+/// Sites whose states go into one message.
+const BLOCK: usize = 1 << 16;
+
+/// A part of a chain, on one of the two splits.
+pub(super) enum Part {
+    Kinetic(Sites<KineticFlow<f64>>),
+    Linear(Sites<LinearFlow<f64>>),
+}
+
+/// Does the same with either kind.
+macro_rules! either {
+    ($part:expr, $sites:ident => $what:expr) => {
+        match $part {
+            Part::Kinetic($sites) => $what,
+            Part::Linear($sites) => $what,
+        }
+    };
+}
+
+impl Part {
+    /// The part of this number, at rest.
+    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, split: Split) -> Self {
+        match split {
+            Split::Kinetic => Self::Kinetic(Sites::new(chain, division, number)),
+            Split::Linear => Self::Linear(Sites::new(chain, division, number)),
+        }
+    }
+
+    /// The sites that are its own, as the chain counts them.
+    pub(super) fn own(&self) -> Range<usize> {
+        either!(self, sites => sites.division.sites(sites.number))
+    }
+
+    /// Sets its own sites to states from arrays of all of them.
+    pub(super) fn read(&mut self, arrays: [&[f64]; 4]) {
+        either!(self, sites => sites.read(0, arrays));
+    }
+
+    /// Writes the states of its own sites into arrays of all of them.
+    pub(super) fn write(&self, arrays: [&mut [f64]; 4]) {
+        either!(self, sites => sites.flow.write(sites.left, arrays));
+    }
+
+    /// Receives the states of its own sites from part 0.
+    pub(super) fn receive(&mut self, carrier: &mut dyn Carrier) {
+        let (own, resonators) = (self.own(), self.resonators());
+        let mut buffer = Vec::new();
+        for block in blocks(0..own.len()) {
+            buffer.resize(numbers(resonators) * block.len(), 0.0);
+            carrier.receive(0, &mut buffer);
+            either!(self, sites => sites.read(block.start, parted(&buffer, block.len())));
+        }
+    }
+
+    /// Sends the states of its own sites to part 0.
+    pub(super) fn send(&self, carrier: &mut dyn Carrier) {
+        let (own, resonators) = (self.own(), self.resonators());
+        let mut buffer = Vec::new();
+        for block in blocks(0..own.len()) {
+            buffer.resize(numbers(resonators) * block.len(), 0.0);
+            let arrays = parted_mut(&mut buffer, block.len());
+            either!(self, sites => sites.flow.write(sites.left + block.start, arrays));
+            carrier.send(0, &buffer);
+        }
+    }
+
+    fn resonators(&self) -> bool {
+        either!(self, sites => sites.resonators)
+    }
+
+    pub(super) fn drift(&mut self, dt: Twofold<f64>) {
+        either!(self, sites => sites.flow.drift(dt));
+    }
+
+    /// Kicks and drifts, with exchanges of ghosts where these are used up.
+    pub(super) fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
+        either!(self, sites => sites.kick_drifts(pairs, carrier));
+    }
+
+    pub(super) fn duplicate(&self) -> Self {
+        match self {
+            Self::Kinetic(sites) => Self::Kinetic(sites.duplicate()),
+            Self::Linear(sites) => Self::Linear(sites.duplicate()),
+        }
+    }
+
+    /// Copies a part of the same chain and split.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Kinetic(sites), Self::Kinetic(other)) => sites.copy_from(other),
+            (Self::Linear(sites), Self::Linear(other)) => sites.copy_from(other),
+            _ => unreachable!("a copy is of the same split"),
+        }
+    }
+}
+
+/// The blocks in which states of some sites are sent.
+pub(super) fn blocks(sites: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let Range { start, end } = sites;
+    (start..end).step_by(BLOCK).map(move |first| first..end.min(first + BLOCK))
+}
+
+/// How many numbers the state of a site has.
+pub(super) fn numbers(resonators: bool) -> usize {
+    if resonators { 4 } else { 2 }
+}
+
+/// The arrays `[u, v, u', v']` of a message about so many sites.
+pub(super) fn parted(message: &[f64], sites: usize) -> [&[f64]; 4] {
+    let (positions, velocities) = message.split_at(message.len() / 2);
+    let ((u, v), (u_dot, v_dot)) = (positions.split_at(sites), velocities.split_at(sites));
+    [u, v, u_dot, v_dot]
+}
+
+/// The same, to be written.
+pub(super) fn parted_mut(message: &mut [f64], sites: usize) -> [&mut [f64]; 4] {
+    let (positions, velocities) = message.split_at_mut(message.len() / 2);
+    let ((u, v), (u_dot, v_dot)) = (positions.split_at_mut(sites), velocities.split_at_mut(sites));
+    [u, v, u_dot, v_dot]
+}
+
+/// The sites of a part, on a split.
+pub(super) struct Sites<F> {
+    flow: F,
+    division: Division,
+    number: usize,
+    resonators: bool,
+    /// Number of ghosts on the left.
+    left: usize,
+    /// Number of kicks for which the ghosts are good.
+    fresh: usize,
+    /// Edges that are sent and received.
+    edges: [Vec<f64>; 2],
+}
+
+impl<F: Divisible<f64>> Sites<F> {
+    fn new(chain: &Chain<f64>, division: Division, number: usize) -> Self {
+        let side = |neighbour: Option<usize>| neighbour.map_or(0, |_| division.ghosts());
+        let (left, right) = (side(division.before(number)), side(division.after(number)));
+        let sites = left + division.sites(number).len() + right;
+        let cut = if division.parts() == 1 { chain.clone() } else { chain.cut(sites) };
+        let resonators = chain.layout().resonators();
+        Self { flow: F::rest(cut), division, number, resonators, left, fresh: 0, edges: [Vec::new(), Vec::new()] }
+    }
+
+    fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
+        self.flow.read(self.left + first, arrays);
+        self.fresh = 0;
+    }
+
+    fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
+        if self.division.parts() == 1 {
+            self.flow.kick_drifts(pairs);
+            return;
+        }
+        let mut rest = pairs;
+        while !rest.is_empty() {
+            if self.fresh == 0 {
+                self.exchange(carrier);
+            }
+            let (now, later) = rest.split_at(rest.len().min(self.fresh));
+            self.flow.kick_drifts(now);
+            (self.fresh, rest) = (self.fresh - now.len(), later);
+        }
+    }
+
+    /// Brings the ghosts from the neighbours, and hands them theirs.
+    fn exchange(&mut self, carrier: &mut dyn Carrier) {
+        let (division, number, left) = (self.division, self.number, self.left);
+        let (ghosts, own) = (division.ghosts(), division.sites(number).len());
+        let (before, after) = (division.before(number), division.after(number));
+        // To the right: the last sites of each part are the first ghosts of the next.
+        self.pass(carrier, (after, left + own - ghosts), (before, 0));
+        self.pass(carrier, (before, left), (after, left + own));
+        self.fresh = ghosts;
+    }
+
+    /// Sends some sites to a neighbour and receives others.
+    fn pass(
+        &mut self,
+        carrier: &mut dyn Carrier,
+        (to, sent): (Option<usize>, usize),
+        (from, received): (Option<usize>, usize),
+    ) {
+        let ghosts = self.division.ghosts();
+        let [out, into] = &mut self.edges;
+        out.clear();
+        into.clear();
+        for column in self.flow.columns().iter().filter(|column| !column.is_empty()) {
+            out.extend_from_slice(column.get(sent..sent + ghosts).filter(|_| to.is_some()).unwrap_or_default());
+            into.resize(into.len() + ghosts, 0.0);
+        }
+        carrier.pass(to.map(|to| (to, &out[..])), from.map(|from| (from, &mut into[..])));
+        if from.is_some() {
+            let columns = self.flow.columns().into_iter().filter(|column| !column.is_empty());
+            for (column, edge) in columns.zip(into.chunks_exact(ghosts)) {
+                column[received..][..ghosts].copy_from_slice(edge);
+            }
+        }
+    }
+
+    fn duplicate(&self) -> Self {
+        let Self { division, number, resonators, left, fresh, .. } = *self;
+        let edges = [Vec::new(), Vec::new()];
+        Self { flow: self.flow.duplicate(), division, number, resonators, left, fresh, edges }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.flow.copy_from(&other.flow);
+        self.fresh = other.fresh;
+    }
+}

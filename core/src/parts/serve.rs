@@ -1,0 +1,49 @@
+//! The parts beside the first: they do what they are told.
+
+use super::{Carrier, Division, order::Order, part::Part};
+use std::collections::BTreeMap;
+
+/// Moves this part of chains as part 0 tells, until it says that this was all.
+///
+/// # Panics
+/// If part 0 has ended without saying so, or says what is no order.
+pub fn serve(carrier: &mut dyn Carrier) {
+    let mut flows: BTreeMap<u64, Part> = BTreeMap::new();
+    let mut words = Vec::new();
+    loop {
+        carrier.broadcast(&mut words);
+        let order = Order::of(&words).expect("part 0 sends orders");
+        match order {
+            Order::Begin(flow, split, chain) => {
+                let division = Division::new(chain.topology(), carrier.parts());
+                flows.insert(flow, Part::new(&chain, division, carrier.part(), split));
+            }
+            Order::Load(flow) => of(&mut flows, flow).receive(carrier),
+            Order::Store(flow) => of(&mut flows, flow).send(carrier),
+            Order::Drift(flow, dt) => of(&mut flows, flow).drift(dt),
+            Order::Kicks(flow, pairs) => of(&mut flows, flow).kick_drifts(&pairs, carrier),
+            Order::Duplicate(from, to) => {
+                let copy = of(&mut flows, from).duplicate();
+                flows.insert(to, copy);
+            }
+            Order::Copy(from, to) => {
+                let mut copy = flows.remove(&to).expect(KNOWN);
+                copy.copy_from(of(&mut flows, from));
+                flows.insert(to, copy);
+            }
+            Order::Forget(flow) => drop(flows.remove(&flow)),
+            Order::End => return,
+        }
+    }
+}
+
+const KNOWN: &str = "orders are about flows that were begun";
+
+fn of(flows: &mut BTreeMap<u64, Part>, flow: u64) -> &mut Part {
+    flows.get_mut(&flow).expect(KNOWN)
+}
+
+/// Tells all parts that serve part 0, whose carrier this is, that this was all.
+pub fn end(carrier: &mut dyn Carrier) {
+    carrier.broadcast(&mut Order::End.words());
+}

@@ -1,0 +1,110 @@
+//! Parts in the threads of one process: messages are arrays that are handed over.
+
+use super::{Carrier, order::Order, serve};
+use std::{
+    collections::BTreeMap,
+    sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
+    thread::{self, JoinHandle},
+};
+
+/// Messages that may be on their way between two parts. A part that is ahead waits.
+const ON_THE_WAY: usize = 4;
+
+/// The carrier of one part.
+struct Between {
+    part: usize,
+    parts: usize,
+    to: BTreeMap<usize, SyncSender<Vec<f64>>>,
+    from: BTreeMap<usize, Receiver<Vec<f64>>>,
+    orders: Orders,
+}
+
+/// Which end of the orders a part has.
+enum Orders {
+    /// Part 0 gives them, and waits for the other threads at its end.
+    Given(Vec<Sender<Vec<u64>>>, Vec<JoinHandle<()>>),
+    Taken(Receiver<Vec<u64>>),
+}
+
+/// Starts the threads of all parts but the first. They end with the carrier of part 0, which this
+/// returns.
+pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
+    let (mut to, mut from): (Vec<_>, Vec<_>) = (0..parts).map(|_| (BTreeMap::new(), BTreeMap::new())).unzip();
+    // Part 0 talks to all, the others to their neighbours, on a ring around its ends.
+    let talk = |a: usize, b: usize| a != b && (a == 0 || b == 0 || a.abs_diff(b) == 1);
+    for (a, b) in (0..parts).flat_map(|a| (0..parts).map(move |b| (a, b))).filter(|(a, b)| talk(*a, *b)) {
+        let (sender, receiver) = sync_channel(ON_THE_WAY);
+        to[a].insert(b, sender);
+        from[b].insert(a, receiver);
+    }
+    let (mut given, mut threads, mut first) = (Vec::new(), Vec::new(), None);
+    for (part, (to, from)) in to.into_iter().zip(from).enumerate() {
+        if part == 0 {
+            first = Some((to, from));
+            continue;
+        }
+        let (sender, orders) = channel();
+        given.push(sender);
+        let mut between = Between { part, parts, to, from, orders: Orders::Taken(orders) };
+        threads.push(thread::spawn(move || serve(&mut between)));
+    }
+    let (to, from) = first.unwrap_or_default();
+    Box::new(Between { part: 0, parts, to, from, orders: Orders::Given(given, threads) })
+}
+
+const ENDED: &str = "the other part has not ended";
+
+impl Carrier for Between {
+    fn part(&self) -> usize {
+        self.part
+    }
+
+    fn parts(&self) -> usize {
+        self.parts
+    }
+
+    fn broadcast(&mut self, words: &mut Vec<u64>) {
+        match &self.orders {
+            // A thread that has ended is missed where its numbers are.
+            Orders::Given(given, _) => given.iter().for_each(|one| one.send(words.clone()).unwrap_or(())),
+            Orders::Taken(taken) => *words = taken.recv().expect(ENDED),
+        }
+    }
+
+    fn send(&mut self, to: usize, numbers: &[f64]) {
+        self.to[&to].send(numbers.to_vec()).expect(ENDED);
+    }
+
+    fn receive(&mut self, from: usize, numbers: &mut [f64]) {
+        numbers.copy_from_slice(&self.from[&from].recv().expect(ENDED));
+    }
+
+    fn pass(&mut self, to: Option<(usize, &[f64])>, from: Option<(usize, &mut [f64])>) {
+        // There is always room for a message more than a part can be ahead.
+        if let Some((to, numbers)) = to {
+            self.send(to, numbers);
+        }
+        if let Some((from, numbers)) = from {
+            self.receive(from, numbers);
+        }
+    }
+}
+
+impl Drop for Between {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Between {
+    /// Part 0 says that this was all, and waits until the others have ended.
+    fn end(&mut self) {
+        if let Orders::Given(given, threads) = &mut self.orders {
+            given.drain(..).for_each(|one| one.send(Order::End.words()).unwrap_or(()));
+            // Nobody waits for this part.
+            (self.to, self.from) = (BTreeMap::new(), BTreeMap::new());
+            // What a thread had to complain about it has said.
+            threads.drain(..).for_each(|thread| drop(thread.join()));
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What a run in parts needs, in words.
+
+use crate::{
+    error::{Error, Result},
+    parts::{Demand, Parts},
+    run::Method,
+    scene::{MOST_SITES, SceneFile},
+};
+
+/// Most steps that part 0 orders at a time.
+const ORDERED: usize = 16;
+
+/// Memory and messages of a scene in so many parts, a line each. Nothing of the scene is built, so
+/// that it may be one that no machine can hold.
+///
+/// # Errors
+/// Parameters outside their rules; no part, or more parts than sites; a method that does not run in
+/// parts.
+pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<String>> {
+    let chain = &file.chain;
+    chain.params().validate()?;
+    if !(1..=chain.sites).contains(&parts) {
+        return Err(Error::parameter("ranks", parts, "from 1 to the number of sites"));
+    }
+    if parts > 1 && !method.divisible() {
+        method.takes(&Parts::Threads(parts))?;
+    }
+    let Demand { sites, ghosts, memory, whole, message, sample } =
+        Demand::new(chain.params(), chain.boundary, chain.sites, parts);
+    let (memory, whole) = (bytes(memory), bytes(whole));
+    let mut lines = vec![
+        format!("{} sites in {parts} parts: at most {sites} each, and {ghosts} of each neighbour", chain.sites),
+        format!("memory: {memory} a part, half of it for samples; the first besides three whole states, {whole}"),
+    ];
+    if parts > 1 {
+        let (steps, message, order) = (ghosts as f64 / method.stages() as f64, bytes(message), bytes(order(method)));
+        lines.push(format!(
+            "messages: every {ghosts} kicks ({steps:.4} steps) a part sends {message} to each neighbour; \
+             every {ORDERED} steps or oftener an order of {order} goes to all"
+        ));
+        let sample = bytes(sample);
+        lines.push(format!("samples: each brings {sample} to the first part, which checks, counts and writes"));
+    }
+    if chain.sites > MOST_SITES {
+        lines.push("refused if run: a scene has at most 10^8 sites, as the first part holds whole states".to_owned());
+    }
+    Ok(lines)
+}
+
+/// Bytes of an order: three numbers a kick.
+fn order(method: Method) -> u64 {
+    (8 * (2 + 3 * ORDERED * method.stages())) as u64
+}
+
+/// A number of bytes for people.
+fn bytes(count: u64) -> String {
+    let mut value = count as f64;
+    for unit in ["B", "kB", "MB", "GB"] {
+        if value < 1000.0 {
+            return if unit == "B" { format!("{value} B") } else { format!("{value:.3} {unit}") };
+        }
+        value /= 1000.0;
+    }
+    format!("{value:.3} TB")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn plan(changes: &[&str], name: &str, parts: usize) -> Result<Vec<String>> {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+        let file = SceneFile::parse_with(&Scene::source("impact")?, "impact", &changes)?;
+        parts_plan(&file, Method::named(name)?, parts)
+    }
+
+    #[test]
+    fn a_chain_that_no_machine_holds_is_planned() {
+        // Truth: by hand. Without resonators a site has two numbers, 16 bytes.
+        let lines = plan(&["chain.sites=1000000000"], "verlet", 1024).unwrap().join("\n");
+        for part in ["976563 each, and 64 of each", "memory: 31.254 MB a part", "48.000 GB", "sends 1.024 kB", "10^8"] {
+            assert!(lines.contains(part), "{part}: {lines}");
+        }
+        assert_eq!(plan(&[], "verlet", 1).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn what_cannot_run_in_parts_is_not_planned() {
+        let refused = |name, parts| plan(&[], name, parts).unwrap_err().to_string();
+        assert_eq!(refused("verlet", 101), "ranks = 101 is not valid: from 1 to the number of sites");
+        assert!(refused("verlet", 0).contains("ranks = 0"));
+        assert!(refused("collocation", 2).contains("only splitting schemes"));
+    }
+
+    #[test]
+    fn bytes_are_said_in_the_next_unit() {
+        assert_eq!([999, 1000, 1_234_567, 96_000_000_000].map(bytes), ["999 B", "1.000 kB", "1.235 MB", "96.000 GB"]);
+    }
+}

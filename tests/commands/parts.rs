@@ -1,0 +1,118 @@
+//! One long chain in parts: the files of one thread, for any number of them, also where a run goes on
+//! in another number; and what is refused.
+#![cfg(feature = "cli")]
+
+use hertzchain::{
+    output::Folder,
+    parts::Parts,
+    run::method::{Method, Setting},
+    scene::Scene,
+    study::LongRun,
+};
+use std::{
+    fs,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    process::{Command, Output},
+};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
+
+/// Chains with ends and rings, with resonators and without, on both splits.
+pub(crate) const RUNS: [&str; 4] = [
+    "run impact --set chain.sites=1000 --integrator verlet --until 20 --samples 7",
+    "run tw-q15 --integrator strang-linear --until 30 --samples 7",
+    "run cradle --integrator aba864-linear --until 5 --samples 7 --events",
+    "run tw-q15 --integrator yoshida4 --until 3 --samples 7 --checkpoint 1",
+];
+
+/// The files of a run, but for wall times and the checkpoint that holds them.
+pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files = super::shards::files(folder);
+    files.retain(|(name, _)| name != "checkpoint.npz");
+    let wall = |line: &&str| !line.contains("wall_s") && !line.contains("sampling_s");
+    for (_, bytes) in files.iter_mut().filter(|(name, _)| name == "summary.json") {
+        let lines = String::from_utf8(bytes.clone()).unwrap();
+        *bytes = lines.lines().filter(wall).collect::<Vec<_>>().join("\n").into_bytes();
+    }
+    assert!(files.iter().any(|(name, _)| name == "summary.json") && files.len() > 5);
+    files
+}
+
+/// Runs a command line with a folder and more flags.
+pub(crate) fn output(line: &str, folder: &Path, more: &[&str]) -> Output {
+    Command::new(PROGRAM).args(line.split(' ')).arg("--out").arg(folder).args(more).output().unwrap()
+}
+
+#[test]
+fn threads_have_the_files_of_one() {
+    for line in RUNS {
+        let whole = tempfile::tempdir().unwrap();
+        assert!(output(line, whole.path(), &[]).status.success(), "{line}");
+        for threads in ["1", "2", "3", "7"] {
+            let parts = tempfile::tempdir().unwrap();
+            let ended = output(line, parts.path(), &["--threads", threads]);
+            assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
+            assert!(files(whole.path()) == files(parts.path()), "{line} in {threads}");
+        }
+    }
+}
+
+#[test]
+fn a_run_goes_on_in_another_number_of_parts() {
+    // Truth: the same legs in one thread, not interrupted.
+    let scene = || Scene::load("tw-q15").unwrap().until(8.0).unwrap();
+    let long = || {
+        let method = Method::named("strang-linear").unwrap();
+        LongRun::new(scene(), method, Setting::Steps(1000), "words".to_owned(), 1.5).unwrap()
+    };
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
+    let want = long().run(&whole, &mut |_| ()).unwrap();
+    for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 7.0)] {
+        let begun = LongRun::load(broken.path()).unwrap_or_else(|_| long());
+        let begun = begun.in_parts(Parts::Threads(threads)).unwrap();
+        let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
+        assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
+    }
+    let last = LongRun::load(broken.path()).unwrap().in_parts(Parts::Threads(2)).unwrap();
+    let got = last.run(&broken, &mut |_| ()).unwrap();
+    assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
+}
+
+#[test]
+fn what_cannot_run_in_parts_is_refused() {
+    let impact = "run impact --until 1 --threads 2";
+    for (line, words) in [
+        ("run impact --until 1 --integrator verlet --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
+        ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
+        ("run impact --until 1 --tol 1e-6 --threads 2", "integrator = collocation is not valid: only splitting"),
+        ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
+        ("run trivial-breather --threads 2", "an exact solution has no parts"),
+        ("run impact --engine mpi --threads 2", "a rank has one part"),
+        ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
+        ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
+        ("run impact --ranks 2", "--plan"),
+        (&format!("{impact} --checkpoint 0.5 --out nowhere --tol 1e-6"), "only splitting schemes"),
+    ] {
+        let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.code() == Some(2) && said.contains(words), "{line}: {said}");
+    }
+    assert!(fs::metadata("nowhere").is_err(), "nothing is written for what is refused");
+}
+
+#[test]
+fn a_plan_says_what_parts_need() {
+    let said = |line: &str| {
+        let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
+        assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
+        String::from_utf8(ended.stdout).unwrap()
+    };
+    // More sites than memory: from the numbers of the scene alone.
+    let large = said("run tw-q15 --plan --ranks 1024 --set chain.sites=1000000000");
+    assert!(large.contains("at most 976563 each") && large.contains("refused if run"), "{large}");
+    let own = said("run impact --integrator strang-linear --plan --threads 3");
+    assert!(own.contains("100 sites in 3 parts: at most 34 each, and 33 of each neighbour"), "{own}");
+    assert!(own.contains("t from 0 to 100"), "what is said of any run is there too: {own}");
+}
