@@ -132,6 +132,7 @@ fn run_command(command: &Command) -> Exit {
             Some(WaveAction::Modulation(told)) => told.run(),
             Some(WaveAction::Exact(told)) => told.run(),
             Some(WaveAction::Continue(told)) => told.run(),
+            Some(WaveAction::Solitary(told)) => told.run(),
             None => args.told.run(),
         },
         Command::Breather(args) => match &args.action {
@@ -141,6 +142,7 @@ fn run_command(command: &Command) -> Exit {
             BreatherAction::Continue(told) => told.run(),
             BreatherAction::Doubled(told) => told.run(),
             BreatherAction::Evolve(told) => told.run(),
+            BreatherAction::Barrier(told) => told.run(),
         },
         Command::Dps(args) => match &args.action {
             DpsAction::Integrals(told) => told.run(),

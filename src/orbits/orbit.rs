@@ -1,17 +1,22 @@
 //! Measurements of an orbit: states, extent, error of periodicity, multipliers.
 
 use super::{
+    Kantorovich, Shot,
     floquet::Spectrum,
-    shooting::{Orbit, Shooting},
+    flow::Moment,
+    shooting::{Equations, Formulation, Orbit, Shooting},
 };
 use crate::{
     chain::max_norm,
     error::{Error, Result},
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
+use nalgebra::DMatrix;
 
 /// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
+/// Larger differences of the centre, in units of the amplitude, are those of its two definitions.
+const SAME_CENTRE: f64 = 1e-11;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +103,34 @@ impl Orbit {
         let end = self.states(tol, &[f64::from(periods) * self.setting.period()])?;
         let apart = self.z.iter().zip(&end[0]).map(|(a, b)| a - b);
         Ok(max_norm(apart) / self.amplitude())
+    }
+
+    /// How near an exact orbit is, after Newton and Kantorovich, by the equations of the half
+    /// period; `None` where they are not independent.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn kantorovich(&self, shooting: &Shooting) -> Result<Option<Kantorovich>> {
+        let shooting = Shooting { formulation: Formulation::HalfPeriod, ..*shooting };
+        let (setting, n, size) = (&self.setting, self.z.len(), self.amplitude());
+        let Equations { residual, jacobian } = shooting.equations(setting, &self.z, true)?;
+        let mut history = Vec::new();
+        let keep = |moment: &Moment| history.push((moment.t, moment.columns.clone()));
+        shooting.flow(&setting.chain()?, &self.z, 0.5 * setting.period(), 2 * n, keep)?;
+        // The centre is half of the first strain at the end; a doubled period has it at an earlier
+        // time, where the derivative has grown less.
+        let mut pick = DMatrix::zeros(n + 1, 2 * n);
+        pick.view_mut((0, n), (n, n)).fill_with_identity();
+        pick[(n, 0)] = 0.5;
+        // An orbit of the full period has its own centre.
+        let mut residual = residual / size;
+        if residual[n].abs() > SAME_CENTRE {
+            residual[n] = 0.0;
+        }
+        let overlap = self.x().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let (params, omega, sites) = (setting.params, setting.omega_b, setting.sites);
+        let shot = Shot { params, size, omega, sites, overlap, history, pick, residual, jacobian, tol: shooting.tol };
+        Ok(shot.kantorovich())
     }
 
     /// The Floquet multipliers of the orbit.

@@ -5,6 +5,7 @@
 //! it is a [`Report`], which says what is printed and which files are written. The command line
 //! runs all of them in one way.
 
+mod barrier;
 mod breather;
 mod charts;
 mod compare;
@@ -19,9 +20,14 @@ mod order;
 mod plan;
 mod run;
 mod scaling;
+mod solitary;
 mod theorem;
 mod wave;
 
+#[cfg(feature = "plot")]
+pub(crate) use barrier::barrier_columns;
+pub use barrier::*;
+pub(crate) use barrier::{barrier_caption, barrier_tables};
 pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{
@@ -55,6 +61,10 @@ pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
 pub use run::*;
 pub use scaling::*;
+#[cfg(feature = "plot")]
+pub(crate) use solitary::solitary_columns;
+pub use solitary::*;
+pub(crate) use solitary::{solitary_caption, solitary_tables};
 pub(crate) use theorem::theorem_csv;
 pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,

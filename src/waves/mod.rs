@@ -9,6 +9,7 @@
 mod exact;
 mod modes;
 mod perturbed;
+mod solitary;
 mod stability;
 
 pub use exact::{
@@ -18,6 +19,7 @@ pub use exact::{
 pub use modes::Mode;
 pub(crate) use modes::strains;
 pub use perturbed::PerturbedWave;
+pub use solitary::{LinePulse, SolitaryWave, best_ring, wake_of_line};
 pub use stability::{Eigenvalue, Modulation, Verdict};
 
 use crate::{

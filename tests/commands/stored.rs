@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::{env, fs, path::PathBuf, process::Command};
 
 /// Name in the store, and the command line without `--json`.
-const SET: [(&str, &str); 23] = [
+const SET: [(&str, &str); 25] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
@@ -23,6 +23,7 @@ const SET: [(&str, &str); 23] = [
     ("wave", "wave tw-q45 --until 30"),
     ("wave-exact", "wave exact tw-q45 --sites 10"),
     ("wave-continue", "wave continue tw-q45 --sites 10 --to 2.002"),
+    ("wave-solitary", "wave solitary --sites 14 --rhos 0.02,0.04"),
     ("wave-modulation", "wave modulation --sites 10 --q-over-pi 0.2 --epsilon 0.01"),
     ("dps-integrals", "dps integrals --b 0.3 --r 1.2"),
     ("dps-homoclinic", "dps homoclinic --center bond"),
@@ -31,6 +32,7 @@ const SET: [(&str, &str); 23] = [
     ("bright", "breather bright --sites 10 --epsilon 0.05 --rho 100 --until 60"),
     ("trivial", "breather trivial --until 20"),
     ("continue", "breather continue --sites 9 --from 2.01 --to 2.03"),
+    ("barrier", "breather barrier --sites 9 --from 2.02 --to 2.04 --frequencies 2"),
     ("theorem", "study theorem --epsilons 0.1,0.05"),
     ("lifetimes", "study lifetimes --epsilons 0.05,0.1 --rhos 10,100 --sites 20 --until 300"),
     ("drift", "study drift bright-breather-16 --periods 20 --samples 5"),

@@ -552,6 +552,33 @@ fn a_rule_of_the_library_that_a_flag_breaks_is_told_in_its_words() {
     }
 }
 
+// Truth: the names that the help gives, and the exit code that it promises: at omega/c = 2 pi every
+// ring is in resonance, and no wave is found.
+#[test]
+fn solitary_waves_and_barriers_write_their_files_and_fail_where_an_orbit_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = |args: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).args(["--json", "--out", out]).output();
+        let output = output.unwrap();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap(), json)
+    };
+    let (code, text, json) = run(&["wave", "solitary", "--sites", "12", "--rhos", "0.03187690,0.02"]);
+    assert!(code == Some(1) && text.contains("no wave was found at rho = 0.03188"), "{text}");
+    assert!(json["tails"][0]["wake"].is_null() && json["tails"][1]["wake"].as_f64().unwrap() > 0.0);
+    assert!((json["coefficient"].as_f64().unwrap() - 0.905_515_776_419).abs() < 1e-12);
+    let (code, text, json) =
+        run(&["breather", "barrier", "--sites", "9", "--from", "2.02", "--to", "2.03", "--frequencies", "2"]);
+    assert_eq!(code, Some(0), "{text}");
+    assert!(json["points"][1]["at_action_and_length"].as_f64().unwrap() > 0.0);
+    assert_eq!(json["sign_changes"]["at_frequency"].as_array().unwrap().len(), 0);
+    let names = ["solitary.json", "pulse.csv", "tails.csv", "barrier.json", "barrier.csv"];
+    assert!(names.iter().all(|name| folder.path().join(name).exists()));
+    let pictures = ["solitary.png", "barrier.png"];
+    assert!(!cfg!(feature = "plot") || pictures.iter().all(|name| folder.path().join(name).exists()));
+}
+
 // Truth: the message and the file of the best iterate; an earlier result does not stay beside it.
 #[test]
 fn a_search_for_an_exact_wave_that_stalls_keeps_its_best_iterate() {

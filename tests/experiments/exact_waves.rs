@@ -260,6 +260,38 @@ fn modulations_grow_where_the_modulation_equations_say() {
 
 // Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as
 // the mean strain is above zero.
+// Truth: Newton's method from the ansatz at the end of the branch, which has not been there before.
+#[test]
+fn branches_in_rho_kappa_and_alpha_end_at_the_wave_that_a_search_finds() {
+    for (vary, to) in [(WaveParameter::Rho, 0.334), (WaveParameter::Kappa, 0.999), (WaveParameter::Alpha, 1.6)] {
+        let wanted = Wanted { omega_tw: Some(2.001), mean: Some(0.02), ..Wanted::of("tw-q15") };
+        let study = branch(wanted, vary, to);
+        assert_eq!(study.end, WaveEnd::Reached, "{vary:?}");
+        let last = &study.waves.last().unwrap().wave;
+        assert_eq!(vary.of(last), to);
+        assert!(study.waves.iter().all(|one| one.wave.residual <= 1e-12 && one.wave.setting.omega_tw == 2.001));
+        let (direct, _) = Search::default().wave(&last.setting, Given::Frequency).unwrap();
+        let apart = largest(last.z.iter().zip(&direct.z).map(|(a, b)| a - b)) / last.amplitude();
+        println!("{vary:?}: {} waves, amplitude {}, apart {apart:e}", study.waves.len(), last.amplitude());
+        assert!(apart < 1e-10, "{vary:?}: {apart:e}");
+    }
+}
+
+#[test]
+fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
+    for (vary, to) in [
+        (WaveParameter::OmegaTw, -1.0),
+        (WaveParameter::Amplitude, 0.0),
+        (WaveParameter::Rho, -0.5),
+        (WaveParameter::Kappa, 0.0),
+        (WaveParameter::Alpha, 1.0),
+    ] {
+        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, to: Some(to), step: None, waves: 200 };
+        let text = one.branch(&|_, _| {}).unwrap_err().to_string();
+        assert!(text.contains(&format!("to = {to} is not valid")), "{vary:?}: {text}");
+    }
+}
+
 #[test]
 fn waves_under_a_gap_end_where_no_contact_closes() {
     let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };

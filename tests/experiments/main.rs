@@ -5,12 +5,14 @@ mod common;
 #[path = "../common/properties.rs"]
 mod properties;
 
+mod barrier;
 mod branch_files;
 mod breathers;
 mod charts;
 mod exact_waves;
 mod lifetimes;
 mod orbits;
+mod solitary;
 mod sweep;
 mod theorem;
 mod verify;

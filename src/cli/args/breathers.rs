@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::Told,
-    study::{Bright, Continue, Dark, Doubled, Evolve, Trivial},
+    study::{Barrier, Bright, Continue, Dark, Doubled, Evolve, Trivial},
 };
 use clap::{Args, Subcommand};
 
@@ -57,4 +57,14 @@ Example:
   hertzchain breather dark --center bond --omega-b 2.05 --out out/dark
   hertzchain breather evolve out/dark/dark-breather.json --kick 1e-3")]
     Evolve(Told<Evolve>),
+    /// The energy barrier between dark breathers about a site and about a bond.
+    ///
+    /// The Peierls-Nabarro barrier: energies of the two kinks relative to their common background,
+    /// at the same frequency, and at the same action and length; their largest multipliers. Exit
+    /// code 1 if an orbit is not found.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain breather barrier --from 2.01 --to 2.1 --out out/barrier
+  hertzchain breather barrier --rho 3 --from 1.16 --to 1.35")]
+    Barrier(Told<Barrier>),
 }

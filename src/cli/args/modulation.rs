@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::Told,
-    study::{ContinueWave, DarkProfiles, Exact, Homoclinics, Integrals, ModulationStudy, Wave},
+    study::{ContinueWave, DarkProfiles, Exact, Homoclinics, Integrals, ModulationStudy, Solitary, Wave},
 };
 use clap::{Args, Subcommand};
 
@@ -51,6 +51,15 @@ Examples:
   hertzchain wave continue tw-q15 --to 2.004 --out out/branch
   hertzchain wave continue tw-q15 --vary rho --mean 0.05 --to 3")]
     Continue(Told<ContinueWave>),
+    /// Compute solitary waves, and their tails where resonators move.
+    ///
+    /// The pulse of the plain chain as an exact wave of a ring and on the line, how it decays, and
+    /// how much a pulse leaves behind in light resonators. Exit code 1 if a wave is not found.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain wave solitary --out out/solitary
+  hertzchain wave solitary --alpha 2 --rhos 0.01,0.02,0.05 --json")]
+    Solitary(Told<Solitary>),
 }
 
 #[derive(Args)]

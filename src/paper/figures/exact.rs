@@ -7,8 +7,9 @@ use crate::{
     number::{shown, written},
     output::csv,
     study::{
-        BranchWave, ContinueWave, ExactStudy, Wanted, WaveBranchStudy, exact_caption, exact_study, exact_tables,
-        fit_line, wave_branch_csv,
+        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Solitary, SolitaryStudy, Wanted, WaveBranchStudy,
+        barrier_caption, barrier_tables, exact_caption, exact_study, exact_tables, fit_line, solitary_caption,
+        solitary_tables, wave_branch_csv,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -35,6 +36,13 @@ pub enum ExactRecipe {
         /// Sizes.
         epsilons: &'static [f64],
     },
+    /// Solitary waves at `alpha = 3/2`, `kappa = 1`.
+    Solitary,
+    /// The barrier between dark breathers, on rings of 41 sites.
+    Barrier {
+        /// Mass ratio, ends of the frequency, and number of frequencies.
+        runs: &'static [(f64, [f64; 2], usize)],
+    },
 }
 
 /// The numbers of a figure of exact travelling waves.
@@ -46,6 +54,10 @@ pub enum ExactData {
     Branches(Vec<(&'static str, WaveBranchStudy)>),
     /// Waves of decreasing size.
     Limits(Vec<LimitWave>),
+    /// Solitary waves.
+    Solitary(Box<SolitaryStudy>),
+    /// The barrier at each mass ratio.
+    Barrier(Vec<BarrierStudy>),
 }
 
 /// An exact wave against the modulation equations.
@@ -98,6 +110,14 @@ impl ExactRecipe {
             Self::Limits { rhos, epsilons } => {
                 let both = rhos.iter().flat_map(|&rho| epsilons.iter().map(move |&epsilon| (rho, epsilon)));
                 both.map(|(rho, epsilon)| limit_wave(rho, epsilon)).collect::<Result<_>>().map(ExactData::Limits)
+            }
+            Self::Solitary => Ok(ExactData::Solitary(Box::new(Solitary::default().study()?))),
+            Self::Barrier { runs } => {
+                let study = |(k, &(rho, ends, points)): (usize, &(f64, [f64; 2], usize))| {
+                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
+                    Barrier::of(rho, ends, points).study(&tell)
+                };
+                runs.iter().enumerate().map(study).collect::<Result<_>>().map(ExactData::Barrier)
             }
         }
     }
@@ -158,6 +178,8 @@ pub(super) fn exact_words(data: &ExactData) -> String {
                 slopes.trim_end_matches("; ")
             )
         }
+        ExactData::Solitary(study) => solitary_caption(study),
+        ExactData::Barrier(studies) => studies.iter().map(barrier_caption).collect::<Vec<_>>().join(" "),
     };
     format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
@@ -176,6 +198,11 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Tables)> {
             };
             let names = ["rho", "epsilon", "e_x", "e_y", "growth", "modulation"];
             vec![(String::new(), vec![("limits.csv", csv(&names, waves.iter().map(row)))])]
+        }
+        ExactData::Solitary(study) => vec![(String::new(), solitary_tables(study))],
+        ExactData::Barrier(studies) => {
+            let tag = |study: &BarrierStudy| format!("rho{:.2}", study.options.ring.rho);
+            studies.iter().map(|study| (tag(study), barrier_tables(study))).collect()
         }
     }
 }
@@ -207,6 +234,8 @@ pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> cr
             let growth = panel("|growth / DpS growth − 1| at p = π", &|wave| wave.apart().abs());
             vec![Column::new("", [errors]), Column::new("", [growth])]
         }
+        ExactData::Solitary(study) => crate::study::solitary_columns(study),
+        ExactData::Barrier(studies) => studies.iter().map(crate::study::barrier_columns).collect(),
     };
     Panels { title: title.to_owned(), columns, caption }
 }

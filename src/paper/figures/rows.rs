@@ -305,4 +305,20 @@ pub const FIGURES: &[Figure] = &[
         claim: "Both the distance of the ansatz from the exact wave and the relative difference of their growth rates fall like ε^(α−1).",
         recipe: Recipe::Exact(ExactRecipe::Limits { rhos: &[THIRD, 3.0], epsilons: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2] }),
     },
+    Figure {
+        name: "solitary",
+        source: "Sec. 8 has no such figure; the limit ρ = 0 of the model",
+        title: "What becomes of the Hertz solitary wave as resonators are switched on?",
+        claim: "The pulse of the plain chain is an exact wave, c = C g^(1/4), and falls double-exponentially. Light resonators give it a tail that falls exponentially with the phase ω/c of a resonator a site, \
+                and vanishes where this is a multiple of 2π.",
+        recipe: Recipe::Exact(ExactRecipe::Solitary),
+    },
+    Figure {
+        name: "barrier",
+        source: "Sec. 8, which has no such figure",
+        title: "Is there a Peierls–Nabarro barrier for dark breathers?",
+        claim: "Yes, a small one: at the same action and length the bond-centred breather has more energy than the site-centred one, by less than a percent of the energy of the kink. The difference does not change its sign, \
+                and stabilities do not exchange: only bond-centred breathers have real multipliers.",
+        recipe: Recipe::Exact(ExactRecipe::Barrier { runs: &[(THIRD, [2.01, 2.1], 19), (3.0, [1.165, 1.345], 19)] }),
+    },
 ];

@@ -1,9 +1,17 @@
 //! Section 8: what the paper leaves open, where it has become a number.
 
 use super::{Group, Quantity, Runs};
-use crate::{error::Result, paper::figures::limit_wave, study::Wanted};
+use crate::{
+    breathers::DarkBreather,
+    chain::Params,
+    dps::Center,
+    error::{Error, Result},
+    orbits::{Kantorovich, Shooting},
+    paper::figures::limit_wave,
+    study::{Barrier, BarrierPoint, Wanted},
+};
 
-pub(super) const GROUPS: &[Group] = &[Group::of(waves), Group::of(limits)];
+pub(super) const GROUPS: &[Group] = &[Group::of(waves), Group::of(limits), Group::of(existence), Group::of(barrier)];
 
 /// Exact travelling waves at the parameters of Sec. 4.
 fn waves(_: &Runs) -> Result<Vec<Quantity>> {
@@ -23,4 +31,27 @@ fn limits(_: &Runs) -> Result<Vec<Quantity>> {
         ("s8-waves-slope", slope(small.errors[0], large.errors[0])),
         ("s8-modulation", slope(small.apart().abs(), large.apart().abs())),
     ])
+}
+
+/// A-posteriori bounds for a wave and for the breathers at `omega_b = 2.05`.
+fn existence(_: &Runs) -> Result<Vec<Quantity>> {
+    let radius = |found: Option<Kantorovich>| found.and_then(|found| found.radius).unwrap_or(f64::INFINITY);
+    let wave = radius(Wanted::of("tw-q15").study()?.kantorovich);
+    let breather = |center| {
+        let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
+        let breather = DarkBreather { params, center, sites: 41, omega_b: 2.05, c_x: 0.0 };
+        let shooting = Shooting { tol: 1e-15, ..Shooting::default() };
+        Ok::<_, Error>(radius(breather.orbit(&shooting)?.kantorovich(&shooting)?))
+    };
+    let breathers = breather(Center::Site)?.max(breather(Center::Bond)?);
+    Ok(vec![("s8-waves-bound", wave), ("s8-breathers-bound", breathers)])
+}
+
+/// The barrier between dark breathers at `rho = 1/3`.
+fn barrier(_: &Runs) -> Result<Vec<Quantity>> {
+    let study = Barrier::of(1.0 / 3.0, [2.01, 2.1], 10).study(&|_, _| {})?;
+    let share = |point: &BarrierPoint| point.barrier() / point.kinks[0].kink_energy.abs();
+    let least = study.points.iter().map(share).fold(f64::INFINITY, f64::min);
+    let site = study.points.iter().map(|point| point.kinks[0].real).fold(0.0, f64::max);
+    Ok(vec![("s8-barrier", least), ("s8-barrier-site", site)])
 }

@@ -3,6 +3,7 @@
 
 mod report;
 
+pub(super) use report::nearness;
 pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as exact_tables};
 #[cfg(feature = "plot")]
 pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
@@ -10,6 +11,7 @@ pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 use super::{Changes, Progress, Study, Work};
 use crate::{
     error::{Error, Iterate, Result},
+    orbits::Kantorovich,
     output::{Folder, to_json},
     scene::Scene,
     waves::{
@@ -215,6 +217,8 @@ pub struct ExactStudy {
     pub errors: [f64; 2],
     /// Multipliers.
     pub spectrum: WaveSpectrum,
+    /// How near an exact wave is.
+    pub kantorovich: Option<Kantorovich>,
     /// Growth at the Bloch wave numbers of the ring from 0 to `pi`.
     pub growth: Vec<BlochGrowth>,
 }
@@ -252,7 +256,9 @@ pub fn exact_study(
     };
     let growth = (0..=sites / 2).map(at).collect();
     let errors = profile.errors(&ansatz);
-    Ok(ExactStudy { scene: scene.to_owned(), wave, ansatz, profile, fourier, odd, errors, spectrum, growth })
+    let kantorovich = search.kantorovich(&wave)?;
+    let scene = scene.to_owned();
+    Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, kantorovich, growth })
 }
 
 /// A branch of exact travelling waves.

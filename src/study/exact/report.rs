@@ -6,6 +6,7 @@ use super::{BranchWave, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{of_pi, shown},
+    orbits::Kantorovich,
     output::{Array, csv, npz_with, to_json},
     present::table,
     study::{File, Report, named, params_words},
@@ -54,6 +55,7 @@ impl Report for ExactStudy {
             "growing": self.spectrum.growing(),
             "fastest": fastest,
             "growth": self.growth,
+            "kantorovich": self.kantorovich,
             "e_x_ansatz": self.errors[0],
             "e_y_ansatz": self.errors[1],
             "ansatz": {
@@ -92,7 +94,7 @@ impl Report for ExactStudy {
         format!(
             "x_n(t) = X(q n - omega_tw t), q = {}, omega_tw = {}, {}\n\
              amplitude {:.12e}, mean strain {:.12e}; ansatz {:.12e}, {:.12e}: E_x = {:.4e}, E_y = {:.4e}\n\
-             residual {:.1e} of the amplitude after {} steps of Newton's method; contacts closed for {:.4} of the period\n\n\
+             residual {:.1e} of the amplitude after {} steps of Newton's method; contacts closed for {:.4} of the period\n{}\n\n\
              Relative multipliers on {} sites, by Bloch wave number:\n{spectrum}\n\
              {} of {} grow. Symplectic defect {:.1e}, eigenvectors {:.1e}, phase shift {:.1e}, linear {:.1e}, pairs {:.1e}.\n",
             of_pi(setting.q.q()),
@@ -107,6 +109,7 @@ impl Report for ExactStudy {
             wave.residual,
             wave.newton.len(),
             self.profile.closed(),
+            nearness(self.kantorovich),
             self.spectrum.sites,
             self.spectrum.growing(),
             self.spectrum.multipliers.len(),
@@ -147,6 +150,19 @@ pub(crate) fn tables(study: &ExactStudy) -> Vec<(&'static str, Vec<u8>)> {
         ("fourier.csv", csv(&["k", "x", "y"], harmonics)),
         ("multipliers.csv", csv(&names, study.spectrum.multipliers.iter().map(multiplier))),
     ]
+}
+
+/// What the theorem of Newton and Kantorovich says, in a line.
+pub(crate) fn nearness(found: Option<Kantorovich>) -> String {
+    match found {
+        Some(Kantorovich { radius: Some(radius), inverse, hoelder, exponent, .. }) => format!(
+            "Newton-Kantorovich: a solution within {radius:.1e} of the amplitude (|A| = {inverse:.1e}, kappa = {hoelder:.1e}, p = {exponent})"
+        ),
+        Some(Kantorovich { correction, inverse, hoelder, exponent, .. }) => format!(
+            "Newton-Kantorovich: no bound (|A F| = {correction:.1e}, |A| = {inverse:.1e}, kappa = {hoelder:.1e}, p = {exponent})"
+        ),
+        None => "Newton-Kantorovich: no bound, the equations are not independent".to_owned(),
+    }
 }
 
 #[cfg(feature = "plot")]

@@ -15,7 +15,8 @@ use crate::{
     error::{Error, Result},
     interrupt,
     orbits::{
-        Bifurcation, BifurcationKind, Continuation, End, Extent, Orbit, Parameter, Setting, Shooting, Spectrum, Trail,
+        Bifurcation, BifurcationKind, Continuation, End, Extent, Kantorovich, Orbit, Parameter, Setting, Shooting,
+        Spectrum, Trail,
     },
     output::{Folder, say},
 };
@@ -66,13 +67,20 @@ pub struct Ring {
     pub tol: f64,
 }
 
+impl Default for Ring {
+    fn default() -> Self {
+        let Shooting { formulation, tol, .. } = Shooting::default();
+        Self { sites: 41, alpha: 1.5, kappa: 1.0, rho: 1.0 / 3.0, c_x: 0.0, formulation, tol }
+    }
+}
+
 impl Ring {
-    fn shooting(&self) -> Shooting {
+    pub(super) fn shooting(&self) -> Shooting {
         Shooting { formulation: self.formulation, tol: self.tol, ..Shooting::default() }
     }
 
     /// A breather of this frequency, by default `omega` times `ratio`.
-    fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
+    pub(super) fn breather(&self, center: Center, omega_b: Option<f64>, ratio: f64) -> Result<DarkBreather> {
         let params = Params::new(self.alpha, self.kappa, self.rho)?;
         let omega_b = omega_b.unwrap_or(ratio * params.omega());
         Ok(DarkBreather { params, center, sites: self.sites, omega_b, c_x: self.c_x })
@@ -365,6 +373,8 @@ pub struct OrbitStudy {
     pub e_b: f64,
     /// Mean contact force of every bond over a period, constant along the chain (Theorem nobreath).
     pub forces: MeanForces,
+    /// How near an exact orbit is.
+    pub kantorovich: Option<Kantorovich>,
     /// How it was searched for and measured.
     pub shooting: Shooting,
 }
@@ -379,6 +389,7 @@ pub fn orbit_study(orbit: Orbit, shooting: &Shooting) -> Result<OrbitStudy> {
         spectrum: orbit.spectrum(shooting)?,
         extent: orbit.extent(shooting.tol)?,
         e_b: orbit.e_b(shooting.tol, 1)?,
+        kantorovich: orbit.kantorovich(shooting)?,
         forces: chain.mean_contact_forces(&orbit.start(), period, Pace::Tolerance(shooting.tol))?,
         shooting: *shooting,
         orbit,

@@ -101,7 +101,7 @@ impl Report for DoubledStudy {
 }
 
 pub(crate) fn json(study: &OrbitStudy) -> Value {
-    let OrbitStudy { orbit, spectrum, extent, e_b, forces, shooting } = study;
+    let OrbitStudy { orbit, spectrum, extent, e_b, forces, kantorovich, shooting } = study;
     let Setting { params, sites, omega_b, .. } = orbit.setting;
     let half = (sites / 2) as i64;
     let (format, version) = ORBIT_FORMAT;
@@ -134,6 +134,7 @@ pub(crate) fn json(study: &OrbitStudy) -> Value {
         "tau": spectrum.tau.iter().map(|tau| json!({ "re": tau.re, "im": tau.im })).collect::<Vec<_>>(),
         "quality": spectrum.quality,
         "integrator": "collocation",
+        "kantorovich": kantorovich,
         "shooting": shooting,
         "version": env!("CARGO_PKG_VERSION"),
     })
@@ -170,6 +171,7 @@ fn orbit_table(study: &OrbitStudy) -> String {
         + &table(&["step", "residual", "change of Z"], &steps)
         + "\n"
         + &multiplier_table(spectrum.multipliers.iter().filter(|one| one.modulus > 1.0))
+        + &format!("\n{}\n", crate::study::exact::nearness(study.kantorovich))
         + &format!(
             "\n{circle} multipliers on the circle, 4 that are 1, 2 that are exp(+-i omega T); of those off it the inverses are left out\n"
         )

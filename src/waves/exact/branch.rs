@@ -80,6 +80,18 @@ impl WaveParameter {
         }
     }
 
+    /// A bound below all of its values, and the rule.
+    fn rule(self) -> (f64, &'static str) {
+        match self {
+            Self::Mean => (f64::NEG_INFINITY, "a finite number"),
+            Self::Alpha => (1.0, "above 1: tangent maps need alpha > 1"),
+            Self::OmegaTw => (0.0, "a frequency is positive"),
+            Self::Amplitude => (0.0, "an amplitude is positive"),
+            Self::Rho => (0.0, "a mass ratio is positive"),
+            Self::Kappa => (0.0, "a spring constant is positive"),
+        }
+    }
+
     /// The number of the setting that is an unknown.
     fn free(self, setting: &WaveSetting) -> f64 {
         match self {
@@ -187,8 +199,8 @@ impl WaveContinuation {
     /// strain is that of `start`.
     ///
     /// # Errors
-    /// An end at the start, a step that is not positive, fewer than two waves. A branch that ends
-    /// early is no error.
+    /// An end at the start or outside the range of the parameter, a step that is not positive,
+    /// fewer than two waves. A branch that ends early is no error.
     pub fn follow(&self, start: ExactWave, mut seen: impl FnMut(&ExactWave)) -> Result<WaveBranch> {
         let from = self.parameter.of(&start);
         self.check(from)?;
@@ -224,6 +236,10 @@ impl WaveContinuation {
     pub fn check(&self, from: f64) -> Result<()> {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
+        }
+        let (least, rule) = self.parameter.rule();
+        if self.to <= least {
+            return Err(Error::parameter("to", self.to, rule));
         }
         if self.step.is_nan() || self.step <= 0.0 {
             return Err(Error::parameter("step", self.step, "positive"));
@@ -261,7 +277,7 @@ impl WaveContinuation {
 
     fn scales(&self, wave: &ExactWave) -> Scales {
         let setting = &wave.setting;
-        let size = swing(&wave.z, setting.params.rho);
+        let size = swing(&wave.z, setting);
         let parameter = match self.parameter {
             // About what changes the wave by its size. Waves without contacts have no detuning.
             WaveParameter::OmegaTw | WaveParameter::Amplitude => {
@@ -332,7 +348,7 @@ impl WaveContinuation {
             let rows = residual.len();
             let mut matrix = jacobian.insert_row(rows, 0.0);
             matrix.set_row(rows, &t.transpose());
-            let relative = residual.amax() / swing(&wave.z, wave.setting.params.rho);
+            let relative = residual.amax() / swing(&wave.z, &wave.setting);
             let Some(by) = least_squares(matrix, &residual.push(0.0)) else { break };
             let step = by.norm();
             // A correction as long as the step leads elsewhere.
@@ -345,7 +361,7 @@ impl WaveContinuation {
             wave.setting = self.parameter.with(&wave.setting, free);
             if step <= LAST_CORRECTION {
                 let residual = self.search.equations(&wave.setting, &wave.z, false)?.residual;
-                wave.residual = residual.amax() / swing(&wave.z, wave.setting.params.rho);
+                wave.residual = residual.amax() / swing(&wave.z, &wave.setting);
                 return if wave.residual <= SOLVED { Ok(wave) } else { Err(stalled(wave.newton.len(), Some(wave))) };
             }
         }

@@ -8,7 +8,7 @@
 //! | `omega_tw, T` | frequency, and period `T = 2 pi/omega_tw` |
 //! | `r` | sites with `r l = 1 (mod m)`: after the time `T/m` the wave has moved on by `r` sites |
 //! | `B` | the relative map `S^{-r} Phi_{T/m}`; `S` shifts by a site, `Phi_t` is the flow |
-//! | `z` | the state of a cell at `t = 0`: `x, y, x', y'`, `m` numbers each |
+//! | `z` | state of a cell at `t = 0`: `x, y, x', y'`, or `x, x'` where no resonator moves |
 //!
 //! `B z = z` says that `z` is a wave. Shifts by one site in the time `q/omega_tw` follow, since
 //! `(S^{-r} Phi_{T/m})^l = S^{-1} Phi_{q/omega_tw}` on cells; for `l = 1` the two are the same map.
@@ -118,13 +118,17 @@ pub enum MeanStrain {
     /// This share of the height of the crest above the mean: `b/(2 kappa a)` in the ansatz, 1/2 in
     /// the paper. Waves of one shape have one share.
     OfAmplitude(f64),
+    /// Whatever leaves this strain at the site farthest from the crest, or as the mean of the two
+    /// farthest sites: a pulse on a background. Strains there count as in the mean, `(x + rho
+    /// y)/(1 + rho)`, which oscillations of a bead against its resonator do not change.
+    Background(f64),
 }
 
 impl MeanStrain {
     /// The number, with its name.
     fn value(self) -> f64 {
         match self {
-            Self::Value(value) | Self::OfAmplitude(value) => value,
+            Self::Value(value) | Self::OfAmplitude(value) | Self::Background(value) => value,
         }
     }
 
@@ -132,6 +136,7 @@ impl MeanStrain {
     fn times(self, factor: f64) -> Self {
         match self {
             Self::Value(value) => Self::Value(factor * value),
+            Self::Background(value) => Self::Background(factor * value),
             share @ Self::OfAmplitude(_) => share,
         }
     }
@@ -159,15 +164,11 @@ impl WaveSetting {
     /// The ring of `cells` cells, after all numbers are checked.
     ///
     /// # Errors
-    /// No moving resonators; `alpha` at most 1; a frequency that is not finite and positive; a mean
-    /// strain that is not finite.
+    /// `alpha` at most 1; a frequency that is not finite and positive; a mean strain that is not
+    /// finite.
     pub fn chain(&self, cells: usize) -> Result<Chain<f64>> {
         let Self { params, q, omega_tw, mean } = *self;
         params.validate()?;
-        if params.resonators() != Resonators::Moving {
-            let rule = "a wave of this kind needs moving resonators: 0 < rho < inf and kappa > 0";
-            return Err(Error::parameter("rho", params.rho, rule));
-        }
         if params.alpha <= 1.0 {
             return Err(Error::parameter("alpha", params.alpha, "tangent maps need alpha > 1"));
         }
@@ -178,6 +179,12 @@ impl WaveSetting {
             return Err(Error::parameter("mean", mean.value(), "a finite number"));
         }
         Chain::new(params, Boundary::StrainRing, cells * q.cell)
+    }
+
+    /// Numbers of a state of a cell: strains and rates of beads, and of resonators that move.
+    pub fn numbers(&self) -> usize {
+        let arrays = if self.params.resonators() == Resonators::Moving { 4 } else { 2 };
+        arrays * self.q.cell
     }
 
     /// Cells of the smallest ring with at least three sites.
@@ -191,7 +198,7 @@ impl WaveSetting {
 pub struct ExactWave {
     /// Chain, wave number, frequency and mean strain.
     pub setting: WaveSetting,
-    /// `[x, y, x', y']` of a cell at `t = 0`.
+    /// `[x, y, x', y']` of a cell at `t = 0`; `[x, x']` where no resonator moves.
     pub z: Vec<f64>,
     /// `max |B z - z|` in units of the amplitude; velocities are divided by `omega_tw`.
     pub residual: f64,
@@ -200,25 +207,29 @@ pub struct ExactWave {
 }
 
 impl ExactWave {
-    /// One of `x, y, x', y'` of the cell.
-    fn quarter(&self, k: usize) -> &[f64] {
+    /// One of `x, y, x', y'` of the cell; empty for resonators that do not move.
+    fn array(&self, k: usize) -> &[f64] {
         let m = self.setting.q.cell;
-        &self.z[k * m..(k + 1) * m]
+        match self.z.len() / m {
+            2 if k % 2 == 1 => &[],
+            2 => &self.z[k / 2 * m..(k / 2 + 1) * m],
+            _ => &self.z[k * m..(k + 1) * m],
+        }
     }
 
-    /// `[x, y, x', y']` of a ring at `t = 0`.
+    /// `[x, y, x', y']` of a ring at `t = 0`; `y` and `y'` are empty where no resonator moves.
     ///
     /// # Panics
     /// If `sites` is not a multiple of the cell.
     pub fn on_ring(&self, sites: usize) -> [Vec<f64>; 4] {
         let m = self.setting.q.cell;
         assert!(sites.is_multiple_of(m), "a ring of whole cells");
-        [0, 1, 2, 3].map(|k| self.quarter(k).repeat(sites / m))
+        [0, 1, 2, 3].map(|k| self.array(k).repeat(sites / m))
     }
 
     /// Mean strain.
     pub fn mean(&self) -> f64 {
-        mean(&self.z, self.setting.params.rho)
+        mean(&self.z, &self.setting)
     }
 
     /// Height of the crest of `X` above the mean strain; `2 kappa epsilon a` of (eq:xytw_app).
@@ -227,20 +238,18 @@ impl ExactWave {
     }
 }
 
-/// The state of `cells` cells.
-pub(crate) fn repeated(z: &[f64], cells: usize) -> Vec<f64> {
-    z.chunks_exact(z.len() / 4).flat_map(|quarter| quarter.repeat(cells)).collect()
+/// The state of `cells` cells of `m` sites.
+pub(crate) fn repeated(z: &[f64], m: usize, cells: usize) -> Vec<f64> {
+    z.chunks_exact(m).flat_map(|array| array.repeat(cells)).collect()
 }
 
-/// Mean of `(x + rho y)/(1 + rho)` over a cell.
-fn mean(z: &[f64], rho: f64) -> f64 {
-    let m = z.len() / 4;
-    let sum = |strains: &[f64]| strains.iter().sum::<f64>();
-    (sum(&z[..m]) + rho * sum(&z[m..2 * m])) / ((1.0 + rho) * m as f64)
+/// Mean of `(x + rho y)/(1 + rho)` over a cell, of `x` where no resonator moves.
+fn mean(z: &[f64], setting: &WaveSetting) -> f64 {
+    z.iter().zip(newton::mean_row(setting)).map(|(z, weight)| weight * z).sum()
 }
 
 /// `max |x - mean|` over the strains of a cell.
-fn swing(z: &[f64], rho: f64) -> f64 {
-    let mean = mean(z, rho);
-    max_norm(z[..z.len() / 4].iter().map(|x| x - mean))
+fn swing(z: &[f64], setting: &WaveSetting) -> f64 {
+    let mean = mean(z, setting);
+    max_norm(z[..setting.q.cell].iter().map(|x| x - mean))
 }

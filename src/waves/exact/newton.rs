@@ -2,9 +2,9 @@
 
 use super::{ExactWave, MeanStrain, WaveSetting, mean, repeated, swing};
 use crate::{
-    chain::max_norm,
+    chain::{Resonators, max_norm},
     error::{Error, Iterate, Result},
-    orbits::{NewtonStep, flow, least_squares},
+    orbits::{Kantorovich, Moment, NewtonStep, Shot, flow, least_squares},
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -56,8 +56,8 @@ impl Search {
         let columns = DMatrix::identity(z.len(), if derivative { z.len() } else { 0 });
         let columns = DMatrix::from_fn(z.len() * cells, columns.ncols(), |i, j| columns[(of_ring(i, m, cells), j)]);
         let time = setting.period() / m as f64;
-        let end = flow(&chain, &repeated(z, cells), time, columns.clone(), self.tol, |_| {})?;
-        let scale = |i: usize| if i < 2 * m { 1.0 } else { setting.omega_tw.recip() };
+        let end = flow(&chain, &repeated(z, m, cells), time, columns.clone(), self.tol, |_| {})?;
+        let scale = |i: usize| if 2 * i < z.len() { 1.0 } else { setting.omega_tw.recip() };
         let from = |i: usize| moved(i, m, cells, setting.q.shift());
         let mut residual = DVector::from_fn(z.len() + 2, |i, _| match z.get(i) {
             Some(z) => (end.state[from(i)] - z) * scale(i),
@@ -73,10 +73,46 @@ impl Search {
                 jacobian.row_mut(z.len() + i).copy_from_slice(row);
             }
         }
-        if let MeanStrain::Value(mean) = setting.mean {
+        if let MeanStrain::Value(mean) | MeanStrain::Background(mean) = setting.mean {
             residual[z.len() + 1] -= mean;
         }
         Ok(Equations { residual, jacobian })
+    }
+
+    /// How near an exact wave is, after Newton and Kantorovich; `None` where the equations are not
+    /// independent.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn kantorovich(&self, wave: &ExactWave) -> Result<Option<Kantorovich>> {
+        let (setting, z) = (&wave.setting, &wave.z);
+        let (n, m, cells) = (z.len(), setting.q.cell(), setting.least_cells());
+        let size = swing(z, setting);
+        let unit = |i: usize| if 2 * i < n { size } else { size * setting.omega_tw };
+        let Equations { residual, mut jacobian } = self.equations(setting, z, true)?;
+        jacobian.column_iter_mut().enumerate().for_each(|(j, mut column)| column *= unit(j) / size);
+        let columns = DMatrix::from_fn(n * cells, n, |i, j| f64::from(u8::from(of_ring(i, m, cells) == j)));
+        let mut history = Vec::new();
+        let of_cell = |columns: &DMatrix<f64>| DMatrix::from_fn(n, n, |i, j| columns[(moved(i, m, cells, 0), j)]);
+        let keep = |moment: &Moment| history.push((moment.t, of_cell(&moment.columns)));
+        let time = setting.period() / m as f64;
+        flow(&setting.chain(cells)?, &repeated(z, m, cells), time, columns, self.tol, keep)?;
+        let pick = DMatrix::from_fn(n + 2, n, |i, j| {
+            f64::from(u8::from(i < n && j == moved(i.min(n - 1), m, 1, setting.q.shift())))
+        });
+        let shot = Shot {
+            params: setting.params,
+            size,
+            omega: setting.omega_tw,
+            sites: m,
+            overlap: max_norm(z[..m].iter().copied()),
+            history,
+            pick,
+            residual: residual / size,
+            jacobian,
+            tol: self.tol,
+        };
+        Ok(shot.kantorovich())
     }
 
     /// The derivative of the equations by a number of the setting, by a difference quotient.
@@ -87,7 +123,7 @@ impl Search {
         value: f64,
         with: impl Fn(f64) -> WaveSetting,
     ) -> Result<DVector<f64>> {
-        let by = DIFFERENCE * if value == 0.0 { swing(z, setting.params.rho) } else { value.abs() };
+        let by = DIFFERENCE * if value == 0.0 { swing(z, setting) } else { value.abs() };
         let at = |value: f64| self.equations(&with(value), z, false);
         Ok((at(value + by)?.residual - at(value - by)?.residual) / (2.0 * by))
     }
@@ -99,10 +135,11 @@ impl Search {
     /// flow fails; [`Error::Stalled`] with the best iterate where the residual does not fall to
     /// 1e-12.
     pub fn solve(&self, setting: &WaveSetting, given: Given, seed: &[f64]) -> Result<ExactWave> {
-        if seed.len() != 4 * setting.q.cell() {
-            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), "four numbers a site of the cell"));
+        if seed.len() != setting.numbers() {
+            let rule = "four numbers a site of the cell, two where no resonator moves";
+            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), rule));
         }
-        if !(swing(seed, setting.params.rho) > 0.0 && seed.iter().all(|z| z.is_finite())) {
+        if !(swing(seed, setting) > 0.0 && seed.iter().all(|z| z.is_finite())) {
             return Err(Error::parameter("seed", max_norm(seed.iter().copied()), "finite, and not uniform"));
         }
         let mut wave = ExactWave { setting: *setting, z: seed.to_vec(), residual: f64::INFINITY, newton: Vec::new() };
@@ -115,7 +152,7 @@ impl Search {
                 best = Some(wave.clone());
             }
             let Some(by) = by else { break };
-            let size = swing(&wave.z, wave.setting.params.rho);
+            let size = swing(&wave.z, &wave.setting);
             let step = by.rows(0, wave.z.len()).amax() / size;
             wave.newton.push(NewtonStep { residual, step });
             wave.apply(&by, (LONGEST_STEP / step).min(1.0));
@@ -132,7 +169,7 @@ impl Search {
     fn step(&self, wave: &ExactWave, given: Given, derivative: bool) -> Result<(f64, Option<DVector<f64>>)> {
         let ExactWave { setting, z, .. } = wave;
         let Equations { residual, jacobian } = self.equations(setting, z, derivative)?;
-        let size = swing(z, setting.params.rho);
+        let size = swing(z, setting);
         let (mut right, mut matrix) = (residual, jacobian);
         if let Given::Amplitude(amplitude) = given {
             let row = amplitude_row(setting);
@@ -157,11 +194,27 @@ impl Search {
 }
 
 /// The row of the mean strain in the equations.
-fn mean_row(setting: &WaveSetting) -> Vec<f64> {
+pub(super) fn mean_row(setting: &WaveSetting) -> Vec<f64> {
+    let m = setting.q.cell();
+    strain_row(setting, |n| n < m).into_iter().map(|weight| weight / m as f64).collect()
+}
+
+/// The row of the sum of `(x + rho y)/(1 + rho)` over some sites; of `x` where no resonator moves.
+fn strain_row(setting: &WaveSetting, of: impl Fn(usize) -> bool) -> Vec<f64> {
     let (m, rho) = (setting.q.cell(), setting.params.rho);
-    let [bead, resonator] = [1.0, rho].map(|mass| mass / ((1.0 + rho) * m as f64));
-    let weight = |i: usize| if i < m { bead } else { resonator };
-    (0..4 * m).map(|i| if i < 2 * m { weight(i) } else { 0.0 }).collect()
+    let weights = match setting.params.resonators() {
+        Resonators::Moving => [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0],
+        _ => [1.0, 0.0, 0.0, 0.0],
+    };
+    (0..setting.numbers()).map(|i| if of(i % m) { weights[i / m] } else { 0.0 }).collect()
+}
+
+/// The row of the strain at the site farthest from the crest, the mean of both if there are two.
+fn background_row(setting: &WaveSetting) -> Vec<f64> {
+    let m = setting.q.cell();
+    let farthest = [m / 2, m.div_ceil(2)];
+    let row = strain_row(setting, |n| farthest.contains(&n));
+    if m.is_multiple_of(2) { row } else { row.into_iter().map(|weight| 0.5 * weight).collect() }
 }
 
 /// The row of the amplitude: the crest minus the mean strain.
@@ -173,16 +226,20 @@ fn amplitude_row(setting: &WaveSetting) -> Vec<f64> {
 
 /// The rows of the phase and of the mean strain, which do not involve the flow.
 fn borders(setting: &WaveSetting) -> [Vec<f64>; 2] {
-    let (m, q) = (setting.q.cell(), setting.q.q());
-    let mut phase = vec![0.0; 4 * m];
+    let (m, q, half) = (setting.q.cell(), setting.q.q(), setting.numbers() / 2);
+    let mut phase = vec![0.0; setting.numbers()];
     for n in 0..m {
         let (sin, cos) = (q * n as f64).sin_cos();
-        (phase[n], phase[2 * m + n]) = (sin / m as f64, -cos / (m as f64 * setting.omega_tw));
+        (phase[n], phase[half + n]) = (sin / m as f64, -cos / (m as f64 * setting.omega_tw));
     }
-    let mut mean = mean_row(setting);
-    if let MeanStrain::OfAmplitude(share) = setting.mean {
-        mean.iter_mut().zip(amplitude_row(setting)).for_each(|(mean, amplitude)| *mean -= share * amplitude);
-    }
+    let mean = match setting.mean {
+        MeanStrain::Value(_) => mean_row(setting),
+        MeanStrain::Background(_) => background_row(setting),
+        MeanStrain::OfAmplitude(share) => {
+            let both = mean_row(setting).into_iter().zip(amplitude_row(setting));
+            both.map(|(mean, amplitude)| mean - share * amplitude).collect()
+        }
+    };
     [phase, mean]
 }
 
@@ -202,21 +259,21 @@ impl ExactWave {
 
 /// Entry of the cell's state that is entry `i` of the ring's state.
 fn of_ring(i: usize, m: usize, cells: usize) -> usize {
-    let (quarter, site) = (i / (m * cells), i % (m * cells));
-    quarter * m + site % m
+    let (array, site) = (i / (m * cells), i % (m * cells));
+    array * m + site % m
 }
 
 /// Entry of the ring's state that `S^{-r}` moves to entry `i` of the cell's state.
 pub(super) fn moved(i: usize, m: usize, cells: usize, shift: usize) -> usize {
-    let (quarter, site) = (i / m, i % m);
-    quarter * m * cells + (site + shift) % (m * cells)
+    let (array, site) = (i / m, i % m);
+    array * m * cells + (site + shift) % (m * cells)
 }
 
 pub(super) fn stalled(steps: usize, best: Option<ExactWave>) -> Error {
     let iterate = |ExactWave { setting, z, residual, .. }: ExactWave| {
-        let WaveSetting { omega_tw, q, params, .. } = setting;
+        let WaveSetting { omega_tw, q, .. } = setting;
         let q_over_pi = 2.0 * q.turns() as f64 / q.cell() as f64;
-        let place = format!("q = {q_over_pi} pi, omega_tw = {omega_tw}, mean strain {}", mean(&z, params.rho));
+        let place = format!("q = {q_over_pi} pi, omega_tw = {omega_tw}, mean strain {}", mean(&z, &setting));
         Box::new(Iterate { z, residual, place })
     };
     Error::Stalled { steps, best: best.map(iterate) }

@@ -13,7 +13,7 @@ const HARMONICS: usize = 128;
 pub struct Profile {
     /// `X`.
     pub x: Vec<f64>,
-    /// `Y`.
+    /// `Y`; empty where no resonator moves.
     pub y: Vec<f64>,
 }
 
@@ -27,10 +27,11 @@ impl ExactWave {
         let (cells, parts) = (setting.least_cells(), 2 * samples.div_ceil(2 * m).max(1));
         let (ring, total) = (cells * m, parts * m);
         let time = setting.period() / m as f64;
-        let start = repeated(&self.z, cells);
+        let start = repeated(&self.z, m, cells);
         let mut run = setting.chain(cells)?.collocation(&start, (0.0, time), Pace::Tolerance(search.tol))?;
         let mut state = start;
-        let mut profile = Profile { x: vec![0.0; total], y: vec![0.0; total] };
+        let moving = state.len() == 4 * ring;
+        let mut profile = Profile { x: vec![0.0; total], y: vec![0.0; if moving { total } else { 0 }] };
         for part in 0..parts {
             let t = time * part as f64 / parts as f64;
             while run.time() < t && !run.done() {
@@ -42,7 +43,10 @@ impl ExactWave {
             // phi = q n - omega_tw t in units of 2 pi/total.
             for n in 0..m {
                 let phi = (setting.q.turns() * n * parts + total - part) % total;
-                (profile.x[phi], profile.y[phi]) = (state[n], state[ring + n]);
+                profile.x[phi] = state[n];
+                if moving {
+                    profile.y[phi] = state[ring + n];
+                }
             }
         }
         Ok(profile)

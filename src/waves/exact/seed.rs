@@ -22,11 +22,15 @@ const LEAST_FACTOR: f64 = 1.002;
 /// not positive, or at which no contact closes; parameters outside their rules.
 pub fn ansatz(setting: &WaveSetting, given: Given) -> Result<TravellingWave> {
     let WaveSetting { params, q, mean, omega_tw } = *setting;
+    if let MeanStrain::Background(background) = mean {
+        let rule = "a pulse on a background has no first-order ansatz: give the mean strain";
+        return Err(Error::parameter("mean", background, rule));
+    }
     let wave = |b: f64, size: Size| TravellingWave::new(params, Shape { q: q.q(), a: 1.0, b, phi: 0.0 }, size);
     if let Given::Amplitude(amplitude) = given {
         let share = match mean {
-            MeanStrain::Value(mean) => mean / amplitude,
             MeanStrain::OfAmplitude(share) => share,
+            given => given.value() / amplitude,
         };
         if !(amplitude.is_finite() && amplitude > 0.0 && share < 1.0) {
             let rule = "finite, positive and above the mean strain, or no contact ever closes";
@@ -41,8 +45,9 @@ pub fn ansatz(setting: &WaveSetting, given: Given) -> Result<TravellingWave> {
     let size = Size::Detuning(omega_tw - params.omega());
     match mean {
         MeanStrain::OfAmplitude(share) => wave(2.0 * params.kappa * share, size),
-        MeanStrain::Value(0.0) => wave(0.0, size),
-        MeanStrain::Value(mean) => {
+        given if given.value() == 0.0 => wave(0.0, size),
+        given => {
+            let mean = given.value();
             let epsilon = size_under(mean, setting)?;
             wave(mean / epsilon, Size::Epsilon(epsilon))
         }

@@ -27,6 +27,7 @@
 
 use super::{ExactWave, Search, eigen, newton::moved, repeated};
 use crate::{
+    chain::{Params, Resonators},
     error::{Error, Result},
     orbits::{self, Eigenpair, flow},
 };
@@ -43,10 +44,10 @@ const MARGIN: f64 = 10.0;
 #[serde(rename_all = "kebab-case")]
 pub enum WaveKind {
     /// One of the four that equal 1: shift of the phase, change of frequency, change of the mean
-    /// strain, and drift.
+    /// strain, and drift. Beads on springs, `rho = inf`, have the first two.
     Trivial,
     /// `lambda = +-i omega` up to multiples of `i omega_tw`: the sum of all beads relative to that
-    /// of all resonators is a linear oscillator.
+    /// of all resonators is a linear oscillator. None without resonators.
     Linear,
     /// On the unit circle, to the estimated error.
     Circle,
@@ -86,7 +87,7 @@ pub struct WaveQuality {
     pub eigen_residual: f64,
     /// `max |B z' - z'| / max |z'|`: the rate of the wave is an eigenvector of 1.
     pub phase_shift: f64,
-    /// `|mean - 1|` for the mean of the four `nu` that are 1 in theory. They form Jordan blocks,
+    /// `|mean - 1|` for the mean of the `nu` that are 1 in theory. They form Jordan blocks,
     /// which the solver splits by the square root of a rounding; their mean keeps all digits.
     pub trivial: f64,
     /// Larger `|nu - e^{+-i omega T/m}|` of the two that are this in theory.
@@ -101,7 +102,8 @@ pub struct WaveQuality {
 pub struct WaveSpectrum {
     /// Sites of the ring.
     pub sites: usize,
-    /// All `4 N` multipliers by Bloch wave number, the largest modulus first at each.
+    /// All `4 N` multipliers, `2 N` where no resonator moves, by Bloch wave number, the largest
+    /// modulus first at each.
     pub multipliers: Vec<WaveMultiplier>,
     /// Measured errors.
     pub quality: WaveQuality,
@@ -174,7 +176,7 @@ impl ExactWave {
         let mut columns = DMatrix::zeros(z.len() * cells, z.len());
         (0..z.len()).for_each(|i| columns[(entry(i), i)] = 1.0);
         let time = setting.period() / m as f64;
-        let end = flow(&setting.chain(cells)?, &repeated(z, cells), time, columns, search.tol, |_| {})?;
+        let end = flow(&setting.chain(cells)?, &repeated(z, m, cells), time, columns, search.tol, |_| {})?;
         let block = |cell: usize| {
             let from = |i: usize| moved(i, m, cells, setting.q.shift() + cell * m);
             DMatrix::from_fn(z.len(), z.len(), |i, j| end.columns[(from(i), j)])
@@ -185,11 +187,19 @@ impl ExactWave {
     /// `z'` at `t = 0`.
     fn rate(&self) -> Vec<f64> {
         let (m, z) = (self.setting.q.cell(), &self.z);
-        let crate::chain::Params { alpha, kappa, rho } = self.setting.params;
-        let force = |n: usize| (-z[n % m]).max(0.0).powf(alpha);
-        let bead = |n: usize| 2.0 * force(n) - force(n + 1) - force(n + m - 1) - kappa * (z[n] - z[m + n]);
-        let resonator = |n: usize| kappa / rho * (z[n] - z[m + n]);
-        z[2 * m..].iter().copied().chain((0..m).map(bead)).chain((0..m).map(resonator)).collect()
+        let Params { alpha, kappa, rho } = self.setting.params;
+        let contacts = |n: usize| {
+            let force = |n: usize| (-z[n % m]).max(0.0).powf(alpha);
+            2.0 * force(n) - force(n + 1) - force(n + m - 1)
+        };
+        let springs = |n: usize| match self.setting.params.resonators() {
+            Resonators::None => 0.0,
+            Resonators::Fixed => kappa * z[n],
+            Resonators::Moving => kappa * (z[n] - z[m + n]),
+        };
+        let beads = (0..m).map(|n| contacts(n) - springs(n));
+        let resonators = (0..z.len() / 2 - m).map(|n| springs(n) / rho);
+        z[z.len() / 2..].iter().copied().chain(beads).chain(resonators).collect()
     }
 }
 
@@ -292,10 +302,18 @@ impl<'a> Block<'a> {
                 pairs[k].0 - value
             })
         };
-        let linear = [1.0, -1.0].map(|sign| take(Complex::from_polar(1.0, sign * angle), WaveKind::Linear));
-        quality.linear = linear[0].norm().max(linear[1].norm());
-        let trivial = [(); 4].map(|()| take(Complex::ONE, WaveKind::Trivial));
-        quality.trivial = 0.25 * trivial.iter().sum::<Complex<f64>>().norm();
+        // Without resonators nothing swings but beads against beads; beads on springs have no mean
+        // strain that drifts.
+        let (linear, trivial) = match setting.params.resonators() {
+            Resonators::None => (0, 4),
+            Resonators::Fixed => (2, 2),
+            Resonators::Moving => (2, 4),
+        };
+        let signs = [1.0, -1.0].into_iter().take(linear);
+        let linear = signs.map(|sign| take(Complex::from_polar(1.0, sign * angle), WaveKind::Linear).norm());
+        quality.linear = linear.fold(0.0, f64::max);
+        let ones: Complex<f64> = (0..trivial).map(|_| take(Complex::ONE, WaveKind::Trivial)).sum();
+        quality.trivial = ones.norm() / f64::from(trivial);
         let rate = DVector::from_vec(self.wave.rate()).map(Complex::from);
         let moved = &self.matrix * &rate - &rate;
         let largest = |z: &DVector<Complex<f64>>| z.iter().map(|z| z.norm()).fold(0.0, f64::max);
@@ -396,7 +414,8 @@ fn metric(wave: &ExactWave, theta: f64) -> Matrix {
         };
         (0..m).map(of).sum::<Complex<f64>>() / m as f64
     };
-    Matrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
+    let half = wave.z.len() / 2;
+    Matrix::from_fn(half, half, |i, j| match (i < m, j < m) {
         (true, true) => inverse(i as f64 - j as f64),
         (false, false) => inverse(i as f64 - j as f64) * rho,
         _ => Complex::ZERO,

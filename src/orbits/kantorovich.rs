@@ -1,0 +1,213 @@
+//! An a-posteriori bound for solutions of shooting equations, after Newton and Kantorovich.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `F(z) = P Phi_t(z) + linear` | shooting equations; `P` picks entries of the state at `t` |
+//! | `M(s)` | derivative of the state at `s` by that at 0; `M_x` its rows of strains of contacts |
+//! | `V` | orthonormal basis of the left null space of `F'(z)` |
+//! | `A` | inverse of `[F'(z), V]` |
+//! | `p` | `min(alpha - 1, 1)`: the tangent map is Hölder continuous with this exponent |
+//!
+//! All norms are largest entries, with strains in units of the amplitude and velocities in units of
+//! the amplitude times the frequency.
+//!
+//! # The theorem
+//!
+//! `F` has more equations than unknowns, since conservation laws make some depend on the others.
+//! The square system `G(z, a) = F(z) + V a = 0` has as many unknowns as equations; the same
+//! conservation laws say that `a = 0` at its solution. Let `eta = |A F(z)|`, and let
+//! `|A (F'(w) - F'(z))| <= kappa |w - z|^p` near `z`. The map `w -> w - A G(w)` takes the ball of
+//! radius `r` about `z` into itself and contracts there if
+//!
+//! `eta + kappa r^{1+p}/(1+p) <= r`, `kappa r^p < 1`;
+//!
+//! then the ball holds exactly one solution (Keller 1970 has the theorem for `p < 1`).
+//!
+//! # The constant
+//!
+//! By the equation of the tangent map, `F'(w) - F'(z) = P int M(t, s) (J_w - J_z) M_w(s) ds`. The
+//! coefficient `alpha (-x)_+^{alpha-1}` of a contact changes by at most `alpha |dx|^p` for `alpha
+//! <= 2`, and by the mean value theorem beyond. With the columns `c_j = (2 at j, -1 at j - 1, j +
+//! 1)` of the contact forces in the rates,
+//!
+//! `kappa = max_i alpha int sum_j |(A P M(t, s) c)_{ij}| (sum_k |M_x(s)|_{jk})^{1+p} ds`.
+//!
+//! # What is rigorous
+//!
+//! The theorem is. Its numbers are floating-point: `M` is that of the computed solution where the
+//! theorem needs the largest in the ball, the integral is an upper sum over windows, and the error
+//! of the flow is taken to be its tolerance. A proof would take interval arithmetic for these
+//! three.
+
+use crate::chain::Params;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// Largest number of steps of the iteration for the radius.
+const MOST_STEPS: usize = 200;
+
+/// The numbers of the theorem.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Kantorovich {
+    /// `|F(z)|`, with the tolerance of the flow.
+    pub residual: f64,
+    /// `|A|`.
+    pub inverse: f64,
+    /// `eta`: `|A F(z)|`, with the tolerance of the flow times `|A|`.
+    pub correction: f64,
+    /// `p`.
+    pub exponent: f64,
+    /// `kappa`.
+    pub hoelder: f64,
+    /// The least `r`: a solution is as near, in units of the amplitude. `None` where no `r` fits.
+    pub radius: Option<f64>,
+    /// There is no other solution within this distance: the largest `r` with `kappa r^p < 1`.
+    pub unique_within: Option<f64>,
+}
+
+impl Kantorovich {
+    /// The radii of the theorem.
+    ///
+    /// ```
+    /// // r = 1e-6 + kappa r^{3/2}/(3/2) with kappa = 1: r is about eta + (2/3) eta^{3/2}.
+    /// let found = hertzchain::orbits::Kantorovich::new([1e-7, 10.0, 1e-6], 0.5, 1.0);
+    /// assert!((found.radius.unwrap() - 1e-6 - 2.0 / 3.0 * 1e-9).abs() < 1e-11);
+    /// assert_eq!(hertzchain::orbits::Kantorovich::new([0.1, 10.0, 1.0], 0.5, 1.0).radius, None);
+    /// ```
+    pub fn new([residual, inverse, correction]: [f64; 3], exponent: f64, hoelder: f64) -> Self {
+        let contraction = |r: f64| hoelder * r.powf(exponent);
+        let mut radius = correction;
+        for _ in 0..MOST_STEPS {
+            radius = correction + contraction(radius) * radius / (1.0 + exponent);
+            if contraction(radius) >= 1.0 {
+                break;
+            }
+        }
+        let holds = contraction(radius) < 1.0;
+        Self {
+            residual,
+            inverse,
+            correction,
+            exponent,
+            hoelder,
+            radius: holds.then_some(radius),
+            unique_within: holds.then(|| hoelder.powf(-exponent.recip())),
+        }
+    }
+}
+
+/// Shooting equations at a solution, in the units of the theorem.
+pub(crate) struct Shot {
+    /// Exponent of the contacts.
+    pub(crate) params: Params,
+    /// Unit of strains.
+    pub(crate) size: f64,
+    /// Unit of rates over that of strains.
+    pub(crate) omega: f64,
+    /// Contacts: their strains come first in a state, their rates first in its second half.
+    pub(crate) sites: usize,
+    /// Largest overlap.
+    pub(crate) overlap: f64,
+    /// `s` and `M(s)` at 0, at the ends of windows and at `t`, in units of the state; square.
+    pub(crate) history: Vec<(f64, DMatrix<f64>)>,
+    /// `P`, in units of the theorem.
+    pub(crate) pick: DMatrix<f64>,
+    /// `F(z)` in units of the theorem.
+    pub(crate) residual: DVector<f64>,
+    /// `F'(z)` in units of the theorem; its unknowns are the first entries of the state.
+    pub(crate) jacobian: DMatrix<f64>,
+    /// Tolerance of the flow.
+    pub(crate) tol: f64,
+}
+
+impl Shot {
+    /// The numbers of the theorem; `None` where the equations are not independent.
+    pub(crate) fn kantorovich(&self) -> Option<Kantorovich> {
+        let inverse = bordered(&self.jacobian).try_inverse()?;
+        let norm = row_sums(&inverse).max();
+        let residual = self.residual.amax() + self.tol;
+        let correction = (&inverse * &self.residual).amax() + norm * self.tol;
+        let exponent = (self.params.alpha - 1.0).min(1.0);
+        let hoelder = self.hoelder(&inverse, exponent)?;
+        let numbers = Kantorovich::new([residual, norm, correction], exponent, hoelder);
+        [norm, correction, hoelder].iter().all(|number| number.is_finite()).then_some(numbers)
+    }
+
+    /// `kappa`.
+    fn hoelder(&self, inverse: &DMatrix<f64>, exponent: f64) -> Option<f64> {
+        let (_, end) = self.history.last()?;
+        let unit = self.units(end.nrows());
+        let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * unit[j] / unit[i]);
+        let (contacts, to_end) = (self.contacts(end.nrows()), inverse * &self.pick * scaled(end));
+        let unknowns = self.jacobian.ncols();
+        let mut rates = Vec::with_capacity(self.history.len());
+        for (s, m) in &self.history {
+            let m = scaled(m);
+            let strains = row_sums(&m.view((0, 0), (self.sites, unknowns)).into_owned());
+            let felt = &to_end * m.lu().solve(&contacts)?;
+            let sum = |row: usize| {
+                (0..self.sites).map(|j| felt[(row, j)].abs() * strains[j].powf(1.0 + exponent)).sum::<f64>()
+            };
+            rates.push((*s, DVector::from_fn(felt.nrows(), |i, _| sum(i))));
+        }
+        let upper = rates.windows(2).map(|pair| {
+            let ((from, a), (to, b)) = (&pair[0], &pair[1]);
+            a.zip_map(b, f64::max) * (to - from)
+        });
+        let total = upper.fold(DVector::zeros(inverse.nrows()), |sum, part| sum + part);
+        Some(self.stiffness(exponent) * total.max())
+    }
+
+    /// The Hölder constant of `alpha (-x)_+^{alpha-1}` in the units of the theorem, with the unit
+    /// of rates that its place in the equations brings.
+    fn stiffness(&self, exponent: f64) -> f64 {
+        let alpha = self.params.alpha;
+        let constant = if alpha <= 2.0 { alpha } else { alpha * (alpha - 1.0) * self.overlap.powf(alpha - 2.0) };
+        constant * self.size.powf(exponent) / self.omega
+    }
+
+    fn units(&self, state: usize) -> Vec<f64> {
+        (0..state).map(|i| if 2 * i < state { self.size } else { self.size * self.omega }).collect()
+    }
+
+    /// The columns `c_j`.
+    fn contacts(&self, state: usize) -> DMatrix<f64> {
+        let (half, n) = (state / 2, self.sites);
+        let mut columns = DMatrix::zeros(state, n);
+        for j in 0..n {
+            for (i, weight) in [(j, 2.0), ((j + 1) % n, -1.0), ((j + n - 1) % n, -1.0)] {
+                columns[(half + i, j)] += weight;
+            }
+        }
+        columns
+    }
+}
+
+/// `[J, V]` with an orthonormal basis `V` of the left null space of `J`.
+fn bordered(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+    let (rows, columns) = jacobian.shape();
+    let q = jacobian.clone().qr().q();
+    let mut square = jacobian.clone().resize(rows, rows, 0.0);
+    let mut null: Vec<DVector<f64>> = Vec::new();
+    while columns + null.len() < rows {
+        // The unit vector that is least in the range so far, made orthogonal to it twice.
+        let outside = |i: usize| 1.0 - q.row(i).norm_squared() - null.iter().map(|v| v[i] * v[i]).sum::<f64>();
+        let Some(i) = (0..rows).max_by(|&a, &b| outside(a).total_cmp(&outside(b))) else { break };
+        let mut v = DVector::zeros(rows);
+        v[i] = 1.0;
+        for _ in 0..2 {
+            v -= &q * q.tr_mul(&v);
+            null.iter().for_each(|other| v -= other * other.dot(&v));
+        }
+        null.push(v.normalize());
+    }
+    for (k, v) in null.iter().enumerate() {
+        square.set_column(columns + k, v);
+    }
+    square
+}
+
+/// Sums of the moduli of rows.
+fn row_sums(matrix: &DMatrix<f64>) -> DVector<f64> {
+    DVector::from_iterator(matrix.nrows(), matrix.row_iter().map(|row| row.iter().map(|entry| entry.abs()).sum()))
+}

@@ -1,0 +1,270 @@
+//! The Peierls-Nabarro barrier of dark breathers (Sec. 8): energies of the two kinds against their
+//! common background.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E, J` | energy; action `(1/2 pi) oint sum p dq = (1/pi) int K dt` of the kinetic energy `K` |
+//! | `X, F` | length `sum x_n`, 0 for beads that just touch, conserved; mean contact force |
+//! | `e, j, l` | energy, action and length of the background, for each site |
+//!
+//! Energies of the kinks are those of the ring less `N e`, and so on. Along each family `dE =
+//! omega_b dJ - F dX`, since `F` is the force with which contacts push against the length. If a
+//! kink is exchanged for one of the other kind at the same action and length, a long background
+//! gives or takes the differences at the prices `omega_b` and `-F`, which are the same for both
+//! kinks. So in the limit of a long ring the energies at the same action and length differ by the
+//! difference of `E - omega_b J + F X` at the same frequency.
+
+mod report;
+
+#[cfg(feature = "plot")]
+pub(crate) use report::columns as barrier_columns;
+pub(crate) use report::{caption as barrier_caption, tables as barrier_tables};
+
+use super::{Progress, Study, Work, orbits::Ring};
+use crate::{
+    chain::Energy,
+    dps::Center,
+    error::{Error, Result},
+    orbits::{Kind, Orbit, Setting, Shooting},
+    sweep::map,
+};
+use hertzchain_integrators::collocation::Pace;
+use std::{
+    f64::consts::PI,
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+/// Frequencies over `omega`, where none is given.
+const RANGE: [f64; 2] = [1.005, 1.05];
+/// Parts of half a period for the action. The kinetic energy has the period of the orbit, so the
+/// trapezoidal rule converges like a power of the parts; at 256 they change no digit beyond 1e-12.
+const PARTS: usize = 256;
+/// Sites of a ring of pure background.
+const BACKGROUND: usize = 4;
+
+/// The energy barrier between site- and bond-centred dark breathers.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Barrier {
+    /// Where it begins [default: 1.005 omega].
+    ///
+    /// The least frequency.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
+    pub from: Option<f64>,
+    /// Where it ends [default: 1.05 omega].
+    ///
+    /// The largest frequency.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
+    pub to: Option<f64>,
+    /// Number of frequencies, equally spaced.
+    #[cfg_attr(feature = "cli", arg(long = "frequencies", value_name = "N", default_value_t = 19))]
+    pub points: usize,
+    /// The ring.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub ring: Ring,
+}
+
+/// A kink of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CenteredKink {
+    /// The orbit.
+    pub orbit: Orbit,
+    /// Energy of the ring.
+    pub energy: f64,
+    /// Action of the ring.
+    pub action: f64,
+    /// Length of the ring.
+    pub length: f64,
+    /// Energy less that of the background.
+    pub kink_energy: f64,
+    /// Action less that of the background.
+    pub kink_action: f64,
+    /// Length less that of the background.
+    pub kink_length: f64,
+    /// Largest real multiplier above 1; 1 if there is none.
+    pub real: f64,
+    /// Largest modulus of any multiplier.
+    pub largest: f64,
+}
+
+/// Both kinds at a frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarrierPoint {
+    /// Frequency.
+    pub omega_b: f64,
+    /// Of the background, for each site.
+    pub background: Invariants,
+    /// About a site, and about a bond.
+    pub kinks: [CenteredKink; 2],
+}
+
+impl BarrierPoint {
+    /// Energy about a bond less that about a site, at the same frequency.
+    pub fn at_frequency(&self) -> f64 {
+        let [site, bond] = &self.kinks;
+        bond.energy - site.energy
+    }
+
+    /// The same at the same action and length, in the limit of a long ring.
+    pub fn barrier(&self) -> f64 {
+        let [site, bond] = &self.kinks;
+        let (action, length) = (bond.action - site.action, bond.length - site.length);
+        self.at_frequency() - self.omega_b * action + self.background.force * length
+    }
+}
+
+/// The barrier over frequencies.
+#[derive(Clone, Debug)]
+pub struct BarrierStudy {
+    /// What was asked for.
+    pub options: Barrier,
+    /// By frequency; those at which both orbits were found.
+    pub points: Vec<BarrierPoint>,
+    /// Frequencies at which an orbit was not found.
+    pub missing: Vec<f64>,
+}
+
+impl Study for Barrier {
+    const FILES: &'static str = "Files: barrier.json, barrier.png and barrier.csv.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.frequencies()?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?))))
+    }
+}
+
+impl Barrier {
+    /// The barrier with the defaults of the command, at another mass ratio.
+    pub fn of(rho: f64, [from, to]: [f64; 2], points: usize) -> Self {
+        Self { from: Some(from), to: Some(to), points, ring: Ring { rho, ..Ring::default() } }
+    }
+
+    fn frequencies(&self) -> Result<Vec<f64>> {
+        let omega = self.ring.breather(Center::Site, None, RANGE[0])?.params.omega();
+        let [from, to] = [self.from.unwrap_or(RANGE[0] * omega), self.to.unwrap_or(RANGE[1] * omega)];
+        if self.points < 2 {
+            return Err(Error::parameter("frequencies", self.points, "at least two"));
+        }
+        for (name, value) in [("from", from), ("to", to)] {
+            if !(value.is_finite() && value > omega) {
+                let value = format!("{value}, where omega = {omega}");
+                return Err(Error::parameter(name, value, "a dark breather has a frequency above omega"));
+            }
+        }
+        if from >= to {
+            return Err(Error::parameter("to", to, "above --from"));
+        }
+        // The first breather says what is wrong with the ring.
+        self.ring.breather(Center::Site, Some(from), RANGE[0])?.seed()?;
+        let step = (to - from) / (self.points - 1) as f64;
+        Ok((0..self.points).map(|k| from + step * k as f64).collect())
+    }
+
+    /// The barrier.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; an integration that fails; not one frequency at which both
+    /// orbits are found.
+    pub fn study(&self, progress: Progress<'_>) -> Result<BarrierStudy> {
+        let (frequencies, shooting) = (self.frequencies()?, self.ring.shooting());
+        let done = AtomicUsize::new(0);
+        let point = |&omega_b: &f64| {
+            let found = self.point(omega_b, &shooting);
+            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(count as f64 / frequencies.len() as f64, "");
+            found
+        };
+        let found = map(&frequencies, point);
+        let (mut points, mut missing) = (Vec::new(), Vec::new());
+        let mut why = None;
+        for (omega_b, found) in frequencies.iter().zip(found) {
+            match found {
+                Ok(point) => points.push(point),
+                Err(error @ Error::Stalled { .. }) => {
+                    missing.push(*omega_b);
+                    why = Some(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        match why {
+            Some(error) if points.is_empty() => Err(error),
+            _ => Ok(BarrierStudy { options: self.clone(), points, missing }),
+        }
+    }
+
+    fn point(&self, omega_b: f64, shooting: &Shooting) -> Result<BarrierPoint> {
+        let orbit = |center| self.ring.breather(center, Some(omega_b), RANGE[0])?.orbit(shooting);
+        let [site, bond] = [orbit(Center::Site)?, orbit(Center::Bond)?];
+        let background = background(&site, shooting)?;
+        let kink = |orbit: Orbit| -> Result<CenteredKink> {
+            let Invariants { energy, action, length, .. } = Invariants::of(&orbit, shooting)?;
+            let spectrum = orbit.spectrum(shooting)?;
+            let sites = orbit.setting.sites as f64;
+            let real = spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real);
+            Ok(CenteredKink {
+                kink_energy: energy - sites * background.energy,
+                kink_action: action - sites * background.action,
+                kink_length: length - sites * background.length,
+                real: real.map(|one| one.modulus).fold(1.0, f64::max),
+                largest: spectrum.largest(),
+                energy,
+                action,
+                length,
+                orbit,
+            })
+        };
+        Ok(BarrierPoint { omega_b, background, kinks: [kink(site)?, kink(bond)?] })
+    }
+}
+
+/// Numbers of an orbit that its motion keeps.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Invariants {
+    /// `E`.
+    pub energy: f64,
+    /// `J`.
+    pub action: f64,
+    /// `X`.
+    pub length: f64,
+    /// `F`.
+    pub force: f64,
+}
+
+impl Invariants {
+    /// Those of an orbit that starts at rest.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn of(orbit: &Orbit, shooting: &Shooting) -> Result<Self> {
+        let (chain, period) = (orbit.setting.chain()?, orbit.setting.period());
+        let times: Vec<f64> = (0..=PARTS).map(|k| 0.5 * period * k as f64 / PARTS as f64).collect();
+        let kinetic = |state: &Vec<f64>| {
+            let Energy { beads, resonators, .. } = chain.energy(state);
+            beads + resonators
+        };
+        // The second half of the period repeats the first one backwards; velocities vanish at both
+        // ends.
+        let sum: f64 = orbit.states(shooting.tol, &times)?.iter().map(kinetic).sum();
+        let start = orbit.start();
+        Ok(Self {
+            energy: chain.energy(&start).total(),
+            action: sum * period / (PI * PARTS as f64),
+            length: orbit.x().iter().sum(),
+            force: chain.mean_contact_forces(&start, period, Pace::Tolerance(shooting.tol))?.mean(),
+        })
+    }
+}
+
+/// The background of a breather, for each site: of the ring whose strains are those of its first
+/// site, with alternating signs about the centre.
+fn background(breather: &Orbit, shooting: &Shooting) -> Result<Invariants> {
+    let (x, y, c_x) = (breather.x()[0], breather.y()[0], breather.setting.c_x);
+    let alternating = |value: f64| (0..BACKGROUND).map(move |n| if n % 2 == 0 { value } else { 2.0 * c_x - value });
+    let seed: Vec<f64> = alternating(x).chain(alternating(y)).collect();
+    let setting = Setting { sites: BACKGROUND, ..breather.setting };
+    let whole = Invariants::of(&shooting.solve(&setting, &seed)?, shooting)?;
+    let share = |value: f64| value / BACKGROUND as f64;
+    let (energy, action, length) = (share(whole.energy), share(whole.action), share(whole.length));
+    Ok(Invariants { energy, action, length, force: whole.force })
+}
