@@ -45,8 +45,8 @@ fn there_are_eleven_commands_and_each_has_its_place() {
     assert_eq!(first, top);
     let below = [
         ("study", "order scaling drift stability theorem lifetimes"),
-        ("wave", "modulation exact continue"),
-        ("breather", "bright trivial dark continue doubled evolve"),
+        ("wave", "modulation exact continue solitary"),
+        ("breather", "bright trivial dark continue doubled evolve barrier"),
         ("dps", "integrals homoclinic dark"),
         ("paper", "figures verify report"),
         ("shell", "completions man"),

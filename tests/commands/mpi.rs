@@ -4,12 +4,13 @@ use super::{
     parts,
     shards::{LIFETIMES, WAVES, files, lines, output, plan, random},
 };
+use hertzchain::sweep::{Engine, Grid, Mpi};
 use std::{
     fs,
     path::Path,
     process::{Command, Stdio},
     thread::sleep,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
@@ -204,4 +205,43 @@ fn what_ranks_cannot_do_is_refused_once() {
         let said = String::from_utf8(ended.stderr).unwrap();
         assert!(!ended.status.success() && said.matches(words).count() == 1, "{line}: {said}");
     }
+}
+
+/// Set for the ranks that a test starts with this program of tests.
+const INNER: &str = "HERTZCHAIN_TEST_RANK";
+
+/// The share of the time of two ranks that is not in their points, each of which waits busily for a
+/// millisecond. Truth: the times that the points say they took.
+#[test]
+#[ignore = "nightly: points of 1 ms"]
+fn ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond() {
+    let name = "mpi::ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond";
+    if std::env::var_os(INNER).is_none() {
+        let mut mpirun = Command::new("mpirun");
+        mpirun.args(["--oversubscribe", "--allow-run-as-root", "-n", "2"]).arg(std::env::current_exe().unwrap());
+        mpirun.args(["--exact", name, "--include-ignored", "--nocapture"]).env(INNER, "1");
+        let ended = mpirun.env_remove("RAYON_NUM_THREADS").output().unwrap();
+        println!("{}", String::from_utf8_lossy(&ended.stdout));
+        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+        return;
+    }
+    let engine = Engine::new(Box::new(Mpi::new().unwrap()));
+    let grid = Grid { store: "spins.store", study: "spins", settings: serde_json::json!({}) };
+    let points: Vec<u32> = (0..100_000).collect();
+    let clock = Instant::now();
+    let spin = |_: &u32| {
+        let clock = Instant::now();
+        while clock.elapsed() < Duration::from_millis(1) {
+            std::hint::spin_loop();
+        }
+        Ok(clock.elapsed().as_secs_f64())
+    };
+    let swept = engine.sweep(&grid, &points, &|_, _| (), spin);
+    if engine.serves() {
+        return;
+    }
+    let busy: f64 = swept.unwrap().rows.into_iter().map(Result::unwrap).sum();
+    let share = 1.0 - busy / (2.0 * clock.elapsed().as_secs_f64());
+    println!("{:.2} % beside {} points", 100.0 * share, points.len());
+    assert!(share < 0.05, "{share}");
 }

@@ -39,6 +39,8 @@ use std::f64::consts::PI;
 
 /// Exponents of pulses. Nearer to 1 a pulse is wider than the line of [`LinePulse`].
 const EXPONENTS: std::ops::RangeInclusive<f64> = 1.2..=5.0;
+/// Least `|sin(omega P/2)|` of a ring: nearer to resonance its wave is not unique, up to rounding.
+const OFF_RESONANCE: f64 = 1e-4;
 /// Sites of a ring of solitary waves.
 const SITES: std::ops::RangeInclusive<usize> = 8..=64;
 
@@ -76,8 +78,9 @@ impl SolitaryWave {
     ///
     /// # Errors
     /// Fixed resonators, with which a pulse spreads; an exponent that is not from 1.2 to 5; a speed
-    /// that is not finite and positive; fewer than 8 or more than 64 sites;
-    /// [`Error::Stalled`](crate::Error::Stalled) where Newton's method does not converge.
+    /// that is not finite and positive; fewer than 8 or more than 64 sites; a ring in resonance
+    /// with the tails; [`Error::Stalled`](crate::Error::Stalled) where Newton's method does not
+    /// converge.
     pub fn new(params: Params, speed: f64, sites: usize, line: &LinePulse, search: &Search) -> Result<Self> {
         let setting = ring(params, speed, sites)?;
         let size = size(params, speed);
@@ -149,6 +152,10 @@ fn ring(params: Params, speed: f64, sites: usize) -> Result<WaveSetting> {
     }
     if !SITES.contains(&sites) {
         return Err(Error::parameter("sites", sites, "from 8 to 64 for a solitary wave"));
+    }
+    if params.resonators() == Resonators::Moving && ring_phase(params, speed, sites) < OFF_RESONANCE {
+        let rule = "a ring that is not in resonance with the tails: omega N/speed is no multiple of 2 pi";
+        return Err(Error::parameter("sites", sites, rule));
     }
     let omega_tw = 2.0 * PI * speed / sites as f64;
     let q = WaveNumber::on_ring(2.0 / sites as f64, sites)?;
