@@ -132,8 +132,11 @@ fn report(
     folder: Option<&Folder>,
 ) -> Exit {
     // Of a long chain this takes more memory than the run.
-    let wanted = args.json || folder.is_some();
-    let json = wanted.then(|| study::run_json(scene, name, wording, reason, &outcome)).unwrap_or_default();
+    let json = if args.json || folder.is_some() {
+        study::run_json(scene, name, wording, reason, &outcome)
+    } else {
+        serde_json::Value::Null
+    };
     let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(scene, name, wording, &outcome) };
     // Of results that cannot be printed the files are written, and of files that cannot be written
     // the results are printed.

@@ -82,10 +82,19 @@ fn killed(waves: &str, number: usize, kills: usize) {
         let mut mpirun = ranks(3, waves, parts).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         // Found at once: looking for it takes as long as many points.
         let id = loop {
-            match rank(mpirun.id(), number) {
-                Some(id) => break id,
-                None => assert!(mpirun.try_wait().unwrap().is_none(), "the job begins"),
+            match (rank(mpirun.id(), number), mpirun.try_wait().unwrap()) {
+                (Some(id), None) => break Some(id),
+                (_, Some(ended)) => {
+                    assert!(ended.success(), "the job begins");
+                    break None;
+                }
+                (None, None) => {}
             }
+        };
+        let Some(id) = id else {
+            // It had nothing left that takes long: once more from the start.
+            fs::remove_dir_all(parts).unwrap();
+            continue;
         };
         let target = (120 * (hits + 1)).div_ceil(kills).max(before + 1);
         while lines(&store) < target && mpirun.try_wait().unwrap().is_none() {

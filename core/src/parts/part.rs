@@ -10,8 +10,8 @@ const BLOCK: usize = 1 << 16;
 
 /// A part of a chain, on one of the two splits.
 pub(super) enum Part {
-    Kinetic(Sites<KineticFlow<f64>>),
-    Linear(Sites<LinearFlow<f64>>),
+    Kinetic(Box<Sites<KineticFlow<f64>>>),
+    Linear(Box<Sites<LinearFlow<f64>>>),
 }
 
 /// Does the same with either kind.
@@ -28,8 +28,8 @@ impl Part {
     /// The part of this number, at rest.
     pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, split: Split) -> Self {
         match split {
-            Split::Kinetic => Self::Kinetic(Sites::new(chain, division, number)),
-            Split::Linear => Self::Linear(Sites::new(chain, division, number)),
+            Split::Kinetic => Self::Kinetic(Box::new(Sites::new(chain, division, number))),
+            Split::Linear => Self::Linear(Box::new(Sites::new(chain, division, number))),
         }
     }
 
@@ -86,8 +86,8 @@ impl Part {
 
     pub(super) fn duplicate(&self) -> Self {
         match self {
-            Self::Kinetic(sites) => Self::Kinetic(sites.duplicate()),
-            Self::Linear(sites) => Self::Linear(sites.duplicate()),
+            Self::Kinetic(sites) => Self::Kinetic(Box::new(sites.duplicate())),
+            Self::Linear(sites) => Self::Linear(Box::new(sites.duplicate())),
         }
     }
 
