@@ -190,7 +190,8 @@ fn waves_with_heavy_resonators_tend_to_those_of_the_cradle() {
     println!("{:?}", spectrum.quality);
     let count = |kind| spectrum.multipliers.iter().filter(|one| one.kind == kind).count();
     assert_eq!([spectrum.multipliers.len(), count(WaveKind::Trivial), count(WaveKind::Linear)], [40, 2, 2]);
-    assert!(spectrum.quality.symplectic_defect < 1e-12 && spectrum.quality.linear < 1e-12);
+    let quality = spectrum.quality;
+    assert!(quality.symplectic_defect < 1e-12 && quality.linear < 1e-12 && quality.phase_shift < 1e-12);
 }
 
 #[test]
