@@ -24,6 +24,7 @@ mod mean_force;
 mod modes;
 mod params;
 mod phase;
+mod rows;
 mod state;
 mod sweep;
 mod topology;
