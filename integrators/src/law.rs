@@ -277,6 +277,14 @@ impl<R: Real> ContactLaw<R> {
     /// The force and its derivative `alpha (g)_+^{alpha-1}`.
     #[inline]
     pub fn force_with_slope(&self, g: R) -> (R, R) {
+        if self.exponent == Exponent::ThreeHalves {
+            return ThreeHalves.raise_with_slope(self.positive_part(g));
+        }
+        self.any_force_with_slope(g)
+    }
+
+    #[inline(never)]
+    fn any_force_with_slope(&self, g: R) -> (R, R) {
         with_power!(self, power => power.raise_with_slope(self.positive_part(g)))
     }
 

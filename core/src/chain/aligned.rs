@@ -36,6 +36,12 @@ impl<T: Copy + Zero> Aligned<T> {
         std::array::from_fn(|k| Self::starting(len, k * APART, PAGE))
     }
 
+    /// As many arrays of zeros, for loops that walk them beside up to four that are
+    /// [`together`](Self::together).
+    pub(crate) fn between<const K: usize>(len: usize) -> [Self; K] {
+        std::array::from_fn(|k| Self::starting(len, k * APART + APART / 2 / LINE * LINE, PAGE))
+    }
+
     /// Zeros that begin at an address that is `offset` modulo `modulus`.
     fn starting(len: usize, offset: usize, modulus: usize) -> Self {
         if len == 0 {

@@ -1,9 +1,10 @@
 //! The split kinetic + potential energy: springs and contacts kick, everything drifts freely.
 
 use super::{
-    Chain, Resonators,
+    Chain, Params, Resonators,
     aligned::Aligned,
     divisible::Divisible,
+    rows::{Clock, Moving, Pairs, Row, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
@@ -17,6 +18,8 @@ pub struct KineticFlow<R> {
     pub(super) beads: [Aligned<R>; 2],
     /// Those of resonators that move, `[v, v']`.
     pub(super) resonators: [Aligned<R>; 2],
+    /// What kicks in a row work with.
+    forces: RowForces<R>,
 }
 
 impl<R: Real> KineticFlow<R> {
@@ -25,13 +28,13 @@ impl<R: Real> KineticFlow<R> {
         let n = chain.sites();
         let moving = if chain.layout().resonators() { n } else { 0 };
         let [u, u_dot] = Aligned::together(n);
-        Self { chain, beads: [u, u_dot], resonators: Aligned::together(moving) }
+        Self { forces: RowForces::new(&chain), chain, beads: [u, u_dot], resonators: Aligned::together(moving) }
     }
 
     /// The chain, and its beads for a kick by contacts and a drift.
     pub(super) fn beads(&mut self, kick: R, dt: R) -> (&Chain<R>, Beads<'_, R>) {
         let Self { chain, beads: [u, u_dot], .. } = self;
-        (chain, Beads { u: u.column(), u_dot: u_dot.column(), kick, dt })
+        (chain, Beads { u: u.column(), u_dot: u_dot.column(), now: [kick, dt, R::zero()] })
     }
 
     fn arrays(&self) -> [&[R]; 4] {
@@ -79,6 +82,9 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
+        if self.forces.used() && pairs.len() > 1 {
+            return self.row(pairs);
+        }
         for now in pairs.chunks(if long(&self.chain) { MOST_KICKS } else { 1 }) {
             match now {
                 &[(kick, drift)] => self.kick_drift(kick, drift),
@@ -112,31 +118,71 @@ impl<R: Real> Divisible<R> for KineticFlow<R> {
 }
 
 impl<R: Real> Swept<R> for KineticFlow<R> {
-    /// The durations of kick and drift: a pass does both.
-    type Moment = [R; 2];
+    type Moment = Durations<R>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: R, drift: Twofold<R>) -> [R; 2] {
-        [kick, drift.value()]
+    fn begin(&mut self, kick: R, drift: Twofold<R>) -> Durations<R> {
+        durations(self.chain.params(), kick, drift)
     }
 
     #[inline(always)]
-    fn visit(&mut self, [kick, dt]: [R; 2], work: impl Visit<R>) {
-        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot] } = self;
-        let beads = Beads { u: u.column(), u_dot: u_dot.column(), kick, dt };
+    fn visit(&mut self, now: Durations<R>, work: impl Visit<R, Self::Moment>) {
+        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], .. } = self;
+        let beads = Beads { u: u.column(), u_dot: u_dot.column(), now };
         let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
         match params.resonators() {
             Resonators::None => work.visit(chain, beads),
             Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }),
             Resonators::Moving => {
-                let kick_v = kick * kappa / R::of(params.rho);
-                work.visit(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa, kick_v });
+                work.visit(chain, Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa });
             }
         }
+    }
+}
+
+impl<R: Real> KineticFlow<R> {
+    /// Kicks of a short chain, each with its drift.
+    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+        let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], forces } = self;
+        let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
+        let (kicks, clock) = (pairs.len(), Drifts { params, pairs: pairs.iter() });
+        let beads = Beads { u: u.column(), u_dot: u_dot.column(), now: [R::zero(); 3] };
+        match params.resonators() {
+            Resonators::None => Row { chain, forces, sites: beads, clock, kicks }.make(),
+            Resonators::Fixed => Row { chain, forces, sites: Cradle { beads, kappa }, clock, kicks }.make(),
+            Resonators::Moving => {
+                let sites = Resonant { beads, v: v.column(), v_dot: v_dot.column(), kappa };
+                Row { chain, forces, sites, clock, kicks }.make();
+            }
+        }
+    }
+}
+
+/// The durations of kick and drift, and how far a unit of stretch kicks a resonator.
+pub(crate) type Durations<R> = [R; 3];
+
+#[inline(always)]
+fn durations<R: Real>(params: Params, kick: R, drift: Twofold<R>) -> Durations<R> {
+    [kick, drift.value(), kick * R::of(params.kappa) / R::of(params.rho)]
+}
+
+/// Kicks and drifts in a row.
+struct Drifts<'a, R> {
+    params: Params,
+    pairs: Pairs<'a, R>,
+}
+
+impl<R: Real> Clock for Drifts<'_, R> {
+    type Moment = Durations<R>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Durations<R> {
+        let (kick, drift) = self.pairs.next().map_or((R::zero(), Twofold::zero()), |&pair| pair);
+        durations(self.params, kick, drift)
     }
 }
 
@@ -144,21 +190,24 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 pub(super) struct Beads<'a, R> {
     u: Column<'a, R>,
     u_dot: Column<'a, R>,
-    kick: R,
-    dt: R,
+    now: Durations<R>,
 }
 
 impl<R: Real> Beads<'_, R> {
-    /// Kicks by a force, and moves on.
+    /// Kicks by a force, and moves on; returns the position there.
     ///
     /// # Safety
     /// There is room for `at + LANES` numbers.
     #[inline(always)]
-    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
+        let [kick, dt, _] = self.now;
         // SAFETY: the caller's promise.
         unsafe {
-            self.u_dot.add(at, V::all(self.kick) * force);
-            self.u.add(at, V::all(self.dt) * self.u_dot.load(at));
+            let u_dot = self.u_dot.load::<V>(at) + V::all(kick) * force;
+            let u = self.u.load::<V>(at) + V::all(dt) * u_dot;
+            self.u_dot.store(at, u_dot);
+            self.u.store(at, u);
+            u
         }
     }
 }
@@ -175,7 +224,6 @@ struct Resonant<'a, R> {
     v: Column<'a, R>,
     v_dot: Column<'a, R>,
     kappa: R,
-    kick_v: R,
 }
 
 impl<R: Real> Sites<R> for Beads<'_, R> {
@@ -193,52 +241,100 @@ impl<R: Real> Sites<R> for Beads<'_, R> {
     #[inline(always)]
     unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
         // SAFETY: the caller's promise.
+        unsafe { self.kick_and_move(at, force) };
+    }
+}
+
+impl<R: Real> Moving<R> for Beads<'_, R> {
+    type Moment = Durations<R>;
+
+    #[inline(always)]
+    fn turn_to(&mut self, moment: Durations<R>) {
+        self.now = moment;
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, _next: &Durations<R>) -> V {
+        // SAFETY: the caller's promise.
         unsafe { self.kick_and_move(at, force) }
     }
 }
 
-impl<R: Real> Sites<R> for Cradle<'_, R> {
+impl<R: Real> Cradle<'_, R> {
+    /// As [`Beads::kick_and_move`].
+    ///
+    /// # Safety
+    /// There is room for `at + LANES` numbers.
     #[inline(always)]
-    fn room(&self) -> usize {
-        self.beads.room()
-    }
-
-    #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
-        // SAFETY: the caller's promise.
-        unsafe { self.beads.positions(at) }
-    }
-
-    #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let u: V = self.beads.positions(at);
-            self.beads.kick_and_move(at, force - V::all(self.kappa) * u);
+            self.beads.kick_and_move(at, force - V::all(self.kappa) * u)
         }
     }
 }
 
-impl<R: Real> Sites<R> for Resonant<'_, R> {
+impl<R: Real> Resonant<'_, R> {
+    /// As [`Beads::kick_and_move`].
+    ///
+    /// # Safety
+    /// There is room for `at + LANES` numbers.
     #[inline(always)]
-    fn room(&self) -> usize {
-        self.beads.room().min(self.v.len()).min(self.v_dot.len())
-    }
-
-    #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
-        // SAFETY: the caller's promise.
-        unsafe { self.beads.positions(at) }
-    }
-
-    #[inline(always)]
-    unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+    unsafe fn kick_and_move<V: Vector<R>>(&mut self, at: usize, force: V) -> V {
+        let [_, dt, kick_v] = self.beads.now;
         // SAFETY: the caller's promise.
         unsafe {
-            let d = self.beads.positions::<V>(at) - self.v.load(at);
-            self.beads.kick_and_move(at, force - V::all(self.kappa) * d);
-            self.v_dot.add(at, V::all(self.kick_v) * d);
-            self.v.add(at, V::all(self.beads.dt) * self.v_dot.load(at));
+            let v: V = self.v.load(at);
+            let d = self.beads.positions::<V>(at) - v;
+            let u = self.beads.kick_and_move(at, force - V::all(self.kappa) * d);
+            let v_dot = self.v_dot.load::<V>(at) + V::all(kick_v) * d;
+            self.v_dot.store(at, v_dot);
+            self.v.store(at, v + V::all(dt) * v_dot);
+            u
         }
     }
 }
+
+/// Sites whose beads springs kick too: positions are those of the beads.
+macro_rules! sprung {
+    ($sites:ident, $room:expr) => {
+        impl<R: Real> Sites<R> for $sites<'_, R> {
+            #[inline(always)]
+            fn room(&self) -> usize {
+                let room: fn(&Self) -> usize = $room;
+                room(self)
+            }
+
+            #[inline(always)]
+            unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
+                // SAFETY: the caller's promise.
+                unsafe { self.beads.positions(at) }
+            }
+
+            #[inline(always)]
+            unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
+                // SAFETY: the caller's promise.
+                unsafe { self.kick_and_move(at, force) };
+            }
+        }
+
+        impl<R: Real> Moving<R> for $sites<'_, R> {
+            type Moment = Durations<R>;
+
+            #[inline(always)]
+            fn turn_to(&mut self, moment: Durations<R>) {
+                self.beads.now = moment;
+            }
+
+            #[inline(always)]
+            unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, _next: &Durations<R>) -> V {
+                // SAFETY: the caller's promise.
+                unsafe { self.kick_and_move(at, force) }
+            }
+        }
+    };
+}
+
+sprung!(Cradle, |sites| sites.beads.room());
+sprung!(Resonant, |sites| sites.beads.room().min(sites.v.len()).min(sites.v_dot.len()));

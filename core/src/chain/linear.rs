@@ -18,6 +18,7 @@ use super::{
     averaged::Bonds,
     divisible::Divisible,
     phase::Phase,
+    rows::{Clock, Moving, Pairs, Row, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
@@ -39,6 +40,8 @@ pub struct LinearFlow<R> {
     kicks: u32,
     /// What averaged kicks work with; empty until there is one.
     pub(super) bonds: Bonds<R>,
+    /// What kicks in a row work with.
+    forces: RowForces<R>,
 }
 
 impl<R: Real> LinearFlow<R> {
@@ -63,6 +66,7 @@ impl<R: Real> LinearFlow<R> {
             tau: R::zero(),
             kicks: 0,
             bonds: Bonds::new(),
+            forces: RowForces::new(&chain),
             chain,
         }
     }
@@ -167,13 +171,18 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
 
     fn kick_drifts(&mut self, pairs: &[(R, Twofold<R>)]) {
         let mut rest = pairs;
-        while long(&self.chain) && rest.len() > 1 {
+        let (long, short) = (long(&self.chain), self.forces.used());
+        while (long || short) && rest.len() > 1 {
             self.count_kick();
-            // No anchor between kicks that follow each other.
+            // No anchor between kicks that are made together.
             let most = (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize;
-            let (now, later) = rest.split_at(rest.len().min(MOST_KICKS).min(most));
+            let (now, later) = rest.split_at(rest.len().min(if short { most } else { most.min(MOST_KICKS) }));
             self.kicks += now.len() as u32 - 1;
-            follow(self, now);
+            if short {
+                self.row(now)
+            } else {
+                follow(self, now)
+            }
             rest = later;
         }
         rest.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
@@ -245,12 +254,10 @@ impl<R: Real> Swept<R> for LinearFlow<R> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, ((sin, cos), tau, kick): Now<R>, work: impl Visit<R>) {
-        let (kick_v, per_omega) = (kick * self.m(), kick * self.mu_over_omega);
+    fn visit(&mut self, now: Now<R>, work: impl Visit<R, Self::Moment>) {
         let Self { chain, centre: [r0, v], oscillation: [c, s], .. } = self;
-        let centre = Centre { r0: r0.column(), v: v.column(), tau, kick_r0: -(kick_v * tau), kick_v };
-        let (kick_c, kick_s) = (-(per_omega * sin), per_omega * cos);
-        let oscillation = Oscillation { c: c.column(), s: s.column(), cos, sin, kick_c, kick_s };
+        let centre = Centre { r0: r0.column(), v: v.column(), now };
+        let oscillation = Oscillation { c: c.column(), s: s.column(), now };
         match chain.params().resonators() {
             Resonators::None => work.visit(chain, centre),
             Resonators::Fixed => work.visit(chain, oscillation),
@@ -259,14 +266,71 @@ impl<R: Real> Swept<R> for LinearFlow<R> {
     }
 }
 
-/// Sine and cosine of the phase, `tau`, and the duration of the kick.
-pub(super) type Now<R> = ((R, R), R, R);
+/// What the sites depend on at a kick.
+#[derive(Clone, Copy)]
+pub(crate) struct Now<R> {
+    tau: R,
+    /// Sine and cosine of the phase.
+    sin: R,
+    cos: R,
+    /// What a unit force adds to `R0, V, C, S`.
+    kick_r0: R,
+    kick_v: R,
+    kick_c: R,
+    kick_s: R,
+}
+
+impl<R: Real> Now<R> {
+    /// For a kick of some duration, with the shares `m` and `mu/omega` of an impulse.
+    #[inline(always)]
+    fn new((sin, cos): (R, R), tau: R, kick: R, [m, mu_over_omega]: [R; 2]) -> Self {
+        let (kick_v, per_omega) = (kick * m, kick * mu_over_omega);
+        Self { tau, sin, cos, kick_r0: -(kick_v * tau), kick_v, kick_c: -(per_omega * sin), kick_s: per_omega * cos }
+    }
+}
 
 impl<R: Real> LinearFlow<R> {
     /// What positions, and a kick over `kick`, depend on.
     #[inline]
     pub(super) fn now(&self, kick: R) -> Now<R> {
-        (self.phase.sin_cos(), self.tau, kick)
+        Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
+    }
+
+    /// Kicks of a short chain, each with its drift, and none with an anchor before it but the
+    /// first.
+    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+        let shares = [self.m(), self.mu_over_omega];
+        let now = self.now(R::zero());
+        let Self { chain, centre: [r0, v], oscillation: [c, s], phase, tau, forces, .. } = self;
+        let (kicks, clock) = (pairs.len(), Phases { phase, tau, shares, pairs: pairs.iter() });
+        let centre = Centre { r0: r0.column(), v: v.column(), now };
+        let oscillation = Oscillation { c: c.column(), s: s.column(), now };
+        match chain.params().resonators() {
+            Resonators::None => Row { chain, forces, sites: centre, clock, kicks }.make(),
+            Resonators::Fixed => Row { chain, forces, sites: oscillation, clock, kicks }.make(),
+            Resonators::Moving => Row { chain, forces, sites: Both { centre, oscillation }, clock, kicks }.make(),
+        }
+    }
+}
+
+/// The phases of kicks in a row.
+struct Phases<'a, R> {
+    phase: &'a mut Phase<R>,
+    tau: &'a mut R,
+    shares: [R; 2],
+    pairs: Pairs<'a, R>,
+}
+
+impl<R: Real> Clock for Phases<'_, R> {
+    type Moment = Now<R>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Now<R> {
+        let (kick, drift) = self.pairs.next().map_or((R::zero(), Twofold::zero()), |&pair| pair);
+        let now = Now::new(self.phase.sin_cos(), *self.tau, kick, self.shares);
+        self.phase.advance_inside(drift);
+        *self.tau += drift.value();
+        now
     }
 }
 
@@ -274,19 +338,14 @@ impl<R: Real> LinearFlow<R> {
 struct Centre<'a, R> {
     r0: Column<'a, R>,
     v: Column<'a, R>,
-    tau: R,
-    kick_r0: R,
-    kick_v: R,
+    now: Now<R>,
 }
 
 /// Sites that oscillate: all of a cradle.
 struct Oscillation<'a, R> {
     c: Column<'a, R>,
     s: Column<'a, R>,
-    cos: R,
-    sin: R,
-    kick_c: R,
-    kick_s: R,
+    now: Now<R>,
 }
 
 /// Sites that do both.
@@ -305,15 +364,33 @@ impl<R: Real> Sites<R> for Centre<'_, R> {
     unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
         // SAFETY: the caller's promise.
         let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
-        r0 + v * V::all(self.tau)
+        r0 + v * V::all(self.now.tau)
     }
 
     #[inline(always)]
     unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
         // SAFETY: the caller's promise.
+        unsafe { self.advance(at, force, &{ self.now }) };
+    }
+}
+
+impl<R: Real> Moving<R> for Centre<'_, R> {
+    type Moment = Now<R>;
+
+    #[inline(always)]
+    fn turn_to(&mut self, now: Now<R>) {
+        self.now = now;
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
+        // SAFETY: the caller's promise.
         unsafe {
-            self.r0.add(at, V::all(self.kick_r0) * force);
-            self.v.add(at, V::all(self.kick_v) * force);
+            let r0 = self.r0.load::<V>(at) + V::all(self.now.kick_r0) * force;
+            let v = self.v.load::<V>(at) + V::all(self.now.kick_v) * force;
+            self.r0.store(at, r0);
+            self.v.store(at, v);
+            r0 + v * V::all(next.tau)
         }
     }
 }
@@ -328,15 +405,33 @@ impl<R: Real> Sites<R> for Oscillation<'_, R> {
     unsafe fn positions<V: Vector<R>>(&self, at: usize) -> V {
         // SAFETY: the caller's promise.
         let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
-        c * V::all(self.cos) + s * V::all(self.sin)
+        c * V::all(self.now.cos) + s * V::all(self.now.sin)
     }
 
     #[inline(always)]
     unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V) {
         // SAFETY: the caller's promise.
+        unsafe { self.advance(at, force, &{ self.now }) };
+    }
+}
+
+impl<R: Real> Moving<R> for Oscillation<'_, R> {
+    type Moment = Now<R>;
+
+    #[inline(always)]
+    fn turn_to(&mut self, now: Now<R>) {
+        self.now = now;
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
+        // SAFETY: the caller's promise.
         unsafe {
-            self.c.add(at, V::all(self.kick_c) * force);
-            self.s.add(at, V::all(self.kick_s) * force);
+            let c = self.c.load::<V>(at) + V::all(self.now.kick_c) * force;
+            let s = self.s.load::<V>(at) + V::all(self.now.kick_s) * force;
+            self.c.store(at, c);
+            self.s.store(at, s);
+            c * V::all(next.cos) + s * V::all(next.sin)
         }
     }
 }
@@ -360,5 +455,21 @@ impl<R: Real> Sites<R> for Both<'_, R> {
             self.centre.update(at, force);
             self.oscillation.update(at, force);
         }
+    }
+}
+
+impl<R: Real> Moving<R> for Both<'_, R> {
+    type Moment = Now<R>;
+
+    #[inline(always)]
+    fn turn_to(&mut self, now: Now<R>) {
+        self.centre.turn_to(now);
+        self.oscillation.turn_to(now);
+    }
+
+    #[inline(always)]
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Now<R>) -> V {
+        // SAFETY: the caller's promise.
+        unsafe { self.centre.advance(at, force, next) + self.oscillation.advance(at, force, next) }
     }
 }

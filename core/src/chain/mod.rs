@@ -25,6 +25,7 @@ mod mean_force;
 mod modes;
 mod params;
 mod phase;
+mod rows;
 mod state;
 mod sweep;
 mod topology;

@@ -70,19 +70,25 @@ impl<R: Real> Phase<R> {
     /// The flow over `dt`.
     #[inline]
     pub(crate) fn advance(&mut self, dt: Twofold<R>) {
+        R::run(Advance { phase: self, dt });
+    }
+
+    /// The same inside a kernel, with the fused products that it is compiled for.
+    #[inline(always)]
+    pub(crate) fn advance_inside(&mut self, dt: Twofold<R>) {
         match self.turn(dt) {
             Some(k) => {
                 let turn = &mut self.turns[k];
                 turn.count += 1;
                 self.next = k + 1;
-                R::run(Rotate { by: &turn.rotation, rotation: &mut self.now });
+                self.now = self.now.then(&turn.rotation);
             }
             None => self.turn_anew(dt),
         }
     }
 
     /// Which of the kept turns belongs to a drift.
-    #[inline]
+    #[inline(always)]
     fn turn(&self, drift: Twofold<R>) -> Option<usize> {
         let here = if self.next < self.turns.len() { self.next } else { 0 };
         match self.turns.get(here) {
@@ -107,18 +113,18 @@ impl<R: Real> Phase<R> {
     }
 }
 
-/// Moves a rotation on, with the fused products of the machine.
-struct Rotate<'a, R> {
-    rotation: &'a mut Rotation<R>,
-    by: &'a Rotation<R>,
+/// Moves a phase on, with the fused products of the machine.
+struct Advance<'a, R> {
+    phase: &'a mut Phase<R>,
+    dt: Twofold<R>,
 }
 
-impl<R: Real> Kernel for Rotate<'_, R> {
+impl<R: Real> Kernel for Advance<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        *self.rotation = self.rotation.then(self.by);
+        self.phase.advance_inside(self.dt);
     }
 }
 

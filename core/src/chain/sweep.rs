@@ -7,16 +7,17 @@
 //!
 //! # Several kicks at once
 //!
-//! On a long chain, which does not fit into the cache, the kicks follow each other through it: kick
-//! `k` works on a piece that kick `k - 1` has just left, a register behind it. On a ring the first
-//! bond of a pass joins the first site to the last, which the kick before reaches at its end. So
-//! kick `k` begins `8 k` sites from the first, goes on to the last, and then does those before its
-//! own first. Each number is computed as by one kick after the other, so that the bits are the
-//! same.
+//! Those of a short chain are made in rows, see [`rows`](super::rows). On a long chain, which does
+//! not fit into the cache, the kicks follow each other through it: kick `k` works on a piece that
+//! kick `k - 1` has just left, a register behind it. On a ring the first bond of a pass joins the
+//! first site to the last, which the kick before reaches at its end. So kick `k` begins `8 k` sites
+//! from the first, goes on to the last, and then does those before its own first. Each number is
+//! computed as by one kick after the other, so that the bits are the same.
 
 use super::{
     Chain,
     law::{LANES, Power, with_power},
+    rows::Moving,
 };
 use hertzchain_integrators::{Real, Twofold, Vector, VectorKernel};
 
@@ -37,17 +38,17 @@ pub(crate) trait Sites<R: Real> {
     unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V);
 }
 
-/// What is done with the sites of a flow, whatever its model.
-pub(crate) trait Visit<R: Real> {
-    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S);
+/// What is done with the sites of a flow, whatever its model; `M` is what a kick depends on.
+pub(crate) trait Visit<R: Real, M> {
+    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S);
 }
 
 /// A kick of the contact forces.
 pub(crate) struct Step;
 
-impl<R: Real> Visit<R> for Step {
+impl<R: Real, M> Visit<R, M> for Step {
     #[inline(always)]
-    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
+    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S) {
         sweep(chain, sites);
     }
 }
@@ -71,7 +72,7 @@ pub(crate) trait Swept<R: Real> {
     /// What the next kick depends on; then the drift, but for what it does to columns.
     fn begin(&mut self, kick: R, drift: Twofold<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
-    fn visit(&mut self, moment: Self::Moment, work: impl Visit<R>);
+    fn visit(&mut self, moment: Self::Moment, work: impl Visit<R, Self::Moment>);
 }
 
 /// Whether kicks of a chain are to follow each other.
@@ -186,10 +187,10 @@ struct Piece<'a, R> {
     to: usize,
 }
 
-impl<R: Real> Visit<R> for Piece<'_, R> {
+impl<R: Real, M> Visit<R, M> for Piece<'_, R> {
     // Not inlined: the kernel would be compiled again wherever a pass goes on.
     #[inline(never)]
-    fn visit<S: Sites<R>>(self, chain: &Chain<R>, sites: S) {
+    fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S) {
         R::run_vector(Sweep { chain, piece: self, sites });
     }
 }
@@ -288,12 +289,16 @@ fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S) -> (R, R) {
 
 // Functions, as closures would not be compiled for the registers of the pass.
 
-/// The forces of bonds to the left of sites, `(delta_0 + q_{i-1} - q_i)_+^alpha` from positions or
-/// `(-x_i)_+^alpha` from strains.
+/// The forces of bonds to the left of sites.
 #[inline(always)]
 fn bonds<R: Real, V: Vector<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, before: V, q: V) -> V {
-    let overlaps = if STRAIN { V::all(R::zero()) - q } else { V::all(chain.precompression) + (q.after(before) - q) };
-    power.raise(chain.law.positive_part(overlaps))
+    power.raise(chain.law.positive_part(overlaps::<R, V, STRAIN>(chain, before, q)))
+}
+
+/// Their overlaps, `delta_0 + q_{i-1} - q_i` from positions or `-x_i` from strains.
+#[inline(always)]
+pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(chain: &Chain<R>, before: V, q: V) -> V {
+    if STRAIN { V::all(R::zero()) - q } else { V::all(chain.precompression) + (q.after(before) - q) }
 }
 
 /// What forces `f` of bonds to the left of sites do to these, `f_i - f_{i+1}`, or to strains.

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Most steps that are made in a row, and most numbers times kicks: about a tenth of a second.
-const STEPS_A_ROW: usize = 16;
+const STEPS_A_ROW: usize = 64;
 const NUMBERS_A_ROW: usize = 1 << 26;
 
 /// A splitting scheme with a fixed number of equal steps.

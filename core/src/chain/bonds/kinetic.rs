@@ -3,9 +3,10 @@
 
 use super::{
     super::{Chain, KineticFlow, sweep::Visit},
-    Forces, Kick, Modified, SiteFlow, Survey,
+    Forces, Fused, Kick, Modified, SiteFlow, Survey,
+    fused::FusedTo,
 };
-use hertzchain_integrators::splitting::corrected::Correction;
+use hertzchain_integrators::{Twofold, splitting::corrected::Correction};
 
 impl SiteFlow for KineticFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -25,6 +26,7 @@ impl SiteFlow for KineticFlow<f64> {
         [self.beads[1][site], 0.0, 0.0]
     }
 
+    #[inline]
     fn response(&self) -> (f64, f64, f64) {
         (1.0, 0.0, 0.0)
     }
@@ -35,10 +37,12 @@ impl SiteFlow for KineticFlow<f64> {
         (-(kappa * d), -(kappa * d_dot))
     }
 
+    #[inline]
     fn shift(&self, correction: &Correction) -> f64 {
         correction.displacement - correction.impulse * correction.at
     }
 
+    #[inline]
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let &Correction { impulse, displacement, at, .. } = correction;
         let [u, u_dot] = &mut self.beads;
@@ -54,6 +58,13 @@ impl SiteFlow for KineticFlow<f64> {
             v[site] += displacement;
             v_dot[site] += impulse;
         }
+    }
+
+    #[inline(always)]
+    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>) {
+        let (chain, beads) = self.beads(kick, drift.value());
+        // Positions at the next kick do not depend on it.
+        FusedTo { next: [0.0; 3], fused }.visit(chain, beads);
     }
 
     #[allow(clippy::needless_range_loop, reason = "a loop over sites reads like the formula")]

@@ -2,9 +2,10 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Kick, Modified, SiteFlow, Survey,
+    Forces, Fused, Kick, Modified, SiteFlow, Survey,
+    fused::FusedTo,
 };
-use hertzchain_integrators::splitting::corrected::Correction;
+use hertzchain_integrators::{SplitFlow, Twofold, splitting::corrected::Correction};
 
 impl SiteFlow for LinearFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -26,6 +27,7 @@ impl SiteFlow for LinearFlow<f64> {
         [r_dot + p_dot, p, p_dot]
     }
 
+    #[inline]
     fn response(&self) -> (f64, f64, f64) {
         (self.m(), self.mu(), self.omega())
     }
@@ -34,12 +36,14 @@ impl SiteFlow for LinearFlow<f64> {
         (0.0, 0.0)
     }
 
+    #[inline]
     fn shift(&self, correction: &Correction) -> f64 {
         let &Correction { impulse, displacement, at, turn: [sin, cos], .. } = correction;
         self.m() * (displacement - impulse * at)
             + (self.mu() * (displacement * cos) - self.mu_over_omega * (impulse * sin))
     }
 
+    #[inline]
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let [by_r0, by_v, by_c, by_s] = self.shares(correction);
         if let [r0, v] = &mut self.centre
@@ -65,6 +69,15 @@ impl SiteFlow for LinearFlow<f64> {
     fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
         self.count_kick();
         self.visit(self.now(kick), Kick(forces));
+    }
+
+    #[inline(always)]
+    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>) {
+        self.count_kick();
+        let now = self.now(kick);
+        self.drift(drift);
+        let next = self.now(0.0);
+        self.visit(now, FusedTo { next, fused });
     }
 }
 

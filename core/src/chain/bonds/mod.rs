@@ -8,6 +8,7 @@
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
 
 mod forces;
+mod fused;
 mod kinetic;
 mod linear;
 mod tangent;
@@ -15,15 +16,11 @@ mod tangent;
 pub use tangent::TangentFlow;
 
 use forces::{Forces, Modified, turning};
+use fused::Fused;
 
-use super::{
-    Chain,
-    aligned::Aligned,
-    law::LANES,
-    sweep::{Sites, Visit},
-};
+use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
 use hertzchain_integrators::{
-    Error, SplitFlow, Stepper, Twofold,
+    Column, Error, SplitFlow, Stepper, Twofold,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -63,9 +60,14 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// Kicks beads by `kick` times modified forces, and by springs where these kick:
     /// `-kappa (d + c d'')`, with the accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
+    /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs do not
+    /// kick.
+    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>);
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
+///
+/// Arrays of surveys change places at each; behind pointers that is cheap.
 ///
 /// Arrays are longer than the chain, so that loops over whole registers need no remainder; what is
 /// in the rest is not looked at.
@@ -74,25 +76,30 @@ pub struct Bonded<F> {
     sites: usize,
     /// Positions, from `PAD` on, with one of a neighbour on either side.
     q: Aligned<f64>,
-    overlap: Aligned<f64>,
+    overlap: Box<Aligned<f64>>,
     /// Overlaps at the last two surveys before, latest first.
-    overlaps_before: [Aligned<f64>; 2],
+    overlaps_before: [Box<Aligned<f64>>; 2],
     /// Forces and derivatives, from `PAD` on, with those of neighbours on either side.
-    force: Aligned<f64>,
-    slope: Aligned<f64>,
-    /// Forces at the survey before.
-    force_before: Aligned<f64>,
+    force: Box<Aligned<f64>>,
+    slope: Box<Aligned<f64>>,
+    /// Those at the survey before.
+    force_before: Box<Aligned<f64>>,
+    slope_before: Box<Aligned<f64>>,
+    /// Modified forces, from `PAD` on, for kicks that survey.
+    modified: Aligned<f64>,
     /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
     closed: Vec<u64>,
     told: Vec<u64>,
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
-    spring: Aligned<f64>,
-    spring_before: Aligned<f64>,
+    spring: Box<Aligned<f64>>,
+    spring_before: Box<Aligned<f64>>,
     /// Which bonds may have turned near zero, a bit each, and how near they count.
     turning: Vec<u64>,
     reach: f64,
     /// Accelerations of sites, for springs that kick.
     a: Aligned<f64>,
+    /// Site at which the next kick that surveys begins.
+    start: usize,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
 }
@@ -103,23 +110,27 @@ impl<F: SiteFlow> Bonded<F> {
         let sites = flow.chain().sites();
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
-        let padded = || Aligned::zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
+        let zeros = |len| Box::new(Aligned::zeros(len));
+        let padded = || zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
         Self {
             flow,
             sites,
-            q: padded(),
-            overlap: Aligned::zeros(sites + 1),
-            overlaps_before: [Aligned::zeros(sites + 1), Aligned::zeros(sites + 1)],
+            q: *padded(),
+            overlap: zeros(sites + 1),
+            overlaps_before: [zeros(sites + 1), zeros(sites + 1)],
             force: padded(),
             slope: padded(),
             force_before: padded(),
+            slope_before: padded(),
+            modified: *padded(),
             closed: vec![0; (sites + 1).div_ceil(WORD)],
             told: vec![0; (sites + 1).div_ceil(WORD)],
-            spring: if springs { padded() } else { Aligned::zeros(0) },
-            spring_before: if springs { padded() } else { Aligned::zeros(0) },
+            spring: if springs { padded() } else { zeros(0) },
+            spring_before: if springs { padded() } else { zeros(0) },
             turning: vec![0; (sites + 1).div_ceil(WORD)],
             reach: 0.0,
             a: Aligned::zeros(sites),
+            start: 0,
             swung: (0.0, 1.0),
         }
     }
@@ -139,6 +150,48 @@ impl<F: SiteFlow> Bonded<F> {
         self.chain().topology().ring()
     }
 
+    /// Moves what is kept of surveys on by one.
+    #[inline]
+    fn keep(&mut self) {
+        self.overlaps_before.swap(0, 1);
+        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
+        std::mem::swap(&mut self.force, &mut self.force_before);
+        std::mem::swap(&mut self.slope, &mut self.slope_before);
+        std::mem::swap(&mut self.spring, &mut self.spring_before);
+    }
+
+    /// The flow, what a survey writes, forces and derivatives of the survey before, and room for
+    /// modified forces.
+    #[inline(always)]
+    fn parts(&mut self) -> (&mut F, Forces<'_>, [Column<'_, f64>; 3]) {
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
+            self;
+        let forces = Forces {
+            reach: *reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed,
+            turning,
+        };
+        (flow, forces, [&mut *self.force_before, &mut self.slope_before, &mut self.modified].map(Aligned::column))
+    }
+
+    /// What a survey leaves beyond the ends.
+    #[inline]
+    fn finish(&mut self) {
+        // What lies behind the last bond; on a ring that is the first once more.
+        let end = self.chain().touching().end;
+        for bits in [&mut self.closed, &mut self.turning] {
+            if let Some(word) = bits.get_mut(end / WORD) {
+                *word &= (1 << (end % WORD)) - 1;
+            }
+        }
+        self.close();
+    }
+
     /// The bond that number `index` among those that can touch is.
     #[inline]
     fn bond(&self, index: usize) -> usize {
@@ -147,6 +200,7 @@ impl<F: SiteFlow> Bonded<F> {
 
     /// What stands for forces beyond the ends, so that the accelerations of sites there are those
     /// of neighbours, or none.
+    #[inline]
     fn close(&mut self) {
         let (n, ring) = (self.sites, self.ring());
         let f = &mut self.force[PAD - 1..];
@@ -171,7 +225,7 @@ impl<F: SiteFlow> Bonded<F> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn refresh_bond(&mut self, b: usize) {
         let (law, q) = (self.chain().law(), &self.q[PAD - 1..]);
         let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
@@ -273,9 +327,9 @@ impl<F: SiteFlow> Bonded<F> {
 /// What a survey does with the sites of a flow.
 struct Survey<'a>(Forces<'a>);
 
-impl Visit<f64> for Survey<'_> {
+impl<M> Visit<f64, M> for Survey<'_> {
     #[inline(always)]
-    fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
         self.0.survey(chain, sites);
     }
 }
@@ -283,9 +337,9 @@ impl Visit<f64> for Survey<'_> {
 /// What a kick with modified forces does with the sites of a flow.
 struct Kick<'a>(Modified<'a>);
 
-impl Visit<f64> for Kick<'_> {
+impl<M> Visit<f64, M> for Kick<'_> {
     #[inline(always)]
-    fn visit<S: Sites<f64>>(self, chain: &Chain<f64>, sites: S) {
+    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
         self.0.kick(chain.topology(), sites);
     }
 }
@@ -321,7 +375,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
         (self.swung, self.reach) = (other.swung, other.reach);
         for (to, from) in [
             (&mut self.q, &other.q),
-            (&mut self.overlap, &other.overlap),
+            (&mut *self.overlap, &*other.overlap),
             (&mut self.force, &other.force),
             (&mut self.slope, &other.slope),
             (&mut self.force_before, &other.force_before),
@@ -359,10 +413,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
-        self.overlaps_before.swap(0, 1);
-        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
-        std::mem::swap(&mut self.force, &mut self.force_before);
-        std::mem::swap(&mut self.spring, &mut self.spring_before);
+        self.keep();
         let n = self.sites;
         if !self.spring.is_empty() {
             for i in 0..n {
@@ -372,26 +423,28 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
             }
         }
-        let end = self.chain().touching().end;
-        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
-            self;
-        flow.survey(Forces {
-            reach: *reach,
-            q: q.column(),
-            overlap: overlap.column(),
-            force: force.column(),
-            slope: slope.column(),
-            before: [latest.column(), first.column()],
-            closed,
-            turning,
-        });
-        // What lies behind the last bond; on a ring that is the first once more.
-        for bits in [closed, turning] {
-            if let Some(word) = bits.get_mut(end / WORD) {
-                *word &= (1 << (end % WORD)) - 1;
-            }
+        let (flow, forces, _) = self.parts();
+        flow.survey(forces);
+        self.finish();
+    }
+
+    #[inline]
+    fn kick_and_survey(&mut self, kick: f64, c: f64, drift: Twofold<f64>) {
+        if !self.spring.is_empty() {
+            self.kick(kick, c);
+            self.drift(drift);
+            self.survey();
+            return;
         }
-        self.close();
+        self.keep();
+        let start = self.start;
+        let (flow, forces, [force, slope, modified]) = self.parts();
+        flow.push_and_survey(kick, drift, Fused { c, force, slope, modified, forces, start });
+        // The next pass on a ring begins elsewhere, see `rows`.
+        if self.ring() {
+            self.start = (start + 2 * LANES) % self.sites.next_multiple_of(LANES);
+        }
+        self.finish();
     }
 
     #[inline]
@@ -504,5 +557,59 @@ impl<F: SiteFlow> Bonded<F> {
         }
         run.sample(by, y);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Boundary, KineticFlow, LinearFlow, Params};
+    use super::*;
+    use hertzchain_integrators::Instructions;
+
+    /// All that a few steps leave behind, made in one pass each or one thing after the other.
+    fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
+        let (mut flow, mut out) = (Bonded::new(flow), Vec::new());
+        flow.load(y);
+        flow.prepare(0.02, 3.0);
+        flow.survey();
+        for k in 0..70 {
+            let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, Twofold::new(0.02));
+            if fused {
+                flow.kick_and_survey(kick, c, drift);
+            } else {
+                flow.kick(kick, c);
+                flow.drift(drift);
+                flow.survey();
+            }
+            let end = flow.sites + 1;
+            for column in [&flow.q[PAD - 1..], &flow.overlap, &flow.force[PAD..], &flow.slope[PAD..]] {
+                out.extend(column[..end].iter().map(|x| x.to_bits()));
+            }
+            out.extend(flow.closed.iter().chain(&flow.turning));
+        }
+        let mut end = y.to_vec();
+        flow.store(&mut end);
+        out.extend(end.iter().map(|x| x.to_bits()));
+        out
+    }
+
+    #[test]
+    fn a_kick_that_surveys_has_the_bits_of_one_thing_after_the_other() {
+        // Truth: kick, drift and survey, each in a pass of its own.
+        let used = Instructions::used();
+        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+                for (n, rho) in (1..36).chain([63, 64, 65, 130]).flat_map(|n| [0.0, 1.0 / 3.0].map(|rho| (n, rho))) {
+                    let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
+                    let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
+                    let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
+                    let of = |fused| steps(LinearFlow::new(chain.clone()), &y, fused);
+                    assert!(of(true) == of(false), "linear {boundary:?} {n} {rho} {set}");
+                    let of = |fused| steps(KineticFlow::new(chain.clone()), &y, fused);
+                    assert!(of(true) == of(false), "kinetic {boundary:?} {n} {rho} {set}");
+                }
+            }
+        }
+        assert!(used.select());
     }
 }

@@ -1,7 +1,7 @@
 //! What contact-corrected splitting asks of a problem.
 
 use super::{ends::Side, path::BondPath};
-use crate::system::SplitFlow;
+use crate::{clock::Twofold, system::SplitFlow};
 
 /// A bond between two kicks, seen without its own force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +86,12 @@ pub trait BondFlow: SplitFlow<f64> {
     /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by
     /// `F`.
     fn kick(&mut self, kick: f64, c: f64);
+    /// [`kick`](Self::kick), drift and [`survey`](Self::survey), the same bits.
+    fn kick_and_survey(&mut self, kick: f64, c: f64, drift: Twofold<f64>) {
+        self.kick(kick, c);
+        self.drift(drift);
+        self.survey();
+    }
     /// The flow of the processor: positions move by `share` times their accelerations by the forces
     /// of the kick, velocities by `-share` times the rates of these; the rates of the forces of
     /// bonds that are [`Near`](Side::Near) count as none.

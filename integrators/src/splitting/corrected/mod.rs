@@ -227,6 +227,8 @@ pub struct Corrected<S> {
     start: Twofold<f64>,
     span: Twofold<f64>,
     h: Twofold<f64>,
+    /// The kick that the state still lacks: it is made with the drift and the survey after it.
+    due: Option<f64>,
     taken: u64,
     total: u64,
 }
@@ -263,6 +265,7 @@ impl<S: BondFlow> Corrected<S> {
             start: Twofold::new(start),
             span,
             h,
+            due: Some(0.5 * h.value()),
             taken: 0,
             total,
             flow,
@@ -273,13 +276,13 @@ impl<S: BondFlow> Corrected<S> {
             ends::to_kernel(&mut new.flow, h.value(), parts.corrected, &mut new.sides);
         }
         new.flow.survey();
-        new.flow.kick(0.5 * h.value(), new.share());
         Ok(new)
     }
 
     /// Keeps what contacts do, for [`ContactStepper::tell`]. To be called before the first step.
     #[must_use]
     pub fn logged(mut self) -> Self {
+        self.kick_now();
         self.log = Some(Log::new(&self.flow, self.h.value()));
         self
     }
@@ -287,6 +290,14 @@ impl<S: BondFlow> Corrected<S> {
     /// The step size.
     pub fn step_size(&self) -> f64 {
         self.h.value()
+    }
+
+    /// Makes the kick that is due: a log looks at the state after it.
+    fn kick_now(&mut self) {
+        let share = self.share();
+        if let Some(kick) = self.due.take() {
+            self.flow.kick(kick, share);
+        }
     }
 
     /// The flow at the end of the step reached, in a copy: half of the last kick is taken back, and
@@ -300,6 +311,9 @@ impl<S: BondFlow> Corrected<S> {
             }
             empty => empty.insert(self.flow.duplicate()),
         };
+        if let Some(kick) = self.due {
+            mirror.kick(kick, share);
+        }
         mirror.kick(-0.5 * h, share);
         if self.parts.processed && self.total > 0 {
             ends::to_solution(mirror, h, self.parts.corrected, &mut self.sides);
@@ -386,8 +400,12 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
 
     fn step(&mut self) -> Result<(), Error> {
         let (h, share) = (self.h.value(), self.share());
-        self.flow.drift(self.h);
-        self.flow.survey();
+        if let Some(kick) = self.due.take() {
+            self.flow.kick_and_survey(kick, share, self.h);
+        } else {
+            self.flow.drift(self.h);
+            self.flow.survey();
+        }
         if self.parts.corrected || self.log.is_some() {
             self.changed.clear();
             self.flow.changed(&mut self.changed);
@@ -403,9 +421,10 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
                 self.correct_turns();
             }
         }
-        self.flow.kick(h, share);
+        self.due = Some(h);
         self.taken += 1;
         if self.log.is_some() {
+            self.kick_now();
             let time = self.time();
             self.log.iter_mut().for_each(|log| log.step(&self.flow, time));
         }
