@@ -8,6 +8,7 @@
 mod breather;
 mod charts;
 mod compare;
+mod dimer;
 mod dps;
 mod drift;
 mod evolve;
@@ -30,6 +31,7 @@ pub use charts::{
     resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, compare};
+pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
@@ -143,9 +145,11 @@ fn named<const N: usize>(files: [(&str, Vec<u8>); N]) -> Vec<File> {
     files.map(|(name, bytes)| (name.to_owned(), bytes)).into()
 }
 
-/// A scene by its name, with changes.
+/// A scene by its name, with changes, for studies of uniform chains.
 fn scene(name: &str, changes: &Changes) -> Result<Scene> {
-    Scene::load_with(name, &changes.set)
+    let scene = Scene::load_with(name, &changes.set)?;
+    scene.chain().uniform("this study")?;
+    Ok(scene)
 }
 
 /// The integrators that are named; all for `all`; `unnamed` where none is.
@@ -176,15 +180,29 @@ pub fn scene_json(scene: &Scene) -> Value {
     if scene.chain().params().rho.is_infinite() {
         value["chain"]["rho"] = json!("inf");
     }
+    if let Some(rho) = value.pointer_mut("/beads/rho") {
+        infinite(rho);
+    }
     value
+}
+
+/// Puts `"inf"` where JSON has no number: a scene has no other number that is not finite.
+fn infinite(value: &mut Value) {
+    match value {
+        Value::Null => *value = json!("inf"),
+        Value::Array(list) => list.iter_mut().for_each(infinite),
+        Value::Object(table) => table.values_mut().for_each(infinite),
+        _ => {}
+    }
 }
 
 /// The end of every caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
+    let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
     format!(
-        "Scene {}: {}. N = {}, {}. {how} hertzchain {}.",
+        "Scene {}: {}. N = {}, {}.{details} {how} hertzchain {}.",
         scene.name(),
         scene.file().summary,
         scene.chain().sites(),
