@@ -127,6 +127,7 @@ fn run_command(command: &Command) -> Exit {
             StudyAction::Stability(told) => told.run(),
             StudyAction::Theorem(told) => told.run(),
             StudyAction::Lifetimes(told) => told.run(),
+            StudyAction::Dimer(told) => told.run(),
         },
         Command::Wave(args) => match &args.action {
             Some(WaveAction::Modulation(told)) => told.run(),

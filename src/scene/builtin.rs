@@ -16,4 +16,10 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("bright-breather-site", include_str!("builtin/bright-breather-site.toml")),
     ("bright-breather-16", include_str!("builtin/bright-breather-16.toml")),
     ("trivial-breather", include_str!("builtin/trivial-breather.toml")),
+    ("dimer", include_str!("builtin/dimer.toml")),
+    ("impurity", include_str!("builtin/impurity.toml")),
+    ("taper", include_str!("builtin/taper.toml")),
+    ("disorder", include_str!("builtin/disorder.toml")),
+    ("end-driven", include_str!("builtin/end-driven.toml")),
+    ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
 ];

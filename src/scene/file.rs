@@ -1,6 +1,6 @@
 //! The contents of a scene file in TOML.
 
-use super::{Scene, builtin::BUILTIN};
+use super::{BeadsSection, BondsSection, DriveSection, Scene, UnitsSection, builtin::BUILTIN};
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
@@ -30,6 +30,18 @@ pub struct SceneFile {
     pub summary: String,
     /// The chain.
     pub chain: ChainSection,
+    /// What differs from bead to bead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beads: Option<BeadsSection>,
+    /// What differs from bond to bond.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bonds: Option<BondsSection>,
+    /// What moves or pushes beads.
+    #[serde(default, rename = "drive", skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<DriveSection>,
+    /// Spheres in SI units.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitsSection>,
     /// The initial state.
     pub initial: Initial,
     /// The time span.
@@ -337,7 +349,7 @@ impl SceneFile {
             merge(table.get_mut(), DeTable::parse(line).ok()?.into_inner());
         }
         let leaves = leaves(table.get_ref(), "");
-        let leaf = leaves.iter().find(|leaf| leaf.key.rsplit('.').next() == Some(name))?;
+        let leaf = leaves.iter().find(|leaf| leaf.is(name))?;
         Some(format!("{}: `{}`", source.place(leaf.span.start), leaf.key))
     }
 
@@ -427,6 +439,14 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
 }
 
 impl Leaf<'_> {
+    /// Whether a parameter is meant: by its last key; with its table also by a key below it.
+    fn is(&self, name: &str) -> bool {
+        match name.contains('.') {
+            true => self.key == name || self.key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')),
+            false => self.key.rsplit('.').next() == Some(name),
+        }
+    }
+
     /// Checks that doubles can hold the numbers of the value.
     fn held(&self) -> std::result::Result<(), String> {
         fn of(value: &DeValue<'_>) -> std::result::Result<(), String> {

@@ -1,9 +1,15 @@
 //! Scenes: named, complete set-ups with chain, initial state, time span and records.
 
 mod builtin;
+mod details;
 mod file;
+mod units;
+mod values;
 
+pub use details::{BeadsSection, BondsSection, DriveKind, DriveSection};
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
+pub use units::{Units, UnitsSection};
+pub use values::{Rule, Values};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
@@ -51,6 +57,7 @@ pub enum Theory {
 pub struct Scene {
     file: SceneFile,
     chain: Chain<f64>,
+    units: Option<Units>,
     initial: State<f64>,
     theory: Option<Theory>,
     period: f64,
@@ -158,16 +165,25 @@ impl Scene {
         }
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
+        let tables = details::Tables {
+            beads: file.beads.as_ref(),
+            bonds: file.bonds.as_ref(),
+            drives: &file.drives,
+            units: file.units.as_ref(),
+        };
+        let (chain, units) = tables.apply(chain)?;
+        // Beads that differ have no common frequency.
+        let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
         let (initial, theory) = initial_state(&chain, &file.initial)?;
         within_range(&chain, &initial, &file.initial)?;
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
             Some(Theory::Bright(breather)) => breather.period(),
-            _ if chain.params().resonators() != Resonators::None => 2.0 * PI / chain.params().omega(),
+            _ if has_frequency => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
-        if let (Some(given), true) = (file.span.period, chain.params().resonators() != Resonators::None) {
+        if let (Some(given), true) = (file.span.period, has_frequency) {
             return Err(Error::parameter("period", given, "this scene has a frequency of its own: leave `period` out"));
         }
         let positive = |name, value: f64| {
@@ -187,8 +203,9 @@ impl Scene {
         {
             *seed = Some(drawn.seed());
         }
+        details::within(&chain, end)?;
         let says_samples = file.record.samples.is_some();
-        let mut scene = Self { chain, initial, theory, period, end, file, says_samples };
+        let mut scene = Self { chain, units, initial, theory, period, end, file, says_samples };
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
@@ -197,7 +214,8 @@ impl Scene {
     /// Sets the number of samples to its default if it is not given.
     fn sample(&mut self) {
         if !self.says_samples {
-            let has_frequency = self.chain.params().resonators() != Resonators::None || self.theory.is_some();
+            let resonates = self.chain.params().resonators() != Resonators::None && self.chain.details().is_none();
+            let has_frequency = resonates || self.theory.is_some();
             let known = has_frequency || self.file.span.period.is_some();
             self.file.record = Record::of(Record::by_default(known.then_some(self.end / self.period)));
         }
@@ -211,6 +229,7 @@ impl Scene {
         if !(end.is_finite() && end > 0.0) {
             return Err(Error::parameter("until", end, "finite and positive"));
         }
+        details::within(&self.chain, end)?;
         self.end = end;
         (self.file.span.periods, self.file.span.until) = (None, Some(end));
         self.sample();
@@ -271,6 +290,16 @@ impl Scene {
     /// The chain.
     pub fn chain(&self) -> &Chain<f64> {
         &self.chain
+    }
+
+    /// What one of each quantity is in SI units, if the scene has `[units]`.
+    pub fn units(&self) -> Option<&Units> {
+        self.units.as_ref()
+    }
+
+    /// What the chain has beside its three parameters, in words, if it has details.
+    pub fn details_in_words(&self) -> Option<String> {
+        details::words(&self.chain)
     }
 
     /// The initial state.
@@ -372,6 +401,11 @@ impl Scene {
 
     fn plan_of_sites(&self) -> String {
         let (params, n, dim) = (self.chain.params(), self.chain.sites(), self.chain.layout().dim());
+        if let Some(words) = self.details_in_words() {
+            let each = if self.chain.layout().resonators() { 4 } else { 2 };
+            let ledger = if self.chain.open() { ", with the work of dampers and drives" } else { "" };
+            return format!("{n} beads that differ ({words}): {each} numbers a site{ledger}, {dim} in all");
+        }
         match params.resonators() {
             Resonators::Moving => format!("{n} beads with resonators: 4 numbers a site, {dim} in all"),
             Resonators::Fixed => format!("{n} beads; rho = inf: resonators left out, 2 numbers a site, {dim} in all"),
@@ -389,6 +423,7 @@ impl Scene {
     pub fn plan(&self, events: bool) -> Vec<String> {
         let resonators = self.plan_of_sites();
         let law = match self.chain.params().alpha {
+            _ if self.chain.details().is_some() => "contact force bond by bond, each with its own law".to_owned(),
             1.5 => "contact force as g sqrt(g), vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised".to_owned(),
             a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications".to_owned(),
@@ -396,7 +431,10 @@ impl Scene {
             _ => "contact force by powf: slower than a half-integer alpha".to_owned(),
         };
         let energy = if self.chain.has_energy(self.initial.as_slice()) {
-            "energy: conserved, checked along the run"
+            match self.chain.open() {
+                true => "energy: energy + dissipated - driven is conserved, checked along the run",
+                false => "energy: conserved, checked along the run",
+            }
         } else {
             "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead"
         };
@@ -451,7 +489,8 @@ fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Re
     };
     // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
     let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
-    if size > 0.0 && chain.precompression() == 0.0 && force < LEAST_FORCE {
+    let at_rest = chain.precompression() == 0.0 && chain.details().is_none_or(|details| details.overlap.is_empty());
+    if size > 0.0 && at_rest && force < LEAST_FORCE {
         let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
         return Err(Error::parameter(name, size, rule));
     }
@@ -468,8 +507,10 @@ fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Re
 fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, Option<Theory>)> {
     let n = chain.sites();
     let rest = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
+    let driven = |state: State<f64>| state.driven(chain);
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
+            chain.uniform("a travelling wave")?;
             if chain.boundary() != Boundary::StrainRing {
                 let rule = "a travelling wave lives on a strain-ring";
                 return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
@@ -514,7 +555,7 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
                 finite(name, value)?;
             }
             let bead = Site { u: displacement, u_dot: velocity, ..rest };
-            Ok((State::from_fn(chain, |i| if i == site { bead } else { rest })?, None))
+            Ok((driven(State::from_fn(chain, |i| if i == site { bead } else { rest })?), None))
         }
         Initial::NormalMode { mode, amplitude } => {
             if mode == 0 || mode as usize > n {
@@ -522,13 +563,15 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             }
             finite("amplitude", amplitude)?;
             let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
-            Ok((State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..rest })?, None))
+            Ok((driven(State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..rest })?), None))
         }
         Initial::TrivialBreather(ref section) => {
+            chain.uniform("a trivial breather")?;
             let breather = trivial_breather(chain, section)?;
             Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
         }
         Initial::BrightBreather { center, epsilon } => {
+            chain.uniform("a bright breather")?;
             if chain.boundary() == Boundary::StrainRing {
                 let rule = "a bright breather is a state of displacements: free, fixed or ring";
                 return Err(Error::parameter("boundary", "strain-ring", rule));
@@ -554,8 +597,11 @@ fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, O
             }
             let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
             let site = |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) };
-            let state = State::from_fn(chain, site)?;
-            let exact = TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather);
+            let state = driven(State::from_fn(chain, site)?);
+            let exact = match chain.details() {
+                None => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
+                Some(_) => None,
+            };
             Ok((state, exact))
         }
     }

@@ -9,6 +9,7 @@ mod barrier;
 mod breather;
 mod charts;
 mod compare;
+mod dimer;
 mod dps;
 mod drift;
 mod evolve;
@@ -36,6 +37,7 @@ pub use charts::{
     resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, compare};
+pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
@@ -157,9 +159,11 @@ fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
     files.map(|(name, file)| (name.to_owned(), file)).into()
 }
 
-/// A scene by its name, with changes.
+/// A scene by its name, with changes, for studies of uniform chains.
 fn scene(name: &str, changes: &Changes) -> Result<Scene> {
-    Scene::load_with(name, &changes.set)
+    let scene = Scene::load_with(name, &changes.set)?;
+    scene.chain().uniform("this study")?;
+    Ok(scene)
 }
 
 /// The integrators that are named; all for `all`; `unnamed` where none is.
@@ -190,15 +194,29 @@ pub fn scene_json(scene: &Scene) -> Value {
     if scene.chain().params().rho.is_infinite() {
         value["chain"]["rho"] = json!("inf");
     }
+    if let Some(rho) = value.pointer_mut("/beads/rho") {
+        infinite(rho);
+    }
     value
+}
+
+/// Puts `"inf"` where JSON has no number: a scene has no other number that is not finite.
+fn infinite(value: &mut Value) {
+    match value {
+        Value::Null => *value = json!("inf"),
+        Value::Array(list) => list.iter_mut().for_each(infinite),
+        Value::Object(table) => table.values_mut().for_each(infinite),
+        _ => {}
+    }
 }
 
 /// The end of every caption: the scene with its parameters, and the program.
 #[cfg(feature = "plot")]
 fn provenance(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
+    let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
     format!(
-        "Scene {}: {}. N = {}, {}. {how} hertzchain {}.",
+        "Scene {}: {}. N = {}, {}.{details} {how} hertzchain {}.",
         scene.name(),
         scene.file().summary,
         scene.chain().sites(),

@@ -191,6 +191,24 @@ fn what_no_scene_can_say_is_refused_with_file_key_and_rule() {
         ),
         ("impact", "site = ", "site = 1000000000000000000 #", "site = 1000000000000000000", "a site of the chain"),
         ("impact", "velocity = ", "velocity = nan #", "velocity = NaN", "a finite number"),
+        ("dimer", "[1.0, 0.3428]", "[1.0, -0.3428]", "beads.mass = -0.3428", "finite and positive"),
+        (
+            "dimer",
+            "{ pattern = [1.0, 0.3428], repeat = true }",
+            "[1.0, 2.0]",
+            "line 10: `beads.mass`",
+            "one number for each site",
+        ),
+        ("taper", "taper = 0.97", "tapered = 0.97", "`tapered`", "did you mean `taper`?"),
+        ("taper", "taper = 0.97", "taper = 0.97, value = 1.0", "beads.mass", "exactly one of"),
+        ("disorder", "\"uniform\"", "\"gauss\"", "beads.mass = gauss", "`random` is \"uniform\""),
+        ("impurity", "[30, 0.1]", "[61, 0.1]", "beads.mass = 61 of 61", "within the list"),
+        ("end-driven", "ramp = 20.0", "ramp = 200.0", "drive.ramp = until t = 200", "within the scene"),
+        ("end-driven", "site = 21", "site = 22", "drive.site = 22", "a site of the chain"),
+        ("end-driven", "amplitude = 0.2", "amplitude = inf", "drive.amplitude = inf", "a finite number"),
+        ("end-driven", "kind = \"moved\"", "kind = \"pulled\"", "`pulled`", "`moved`"),
+        ("granular-crystal", "poisson = 0.3", "poisson = 0.7", "units.poisson = 0.7", "at most 1/2"),
+        ("granular-crystal", "radius = 9.525e-3", "radius = 0.0", "units.radius = 0", "finite and positive"),
     ];
     for (scene, from, to, key, rule) in cases {
         let text = Scene::source(scene).unwrap();
@@ -379,6 +397,7 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["study", "order"], &["--alpha"], &["--beads"]),
         (&["study", "scaling"], &["--tol", "--max-time"], &["--sites"]),
         (&["study", "drift"], &["--periods"], &["--samples"]),
+        (&["study", "dimer"], &["--from", "--to"], &["--points", "--cells"]),
         (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
         (
             &["breather", "bright"],

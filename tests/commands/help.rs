@@ -44,7 +44,7 @@ fn there_are_eleven_commands_and_each_has_its_place() {
         all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
     assert_eq!(first, top);
     let below = [
-        ("study", "order scaling drift stability theorem lifetimes"),
+        ("study", "order scaling drift stability theorem lifetimes dimer"),
         ("wave", "modulation exact continue solitary"),
         ("breather", "bright trivial dark continue doubled evolve barrier"),
         ("dps", "integrals homoclinic dark"),
@@ -75,7 +75,7 @@ fn short_help_fits_a_screen_and_long_help_has_examples() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 39, "the program, eleven commands, and those below them");
+    assert_eq!(seen, 40, "the program, eleven commands, and those below them");
 }
 
 #[test]
@@ -130,6 +130,7 @@ fn nothing_is_written_unless_a_folder_is_given() {
         &["study", "theorem", "--epsilons", "0.3,0.2", "--horizon", "0.1"],
         &["study", "scaling", "--sites", "10", "--tol", "1e-3", "--max-time", "1"],
         &["study", "drift", "cradle", "--periods", "5", "--samples", "3"],
+        &["study", "dimer", "--from", "0.3", "--to", "0.4", "--points", "3", "--cells", "4"],
         &["wave", "tw-q15", "--until", "3"],
         &["dps", "dark", "--sites", "5"],
     ] {

@@ -77,12 +77,17 @@ fn the_template_has_every_key() {
         (format!("{chain}{state}{span}what = 1\n"), 3),
         (format!("{chain}{state}{span}[record]\nwhat = 1\n"), 1),
         (format!("{chain}{state}{span}[method]\nintegrator = \"verlet\"\nwhat = 1\n"), 4),
+        (format!("{chain}{state}{span}[beads]\nwhat = 1\n"), 5),
+        (format!("{chain}{state}{span}[bonds]\nwhat = 1\n"), 6),
+        (format!("{chain}{state}{span}[units]\nwhat = 1\n"), 7),
+        (format!("{chain}{state}{span}[[drive]]\nwhat = 1\n"), 10),
     ] {
         let keys = keys(&text);
         assert!(keys.len() >= fewest && keys.iter().all(|key| has(&template, key)), "{keys:?}");
     }
     for key in keys(&format!("what = 1\n{chain}{state}{span}")) {
-        assert!(has(&template, &key) || template.contains(&format!("\n[{key}]\n")), "{key}");
+        let table = [format!("\n[{key}]\n"), format!("\n# [{key}]\n"), format!("\n# [[{key}]]\n")];
+        assert!(has(&template, &key) || table.iter().any(|table| template.contains(table)), "{key}");
     }
     let blocks = kinds(&template);
     let known = keys(&format!("{chain}[initial]\nkind = \"what\"\n{span}"));
@@ -244,4 +249,102 @@ fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
     for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
         assert!(telling.iter().any(|telling| telling == name), "{name}");
     }
+}
+
+/// The tables of the template that stand in comments, without what excludes something else.
+fn details_of_the_template() -> String {
+    let template = stdout(&["scenes", "template"]);
+    let code = template.lines().filter_map(|line| line.strip_prefix("# ")).filter(|line| {
+        line.starts_with('[') || line.split_once(" = ").is_some_and(|(key, _)| !key.contains(' '))
+    });
+    let ours = code.skip_while(|line| *line != "[beads]").take_while(|line| *line != "[initial]");
+    let beside = ["dashpot = 0.01", "band", "seed", "ramp", "start", "length"];
+    let kept = ours.filter(|line| !beside.iter().any(|key| line.starts_with(key)));
+    kept.map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn the_tables_of_beads_bonds_and_drives_in_the_template_build() {
+    let chain = "[chain]\nsites = 20\nalpha = 1.5\nboundary = \"fixed\"\n";
+    let rest = "[initial]\nkind = \"single-bead\"\nsite = 1\nvelocity = 0.1\n[span]\nuntil = 1.0\n";
+    let tables = details_of_the_template();
+    // A bead that is moved has no resonator and no drag; units stand in place of other keys.
+    let (first, units) = tables.split_at(tables.find("[units]").unwrap());
+    let first = first.replace("rho = 0.5", "rho = 0.0").replace("drag = 0.01\n", "");
+    for tables in [&*first, units] {
+        let scene = Scene::parse(&format!("{chain}{tables}{rest}"), "template");
+        assert!(scene.is_ok(), "{}\n{tables}", scene.unwrap_err());
+        // Written and read again it is the same scene.
+        let scene = scene.unwrap();
+        let again = Scene::parse(&scene.file().to_toml(), "template").unwrap();
+        assert_eq!(again.chain().details(), scene.chain().details());
+    }
+    assert!(first.contains("[beads]") && first.contains("[bonds]") && first.contains("[[drive]]"), "{first}");
+}
+
+#[test]
+fn rules_give_the_numbers_they_say() {
+    // Truth: written out by hand.
+    let masses = |rule: &str| {
+        let beads = format!("{BARE}[beads]\nmass = {rule}\n");
+        Scene::parse(&beads, "rule").map(|scene| scene.chain().details().unwrap().mass.clone())
+    };
+    for (rule, want) in [
+        ("2", [2.0, 2.0, 2.0]),
+        ("[1.0, 2, 3.0]", [1.0, 2.0, 3.0]),
+        ("{ pattern = [1.0, 0.5], repeat = true }", [1.0, 0.5, 1.0]),
+        ("{ pattern = [1.0, 0.5] }", [1.0, 0.5, 0.5]),
+        ("{ taper = 0.5, from = 4.0 }", [4.0, 2.0, 1.0]),
+        ("{ value = 1.0, except = [[1, 0.25]] }", [1.0, 0.25, 1.0]),
+        ("{ pattern = [1.0, 0.5], repeat = true, except = [[2, 3.0]] }", [1.0, 0.5, 3.0]),
+    ] {
+        assert_eq!(masses(rule).unwrap(), want, "{rule}");
+    }
+    let random = "{ random = \"uniform\", from = 0.5, to = 1.5, seed = 7 }";
+    let drawn = masses(random).unwrap();
+    assert!(drawn.iter().all(|mass| (0.5..1.5).contains(mass)) && drawn[0] != drawn[1], "{drawn:?}");
+    assert_eq!(drawn, masses(random).unwrap());
+    assert_ne!(drawn, masses(&random.replace('7', "8")).unwrap());
+}
+
+#[test]
+fn spheres_in_si_units_are_the_chain_that_hertz_gives() {
+    // Truth: for equal spheres A = E (2 R)^{1/2}/(3 (1 - nu^2)), for a wall of the same material 2^{1/2}
+    // of it; spheres of radii R and 2 R have R* = 2 R/3 in place of R/2, and masses 1 and 8.
+    let scene = Scene::load("granular-crystal").unwrap();
+    let (radius, young, nu, load) = (9.525e-3f64, 193e9, 0.3, 20.0);
+    let constant = young * (2.0 * radius).sqrt() / (3.0 * (1.0 - nu * nu));
+    let (units, details) = (scene.units().unwrap(), scene.chain().details().unwrap());
+    assert!((units.force_n / (constant * radius.powf(1.5)) - 1.0).abs() < 1e-14, "{units:?}");
+    assert!((units.velocity_m_per_s * units.time_s / radius - 1.0).abs() < 1e-14);
+    assert!((units.energy_j / (units.force_n * radius) - 1.0).abs() < 1e-14);
+    assert!((details.contact[0] - 2f64.sqrt()).abs() < 1e-14 && (details.contact[1] - 1.0).abs() < 1e-14);
+    // Each contact holds the load.
+    for (a, overlap) in details.contact.iter().zip(&details.overlap) {
+        assert!((a * overlap.powf(1.5) * units.force_n - load).abs() < 1e-10);
+    }
+    let text = Scene::source("granular-crystal").unwrap();
+    let radii = text.replace("radius = 9.525e-3", "radius = { pattern = [9.525e-3, 19.05e-3], repeat = true }");
+    let details = Scene::parse(&radii, "two").unwrap().chain().details().unwrap().clone();
+    assert!((details.mass[1] - 8.0).abs() < 1e-13 && details.mass[0] == 1.0);
+    assert!((details.contact[1] - (4.0f64 / 3.0).sqrt()).abs() < 1e-14, "{}", details.contact[1]);
+}
+
+#[test]
+fn json_of_a_scene_that_is_damped_and_driven_has_its_balance() {
+    let run = json(&["run", "end-driven", "--until", "30", "--json"]);
+    let of = |path: &str| run.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+    let kinds = of("/dissipated/drag") + of("/dissipated/dashpots") + of("/dissipated/contacts");
+    assert!((kinds - of("/dissipated/total")).abs() < 1e-15 && of("/dissipated/dashpots") > 0.0);
+    // From rest: what is left is what was driven, less what was dissipated.
+    let balance = of("/energy") + of("/dissipated/total") - of("/driven");
+    assert!(balance.abs() < 1e-9 * of("/driven").abs(), "{balance:e}");
+    assert!(of("/energy_error") < 1e-9, "{run}");
+    assert_eq!(run["integrator"], "dop853-regularised");
+    assert_eq!(run.pointer("/scene_file/beads/rho/except/0/1"), Some(&Value::from(0.0)));
+    // Conservative scenes have neither.
+    let plain = json(&["run", "dimer", "--until", "3", "--json"]);
+    assert!(plain.get("dissipated").is_none() && plain.get("driven").is_none() && plain.get("units").is_none());
+    assert!(refusal(&["compare", "dimer"]).contains("equal beads"));
+    assert!(refusal(&["run", "dimer", "--integrator", "collocation"]).contains("take dop853-regularised"));
 }

@@ -13,6 +13,7 @@ mod contact_times;
 mod contacts;
 mod corrected;
 mod corrected_tangent;
+mod details;
 mod main_job;
 mod order;
 mod plain;

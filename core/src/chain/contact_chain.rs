@@ -10,8 +10,9 @@ impl Chain<f64> {
     /// A run of this chain by contact collocation.
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule.
+    /// A state, a span or a pace outside its rule; a chain with details.
     pub fn collocation(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Collocation<Self>, Error> {
+        self.uniform_sites()?;
         Collocation::new(self.clone(), y0, span, pace)
     }
 
@@ -21,7 +22,14 @@ impl Chain<f64> {
     /// # Errors
     /// As [`collocation`](Self::collocation); also a chain of more than 256 bonds.
     pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
+        self.uniform_sites()?;
         monodromy(self.clone(), y0, span, pace)
+    }
+
+    /// [`uniform`](Self::uniform) as an error of an integrator.
+    fn uniform_sites(&self) -> Result<(), Error> {
+        let (value, rule) = (self.sites() as f64, "contact collocation needs equal beads, without damping or drives");
+        self.uniform("contact collocation").map_err(|_| Error::Argument { name: "sites with details", value, rule })
     }
 }
 
@@ -76,7 +84,7 @@ impl ContactChain for Chain<f64> {
     }
 
     fn place(&self, modes: [f64; 4], i: usize, y: &mut [f64]) {
-        let (n, half) = (self.sites(), self.layout.dim() / 2);
+        let (n, half) = (self.sites(), self.layout.half());
         let [u, v, u_dot, v_dot] = self.modes.join(modes);
         (y[i], y[half + i]) = (u, u_dot);
         if self.layout.resonators() {

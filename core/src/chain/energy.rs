@@ -1,6 +1,6 @@
 //! The energy, by kind and by site.
 
-use super::{Chain, Resonators};
+use super::{Chain, Resonators, details::Parts};
 use hertzchain_integrators::Real;
 
 /// The energy of a state by kind.
@@ -14,12 +14,22 @@ pub struct Energy<R> {
     pub springs: R,
     /// Energy of the contacts, `sum (g)_+^{alpha+1} / (alpha+1)`.
     pub contacts: R,
+    /// What drag, dashpots and contacts have dissipated since the start.
+    pub dissipated: R,
+    /// What drives have put in since the start.
+    pub driven: R,
 }
 
 impl<R: Real> Energy<R> {
-    /// The sum of all kinds.
+    /// The energy of the state: kinetic energies, springs and contacts.
     pub fn total(&self) -> R {
         self.beads + self.resonators + self.springs + self.contacts
+    }
+
+    /// The energy, with what was dissipated and without what was driven: constant along every
+    /// motion.
+    pub fn balance(&self) -> R {
+        self.total() + self.dissipated - self.driven
     }
 }
 
@@ -57,6 +67,9 @@ impl<R: Real> Chain<R> {
     /// On a strain ring the displacements are those with zero mean; see
     /// [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
+        if let Some(parts) = self.parts() {
+            return self.detailed_energy(parts, y);
+        }
         let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
         if self.topology.strains() {
             let motion = self.motion(y);
@@ -84,7 +97,42 @@ impl<R: Real> Chain<R> {
             resonators: half * R::of(self.params.rho.min(f64::MAX)) * resonators,
             springs: half * R::of(self.params.kappa) * springs,
             contacts,
+            dissipated: R::zero(),
+            driven: R::zero(),
         }
+    }
+
+    /// The energy of a chain with details.
+    fn detailed_energy(&self, parts: &Parts<R>, y: &[R]) -> Energy<R> {
+        let zero = R::zero();
+        let mut energy =
+            Energy { beads: zero, resonators: zero, springs: zero, contacts: zero, dissipated: zero, driven: zero };
+        for i in 0..self.sites() {
+            let [bead, resonator, spring] = self.own_energies(parts, y, i);
+            energy.beads += bead;
+            energy.resonators += resonator;
+            energy.springs += spring;
+        }
+        let overlaps = self.overlaps(self.layout.u(y));
+        energy.contacts = overlaps.iter().zip(&parts.bonds).fold(zero, |sum, (&g, bond)| sum + bond.potential(g));
+        if let Some(ledger) = self.layout.ledger(y) {
+            (energy.dissipated, energy.driven) = (ledger.dissipated(), ledger.driven);
+        }
+        energy
+    }
+
+    /// Energies of bead, resonator and spring of a site of a chain with details.
+    fn own_energies(&self, parts: &Parts<R>, y: &[R], i: usize) -> [R; 3] {
+        let (layout, site, half) = (self.layout, &parts.sites[i], R::of(0.5));
+        let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
+        let (u, u_dot) = (layout.u(y)[i], layout.u_dot(y)[i]);
+        let (v, v_dot) = match site.resonators {
+            Resonators::Moving => (of(layout.v(y)), of(layout.v_dot(y))),
+            _ => (R::zero(), R::zero()),
+        };
+        let stretch = if site.resonators == Resonators::None { R::zero() } else { u - v };
+        let resonator = site.resonator() * v_dot * v_dot;
+        [half * site.mass * u_dot * u_dot, half * resonator, half * site.kappa * stretch * stretch]
     }
 
     /// The potential of all contacts.
@@ -98,21 +146,29 @@ impl<R: Real> Chain<R> {
     ///
     /// Sums to [`energy`](Self::energy).
     pub fn site_energies(&self, y: &[R]) -> Vec<R> {
+        if let Some(parts) = self.parts() {
+            let overlaps = self.overlaps(self.layout.u(y));
+            let bonds: Vec<R> = overlaps.iter().zip(&parts.bonds).map(|(&g, bond)| bond.potential(g)).collect();
+            let own = |i| self.own_energies(parts, y, i).into_iter().fold(R::zero(), |a, b| a + b);
+            return (0..self.sites()).map(|i| own(i) + self.share(&bonds, i) + self.share(&bonds, i + 1)).collect();
+        }
         let motion = self.motion(y);
         let (half, n) = (R::of(0.5), self.sites());
         let (kappa, rho) = (R::of(self.params.kappa), R::of(self.params.rho.min(f64::MAX)));
         let at = |slice: &[R], i: usize| slice.get(i).map_or(R::zero(), |&a| a * a);
         let bonds: Vec<R> = motion.overlaps.iter().map(|&g| self.law.potential(g)).collect();
-        let share = |bond: usize| {
-            let energy = bonds[bond % bonds.len()];
-            if self.topology.at_wall(bond) { energy } else { half * energy }
-        };
         (0..n)
             .map(|i| {
                 let own = at(&motion.u_dot, i) + rho * at(&motion.v_dot, i) + kappa * at(&motion.stretch, i);
-                half * own + share(i) + share(i + 1)
+                half * own + self.share(&bonds, i) + self.share(&bonds, i + 1)
             })
             .collect()
+    }
+
+    /// What a site has of the energy of a bond beside it.
+    fn share(&self, bonds: &[R], bond: usize) -> R {
+        let energy = bonds[bond % bonds.len()];
+        if self.topology.at_wall(bond) { energy } else { R::of(0.5) * energy }
     }
 
     /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: how many

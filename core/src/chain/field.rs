@@ -3,6 +3,7 @@
 use super::{
     Chain,
     aligned::Aligned,
+    details,
     sweep::{Sites, sweep},
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorField};
@@ -26,9 +27,12 @@ impl<R: Real> VectorField<R> for Field<R> {
         self.chain.layout().dim()
     }
 
-    fn eval(&mut self, _t: R, y: &[R], dy: &mut [R]) {
+    fn eval(&mut self, t: R, y: &[R], dy: &mut [R]) {
         let Self { chain, contacts: [u, force] } = self;
-        let (n, half, params) = (chain.sites(), chain.layout().dim() / 2, chain.params());
+        if let Some(parts) = chain.parts() {
+            return details::rates(chain, parts, t, y, dy, force);
+        }
+        let (n, half, params) = (chain.sites(), chain.layout().half(), chain.params());
         let (q_dot, q_ddot) = dy.split_at_mut(half);
         q_dot.copy_from_slice(&y[half..]);
         let (u_ddot, v_ddot) = q_ddot.split_at_mut(n);

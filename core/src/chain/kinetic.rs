@@ -24,7 +24,11 @@ pub struct KineticFlow<R> {
 
 impl<R: Real> KineticFlow<R> {
     /// The chain at rest; load a state into it.
+    ///
+    /// # Panics
+    /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
+        assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let moving = if chain.layout().resonators() { n } else { 0 };
         let [u, u_dot] = Aligned::together(n);

@@ -46,7 +46,11 @@ pub struct LinearFlow<R> {
 
 impl<R: Real> LinearFlow<R> {
     /// The chain at rest; load a state into it.
+    ///
+    /// # Panics
+    /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
+        assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let (modes, resonators) = (chain.modes(), chain.params().resonators());
         let none = || Aligned::together(0);

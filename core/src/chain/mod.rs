@@ -14,6 +14,7 @@ mod bonds;
 mod boundary;
 mod contact_chain;
 mod contacts;
+mod details;
 mod divisible;
 mod energy;
 mod field;
@@ -33,6 +34,7 @@ mod topology;
 pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
+pub use details::{Details, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns};
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
 pub use field::Field;
@@ -47,7 +49,9 @@ pub use state::{Layout, Site, State};
 pub use topology::{Pushed, Topology};
 
 use crate::error::{Error, Result};
+use details::Parts;
 use hertzchain_integrators::Real;
+use std::sync::Arc;
 
 /// A chain of `sites` beads: everything about it that does not move.
 #[derive(Clone, Debug)]
@@ -58,6 +62,7 @@ pub struct Chain<R> {
     layout: Layout,
     precompression: R,
     law: ContactLaw<R>,
+    details: Option<Arc<Parts<R>>>,
 }
 
 impl<R: Real> Chain<R> {
@@ -79,6 +84,7 @@ impl<R: Real> Chain<R> {
             layout,
             precompression: R::zero(),
             law: ContactLaw::new(params.alpha),
+            details: None,
         })
     }
 
@@ -142,6 +148,9 @@ impl<R: Real> Chain<R> {
     pub fn place(&self, entry: usize) -> String {
         let (n, ring) = (self.sites(), self.topology.strains());
         let names = if ring { ["x", "y", "x'", "y'"] } else { ["u", "v", "u'", "v'"] };
+        if entry >= 2 * self.layout.half() {
+            return "the work of dampers and drives".to_owned();
+        }
         let array = entry / n * if self.layout.resonators() { 1 } else { 2 };
         format!("{} of site {}", names[array.min(3)], entry % n)
     }
@@ -151,12 +160,29 @@ impl<R: Real> Chain<R> {
         self.modes
     }
 
-    /// The contact law.
+    /// Whether site `i` has a resonator that moves.
+    pub fn resonator_moves(&self, i: usize) -> bool {
+        match self.parts() {
+            Some(parts) => parts.sites[i].resonators == Resonators::Moving,
+            None => self.layout.resonators(),
+        }
+    }
+
+    /// Mass of bead `i`, and of its resonator: zero where none moves.
+    pub fn masses(&self, i: usize) -> [R; 2] {
+        match self.parts() {
+            Some(parts) => [parts.sites[i].mass, parts.sites[i].resonator()],
+            None if self.layout.resonators() => [R::one(), R::of(self.params.rho)],
+            None => [R::one(), R::zero()],
+        }
+    }
+
+    /// The contact law; with [`Details`] that of a contact with the parameters of the chain.
     pub fn law(&self) -> ContactLaw<R> {
         self.law
     }
 
-    /// The static overlap of every bond.
+    /// The static overlap of every bond; zero with [`Details`], which have one for each.
     pub fn precompression(&self) -> R {
         self.precompression
     }
@@ -186,7 +212,8 @@ impl<R: Real> Chain<R> {
     /// same, is then at most `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as
     /// large as `u`. The tail of a breather, whose overlaps go down to 1e-300, has no events in it.
     pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
-        let largest = max_norm(positions.map(|u| u.f64())).max(self.precompression.f64());
+        let rest = self.parts().map_or(self.precompression.f64(), Parts::largest_rest);
+        let largest = max_norm(positions.map(|u| u.f64())).max(rest);
         R::of(64.0 * f64::EPSILON * largest)
     }
 
@@ -195,6 +222,9 @@ impl<R: Real> Chain<R> {
     /// Bond `n` lies to the left of site `n`; on a free or walled chain a last bond, `sites`, lies
     /// to the right of the last one. The outer bonds of a free chain have overlap `-inf`.
     pub fn overlaps(&self, q: &[R]) -> Vec<R> {
+        if let Some(parts) = self.parts() {
+            return self.between(q).zip(&parts.bonds).map(|(g, bond)| g + bond.rest).collect();
+        }
         if self.topology.strains() { q.iter().map(|&x| -x).collect() } else { self.between(q).collect() }
     }
 
@@ -215,6 +245,8 @@ impl<R: Real> Chain<R> {
         let u = self.layout.u(y);
         let strains: Vec<R> = match self.boundary() {
             Boundary::StrainRing => u.to_vec(),
+            // Without static overlaps.
+            _ if self.details.is_some() => self.between(u).filter(|g| g.is_finite()).map(|g| -g).collect(),
             _ => self.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| self.precompression - g).collect(),
         };
         if strains.is_empty() { u.to_vec() } else { strains }
@@ -224,6 +256,13 @@ impl<R: Real> Chain<R> {
     /// ring, unless the resonators are fixed.
     pub fn momentum(&self, y: &[R]) -> R {
         let layout = self.layout;
+        if let Some(parts) = self.parts() {
+            let (u_dot, v_dot) = (layout.u_dot(y), layout.v_dot(y).unwrap_or_default());
+            let momentum = |i: usize, site: &details::SiteParts<R>| {
+                site.mass * u_dot[i] + v_dot.get(i).map_or(R::zero(), |&v_dot| site.resonator() * v_dot)
+            };
+            return parts.sites.iter().enumerate().fold(R::zero(), |sum, (i, site)| sum + momentum(i, site));
+        }
         let sum = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b);
         let beads = sum(layout.u_dot(y));
         match layout.v_dot(y) {

@@ -1,21 +1,37 @@
 //! A state as a structure of arrays in one piece of memory.
 
-use super::Chain;
+use super::{Chain, details::LEDGER};
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
 
 /// Where the arrays of a state are: `[u, v, u', v']`, or `[u, u']` without moving resonators.
 ///
-/// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`.
+/// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`. The
+/// state of a chain that dissipates or is driven ends with its [`Ledger`](super::Ledger).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     sites: usize,
     resonators: bool,
+    ledger: bool,
 }
 
 impl Layout {
     pub(crate) fn new(sites: usize, resonators: bool) -> Self {
-        Self { sites, resonators }
+        Self { sites, resonators, ledger: false }
+    }
+
+    pub(crate) fn with_ledger(self, ledger: bool) -> Self {
+        Self { ledger, ..self }
+    }
+
+    /// Whether a state has a ledger at its end.
+    pub fn has_ledger(self) -> bool {
+        self.ledger
+    }
+
+    /// Number of positions, which is that of velocities.
+    pub fn half(self) -> usize {
+        if self.resonators { 2 * self.sites } else { self.sites }
     }
 
     /// Number of sites.
@@ -30,7 +46,7 @@ impl Layout {
 
     /// Number of entries of a state.
     pub fn dim(self) -> usize {
-        if self.resonators { 4 * self.sites } else { 2 * self.sites }
+        2 * self.half() + if self.ledger { LEDGER } else { 0 }
     }
 
     /// Displacements of the beads (strains, on a strain ring).
@@ -45,13 +61,13 @@ impl Layout {
 
     /// Velocities of the beads.
     pub fn u_dot<R>(self, y: &[R]) -> &[R] {
-        let start = self.dim() / 2;
+        let start = self.half();
         &y[start..start + self.sites]
     }
 
     /// Velocities of the resonators, if they move.
     pub fn v_dot<R>(self, y: &[R]) -> Option<&[R]> {
-        self.resonators.then(|| &y[3 * self.sites..])
+        self.resonators.then(|| &y[3 * self.sites..4 * self.sites])
     }
 
     /// The arrays `[u, v, u', v']`; those of resonators are empty unless they move.
@@ -92,7 +108,7 @@ impl<R: Real> State<R> {
     /// A value that is not finite, by name and site.
     pub fn from_fn(chain: &Chain<R>, mut site: impl FnMut(usize) -> Site<R>) -> Result<Self> {
         let mut state = Self::rest(chain);
-        let (n, half) = (chain.sites(), chain.layout().dim() / 2);
+        let (n, half) = (chain.sites(), chain.layout().half());
         for i in 0..n {
             let site = site(i);
             for (name, value) in [("u", site.u), ("v", site.v), ("u'", site.u_dot), ("v'", site.v_dot)] {
@@ -102,12 +118,25 @@ impl<R: Real> State<R> {
             }
             state.y[i] = site.u;
             state.y[half + i] = site.u_dot;
-            if state.layout.resonators {
+            if chain.resonator_moves(i) {
                 state.y[n + i] = site.v;
                 state.y[half + n + i] = site.v_dot;
             }
         }
         Ok(state)
+    }
+
+    /// The state with the beads that drives move where these have them at time 0.
+    #[must_use]
+    pub fn driven(mut self, chain: &Chain<R>) -> Self {
+        let half = self.layout.half();
+        for drive in chain.details().iter().flat_map(|details| &details.drives) {
+            if drive.means == super::Means::Moved {
+                let [s, s_dot, _] = drive.signal.at(R::zero());
+                (self.y[drive.site], self.y[half + drive.site]) = (s, s_dot);
+            }
+        }
+        self
     }
 
     /// The layout.
@@ -143,7 +172,7 @@ impl<R: Real> State<R> {
 
     /// Velocities of the beads, to be changed.
     pub fn u_dot_mut(&mut self) -> &mut [R] {
-        let (n, half) = (self.layout.sites, self.layout.dim() / 2);
+        let (n, half) = (self.layout.sites, self.layout.half());
         &mut self.y[half..half + n]
     }
 

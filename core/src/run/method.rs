@@ -3,7 +3,7 @@
 use super::Run;
 pub use crate::chain::Split;
 use crate::{
-    chain::{Bonded, Chain, Field, KineticFlow, LinearFlow, Overlaps, SiteFlow, max_norm},
+    chain::{Bonded, Chain, Details, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Turns, max_norm},
     error::{Error, Result},
     parts::{Parted, Parts},
 };
@@ -12,7 +12,6 @@ use hertzchain_integrators::{
     collocation::{ContactStepper, Pace},
     conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
-    regularised::power,
     splitting::{self, Corrected, First, Landed, tables},
 };
 use serde::{Deserialize, Serialize};
@@ -71,6 +70,10 @@ pub enum Setting {
     /// Number of equal windows over the whole span, and number of Gauss nodes per panel.
     Windows(u64, usize),
 }
+
+/// Chains with details of more sites run by DOP853 without stops at contacts, where no method is
+/// named: each stop costs a step of the whole chain.
+const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
 const MOST_STEPS: f64 = 1e15;
@@ -296,11 +299,53 @@ impl Method {
         }
     }
 
+    /// Whether the method can run a chain: those that can run one with
+    /// [`Details`](crate::chain::Details) are DOP853, and splittings unless contacts dissipate.
+    ///
+    /// # Errors
+    /// A chain that the method cannot run; the message names a method that can.
+    pub fn runs(&self, chain: &Chain<f64>) -> Result<()> {
+        if chain.details().is_none() {
+            return Ok(());
+        }
+        match self {
+            Self::Dop853(_) => Ok(()),
+            Self::Splitting(..) | Self::Landed(_) if !chain.dissipative_contacts() => Ok(()),
+            Self::Splitting(..) | Self::Landed(_) => {
+                let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
+                Err(Error::parameter("integrator", self.name(), rule))
+            }
+            Self::Corrected(..) | Self::Conserving(_) | Self::Collocation => {
+                let rule = "it needs equal beads, without damping or drives: take dop853-regularised, or \
+                            strang-linear for equal steps";
+                Err(Error::parameter("integrator", self.name(), rule))
+            }
+        }
+    }
+
+    /// The method for a given tolerance, where none is named.
+    pub fn by_tolerance(chain: &Chain<f64>) -> Self {
+        match chain.details() {
+            None => Self::Collocation,
+            Some(_) if chain.sites() <= FEW_SITES => Self::Dop853(Contacts::Regularised),
+            Some(_) => Self::Dop853(Contacts::Crossed),
+        }
+    }
+
+    /// The method for equal steps, where none is named.
+    pub fn by_steps(chain: &Chain<f64>) -> Self {
+        match chain.details() {
+            None => Self::CORRECTED,
+            Some(_) => Self::Splitting(&tables::STRANG, Split::Linear),
+        }
+    }
+
     /// The stepper for a leg of a run: from the state `y` at time `span.0` to time `span.1`. The
     /// setting is that of the leg.
     ///
     /// # Errors
-    /// A setting of the wrong kind or outside the range that the method accepts.
+    /// A setting of the wrong kind or outside the range that the method accepts; a chain that it
+    /// cannot run.
     pub fn start(
         &self,
         run: &Run,
@@ -309,11 +354,19 @@ impl Method {
         setting: Setting,
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
         self.takes(run.parts())?;
+        self.runs(run.chain())?;
         let chain = run.chain().clone();
+        let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
             (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
                 let flow = loaded(Parted::new(&chain, split, run.parts())?, y);
                 Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
+            }
+            (Self::Splitting(scheme, split), Setting::Steps(steps)) if chain.details().is_some() => {
+                Ok(Box::new(Splitting::new(scheme, split.first(), sitewise(*split), span, steps)?))
+            }
+            (Self::Landed(scheme), Setting::Steps(steps)) if chain.details().is_some() => {
+                Ok(Box::new(Landed::new(scheme, First::Drift, sitewise(Split::Linear), span, steps)?))
             }
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 let flow = loaded(KineticFlow::new(chain), y);
@@ -347,16 +400,20 @@ impl Method {
                 let field = Field::new(chain.clone());
                 // The unit of the absolute tolerance is the largest entry of the initial state, so
                 // that waves of small amplitude are integrated with the same relative accuracy.
-                let size = max_norm(run.initial().as_slice().iter().copied());
+                // A chain that drives take from rest has theirs.
+                let size = match max_norm(run.initial().as_slice().iter().copied()) {
+                    0.0 => chain.details().map_or(0.0, Details::scale),
+                    size => size,
+                };
                 let atol = if size > 0.0 { tol * size } else { tol };
                 let options = Options { atol, ..Options::new(tol) };
-                let alpha = chain.params().alpha;
+                let (alpha, power) = chain.powers_at_events(self.order());
                 let q = match contacts {
                     Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
                     Contacts::Landed => 1,
-                    Contacts::Regularised => power(alpha, self.order()),
+                    Contacts::Regularised => power,
                 };
-                Ok(Box::new(Regularised::new(field, Overlaps::new(chain), (alpha, q), y, span, options)?))
+                Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
                 Ok(Box::new(collocation(run.chain(), y, span, setting)?))
@@ -388,6 +445,7 @@ pub fn start_logged(
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
     method.takes(run.parts())?;
+    method.runs(run.chain())?;
     match (method, setting) {
         (Method::Collocation, _) => Ok(Some(Box::new(collocation(run.chain(), y, span, setting)?.logged()))),
         (

@@ -102,7 +102,7 @@ impl Run {
     /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
     pub fn new(chain: Chain<f64>, initial: State<f64>) -> Self {
         let omega = chain.params().omega();
-        let period = if omega > 0.0 { 2.0 * PI / omega } else { 1.0 };
+        let period = if omega > 0.0 && chain.details().is_none() { 2.0 * PI / omega } else { 1.0 };
         Self {
             chain,
             initial,
@@ -227,9 +227,14 @@ impl Run {
     /// other method is refused when the run starts.
     ///
     /// # Errors
-    /// No part, or more parts than sites.
+    /// No part, or more parts than sites; several parts of a chain with
+    /// [`Details`](crate::chain::Details).
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
         parts.check(self.chain.sites())?;
+        if !parts.whole() && self.chain.details().is_some() {
+            let rule = "1: a chain of beads that differ, are damped or driven runs in one part";
+            return Err(Error::parameter("parts", parts.count(), rule));
+        }
         self.parts = parts;
         Ok(self)
     }
@@ -240,7 +245,7 @@ impl Run {
     }
 
     /// Sets the unit of time in "steps per period". The default is the period of the resonators, or
-    /// 1 without resonators.
+    /// 1 without resonators and for a chain with details.
     pub fn with_period(mut self, period: f64) -> Self {
         self.period = period;
         self
@@ -286,6 +291,10 @@ impl Run {
             let given = self.initial.as_slice().len();
             return Err(Error::parameter("state", given, "as many numbers as the chain has"));
         }
+        if let Err(site) = self.chain.follows_drives(self.initial.as_slice(), 0.0) {
+            let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
+            return Err(Error::parameter("state", format!("at site {site}"), rule));
+        }
         Ok((0.0, self.end()?))
     }
 
@@ -297,8 +306,8 @@ impl Run {
     pub fn choice(&self) -> Result<(Method, Setting)> {
         Ok(match (self.method, self.setting) {
             (Some(method), Some(setting)) => (method, setting),
-            (None, Some(setting @ Setting::Steps(_))) => (Method::CORRECTED, setting),
-            (None, Some(setting)) => (Method::Collocation, setting),
+            (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
+            (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
             (Some(method), None) => (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.period)?),
             (None, None) => {

@@ -64,7 +64,9 @@ pub struct Trajectory {
     pub state: Vec<f64>,
     /// Energy at this time, if the state has one.
     pub energy: Option<Energy<f64>>,
-    /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`.
+    /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`. For a chain that
+    /// dissipates or is driven, `E` is the [balance](Energy::balance), and the unit is the largest
+    /// sampled energy where `E(0) = 0`.
     pub energy_error: Option<f64>,
     /// Energies at the sample times, the start included.
     pub samples: Vec<Sample>,
@@ -242,7 +244,7 @@ impl<'a> Recorder<'a> {
             token: interrupt::token(),
             stride: (y.len() * run.sampling.count()).div_ceil(MOST_NUMBERS),
             has_energy,
-            initial_energy: has_energy.then(|| run.chain.energy(y).total()),
+            initial_energy: has_energy.then(|| run.chain.energy(y).balance()),
             initial_size: max_norm(y.iter().copied()),
             kept,
         }
@@ -316,7 +318,11 @@ impl<'a> Recorder<'a> {
         let energy = self.energy(&self.kept.state);
         let Kept { t, state, largest, samples, profiles, contacts, stats, wall, sampling, .. } = self.kept;
         let contacts = contacts.map(|contacts| contacts.list());
-        let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, nonzero));
+        let most = samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
+        let most = most.fold(0.0f64, |most, energy| most.max(energy.total()));
+        let unit =
+            |initial: f64| if initial == 0.0 && self.run.chain.open() { nonzero(most) } else { nonzero(initial) };
+        let energy_error = energy.map(|_| largest / self.initial_energy.map_or(1.0, unit));
         Trajectory { t, state, energy, energy_error, samples, profiles, contacts, stats, wall, sampling, failure }
     }
 
@@ -335,7 +341,7 @@ impl<'a> Recorder<'a> {
         }
         let energy = self.energy(y);
         let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
-            (Some(energy), Some(initial)) => ("energy", initial, energy.total(), ENERGY_BOUND),
+            (Some(energy), Some(initial)) => ("energy", initial, energy.balance(), ENERGY_BOUND),
             _ => ("largest entry of the state", self.initial_size, max_norm(y.iter().copied()), SIZE_BOUND),
         };
         if energy.is_some() {

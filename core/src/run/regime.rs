@@ -58,11 +58,18 @@ pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
 /// | `omega <= 10^4 Omega_c` | `collocation` | tolerance 10^-10 | below 10^-9 |
 /// | `omega > 10^4 Omega_c` | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
 ///
+/// A chain with [`Details`](crate::chain::Details) takes DOP853: from contact to contact
+/// (`dop853-regularised`) up to 64 sites, else without stops at contacts.
+///
 /// The second row means light resonators, or weakly compressed contacts.
 ///
 /// # Errors
 /// A run without an end.
 pub fn regime(run: &Run) -> Result<Regime> {
+    if run.chain().details().is_some() {
+        run.end()?;
+        return Ok(of_details(run.chain()));
+    }
     let (chain, end, overlap) = (run.chain(), run.end()?, overlap_scale(run.chain(), run.initial().as_slice()));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
@@ -86,4 +93,19 @@ pub fn regime(run: &Run) -> Result<Regime> {
         wording: format!("tol {TOLERANCE:e}"),
         reason: format!("{known}: up to 10^4 Omega_c collocation keeps this tolerance at all times"),
     })
+}
+
+/// The choice for a chain with details.
+fn of_details(chain: &Chain<f64>) -> Regime {
+    let method = Method::by_tolerance(chain);
+    Regime {
+        method,
+        setting: Setting::Tolerance(TOLERANCE),
+        wording: format!("tol {TOLERANCE:e}"),
+        reason: format!(
+            "beads of {} sites differ, are damped or driven: {} keeps this tolerance at each step",
+            chain.sites(),
+            method.name()
+        ),
+    }
 }

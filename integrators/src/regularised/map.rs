@@ -123,8 +123,22 @@ fn binomial(n: u32, k: u32) -> f64 {
 /// `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of the
 /// same number of steps.
 pub fn power(alpha: f64, p: u32) -> u32 {
-    let analytic = |q: f64| (q * alpha - (q * alpha).round()).abs() < 1e-12;
-    (1..=64u32).find(|&q| analytic(f64::from(q)) || f64::from(q) * (alpha + 1.0) >= f64::from(p)).unwrap_or(64)
+    common_power(&[alpha], p)
+}
+
+/// The smallest `q` that does for each of several exponents, see [`power`]: events of functions
+/// with different powers then share one map.
+///
+/// ```
+/// use hertzchain_integrators::regularised::common_power;
+/// assert_eq!(common_power(&[1.5, 2.0], 8), 2);
+/// assert_eq!(common_power(&[1.5, 4.0 / 3.0], 8), 4);
+/// assert_eq!(common_power(&[], 8), 1);
+/// ```
+pub fn common_power(alphas: &[f64], p: u32) -> u32 {
+    let analytic = |q: f64, alpha: f64| (q * alpha - (q * alpha).round()).abs() < 1e-12;
+    let does = |q: f64, alpha: f64| analytic(q, alpha) || q * (alpha + 1.0) >= f64::from(p);
+    (1..=64u32).find(|&q| alphas.iter().all(|&alpha| does(f64::from(q), alpha))).unwrap_or(64)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ mod leg;
 mod map;
 
 pub use equal::{Division, Itinerary, equal_steps};
-pub use map::{TimeMap, power};
+pub use map::{TimeMap, common_power, power};
 
 use leg::{Leg, Mapped, Pace};
 

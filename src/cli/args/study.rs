@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::Told,
-    study::{Bound, Charts, Drift, LifetimeOptions, OrderOptions, ScalingOptions, TheoremOptions},
+    study::{Bound, Charts, DimerOptions, Drift, LifetimeOptions, OrderOptions, ScalingOptions, TheoremOptions},
 };
 use clap::{Args, Subcommand};
 
@@ -71,6 +71,13 @@ Example:
 Example:
   hertzchain study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map")]
     Lifetimes(Told<LifetimeOptions>),
+    /// Measure how a pulse decays in dimers, over the mass ratio.
+    ///
+    /// A chain of alternating heavy and light beads, struck at one end. The transmission is the
+    /// largest contact force far from that end over the one near it. Its maxima are the mass
+    /// ratios at which solitary waves exist.
+    #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer")]
+    Dimer(Told<DimerOptions>),
 }
 
 /// The rule of the verdict, and an example.

@@ -127,6 +127,10 @@ impl Bright {
             summary: "a long-lived bright breather, from a homoclinic solution of the stationary DpS equation"
                 .to_owned(),
             chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression: 0.0 },
+            beads: None,
+            bonds: None,
+            drives: Vec::new(),
+            units: None,
             initial: Initial::BrightBreather { center, epsilon },
             span: Span { periods: None, until: Some(until), period: None },
             method: None,

@@ -253,6 +253,10 @@ mod tests {
     fn every_builtin_scene_has_a_reference_made_for_it() {
         for (name, _) in Scene::list() {
             let scene = Scene::load(name).unwrap();
+            // `compare` runs uniform chains.
+            if scene.chain().details().is_some() {
+                continue;
+            }
             assert!(scene.exact().is_some() || Stored::of(&scene).is_some(), "{name}");
         }
         // A scene that was changed is another scene.

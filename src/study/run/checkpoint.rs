@@ -16,7 +16,7 @@
 //! Every member is checked by its CRC-32.
 
 use crate::{
-    chain::{Contact, Contacts, Energy},
+    chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Array, Folder, npz_with, to_json},
     parts::Parts,
@@ -226,10 +226,11 @@ impl LongRun {
             sampling_s: sampling.as_secs_f64(),
         };
         let energies = samples.iter().filter_map(|sample| sample.energy).map(|energy| {
-            let Energy { beads, resonators, springs, contacts } = energy;
-            [beads, resonators, springs, contacts]
+            let Energy { beads, resonators, springs, contacts, dissipated, driven } = energy;
+            [beads, resonators, springs, contacts, dissipated, driven]
         });
-        let energies: Vec<f64> = energies.flatten().collect();
+        let kinds = energy_kinds(self.scene.chain());
+        let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
         let shape = [profiles.len() as u64, state.len() as u64];
         let states = profiles.iter().flat_map(|profile| &profile.state).copied();
         let ended = contacts.iter().flat_map(|contacts| &contacts.ended);
@@ -316,6 +317,12 @@ impl LongRun {
     }
 }
 
+/// Numbers of an energy that are kept: four kinds, and what was dissipated and driven where
+/// something is.
+fn energy_kinds(chain: &Chain<f64>) -> usize {
+    if chain.open() { 6 } else { 4 }
+}
+
 /// What a checkpoint has kept, checked as far as it can be without running it again.
 fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
@@ -341,10 +348,13 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
     let largest = finite("largest", &[1])?[0];
     let sample_t = finite("sample_t", &[samples])?;
     let has_energy = chain.has_energy(scene.initial().as_slice());
-    let energies = finite("energies", &[if has_energy { 4 * samples } else { 0 }])?;
+    let kinds = energy_kinds(chain);
+    let energies = finite("energies", &[if has_energy { kinds as u64 * samples } else { 0 }])?;
     let energy = |k: usize| {
-        let &[beads, resonators, springs, contacts] = energies.get(4 * k..)?.first_chunk()?;
-        Some(Energy { beads, resonators, springs, contacts })
+        let row = energies.get(kinds * k..)?;
+        let &[beads, resonators, springs, contacts] = row.first_chunk()?;
+        let (dissipated, driven) = if chain.open() { (*row.get(4)?, *row.get(5)?) } else { (0.0, 0.0) };
+        Some(Energy { beads, resonators, springs, contacts, dissipated, driven })
     };
     let touching = chain.touching();
     let contacts = settings.contacts.map(|count| {

@@ -64,8 +64,12 @@ impl How {
             let Regime { method, setting, wording, reason } = regime(&scene.run())?;
             return Ok(Self::Integrated(method, setting, wording, Some(reason)));
         }
-        let default = if adaptive { "collocation" } else { "strang-linear" };
-        let method = Method::named(args.integrator.as_deref().unwrap_or(default))?;
+        let method = match &args.integrator {
+            Some(name) => Method::named(name)?,
+            None if adaptive => Method::by_tolerance(scene.chain()),
+            None => Method::named("strang-linear")?,
+        };
+        method.runs(scene.chain())?;
         let (setting, wording) = setting(args, method, scene)?;
         Ok(Self::Integrated(method, setting, wording, None))
     }

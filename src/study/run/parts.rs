@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// Most steps that part 0 orders at a time.
-const ORDERED: usize = 16;
+const ORDERED: usize = 64;
 
 /// Memory and messages of a scene in so many parts, a line each. Nothing of the scene is built, so
 /// that it may be one that no machine can hold.

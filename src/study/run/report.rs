@@ -5,7 +5,7 @@ use super::{
     contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
 };
 use crate::{
-    chain::{Boundary, Energy, Overlaps},
+    chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     output::{Folder, NpzWriter, csv, to_json},
     run::{Profile, Trajectory},
@@ -27,7 +27,7 @@ fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
 
 /// The array `i` of [`state_arrays`].
 fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64>) {
-    let (layout, rho) = (scene.chain().layout(), scene.chain().params().rho);
+    let (chain, layout) = (scene.chain(), scene.chain().layout());
     let ring = scene.chain().boundary() == Boundary::StrainRing;
     let values = match i {
         0 => layout.u(state),
@@ -36,8 +36,11 @@ fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64
         _ => layout.v_dot(state).unwrap_or_default(),
     };
     let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
-    let momenta = !ring && i == 3;
-    (names[i], values.iter().map(|&value| if momenta { rho * value } else { value }).collect())
+    let momentum = |site: usize, value: f64| match i {
+        2 | 3 if !ring => chain.masses(site)[i - 2] * value,
+        _ => value,
+    };
+    (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
 }
 
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
@@ -82,6 +85,15 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
             json!(kinds(&energy).into_iter().collect::<std::collections::BTreeMap<_, _>>())
         }),
     );
+    if let Some(ledger) = scene.chain().layout().ledger(&outcome.state) {
+        let Ledger { drag, dashpots, contacts, driven } = ledger;
+        let total = ledger.dissipated();
+        put("dissipated", json!({"drag": drag, "dashpots": dashpots, "contacts": contacts, "total": total}));
+        put("driven", json!(driven));
+    }
+    if let Some(units) = scene.units() {
+        put("units", json!(units));
+    }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         put("e_x_final", json!(e_x));
         put("e_y_final", json!(e_y));
@@ -113,8 +125,21 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
             lines.push(format!("energy      {:.16e} ({parts})", energy.total()));
             lines
                 .push(format!("            largest error on the way {:.3e}", outcome.energy_error.unwrap_or(f64::NAN)));
+            if scene.chain().open() {
+                let words = "of energy + dissipated - driven";
+                lines.push(format!(
+                    "            {words}: dissipated {:.6e}, driven {:.6e}",
+                    energy.dissipated, energy.driven
+                ));
+            }
         }
         None => lines.push("energy      none on this strain ring: sum x != sum y".to_owned()),
+    }
+    if let Some(units) = scene.units() {
+        lines.push(format!(
+            "units       {:.6e} m, {:.6e} kg, {:.6e} s; {:.6e} m/s, {:.6e} N, {:.6e} J",
+            units.length_m, units.mass_kg, units.time_s, units.velocity_m_per_s, units.force_n, units.energy_j
+        ));
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
@@ -194,11 +219,14 @@ pub fn run_files(
     let rows = (0..scene.chain().sites())
         .map(|n| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect());
     folder.write("final.csv", &csv(&names, rows))?;
+    let open = scene.chain().open();
     let energies = outcome.samples.iter().filter_map(|sample| {
         let energy = sample.energy?;
-        Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).collect())
+        let work = [energy.dissipated, energy.driven].into_iter().take(if open { 2 } else { 0 });
+        Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).chain(work).collect())
     });
-    folder.write("energy.csv", &csv(&["t", "beads", "resonators", "springs", "contacts", "total"], energies))?;
+    let columns = ["t", "beads", "resonators", "springs", "contacts", "total", "dissipated", "driven"];
+    folder.write("energy.csv", &csv(&columns[..if open { 8 } else { 6 }], energies))?;
     folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles))?;
     folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
     if let Some(contacts) = &outcome.contacts {
@@ -277,12 +305,21 @@ pub fn run_pictures(
         };
         pictures.push(("spacetime.png", figures::space_time(&figure)?));
     }
-    let errors = energy_errors(outcome);
+    let errors = energy_errors(scene, outcome);
     if !errors.is_empty() {
         let lines = vec![figures::Line { name: integrator.to_owned(), points: errors }];
-        let labels = ["time t", "|E(t) − E(0)| / |E(0)|"];
-        let panel = figures::Panel::new(figures::Kind::LogTime, labels, lines);
-        let what = "Relative error of the total energy at the sample times; points without error are left out.";
+        let (label, what) = if scene.chain().open() {
+            (
+                "|B(t) − B(0)| / max E",
+                "Error of the balance B, energy + dissipated − driven, over the largest energy; points without error are left out.",
+            )
+        } else {
+            (
+                "|E(t) − E(0)| / |E(0)|",
+                "Relative error of the total energy at the sample times; points without error are left out.",
+            )
+        };
+        let panel = figures::Panel::new(figures::Kind::LogTime, ["time t", label], lines);
         let title = format!("{}: relative energy error", scene.name());
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
     }
@@ -309,11 +346,22 @@ fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     (range, gap > range)
 }
 
-/// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive.
+/// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive; of the balance, over the largest energy, where
+/// something is dissipated or driven.
 #[cfg(feature = "plot")]
-fn energy_errors(outcome: &Trajectory) -> Vec<(f64, f64)> {
+fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
     let totals: Vec<(f64, f64)> =
-        outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.total()))).collect();
+        outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.balance()))).collect();
+    if scene.chain().open() {
+        let energies = outcome.samples.iter().filter_map(|sample| sample.energy);
+        let most = energies.fold(0.0f64, |most, energy| most.max(energy.total()));
+        let Some(&(_, initial)) = totals.first().filter(|_| most > 0.0) else { return Vec::new() };
+        return totals
+            .iter()
+            .map(|&(t, b)| (t, (b - initial).abs() / most))
+            .filter(|(_, error)| *error > 0.0)
+            .collect();
+    }
     let Some(&(_, initial)) = totals.first().filter(|(_, energy)| *energy != 0.0) else { return Vec::new() };
     totals.iter().map(|&(t, e)| (t, ((e - initial) / initial).abs())).filter(|(_, error)| *error > 0.0).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        Chain, ContactLaw,
+        Chain,
         gauss::{self, gauss},
     },
     Contact, Overlaps, ROUNDING, in_order,
@@ -12,7 +12,7 @@ use hertzchain_integrators::{
     Event, EventFunctions,
     collocation::Piece,
     events::{Curve, Listener, Part},
-    regularised::{TimeMap, power},
+    regularised::TimeMap,
 };
 use std::ops::ControlFlow;
 
@@ -62,8 +62,8 @@ impl Contacts {
 /// The listener that turns events into contacts.
 #[derive(Clone, Debug)]
 pub struct ContactLog {
+    chain: Chain<f64>,
     overlaps: Overlaps<f64>,
-    law: ContactLaw<f64>,
     q: u32,
     rates: Vec<f64>,
     /// The contact that each bond is in.
@@ -76,10 +76,10 @@ pub struct ContactLog {
 impl ContactLog {
     /// An empty log of a chain.
     pub fn new(chain: Chain<f64>) -> Self {
-        let (law, overlaps) = (chain.law, Overlaps::new(chain));
+        let q = chain.powers_at_events(gauss::ORDER).1;
+        let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
-        let q = power(law.alpha(), gauss::ORDER);
-        Self { overlaps, law, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new(), leg: None }
+        Self { chain, overlaps, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new(), leg: None }
     }
 
     /// The log of a leg that goes on at time `t` where `contacts` end.
@@ -147,15 +147,19 @@ impl ContactLog {
         }
     }
 
-    /// `int (g)_+^alpha dt` over a part, in a variable in which it is smooth at an end where `g`
+    /// `int f dt` over a part, in a variable in which it is smooth at an end where `g`
     /// vanishes.
     fn impulse(&self, part: &Part<f64>, largest: f64) -> f64 {
         let (polynomial, small) = (&part.polynomial, SINGULAR * largest);
         let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
         let share = TimeMap::new(1.0, end(0.0), end(1.0));
-        let force = |s: f64| share.rate(s) * self.law.force(polynomial.at(share.at(s)));
+        let (duration, bond) = (part.span.1 - part.span.0, self.overlaps.bond(part.index));
+        let force = |s: f64| {
+            let at = share.at(s);
+            share.rate(s) * self.chain.bond_force(bond, polynomial.at(at), polynomial.slope(at) / duration)
+        };
         let [mean] = gauss(|s| [force(s)], 0.0, 1.0);
-        mean * (part.span.1 - part.span.0)
+        mean * duration
     }
 }
 

@@ -61,6 +61,11 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
         let u = self.chain.layout.u(y);
         self.chain.across_bonds(self.chain.precompression, |i| u[i], g);
+        if let Some(parts) = self.chain.parts() {
+            for (g, bond) in g.iter_mut().zip(self.chain.touching()) {
+                *g += parts.bonds[bond].rest;
+            }
+        }
     }
 
     fn rates(&self, _t: R, y: &[R], _dy: &[R], rates: &mut [R]) {

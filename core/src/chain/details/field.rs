@@ -1,0 +1,72 @@
+//! The equations of motion of a chain with details, and the rates of its ledger.
+
+use super::{
+    super::{Chain, Resonators},
+    Ledger, Means, Parts,
+};
+use hertzchain_integrators::Real;
+
+/// Writes the derivative of a state, entry by entry.
+pub(crate) fn rates<R: Real>(chain: &Chain<R>, parts: &Parts<R>, t: R, y: &[R], dy: &mut [R], force: &mut [R]) {
+    let (layout, n, half) = (chain.layout(), chain.sites(), chain.layout().half());
+    let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+    let mut ledger = contacts(chain, parts, u, u_dot, force);
+    dy[..half].copy_from_slice(&y[half..2 * half]);
+    for (i, site) in parts.sites.iter().enumerate() {
+        let (v, v_dot) = match (layout.v(y), layout.v_dot(y)) {
+            (Some(v), Some(v_dot)) if site.resonators == Resonators::Moving => (v[i], v_dot[i]),
+            _ => (R::zero(), R::zero()),
+        };
+        let (stretch, sliding) =
+            if site.resonators == Resonators::None { (R::zero(), R::zero()) } else { (u[i] - v, u_dot[i] - v_dot) };
+        let pull = site.kappa * stretch + site.dashpot * sliding;
+        dy[half + i] = (force[i] - pull - site.drag * u_dot[i]) / site.mass;
+        if layout.resonators() {
+            let moves = site.resonators == Resonators::Moving;
+            dy[half + n + i] = if moves { pull / site.resonator() } else { R::zero() };
+            dy[n + i] = if moves { v_dot } else { R::zero() };
+        }
+        ledger.drag += site.drag * u_dot[i] * u_dot[i];
+        ledger.dashpots += site.dashpot * sliding * sliding;
+    }
+    for drive in parts.drives() {
+        let (i, [value, first, second]) = (drive.site, drive.signal.at(t));
+        match drive.means {
+            Means::Pushed => {
+                dy[half + i] += value / parts.sites[i].mass;
+                ledger.driven += value * u_dot[i];
+            }
+            Means::Moved => {
+                // The contacts act on it, and the drive does the rest.
+                ledger.driven += parts.sites[i].mass * second * u_dot[i] - force[i] * first;
+                (dy[i], dy[half + i]) = (first, second);
+            }
+        }
+    }
+    if layout.has_ledger() {
+        dy[2 * half..].copy_from_slice(&ledger.entries());
+    }
+}
+
+/// The forces of contacts on sites, and the rate of what contacts dissipate.
+fn contacts<R: Real>(chain: &Chain<R>, parts: &Parts<R>, u: &[R], u_dot: &[R], force: &mut [R]) -> Ledger<R> {
+    let mut lost = R::zero();
+    force.fill(R::zero());
+    for bond in chain.touching() {
+        let contact = &parts.bonds[bond];
+        let g = contact.rest + chain.across(bond, |i| u[i]);
+        if g <= R::zero() {
+            continue;
+        }
+        let rate = if contact.dissipates() { chain.across(bond, |i| u_dot[i]) } else { R::zero() };
+        let f = contact.force(g, rate);
+        if contact.dissipates() {
+            lost += (f - contact.elastic(g)) * rate;
+        }
+        for &(site, weight) in chain.topology().pushed(bond).iter() {
+            force[site] += R::of(weight) * f;
+        }
+    }
+    let zero = R::zero();
+    Ledger { drag: zero, dashpots: zero, contacts: lost, driven: zero }
+}

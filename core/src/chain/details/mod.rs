@@ -1,0 +1,368 @@
+//! What differs from bead to bead, what dissipates, and what drives.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `m_n, kappa_n, rho_n` | mass of a bead, its spring constant, mass of its resonator over `m_n` |
+//! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
+//! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
+//! | `gamma_b` | dissipation of a contact, see [`Dissipation`] |
+//! | `s(t), F(t)` | motion of a bead that is moved, force on a bead that is pushed |
+//!
+//! ```text
+//! m_n u_n'' = f_n - f_{n+1} - kappa_n (u_n - v_n) - c_n u_n' - d_n (u_n' - v_n') + F_n(t)
+//! rho_n m_n v_n'' = kappa_n (u_n - v_n) + d_n (u_n' - v_n'),     g_b = delta_b + u_{b-1} - u_b
+//! f_b = A_b (g_b)_+^{alpha_b}, or with dissipation at least zero: beads never pull
+//! ```
+//!
+//! The state of a chain with damping or drives has four more entries at its end, the [`Ledger`]:
+//! what was dissipated and driven since the start. Energy + dissipated - driven is constant.
+
+mod contact;
+mod drive;
+mod field;
+mod flow;
+mod ledger;
+mod propagator;
+mod turns;
+
+pub use contact::{Dissipation, Kind};
+pub use drive::{Drive, Envelope, Harmonic, Means, Signal};
+pub use flow::SitewiseFlow;
+pub use ledger::Ledger;
+pub use turns::Turns;
+
+pub(super) use field::rates;
+pub(super) use ledger::LEDGER;
+
+use super::{Boundary, Chain, Layout, Params, Resonators};
+use crate::error::{Error, Result};
+use contact::Contact;
+use hertzchain_integrators::{Real, regularised::common_power};
+use std::sync::Arc;
+
+/// What differs from bead to bead, what dissipates, and what drives, as it is given to
+/// [`Chain::with`].
+///
+/// Lists of sites have one number a site, lists of bonds one number for each bond that can touch,
+/// from left to right (walls included). A list that is empty stands for the value of the uniform
+/// chain: mass 1, the `kappa`, `rho`, `alpha` and precompression of the chain, contact constant 1,
+/// and no drag, dashpot, dissipation or drive.
+///
+/// ```
+/// use hertzchain_core::{Boundary, Chain, Params, Run, State, chain::Details};
+/// // A heavy bead strikes a light one at rest.
+/// let details = Details { mass: vec![2.0, 1.0], ..Details::default() };
+/// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 2)?.with(&details)?;
+/// let mut state = State::rest(&chain);
+/// state.u_dot_mut()[0] = 1.0;
+/// let end = Run::new(chain, state).until(20.0)?.start()?;
+/// // Elastic collision: (m - M)/(m + M) and 2 m/(m + M).
+/// assert!((end.state[2] - 1.0 / 3.0).abs() < 1e-9 && (end.state[3] - 4.0 / 3.0).abs() < 1e-9);
+/// # Ok::<(), hertzchain_core::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Details {
+    /// Masses of beads, positive.
+    pub mass: Vec<f64>,
+    /// Spring constants, at least zero.
+    pub kappa: Vec<f64>,
+    /// Masses of resonators over those of their beads, in `[0, inf]`.
+    pub rho: Vec<f64>,
+    /// Drag on beads, at least zero.
+    pub drag: Vec<f64>,
+    /// Dashpots between beads and resonators, at least zero.
+    pub dashpot: Vec<f64>,
+    /// Constants of contacts, at least zero; zero for no contact.
+    pub contact: Vec<f64>,
+    /// Exponents of contacts, positive.
+    pub alpha: Vec<f64>,
+    /// Static overlaps; negative: beads apart.
+    pub overlap: Vec<f64>,
+    /// How contacts dissipate, if they do.
+    pub dissipation: Option<Dissipation>,
+    /// What moves or pushes beads.
+    pub drives: Vec<Drive>,
+}
+
+/// A site, as loops over sites need it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SiteParts<R> {
+    pub(crate) mass: R,
+    pub(crate) kappa: R,
+    pub(crate) rho: R,
+    pub(crate) drag: R,
+    pub(crate) dashpot: R,
+    pub(crate) resonators: Resonators,
+    /// Whether a drive moves it.
+    pub(crate) moved: bool,
+}
+
+impl<R: Real> SiteParts<R> {
+    /// The mass of the resonator; zero where none moves.
+    pub(crate) fn resonator(&self) -> R {
+        if self.resonators == Resonators::Moving { self.rho * self.mass } else { R::zero() }
+    }
+}
+
+/// The details of a chain, checked and completed.
+#[derive(Debug)]
+pub(crate) struct Parts<R> {
+    given: Details,
+    pub(crate) sites: Vec<SiteParts<R>>,
+    /// From bond 0 on; those that cannot touch have constant zero.
+    pub(crate) bonds: Vec<Contact<R>>,
+    pub(crate) damped: bool,
+    pub(crate) dissipative: bool,
+}
+
+impl<R: Real> Parts<R> {
+    pub(crate) fn drives(&self) -> &[Drive] {
+        &self.given.drives
+    }
+
+    /// Whether the state keeps a ledger.
+    pub(crate) fn open(&self) -> bool {
+        self.damped || self.dissipative || !self.given.drives.is_empty()
+    }
+
+    /// The largest static overlap, in absolute value.
+    pub(crate) fn largest_rest(&self) -> f64 {
+        self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64().abs()))
+    }
+
+    /// The powers with which the field begins and ends at events.
+    fn powers(&self) -> Vec<f64> {
+        let mut powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers).collect();
+        powers.sort_by(f64::total_cmp);
+        powers.dedup();
+        powers
+    }
+
+    /// For DOP853 from event to event of order `p`: the smallest power of the field at an event,
+    /// and the power of the map that suits all.
+    pub(crate) fn map(&self, p: u32) -> (f64, u32) {
+        let powers = self.powers();
+        let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
+        let smooth: Vec<f64> = powers.into_iter().filter(|&power| power > 0.0).collect();
+        (if least.is_finite() { least.max(LEAST_POWER) } else { 1.0 }, common_power(&smooth, p))
+    }
+}
+
+/// A force that jumps counts as this power of time in the estimate of what a moved event changes.
+const LEAST_POWER: f64 = 0.01;
+
+/// The number of entry `i` of a list, or the value of the uniform chain.
+fn entry(list: &[f64], i: usize, otherwise: f64) -> f64 {
+    list.get(i).copied().unwrap_or(otherwise)
+}
+
+/// Refuses a list of a wrong length or with a value outside its rule.
+fn checked(
+    name: &'static str,
+    list: &[f64],
+    (count, of): (usize, &str),
+    good: impl Fn(f64) -> bool,
+    rule: &'static str,
+) -> Result<()> {
+    if !list.is_empty() && list.len() != count {
+        let rule = "a list has one number for each site, or for each bond that can touch";
+        return Err(Error::parameter(name, format!("{} numbers for {count} {of}", list.len()), rule));
+    }
+    match list.iter().position(|&value| !good(value)) {
+        Some(i) => Err(Error::parameter(name, format!("{} (entry {i})", list[i]), rule)),
+        None => Ok(()),
+    }
+}
+
+impl Details {
+    fn check(&self, sites: usize, bonds: usize) -> Result<()> {
+        let (sites, bonds) = ((sites, "sites"), (bonds, "bonds that can touch"));
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let not_negative = |x: f64| x.is_finite() && x >= 0.0;
+        checked("mass", &self.mass, sites, positive, "a mass is finite and positive")?;
+        checked("kappa", &self.kappa, sites, not_negative, "a spring constant is finite and at least zero")?;
+        checked("rho", &self.rho, sites, |x| x >= 0.0, "a mass ratio is in [0, inf]")?;
+        checked("drag", &self.drag, sites, not_negative, "a drag is finite and at least zero")?;
+        checked("dashpot", &self.dashpot, sites, not_negative, "a dashpot is finite and at least zero")?;
+        checked("contact", &self.contact, bonds, not_negative, "a contact constant is finite and at least zero")?;
+        checked("alpha", &self.alpha, bonds, positive, "an exponent is finite and positive")?;
+        checked("overlap", &self.overlap, bonds, f64::is_finite, "a static overlap is finite; negative for a gap")?;
+        if let Some(Dissipation { kind, strength }) = &self.dissipation {
+            let rule = "the dissipation of a contact is finite and at least zero";
+            checked("dissipation", strength, bonds, not_negative, rule)?;
+            if strength.is_empty() {
+                return Err(Error::parameter("dissipation", "[]", "one number for each bond that can touch"));
+            }
+            if *kind == Kind::Viscoelastic && self.alpha.iter().any(|&alpha| alpha <= 1.0) {
+                return Err(Error::parameter("alpha", "at most 1", "viscoelastic contacts have exponents above 1"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The largest displacement that a drive gives its bead or, of forces on beads, the largest
+    /// acceleration; zero without drives.
+    pub(crate) fn scale(&self) -> f64 {
+        let largest = |means: Means| {
+            let of = |drive: &Drive| match means {
+                Means::Moved => drive.signal.size(),
+                Means::Pushed => drive.signal.size() / entry(&self.mass, drive.site, 1.0),
+            };
+            self.drives.iter().filter(|drive| drive.means == means).map(of).fold(0.0, f64::max)
+        };
+        match largest(Means::Moved) {
+            0.0 => largest(Means::Pushed),
+            size => size,
+        }
+    }
+
+    /// The parts of site `i` of a chain.
+    fn site<R: Real>(&self, params: Params, i: usize) -> Result<SiteParts<R>> {
+        let (mass, kappa) = (entry(&self.mass, i, 1.0), entry(&self.kappa, i, params.kappa));
+        let rho = entry(&self.rho, i, params.rho);
+        let own = Params::new(params.alpha, kappa / mass, rho)?;
+        let (drag, dashpot) = (entry(&self.drag, i, 0.0), entry(&self.dashpot, i, 0.0));
+        if dashpot > 0.0 && own.resonators() == Resonators::None {
+            let value = format!("{dashpot} at site {i}");
+            return Err(Error::parameter("dashpot", value, "a dashpot is beside a spring: kappa and rho are positive"));
+        }
+        let moved = self.drives.iter().any(|drive| drive.site == i && drive.means == Means::Moved);
+        if moved && (own.resonators() != Resonators::None || drag > 0.0) {
+            let rule = "a bead that is moved has no resonator and no drag: kappa or rho, and drag, are zero there";
+            return Err(Error::parameter("drive", format!("moves site {i}"), rule));
+        }
+        let [mass, kappa, rho, drag, dashpot] = [mass, kappa, rho, drag, dashpot].map(R::of);
+        Ok(SiteParts { mass, kappa, rho, drag, dashpot, resonators: own.resonators(), moved })
+    }
+
+    fn check_drives(&self, sites: usize) -> Result<()> {
+        for (k, drive) in self.drives.iter().enumerate() {
+            if drive.site >= sites {
+                return Err(Error::parameter("drive.site", drive.site, "a site of the chain, counted from 0"));
+            }
+            drive.signal.check()?;
+            let twice = |other: &Drive| other.site == drive.site && other.means == Means::Moved;
+            if drive.means == Means::Moved && self.drives[..k].iter().any(twice) {
+                return Err(Error::parameter("drive.site", drive.site, "a bead is moved by one drive"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<R: Real> Chain<R> {
+    /// The same chain with details; see [`Details`]. Methods that need a uniform, conservative chain
+    /// refuse it.
+    ///
+    /// # Errors
+    /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
+    /// assume that all beads are equal; a positive static overlap on a free chain, which would fly
+    /// apart.
+    pub fn with(mut self, details: &Details) -> Result<Self> {
+        if self.topology.strains() {
+            let rule = "details need displacements: free, fixed or ring";
+            return Err(Error::parameter("boundary", "strain-ring", rule));
+        }
+        let (n, touching) = (self.sites(), self.touching());
+        details.check(n, touching.len())?;
+        details.check_drives(n)?;
+        let pushed = details.drives.iter().any(|drive| drive.means == Means::Pushed);
+        if self.boundary() == Boundary::Free && !pushed && details.overlap.iter().any(|&overlap| overlap > 0.0) {
+            let rule =
+                "only walls, a ring or pushed beads can hold a static overlap; elsewhere it is an initial condition";
+            return Err(Error::parameter("overlap", "positive on a free chain", rule));
+        }
+        let rest = self.precompression.f64();
+        let viscoelastic = matches!(&details.dissipation, Some(Dissipation { kind: Kind::Viscoelastic, .. }));
+        if viscoelastic && details.alpha.is_empty() && self.params.alpha <= 1.0 {
+            return Err(Error::parameter("alpha", self.params.alpha, "viscoelastic contacts have exponents above 1"));
+        }
+        let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
+            Some(k) => Contact::new(
+                entry(&details.contact, k, 1.0),
+                entry(&details.alpha, k, self.params.alpha),
+                entry(&details.overlap, k, rest),
+                details.dissipation.as_ref().map(|loss| (loss.kind, loss.strength[k])),
+            ),
+            None => Contact::new(0.0, self.params.alpha, 0.0, None),
+        };
+        let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteParts<R>>>>()?;
+        let bonds: Vec<Contact<R>> = (0..=n).map(bond).collect();
+        let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
+        let dissipative = bonds.iter().any(Contact::dissipates);
+        let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);
+        let parts = Parts { given: details.clone(), sites, bonds, damped, dissipative };
+        self.layout = Layout::new(n, moving).with_ledger(parts.open());
+        self.precompression = R::zero();
+        self.details = Some(Arc::new(parts));
+        Ok(self)
+    }
+
+    /// The details, if the chain has some.
+    pub fn details(&self) -> Option<&Details> {
+        self.details.as_deref().map(|parts| &parts.given)
+    }
+
+    /// Whether energy is dissipated or driven, so that the state has a [`Ledger`].
+    pub fn open(&self) -> bool {
+        self.details.as_deref().is_some_and(Parts::open)
+    }
+
+    /// Whether contacts dissipate.
+    pub fn dissipative_contacts(&self) -> bool {
+        self.details.as_deref().is_some_and(|parts| parts.dissipative)
+    }
+
+    /// Refuses a chain with details, for what assumes that all beads are equal and nothing
+    /// dissipates or drives. `what` needs it, in words.
+    ///
+    /// # Errors
+    /// A chain with details.
+    pub fn uniform(&self, what: &str) -> Result<()> {
+        match &self.details {
+            None => Ok(()),
+            Some(_) => {
+                let rule = "it needs equal beads, without damping or drives";
+                Err(Error::parameter("chain", format!("one with details, for {what},"), rule))
+            }
+        }
+    }
+
+    /// The parts, for loops of this crate.
+    pub(crate) fn parts(&self) -> Option<&Parts<R>> {
+        self.details.as_deref()
+    }
+
+    /// For DOP853 of order `p` from event to event: the smallest power with which the field begins
+    /// at an event, and the power of the map at singular ends.
+    pub fn powers_at_events(&self, p: u32) -> (f64, u32) {
+        match self.parts() {
+            Some(parts) => parts.map(p),
+            None => (self.params.alpha, common_power(&[self.params.alpha], p)),
+        }
+    }
+
+    /// The contact force of a bond at an overlap and its rate, dissipation included.
+    pub fn bond_force(&self, bond: usize, g: R, rate: R) -> R {
+        match self.parts() {
+            Some(parts) => parts.bonds[bond].force(g, rate),
+            None => self.law.force(g),
+        }
+    }
+
+    /// Whether the beads that drives move are where these have them at time `t`, up to rounding of
+    /// the state.
+    pub(crate) fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
+        let Some(parts) = self.parts() else { return Ok(()) };
+        let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
+        for drive in parts.drives().iter().filter(|drive| drive.means == Means::Moved) {
+            let [s, s_dot, _] = drive.signal.at(t);
+            let scale = R::of(drive.signal.size()).max(R::of(f64::MIN_POSITIVE));
+            let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * R::of(drive.signal.speed()));
+            if (u[drive.site] - s).abs() > near || (u_dot[drive.site] - s_dot).abs() > slow {
+                return Err(drive.site);
+            }
+        }
+        Ok(())
+    }
+}

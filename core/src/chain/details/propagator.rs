@@ -1,0 +1,295 @@
+//! The exact motion of one site over a time, without its contacts.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `z` | `[u, v, u', v']`, or `[R, P, R', P'/omega]` for the modes of a site without damping |
+//! | `E(t)` | `exp(A t)`, with `z' = A z` |
+//! | `Q(t)` | `int_0^t E^T D E ds`: `z^T Q z` is what a damper with the rate `z^T D z` dissipates |
+//!
+//! `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`: from a short time, by Taylor's series and
+//! a Gauss rule, to the whole one by doublings.
+
+use super::{
+    super::{Modes, Params, Resonators, gauss::gauss},
+    SiteParts,
+};
+use crate::run::method::Split;
+use hertzchain_integrators::{Real, Rotation, Twofold};
+
+/// A 4 x 4 matrix, by rows.
+type Matrix<R> = [[R; 4]; 4];
+
+/// Norm of `A t` up to which Taylor's series with [`TERMS`] terms is exact to rounding, also in
+/// double-double.
+const SHORT: f64 = 0.5;
+const TERMS: usize = 26;
+
+/// A kind of site: what its motion between contacts depends on.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Class<R> {
+    /// Its position is given.
+    Moved,
+    /// Free, or with an undamped spring that is part of the drift: `R` moves freely, `P` turns.
+    Modes(Modes<R>),
+    /// Any other: `z' = A z`, and what drag and dashpot dissipate.
+    Linear { a: Matrix<R>, drag: R, dashpot: R, damped: bool },
+}
+
+/// What a class does over a time.
+#[derive(Clone, Debug)]
+pub(super) enum Propagator<R> {
+    Moved,
+    /// The time, and the rotation of `P`.
+    Modes(R, Rotation<R>),
+    /// `E`, and `Q` of drag and dashpot.
+    Linear(Box<[Matrix<R>; 3]>),
+}
+
+impl<R: Real> Class<R> {
+    /// The class of a site, with its spring in the drift or in the kick.
+    pub(super) fn new(site: &SiteParts<R>, split: Split) -> Self {
+        let (zero, one) = (R::zero(), R::one());
+        if site.moved {
+            return Self::Moved;
+        }
+        let damped = site.drag + site.dashpot > zero;
+        let params = Params { alpha: 1.0, kappa: (site.kappa / site.mass).f64(), rho: site.rho.f64() };
+        // Springs that kick leave two bodies that move freely: no modes.
+        let bound = split == Split::Linear || site.resonators == Resonators::None;
+        if !damped && bound {
+            return Self::Modes(Modes::new(params));
+        }
+        let drifts = split == Split::Linear && site.resonators != Resonators::None;
+        let spring = if drifts { site.kappa } else { zero };
+        let (mut a, dashpot) = ([[zero; 4]; 4], site.dashpot);
+        (a[0][2], a[1][3]) = (one, one);
+        let force = [-spring, spring, -(dashpot + site.drag), dashpot];
+        a[2] = force.map(|force| force / site.mass);
+        if site.resonators == Resonators::Moving {
+            a[3] = [spring, -spring, dashpot, -dashpot].map(|force| force / site.resonator());
+        } else {
+            (a[1][3], a[2][1], a[2][3]) = (zero, zero, zero);
+        }
+        Self::Linear { a, drag: site.drag, dashpot, damped }
+    }
+
+    /// `z` from a site.
+    pub(super) fn split(&self, [u, v, u_dot, v_dot]: [R; 4]) -> [R; 4] {
+        match self {
+            Self::Modes(modes) => {
+                let [r, r_dot, p, p_dot] = modes.split([u, v, u_dot, v_dot]);
+                let omega = modes.omega.value();
+                [r, p, r_dot, if omega > R::zero() { p_dot / omega } else { p_dot }]
+            }
+            _ => [u, v, u_dot, v_dot],
+        }
+    }
+
+    /// The site from `z`.
+    pub(super) fn join(&self, z: [R; 4], resonators: Resonators) -> [R; 4] {
+        match self {
+            Self::Modes(modes) => {
+                let [r, p, r_dot, s] = z;
+                let site = modes.join([r, r_dot, p, s * modes.omega.value()]);
+                if resonators == Resonators::Moving { site } else { [site[0], R::zero(), site[2], R::zero()] }
+            }
+            _ => z,
+        }
+    }
+
+    /// The velocity and the position of the bead.
+    #[inline]
+    pub(super) fn bead(&self, z: &[R; 4]) -> [R; 2] {
+        match self {
+            Self::Modes(modes) => [z[0] + z[1], z[2] + z[3] * modes.omega.value()],
+            _ => [z[0], z[2]],
+        }
+    }
+
+    /// An impulse on the bead, over its mass.
+    #[inline]
+    pub(super) fn kick(&self, z: &mut [R; 4], impulse: R) {
+        match self {
+            Self::Modes(modes) => {
+                z[2] += modes.m * impulse;
+                z[3] += modes.mu_over_omega() * impulse;
+            }
+            _ => z[2] += impulse,
+        }
+    }
+
+    /// The motion over a time.
+    pub(super) fn over(&self, dt: Twofold<R>) -> Propagator<R> {
+        match self {
+            Self::Moved => Propagator::Moved,
+            Self::Modes(modes) => {
+                let angle = (modes.omega * dt).reduced(Twofold::two_pi());
+                Propagator::Modes(dt.value(), Rotation::by(angle))
+            }
+            Self::Linear { a, drag, dashpot, damped } => {
+                Propagator::Linear(Box::new(doubled(a, [*drag, *dashpot], *damped, dt.value())))
+            }
+        }
+    }
+}
+
+impl<R: Real> Propagator<R> {
+    /// Moves a site on; returns what drag and dashpot have dissipated.
+    #[inline]
+    pub(super) fn apply(&self, z: &mut [R; 4]) -> [R; 2] {
+        match self {
+            Self::Moved => [R::zero(); 2],
+            Self::Modes(dt, Rotation { sin, cos }) => {
+                let [r, p, r_dot, s] = *z;
+                // The low parts keep the rotation from growing or shrinking over many steps.
+                let turned = |a: R, b: R, sin: &Twofold<R>| (cos.hi * a + sin.hi * b) + (cos.lo * a + sin.lo * b);
+                *z = [r + *dt * r_dot, turned(p, s, sin), r_dot, turned(s, p, &-*sin)];
+                [R::zero(); 2]
+            }
+            Self::Linear(matrices) => {
+                let [e, drag, dashpot] = &**matrices;
+                let lost = [form(drag, z), form(dashpot, z)];
+                *z = std::array::from_fn(|i| dot(&e[i], z));
+                lost
+            }
+        }
+    }
+}
+
+fn dot<R: Real>(a: &[R; 4], b: &[R; 4]) -> R {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+fn form<R: Real>(q: &Matrix<R>, z: &[R; 4]) -> R {
+    (0..4).fold(R::zero(), |sum, i| sum + z[i] * dot(&q[i], z))
+}
+
+fn product<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).fold(R::zero(), |sum, k| sum + a[i][k] * b[k][j])))
+}
+
+fn transposed<R: Real>(a: &Matrix<R>) -> Matrix<R> {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
+}
+
+fn plus<R: Real>(a: &Matrix<R>, b: &Matrix<R>) -> Matrix<R> {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
+}
+
+fn identity<R: Real>() -> Matrix<R> {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { R::one() } else { R::zero() }))
+}
+
+/// `exp(A t)` for a short time, by Horner's rule.
+fn taylor<R: Real>(a: &Matrix<R>, t: R) -> Matrix<R> {
+    let scaled = a.map(|row| row.map(|x| x * t));
+    (1..=TERMS).rev().fold(identity(), |sum, k| {
+        let per = R::of(k as f64).recip();
+        plus(&identity(), &product(&scaled, &sum).map(|row| row.map(|x| x * per)))
+    })
+}
+
+/// `E`, and `Q` of drag and dashpot, over a time of either sign.
+fn doubled<R: Real>(a: &Matrix<R>, [drag, dashpot]: [R; 2], damped: bool, dt: R) -> [Matrix<R>; 3] {
+    let norm = a.iter().map(|row| row.iter().fold(R::zero(), |sum, x| sum + x.abs()).f64()).fold(0.0, f64::max);
+    let doublings = (norm * dt.f64().abs() / SHORT).log2().ceil().max(0.0) as i32;
+    let short = dt * R::of(2f64.powi(-doublings));
+    let zero = [[R::zero(); 4]; 4];
+    let (mut e, mut losses) = (taylor(a, short), [zero; 2]);
+    if damped {
+        losses = [([2, 2], drag), ([2, 3], dashpot)].map(|(rows, rate)| over_short(a, rows, rate, short));
+    }
+    for _ in 0..doublings {
+        losses = losses.map(|q| plus(&q, &product(&transposed(&e), &product(&q, &e))));
+        e = product(&e, &e);
+    }
+    [e, losses[0], losses[1]]
+}
+
+/// `Q` over a short time of a damper between two velocities, or of one to the ground if they are the
+/// same.
+fn over_short<R: Real>(a: &Matrix<R>, [i, j]: [usize; 2], rate: R, short: R) -> Matrix<R> {
+    let integrand = |s: R| {
+        let e = taylor(a, s);
+        let row: [R; 4] = std::array::from_fn(|k| if i == j { e[i][k] } else { e[i][k] - e[j][k] });
+        let flat: [R; 16] = std::array::from_fn(|k| rate * row[k / 4] * row[k % 4]);
+        flat
+    };
+    let flat = gauss(integrand, R::zero(), short);
+    std::array::from_fn(|i| std::array::from_fn(|j| flat[4 * i + j]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn site(drag: f64, dashpot: f64, rho: f64) -> SiteParts<f64> {
+        let resonators = Params { alpha: 1.5, kappa: 1.0, rho }.resonators();
+        SiteParts { mass: 1.7, kappa: 2.3, rho, drag, dashpot, resonators, moved: false }
+    }
+
+    fn energy(site: &SiteParts<f64>, [u, v, u_dot, v_dot]: [f64; 4]) -> f64 {
+        0.5 * (site.mass * u_dot * u_dot + site.resonator() * v_dot * v_dot + site.kappa * (u - v) * (u - v))
+    }
+
+    fn moved(site: &SiteParts<f64>, z: [f64; 4], dt: f64) -> ([f64; 4], f64) {
+        let class = Class::new(site, Split::Linear);
+        let mut own = class.split(z);
+        let lost = class.over(Twofold::new(dt)).apply(&mut own);
+        (class.join(own, site.resonators), lost[0] + lost[1])
+    }
+
+    #[test]
+    fn a_damped_oscillator_is_its_closed_form() {
+        // Truth: u = e^{-c t/2m} (cos w t + (u0' + c u0/2m)/w sin w t), w^2 = kappa/m - (c/2m)^2.
+        let (bead, dt) = (site(0.9, 0.0, f64::INFINITY), 2.7f64);
+        let (nu, u0, v0) = (0.9f64 / 3.4, 0.3, -0.8);
+        let w = (2.3 / 1.7 - nu * nu).sqrt();
+        let want = (-nu * dt).exp() * (u0 * (w * dt).cos() + (v0 + nu * u0) / w * (w * dt).sin());
+        let (got, _) = moved(&bead, [u0, 0.0, v0, 0.0], dt);
+        assert!((got[0] - want).abs() < 2e-15, "{:e}", got[0] - want);
+    }
+
+    #[test]
+    fn a_bead_without_a_resonator_feels_no_spring() {
+        // Truth: u' = u0' e^{-c t/m}, whatever its spring constant.
+        let bead = site(0.9, 0.0, 0.0);
+        let (after, _) = moved(&bead, [0.3, 0.0, -0.8, 0.0], 1.3);
+        assert!((after[2] + 0.8 * (-0.9f64 * 1.3 / 1.7).exp()).abs() < 1e-15, "{after:?}");
+    }
+
+    #[test]
+    fn what_is_dissipated_is_what_the_energy_lacks() {
+        // Truth: the balance of energy; forwards and backwards, short and long.
+        let z = [0.3, -0.4, 0.7, 1.1];
+        for (drag, dashpot) in [(0.9, 0.0), (0.0, 0.6), (0.5, 0.2)] {
+            for rho in [0.4, 1e-3] {
+                let own = site(drag, dashpot, rho);
+                for dt in [0.01, 1.3, -0.2] {
+                    let (after, lost) = moved(&own, z, dt);
+                    let balance = energy(&own, after) + lost - energy(&own, z);
+                    let scale = energy(&own, after).max(energy(&own, z));
+                    assert!(balance.abs() < 1e-13 * scale, "{drag} {dashpot} {rho} {dt}: {balance:e}");
+                    assert!(lost * dt > 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_damping_matrix_and_modes_agree_and_go_back() {
+        // Truth: two ways to the same motion; the motion reversed. Each of the five doublings may
+        // double the rounding of the matrix, 2^5 1.1e-16 of entries up to 2.
+        for rho in [0.4, f64::INFINITY] {
+            let own = site(0.0, 0.0, rho);
+            let z = if rho.is_finite() { [0.3, -0.4, 0.7, 1.1] } else { [0.3, 0.0, 0.7, 0.0] };
+            let (by_modes, _) = moved(&own, z, 1.9);
+            let almost = SiteParts { drag: 1e-300, ..own };
+            let (by_matrix, _) = moved(&almost, z, 1.9);
+            let back = moved(&own, by_modes, -1.9).0;
+            for k in 0..4 {
+                assert!((by_modes[k] - by_matrix[k]).abs() < 8e-15 && (back[k] - z[k]).abs() < 1e-15, "{rho} {k}");
+            }
+        }
+    }
+}

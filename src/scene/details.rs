@@ -1,0 +1,355 @@
+//! The tables `[beads]`, `[bonds]` and `[[drive]]` of a scene, and the details of a chain that they
+//! and `[units]` give.
+
+use super::{
+    units::{Units, UnitsSection},
+    values::Values,
+};
+use crate::{
+    chain::{Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Signal},
+    error::{Error, Result},
+    random::uniform,
+};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Harmonics of band-limited noise.
+const NOISE: usize = 64;
+
+/// The section `[beads]`: one number for each site.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BeadsSection {
+    /// Masses (1 if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<Values>,
+    /// Spring constants (`chain.kappa` if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa: Option<Values>,
+    /// Mass ratios resonator to bead (`chain.rho` if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho: Option<Values>,
+    /// Drag on beads, `-drag u'` (none if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drag: Option<Values>,
+    /// Dashpots beside the springs of resonators, `-dashpot (u' - v')` (none if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dashpot: Option<Values>,
+}
+
+/// The section `[bonds]`: one number for each bond that can touch, from left to right.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BondsSection {
+    /// Contact constants (1 if left out); 0: no contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<Values>,
+    /// Contact constant of the two walls (that of `contact` if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall: Option<f64>,
+    /// Exponents (`chain.alpha` if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<Values>,
+    /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<Values>,
+    /// Dissipation of viscoelastic contacts, a time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscoelastic: Option<Values>,
+    /// Dashpots of contacts, a force over a velocity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dashpot: Option<Values>,
+}
+
+/// One entry of `[[drive]]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveSection {
+    /// The bead, counted from 0.
+    pub site: usize,
+    /// Whether the signal is its displacement or a force on it.
+    pub kind: DriveKind,
+    /// Amplitudes, one a harmonic; the root mean square of noise.
+    pub amplitude: Values,
+    /// Angular frequencies, one a harmonic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub omega: Option<Values>,
+    /// Phases, one a harmonic, in radians (0 if left out).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phase: Option<Values>,
+    /// Noise: the least and the largest angular frequency, in place of `omega` and `phase`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band: Option<[f64; 2]>,
+    /// Seed of noise (1 if left out).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Time in which the signal comes to its full height (none if left out).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ramp: Option<f64>,
+    /// Start of a burst (0 if left out).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
+    /// Length of a burst.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+}
+
+/// What a drive does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveKind {
+    /// The signal is the displacement of the bead.
+    Moved,
+    /// The signal is a force on the bead.
+    Pushed,
+}
+
+/// The tables of a scene that make details.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tables<'a> {
+    pub(super) beads: Option<&'a BeadsSection>,
+    pub(super) bonds: Option<&'a BondsSection>,
+    pub(super) drives: &'a [DriveSection],
+    pub(super) units: Option<&'a UnitsSection>,
+}
+
+impl Tables<'_> {
+    /// The chain with its details, and its units; unchanged without tables.
+    ///
+    /// # Errors
+    /// A value outside its rule.
+    pub(super) fn apply(self, chain: Chain<f64>) -> Result<(Chain<f64>, Option<Units>)> {
+        let Self { beads, bonds, drives, units } = self;
+        if beads.is_none() && bonds.is_none() && drives.is_empty() && units.is_none() {
+            return Ok((chain, None));
+        }
+        let (n, touching) = (chain.sites(), chain.touching().len());
+        let mut details = Details::default();
+        if let Some(beads) = beads {
+            let list = |name, values: &Option<Values>| match values {
+                Some(values) => values.of(name, n),
+                None => Ok(Vec::new()),
+            };
+            details.mass = list("beads.mass", &beads.mass)?;
+            details.kappa = list("beads.kappa", &beads.kappa)?;
+            details.rho = list("beads.rho", &beads.rho)?;
+            details.drag = list("beads.drag", &beads.drag)?;
+            details.dashpot = list("beads.dashpot", &beads.dashpot)?;
+        }
+        if let Some(bonds) = bonds {
+            bonds.apply(&chain, touching, &mut details)?;
+        }
+        let units = units.map(|section| section.apply(&chain, &mut details)).transpose()?;
+        details.drives = drives.iter().map(|drive| drive.build(units.as_ref())).collect::<Result<_>>()?;
+        Ok((chain.with(&details).map_err(|error| named(error, beads, bonds))?, units))
+    }
+}
+
+/// An error of the chain with the key of its table.
+fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection>) -> Error {
+    let Error::Parameter { name, value, rule } = error else { return error };
+    let name = match name {
+        "mass" => "beads.mass",
+        "drag" => "beads.drag",
+        "dashpot" => "beads.dashpot",
+        "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
+        "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
+        "contact" => "bonds.contact",
+        "overlap" => "bonds.overlap",
+        "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
+        "dissipation" if bonds.is_some_and(|bonds| bonds.dashpot.is_some()) => "bonds.dashpot",
+        "dissipation" => "bonds.viscoelastic",
+        other => other,
+    };
+    Error::Parameter { name, value, rule }
+}
+
+impl BondsSection {
+    fn apply(&self, chain: &Chain<f64>, touching: usize, details: &mut Details) -> Result<()> {
+        let list = |name, values: &Option<Values>| match values {
+            Some(values) => values.of(name, touching),
+            None => Ok(Vec::new()),
+        };
+        details.contact = list("bonds.contact", &self.contact)?;
+        details.alpha = list("bonds.alpha", &self.alpha)?;
+        details.overlap = list("bonds.overlap", &self.overlap)?;
+        if let Some(wall) = self.wall {
+            if chain.boundary() != Boundary::Fixed {
+                return Err(Error::parameter("bonds.wall", wall, "only boundary = \"fixed\" has walls"));
+            }
+            details.contact.resize(touching, 1.0);
+            (details.contact[0], details.contact[touching - 1]) = (wall, wall);
+        }
+        let loss = match (&self.viscoelastic, &self.dashpot) {
+            (None, None) => None,
+            (Some(values), None) => Some((Kind::Viscoelastic, values.of("bonds.viscoelastic", touching)?)),
+            (None, Some(values)) => Some((Kind::Dashpot, values.of("bonds.dashpot", touching)?)),
+            (Some(_), Some(_)) => {
+                let rule = "contacts dissipate by one law: `viscoelastic` or `dashpot`";
+                return Err(Error::parameter("bonds.viscoelastic", "beside dashpot", rule));
+            }
+        };
+        details.dissipation = loss.map(|(kind, strength)| Dissipation { kind, strength });
+        Ok(())
+    }
+}
+
+impl UnitsSection {
+    fn apply(&self, chain: &Chain<f64>, details: &mut Details) -> Result<Units> {
+        if chain.params().alpha != 1.5 || !details.alpha.is_empty() {
+            return Err(Error::parameter("units.radius", "given", "spheres have alpha = 1.5 in all bonds"));
+        }
+        for (name, list) in
+            [("beads.mass", &details.mass), ("bonds.contact", &details.contact), ("bonds.overlap", &details.overlap)]
+        {
+            if !list.is_empty() {
+                return Err(Error::parameter(name, "given", "it follows from [units]: leave it out"));
+            }
+        }
+        let ends: Vec<_> = chain.touching().map(|bond| chain.topology().ends(bond)).collect();
+        let material = self.material(chain.sites(), &ends)?;
+        (details.mass, details.contact) = (material.mass, material.contact);
+        if self.static_load.is_some() {
+            details.overlap = material.overlap;
+        }
+        Ok(material.units)
+    }
+}
+
+impl DriveSection {
+    /// The drive; with units, amplitude, frequencies and times are in SI.
+    fn build(&self, units: Option<&Units>) -> Result<Drive> {
+        let means = match self.kind {
+            DriveKind::Moved => Means::Moved,
+            DriveKind::Pushed => Means::Pushed,
+        };
+        let (height, time) = match (units, means) {
+            (None, _) => (1.0, 1.0),
+            (Some(units), Means::Moved) => (units.length_m, units.time_s),
+            (Some(units), Means::Pushed) => (units.force_n, units.time_s),
+        };
+        let mut harmonics = self.harmonics()?;
+        for harmonic in &mut harmonics {
+            harmonic.amplitude /= height;
+            harmonic.omega *= time;
+        }
+        let envelope = match (self.ramp, self.length) {
+            (None, None) if self.start.is_some() => {
+                return Err(Error::parameter("drive.start", "given", "`start` belongs to a burst with a `length`"));
+            }
+            (None, None) => Envelope::None,
+            (Some(ramp), None) => Envelope::Ramp(ramp / time),
+            (None, Some(length)) => Envelope::Burst { start: self.start.unwrap_or(0.0) / time, length: length / time },
+            (Some(ramp), Some(_)) => {
+                return Err(Error::parameter("drive.ramp", ramp, "a burst has no ramp: `ramp` or `length`"));
+            }
+        };
+        Ok(Drive { site: self.site, means, signal: Signal { harmonics, envelope } })
+    }
+
+    fn harmonics(&self) -> Result<Vec<Harmonic>> {
+        let amplitudes = self.amplitude.list("drive.amplitude")?;
+        if let Some([low, high]) = self.band {
+            return self.noise(&amplitudes, low, high);
+        }
+        if let Some(seed) = self.seed {
+            return Err(Error::parameter("drive.seed", seed, "a seed belongs to noise with a `band`"));
+        }
+        let Some(omega) = &self.omega else {
+            return Err(Error::parameter("drive.omega", "nothing", "a drive has `omega` or a `band`"));
+        };
+        let omegas = omega.list("drive.omega")?;
+        let phases = match &self.phase {
+            Some(phase) => phase.list("drive.phase")?,
+            None => vec![0.0; omegas.len()],
+        };
+        if amplitudes.len() != omegas.len() || phases.len() != omegas.len() {
+            let value = format!("{} for {} frequencies", amplitudes.len().max(phases.len()), omegas.len());
+            return Err(Error::parameter("drive.amplitude", value, "one amplitude and one phase a frequency"));
+        }
+        let of = |k: usize| Harmonic { amplitude: amplitudes[k], omega: omegas[k], phase: phases[k] };
+        Ok((0..omegas.len()).map(of).collect())
+    }
+
+    /// Harmonics of equal amplitude: one in each of equal parts of the band, at a frequency and a
+    /// phase drawn from the seed.
+    fn noise(&self, amplitudes: &[f64], low: f64, high: f64) -> Result<Vec<Harmonic>> {
+        let &[amplitude] = amplitudes else {
+            return Err(Error::parameter("drive.amplitude", "a list", "noise has one amplitude"));
+        };
+        if self.omega.is_some() || self.phase.is_some() {
+            return Err(Error::parameter("drive.band", "beside omega or phase", "noise has a `band` only"));
+        }
+        if !(low.is_finite() && high.is_finite() && 0.0 <= low && low < high) {
+            let rule = "a band is from its least to its largest frequency, at least zero";
+            return Err(Error::parameter("drive.band", format!("[{low}, {high}]"), rule));
+        }
+        let mut draw = uniform(self.seed.unwrap_or(1));
+        let (part, each) = ((high - low) / NOISE as f64, amplitude * (2.0 / NOISE as f64).sqrt());
+        Ok((0..NOISE)
+            .map(|k| {
+                let omega = low + part * (k as f64 + 0.5 * (1.0 + draw()));
+                Harmonic { amplitude: each, omega, phase: PI * draw() }
+            })
+            .collect())
+    }
+}
+
+/// Refuses drives that have not come to their full height, or to their end, by the end of a scene.
+pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
+    for drive in chain.details().iter().flat_map(|details| &details.drives) {
+        if drive.signal.settled() > end {
+            let name = match drive.signal.envelope {
+                Envelope::Burst { .. } => "drive.length",
+                _ => "drive.ramp",
+            };
+            let value = format!("until t = {}", drive.signal.settled());
+            return Err(Error::parameter(
+                name,
+                value,
+                "a drive comes to its full height, or to its end, within the scene",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What a chain has beside its parameters, in words; `None` if nothing.
+pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
+    let details = chain.details()?;
+    let range = |name: &str, list: &[f64]| {
+        let (low, high) = list.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let shown = crate::number::shown;
+        match list {
+            [] => None,
+            _ if low == high => Some(format!("{name} {}", shown(low))),
+            _ => Some(format!("{name} from {} to {}", shown(low), shown(high))),
+        }
+    };
+    let mut all: Vec<String> = [
+        range("masses", &details.mass),
+        range("spring constants", &details.kappa),
+        range("mass ratios", &details.rho),
+        range("contact constants", &details.contact),
+        range("exponents", &details.alpha),
+        range("static overlaps", &details.overlap),
+        range("drag", &details.drag),
+        range("dashpots", &details.dashpot),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if let Some(Dissipation { kind, strength }) = &details.dissipation {
+        let law = match kind {
+            Kind::Viscoelastic => "viscoelastic contacts, gamma",
+            Kind::Dashpot => "contacts with dashpots, gamma",
+        };
+        all.extend(range(law, strength));
+    }
+    for drive in &details.drives {
+        let (means, count) = (drive.means, drive.signal.harmonics.len());
+        let how = if means == Means::Moved { "moved" } else { "pushed" };
+        all.push(format!("bead {} {how} by {count} harmonic{}", drive.site, if count == 1 { "" } else { "s" }));
+    }
+    Some(all.join(", "))
+}

@@ -1,0 +1,182 @@
+//! One number for each site or bond: as a number, a list, or a rule.
+
+use crate::{
+    error::{Error, Result},
+    random::uniform,
+};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+};
+use std::fmt;
+
+/// Numbers of sites or bonds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Values {
+    /// The same for all.
+    Number(f64),
+    /// One for each.
+    List(Vec<f64>),
+    /// By a rule.
+    Rule(Box<Rule>),
+}
+
+/// How numbers follow from few: exactly one of `value`, `pattern`, `taper` and `random`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Rule {
+    /// The same for all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// These, from the first on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<Vec<f64>>,
+    /// Whether the pattern begins anew at its end; otherwise its last number goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeat: Option<bool>,
+    /// The ratio of each to the one before; the first is `from`, or 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taper: Option<f64>,
+    /// Drawn at random: `"uniform"`, between `from` and `to`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub random: Option<String>,
+    /// The first of a taper, or the least that is drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// The largest that is drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<f64>,
+    /// Seed of what is drawn (1 if left out).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Single exceptions, `[which, value]`, counted from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub except: Option<Vec<(usize, f64)>>,
+}
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        struct Any;
+        impl<'de> Visitor<'de> for Any {
+            type Value = Values;
+
+            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                out.write_str("a number, a list of numbers or a rule such as { pattern = [1.0, 0.5], repeat = true }")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> std::result::Result<Values, E> {
+                Ok(Values::Number(value))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> std::result::Result<Values, E> {
+                Ok(Values::Number(value as f64))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<Values, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(Values::List(values))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Values, A::Error> {
+                Rule::deserialize(MapAccessDeserializer::new(map)).map(|rule| Values::Rule(Box::new(rule)))
+            }
+        }
+        from.deserialize_any(Any)
+    }
+}
+
+impl Values {
+    /// One number for each of `count` sites or bonds; `name` is the key, for messages.
+    ///
+    /// # Errors
+    /// A list of another length, or a rule that says too much, too little or something unknown.
+    pub(super) fn of(&self, name: &'static str, count: usize) -> Result<Vec<f64>> {
+        match self {
+            Self::Number(value) => Ok(vec![*value; count]),
+            Self::List(values) if values.len() == count => Ok(values.clone()),
+            Self::List(values) => {
+                let rule = "a list has one number for each site, or for each bond that can touch";
+                Err(Error::parameter(name, format!("{} numbers for {count}", values.len()), rule))
+            }
+            Self::Rule(rule) => rule.of(name, count),
+        }
+    }
+
+    /// The numbers of a list; one number is a list of one.
+    ///
+    /// # Errors
+    /// A rule.
+    pub(super) fn list(&self, name: &'static str) -> Result<Vec<f64>> {
+        match self {
+            Self::Number(value) => Ok(vec![*value]),
+            Self::List(values) => Ok(values.clone()),
+            Self::Rule(_) => Err(Error::parameter(name, "a rule", "a number or a list, one number a harmonic")),
+        }
+    }
+}
+
+impl Rule {
+    fn of(&self, name: &'static str, count: usize) -> Result<Vec<f64>> {
+        let refused = |value: String, rule| Err(Error::parameter(name, value, rule));
+        let Self { value, pattern, repeat, taper, random, from, to, seed, .. } = self;
+        if repeat.is_some() && pattern.is_none() {
+            return refused("repeat".into(), "`repeat` belongs to a `pattern`");
+        }
+        if from.is_some() && taper.is_none() && random.is_none() {
+            return refused("from".into(), "`from` belongs to a `taper` or to `random`");
+        }
+        if (to.is_some() || seed.is_some()) && random.is_none() {
+            return refused("to, seed".into(), "`to` and `seed` belong to `random`");
+        }
+        let values = match (value, pattern, taper, random) {
+            (Some(value), None, None, None) => vec![*value; count],
+            (None, Some(pattern), None, None) => repeated(name, pattern, *repeat, count)?,
+            (None, None, Some(taper), None) => {
+                if !(taper.is_finite() && *taper > 0.0) {
+                    return refused(taper.to_string(), "a taper is finite and positive");
+                }
+                let first = from.unwrap_or(1.0);
+                (0..count).map(|i| first * taper.powf(i as f64)).collect()
+            }
+            (None, None, None, Some(law)) => match (law.as_str(), from, to) {
+                ("uniform", Some(from), Some(to)) if from <= to => {
+                    let mut draw = uniform(seed.unwrap_or(1));
+                    (0..count).map(|_| from + 0.5 * (to - from) * (1.0 + draw())).collect()
+                }
+                ("uniform", ..) => return refused("random".into(), "`uniform` draws from `from` to `to`, from <= to"),
+                _ => return refused(law.clone(), "`random` is \"uniform\""),
+            },
+            _ => return refused("a rule".into(), "exactly one of `value`, `pattern`, `taper` and `random`"),
+        };
+        self.with(name, values)
+    }
+
+    /// The same with the exceptions.
+    fn with(&self, name: &'static str, mut values: Vec<f64>) -> Result<Vec<f64>> {
+        let count = values.len();
+        for &(i, value) in self.except.iter().flatten() {
+            let rule = "an exception is counted from 0, within the list";
+            let place = values.get_mut(i).ok_or_else(|| Error::parameter(name, format!("{i} of {count}"), rule))?;
+            *place = value;
+        }
+        Ok(values)
+    }
+}
+
+/// A pattern over a whole list.
+fn repeated(name: &'static str, pattern: &[f64], repeat: Option<bool>, count: usize) -> Result<Vec<f64>> {
+    let Some(&last) = pattern.last() else {
+        return Err(Error::parameter(name, "[]", "a pattern has at least one number"));
+    };
+    if pattern.len() > count {
+        let value = format!("{} numbers for {count}", pattern.len());
+        return Err(Error::parameter(name, value, "a pattern is not longer than what it is for"));
+    }
+    let at =
+        |i: usize| if repeat == Some(true) { pattern[i % pattern.len()] } else { *pattern.get(i).unwrap_or(&last) };
+    Ok((0..count).map(at).collect())
+}

@@ -1,0 +1,287 @@
+//! A pulse in a 1:1 dimer: how much of it a chain of alternating heavy and light beads lets through.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `m` | mass of the light beads over that of the heavy ones |
+//! | `F_1, F_2` | largest contact force of a bond near the struck end and of one `cells` cells on |
+//! | `T = F_2/F_1` | transmission; 1 for a solitary wave, which keeps its shape |
+//!
+//! At most mass ratios the light beads ring behind the pulse, which loses energy to them. At a
+//! sequence of ratios they are at rest again when the pulse has passed, and it is a solitary wave:
+//! the maxima of `T`. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
+//! 036606.
+
+mod report;
+
+use super::{Progress, Study, Work};
+use crate::{
+    chain::{Boundary, Chain, Details, Overlaps, Params, State},
+    error::{Error, Result},
+    interrupt,
+    run::{Method, Run, Setting, state_at},
+};
+use hertzchain_integrators::{EventFunctions, Stepper};
+
+/// Mass ratios at which solitary waves were found, in the article cited above.
+pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
+
+/// Mass ratios that can be asked for.
+const RATIOS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
+/// Cells that the pulse passes before it is measured: it has then its own shape.
+const FIRST_CELL: usize = 12;
+/// Cells beyond the last that is measured, so that the end of the chain is not felt.
+const BEYOND: usize = 4;
+const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
+const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
+/// Method and step: its error of `T` is below 1e-5, see `the_step_is_short_enough`.
+const METHOD: &str = "aba864";
+const STEP: f64 = 0.02;
+/// The golden ratio less 1.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Mass ratios at maxima are found to this.
+const NEAR: f64 = 2e-5;
+
+/// The study of a pulse in dimers.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DimerOptions {
+    /// Smallest mass ratio, light over heavy.
+    ///
+    /// From 0.02 to 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.07"))]
+    pub from: f64,
+    /// Largest mass ratio.
+    ///
+    /// From 0.02 to 1.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "1"))]
+    pub to: f64,
+    /// Number of mass ratios, evenly spaced in their logarithm.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 120))]
+    pub points: usize,
+    /// Cells between the two bonds that are compared.
+    ///
+    /// A cell is a heavy and a light bead; from 4 to 1000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 24))]
+    pub cells: usize,
+}
+
+impl Default for DimerOptions {
+    fn default() -> Self {
+        Self { from: 0.07, to: 1.0, points: 120, cells: 24 }
+    }
+}
+
+impl Study for DimerOptions {
+    const FILES: &'static str = "Files: dimer.csv, dimer.json and dimer.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.check()?;
+        Ok(Box::new(|_, progress| Ok(Box::new(dimer(self, progress)?))))
+    }
+}
+
+/// A pulse in a dimer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DimerRow {
+    /// Mass ratio.
+    pub ratio: f64,
+    /// Largest contact force near the struck end.
+    pub first: f64,
+    /// The same `cells` cells on.
+    pub last: f64,
+}
+
+impl DimerRow {
+    /// `T = F_2/F_1`.
+    pub fn transmission(&self) -> f64 {
+        self.last / self.first
+    }
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct DimerStudy {
+    /// Cells between the two bonds that are compared.
+    pub cells: usize,
+    /// A row a mass ratio, ascending.
+    pub rows: Vec<DimerRow>,
+    /// The maxima of the transmission inside the range, ascending.
+    pub maxima: Vec<DimerRow>,
+}
+
+impl DimerOptions {
+    fn check(&self) -> Result<()> {
+        for (name, value) in [("from", self.from), ("to", self.to)] {
+            if !RATIOS.contains(&value) {
+                return Err(Error::parameter(name, value, "a mass ratio from 0.02 to 1"));
+            }
+        }
+        if self.from >= self.to {
+            return Err(Error::parameter("from", self.from, "below the largest mass ratio"));
+        }
+        if !POINTS.contains(&self.points) {
+            return Err(Error::parameter("points", self.points, "from 3 to 10000"));
+        }
+        if !CELLS.contains(&self.cells) {
+            return Err(Error::parameter("cells", self.cells, "from 4 to 1000"));
+        }
+        Ok(())
+    }
+}
+
+/// The transmission at every mass ratio, and its maxima. `progress` is told the share done.
+///
+/// ```
+/// use hertzchain::study::pulse;
+/// // Equal beads let a solitary wave through; at m = 0.59 the pulse is lost.
+/// assert!(pulse(1.0, 12)?.transmission() > 0.99);
+/// assert!(pulse(0.59, 12)?.transmission() < 0.5);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// An option outside its rule; a run that fails; a signal.
+pub fn dimer(options: &DimerOptions, progress: Progress<'_>) -> Result<DimerStudy> {
+    options.check()?;
+    let &DimerOptions { from, to, points, cells } = options;
+    let ratio = |k: usize| from * (to / from).powf(k as f64 / (points - 1) as f64);
+    let mut rows = Vec::with_capacity(points);
+    for k in 0..points {
+        let ratio = if k + 1 == points { to } else { ratio(k) };
+        progress(k as f64 / points as f64, &format!("m = {ratio:.4}"));
+        rows.push(pulse(ratio, cells)?);
+    }
+    let peaks = rows.windows(3).filter(|row| {
+        let [a, b, c] = [0, 1, 2].map(|k| row[k].transmission());
+        a < b && b >= c
+    });
+    let maxima = peaks.map(|row| highest(row[0].ratio, row[2].ratio, cells)).collect::<Result<_>>()?;
+    Ok(DimerStudy { cells, rows, maxima })
+}
+
+/// The maximum of the transmission between two mass ratios, by golden section.
+fn highest(mut low: f64, mut high: f64, cells: usize) -> Result<DimerRow> {
+    let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (left, right) = inner(low, high);
+    let (mut left, mut right) = (pulse(left, cells)?, pulse(right, cells)?);
+    while high - low > NEAR {
+        if left.transmission() > right.transmission() {
+            (high, right) = (right.ratio, left);
+            left = pulse(inner(low, high).0, cells)?;
+        } else {
+            (low, left) = (left.ratio, right);
+            right = pulse(inner(low, high).1, cells)?;
+        }
+    }
+    Ok(if left.transmission() > right.transmission() { left } else { right })
+}
+
+/// A pulse of a heavy bead with speed 1 that strikes a dimer at rest.
+///
+/// # Errors
+/// A mass ratio that is not positive; a run that fails; a signal.
+pub fn pulse(ratio: f64, cells: usize) -> Result<DimerRow> {
+    pulse_by(ratio, cells, STEP)
+}
+
+fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
+    let sites = 2 * (FIRST_CELL + cells + BEYOND);
+    let mass = (0..sites).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
+    let details = Details { mass, ..Details::default() };
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, sites)?.with(&details)?;
+    let mut state = State::rest(&chain);
+    state.u_dot_mut()[0] = 1.0;
+    // The pulse of equal beads takes 1.6 a bead at most: slow ones are those that have decayed.
+    let end = 8.0 * sites as f64;
+    let run = Run::new(chain.clone(), state).until(end)?.method(Method::named(METHOD)?);
+    let mut stepper = run.setting(Setting::steps(end / step)?).stepper()?;
+    let mut peaks = Peaks::new(&chain, [2 * FIRST_CELL, 2 * (FIRST_CELL + cells)]);
+    while !peaks.passed() && !stepper.done() {
+        if interrupt::asked() {
+            return Err(Error::Stopped { kept: "nothing of this study".to_owned() });
+        }
+        stepper.step()?;
+        let t = stepper.time();
+        peaks.look(&state_at(&mut *stepper, t)?);
+    }
+    let [first, last] = peaks.largest.map(|overlap| chain.law().force(overlap));
+    Ok(DimerRow { ratio, first, last })
+}
+
+/// The first maxima of the overlaps of two bonds, from states at equal times.
+struct Peaks {
+    overlaps: Overlaps<f64>,
+    index: [usize; 2],
+    g: Vec<f64>,
+    /// The last three values of each.
+    recent: [[f64; 3]; 2],
+    largest: [f64; 2],
+}
+
+impl Peaks {
+    fn new(chain: &Chain<f64>, bonds: [usize; 2]) -> Self {
+        let overlaps = Overlaps::new(chain.clone());
+        let first = overlaps.bond(0);
+        let g = vec![0.0; overlaps.count()];
+        Self { overlaps, index: bonds.map(|bond| bond - first), g, recent: [[0.0; 3]; 2], largest: [0.0; 2] }
+    }
+
+    fn look(&mut self, y: &[f64]) {
+        self.overlaps.values(0.0, y, &mut self.g);
+        for k in 0..2 {
+            let [_, b, c] = self.recent[k];
+            self.recent[k] = [b, c, self.g[self.index[k]]];
+            let [a, b, c] = self.recent[k];
+            if b >= a && b > c && b > 0.0 {
+                // The vertex of the parabola through three values.
+                let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
+                self.largest[k] = self.largest[k].max(b - 0.5 * slope * slope / bend);
+            }
+        }
+    }
+
+    /// Whether the pulse has passed the second bond: its overlap has fallen to half of its peak.
+    fn passed(&self) -> bool {
+        self.largest[1] > 0.0 && self.recent[1][2] < 0.5 * self.largest[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_is_short_enough() {
+        // Truth: a step of a quarter, whose error is 2^-5 and less of it.
+        for ratio in [0.0901, 0.3428, 0.6] {
+            let [a, b] = [STEP, 0.25 * STEP].map(|step| pulse_by(ratio, 8, step).unwrap().transmission());
+            assert!((a - b).abs() < 1e-5, "{ratio}: {:e}", a - b);
+        }
+    }
+
+    #[test]
+    fn solitary_waves_are_where_they_were_found() {
+        // Truth: the published mass ratios, to three digits; a pulse that keeps its force there, and
+        // loses much of it half way between.
+        for (published, (low, high)) in [(0.3428, (0.31, 0.38)), (0.1548, (0.14, 0.17)), (0.0901, (0.083, 0.098))] {
+            let found = highest(low, high, 24).unwrap();
+            assert!((found.ratio - published).abs() < 5e-4, "{published}: {}", found.ratio);
+            assert!(found.transmission() > 0.99, "{published}: {}", found.transmission());
+        }
+        assert!(pulse(0.59, 24).unwrap().transmission() < 0.4);
+    }
+
+    #[test]
+    fn options_outside_their_rules_are_refused() {
+        let refused = |options: DimerOptions, rule: &str| {
+            let message = options.begin().map(|_| ()).unwrap_err().to_string();
+            assert!(message.contains(rule), "{message}");
+        };
+        let own = DimerOptions::default;
+        refused(DimerOptions { from: 0.01, ..own() }, "from 0.02 to 1");
+        refused(DimerOptions { to: 1.5, ..own() }, "to = 1.5");
+        refused(DimerOptions { from: 0.5, to: 0.5, ..own() }, "below the largest");
+        refused(DimerOptions { points: 2, ..own() }, "points = 2");
+        refused(DimerOptions { cells: 3, ..own() }, "cells = 3");
+    }
+}

@@ -1,0 +1,382 @@
+//! Chains whose beads differ, are damped and driven: against the uniform chain, a program of its
+//! own with 34 digits (`tests/reference/details.py`), closed forms and balances.
+
+use hertzchain::{
+    chain::{
+        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+    },
+    run::{Method, Run, Setting, Trajectory},
+};
+use serde_json::Value;
+use std::{fs, path::PathBuf};
+
+fn params(alpha: f64, kappa: f64, rho: f64) -> Params {
+    Params::new(alpha, kappa, rho).unwrap()
+}
+
+fn run(chain: &Chain<f64>, state: &State<f64>, end: f64, method: &str, setting: Setting) -> Trajectory {
+    let run = Run::new(chain.clone(), state.clone()).until(end).unwrap();
+    let run = run.method(Method::named(method).unwrap()).setting(setting);
+    run.start().unwrap().complete().unwrap()
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
+}
+
+/// Ten beads that meet and part.
+fn lively(chain: &Chain<f64>) -> State<f64> {
+    let site = |i: usize| Site {
+        u: 0.3 * (1.7 * i as f64).sin(),
+        v: 0.1 * (2.3 * i as f64).cos(),
+        u_dot: 0.5 * (3.1 * i as f64).sin(),
+        v_dot: 0.2 * (0.7 * i as f64).cos(),
+    };
+    State::from_fn(chain, site).unwrap().driven(chain)
+}
+
+#[test]
+fn beads_that_are_all_equal_are_the_uniform_chain() {
+    // Truth: the chain without details, by the same methods with the same steps. Sums have another
+    // order: roundings, which contacts enlarge.
+    let n = 10;
+    for (rho, boundary) in
+        [(0.0, Boundary::Free), (0.4, Boundary::Fixed), (f64::INFINITY, Boundary::Ring), (0.4, Boundary::Ring)]
+    {
+        let uniform = Chain::<f64>::new(params(1.5, 1.3, rho), boundary, n).unwrap();
+        let bonds = uniform.touching().len();
+        let details = Details {
+            mass: vec![1.0; n],
+            kappa: vec![1.3; n],
+            rho: vec![rho; n],
+            contact: vec![1.0; bonds],
+            alpha: vec![1.5; bonds],
+            overlap: vec![0.0; bonds],
+            ..Details::default()
+        };
+        let chain = uniform.clone().with(&details).unwrap();
+        let state = lively(&uniform);
+        assert_eq!(lively(&chain).as_slice(), state.as_slice());
+        let gap = |k: fn(&Chain<f64>, &[f64]) -> Vec<f64>| {
+            distance(&k(&chain, state.as_slice()), &k(&uniform, state.as_slice()))
+        };
+        assert!(gap(|chain, y| chain.site_energies(y)) < 1e-15 && gap(|chain, y| vec![chain.momentum(y)]) < 1e-15);
+        for method in ["verlet", "strang-linear", "yoshida4", "aba1064-linear", "aba1064-linear-landed"] {
+            let [a, b] = [&chain, &uniform].map(|chain| run(chain, &state, 8.0, method, Setting::Steps(400)));
+            let gap = distance(&a.state, &b.state);
+            assert!(gap < 1e-12, "{method} {rho} {boundary:?}: {gap:e}");
+        }
+        // Steps that cross contacts hang on roundings: as far apart as their errors.
+        for (method, bound) in [("dop853", 1e-9), ("dop853-landed", 2e-11), ("dop853-regularised", 1e-11)] {
+            let [a, b] = [&chain, &uniform].map(|chain| run(chain, &state, 8.0, method, Setting::Tolerance(1e-12)));
+            let gap = distance(&a.state, &b.state);
+            assert!(gap < bound, "{method} {rho} {boundary:?}: {gap:e}");
+        }
+    }
+}
+
+/// A stored case: chain, initial state, end time, end state with its ledger.
+fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/details-{name}.json"));
+    let value: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+    let case = &value["case"];
+    let numbers = |value: &Value| -> Vec<f64> {
+        let number = |x: &Value| if x == "inf" { f64::INFINITY } else { x.as_f64().unwrap() };
+        value.as_array().map(|list| list.iter().map(number).collect()).unwrap_or_default()
+    };
+    let list = |key: &str| numbers(&case[key]);
+    let drive = |key: &str, means| {
+        let numbers = list(key);
+        let &[site, amplitude, omega, phase] = numbers.first_chunk()?;
+        let harmonics = vec![Harmonic { amplitude, omega, phase }];
+        Some(Drive { site: site as usize, means, signal: Signal { harmonics, envelope: Envelope::None } })
+    };
+    let strength = list("viscoelastic");
+    let details = Details {
+        mass: list("mass"),
+        kappa: list("kappa"),
+        rho: list("rho"),
+        drag: list("drag"),
+        dashpot: list("dashpot"),
+        contact: list("contact"),
+        alpha: list("alpha"),
+        overlap: list("overlap"),
+        dissipation: (!strength.is_empty()).then_some(Dissipation { kind: Kind::Viscoelastic, strength }),
+        drives: [drive("moved", Means::Moved), drive("pushed", Means::Pushed)].into_iter().flatten().collect(),
+    };
+    let n = details.mass.len();
+    let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Fixed, n).unwrap().with(&details).unwrap();
+    let [u, v, u_dot, v_dot] = ["u", "v", "u_dot", "v_dot"].map(|key| numbers(&value["start"][key]));
+    let site = |i: usize| Site { u: u[i], v: v[i], u_dot: u_dot[i], v_dot: v_dot[i] };
+    let state = State::from_fn(&chain, site).unwrap().driven(&chain);
+    let end: Vec<f64> = value["state"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|pair| {
+            let part = |k: usize| pair[k].as_str().unwrap().parse::<f64>().unwrap();
+            part(0) + part(1)
+        })
+        .collect();
+    (chain, state, case["end"].as_f64().unwrap(), end)
+}
+
+#[test]
+fn methods_reach_the_stored_states_of_beads_that_differ() {
+    // Truth: a program that shares no code, with 34 digits. Bounds: about twice what was measured.
+    let (chain, state, end, want) = stored("conservative");
+    for (method, setting, bound) in [
+        ("dop853-regularised", Setting::Tolerance(1e-14), 8e-14),
+        ("dop853-landed", Setting::Tolerance(1e-13), 5e-12),
+        ("dop853", Setting::Tolerance(1e-13), 1.1e-10),
+        ("aba1064-linear-landed", Setting::Steps(20_000), 1.6e-12),
+        ("verlet", Setting::Steps(200_000), 3e-8),
+        ("strang-linear", Setting::Steps(200_000), 3e-8),
+    ] {
+        let got = run(&chain, &state, end, method, setting);
+        let error = distance(&got.state, &want);
+        println!("{method}: {error:e}, energy {:e}", got.energy_error.unwrap());
+        assert!(error < bound, "{method}: {error:e}");
+    }
+}
+
+#[test]
+fn methods_reach_the_stored_states_of_an_open_chain() {
+    // Truth: the same program; drag, dashpots, viscoelastic contacts, a bead that is moved and one
+    // that is pushed, and what each has dissipated and driven.
+    let (chain, state, end, want) = stored("open");
+    for (method, tol, bound) in
+        [("dop853-regularised", 1e-14, 2.4e-13), ("dop853-landed", 1e-13, 5e-12), ("dop853", 1e-12, 1.3e-9)]
+    {
+        let got = run(&chain, &state, end, method, Setting::Tolerance(tol));
+        let error = distance(&got.state, &want);
+        println!("{method}: {error:e}, balance {:e}", got.energy_error.unwrap());
+        assert!(error < bound, "{method}: {error:e}");
+        assert!(got.energy_error.unwrap() < bound, "{method}");
+    }
+    let ledger = chain.layout().ledger(&want).unwrap();
+    assert!(ledger.drag > 0.01 && ledger.dashpots > 0.01 && ledger.contacts > 0.01 && ledger.driven.abs() > 0.01);
+}
+
+/// Beads that differ, with springs, drag, dashpots and drives, so pressed that no contact opens.
+fn smooth() -> (Chain<f64>, State<f64>) {
+    let details = Details {
+        mass: vec![1.0, 0.5, 2.0, 1.5, 0.7, 1.0],
+        rho: vec![0.0, 0.5, f64::INFINITY, 0.0, 2.0, 0.3],
+        drag: vec![0.0, 0.1, 0.0, 0.05, 0.2, 0.0],
+        dashpot: vec![0.0, 0.1, 0.2, 0.0, 0.0, 0.05],
+        contact: vec![1.0, 2.0, 1.5, 1.0, 0.8, 1.2, 1.0],
+        overlap: vec![1.0; 7],
+        drives: vec![
+            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.1, 1.3, 3.0) },
+            Drive { site: 3, means: Means::Pushed, signal: Signal::sine(0.2, 0.7, 0.0) },
+        ],
+        ..Details::default()
+    };
+    let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Fixed, 6).unwrap().with(&details).unwrap();
+    let site =
+        |i: usize| Site { u: 0.05 * (i as f64).sin(), v: 0.1, u_dot: 0.1 * (2.0 * i as f64).cos(), v_dot: -0.05 };
+    let state = State::from_fn(&chain, site).unwrap().driven(&chain);
+    (chain, state)
+}
+
+#[test]
+fn splittings_keep_their_order_with_damping_and_drives() {
+    // Truth: DOP853 at a tolerance of 1e-13; the error divided by that of twice as many steps is
+    // 2^p. States, what is dissipated and what is driven alike.
+    let (chain, state) = smooth();
+    let truth = run(&chain, &state, 12.0, "dop853", Setting::Tolerance(1e-14));
+    let half = chain.layout().half();
+    for (method, order, steps) in [
+        ("verlet", 2, 400),
+        ("strang-linear", 2, 400),
+        ("yoshida4", 4, 400),
+        ("yoshida4-linear", 4, 400),
+        ("srkn14-6", 6, 60),
+    ] {
+        let errors = [steps, 2 * steps].map(|steps| {
+            let end = run(&chain, &state, 12.0, method, Setting::Steps(steps));
+            let (motion, ledger) = end.state.split_at(2 * half);
+            [distance(motion, &truth.state), distance(ledger, &truth.state[2 * half..]), end.energy_error.unwrap()]
+        });
+        for k in 0..3 {
+            let slope = (errors[0][k] / errors[1][k]).log2();
+            println!("{method} {k}: {:.1e} {:.1e} {slope:.3}", errors[0][k], errors[1][k]);
+            assert!((slope - f64::from(order)).abs() < 0.3, "{method} {k}: {slope}");
+        }
+    }
+}
+
+/// The coefficient of restitution of two beads that meet with a relative speed.
+fn restitution(alpha: f64, kind: Kind, gamma: f64, speed: f64, mass: [f64; 2]) -> (f64, Trajectory) {
+    let details = Details {
+        mass: mass.to_vec(),
+        overlap: vec![-0.125],
+        dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
+        ..Details::default()
+    };
+    let chain = Chain::new(params(alpha, 0.0, 0.0), Boundary::Free, 2).unwrap().with(&details).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_dot_mut().copy_from_slice(&[speed, 0.0]);
+    let run = Run::new(chain, state).until(60.0).unwrap().method(Method::named("dop853-regularised").unwrap());
+    let end = run.tolerance(1e-13).unwrap().contacts().start().unwrap().complete().unwrap();
+    ((end.state[3] - end.state[2]) / speed, end)
+}
+
+#[test]
+fn viscoelastic_spheres_rebound_as_published() {
+    // Truth: Ramirez, Poeschel, Brilliantov & Schwager 1999, Phys. Rev. E 60, 4465: e = 1 - C_1 x +
+    // C_2 x^2 with x = 3/2 gamma k^{2/5} v^{1/5}, k = A/m_eff, C_1 = 1.15344, C_2 = 3/5 C_1^2 =
+    // 0.79826. What follows is of the order x^{5/2}, since the beads part where the force vanishes.
+    let (c1, c2) = (1.15344, 0.79826);
+    for mass in [[1.0, 1.0], [2.0, 0.5]] {
+        let effective = mass[0] * mass[1] / (mass[0] + mass[1]);
+        let mut rests = Vec::new();
+        for gamma in [0.04, 0.02, 0.01] {
+            let speed: f64 = 0.3;
+            let x = 1.5 * gamma * (1.0f64 / effective).powf(0.4) * speed.powf(0.2);
+            let (e, end) = restitution(1.5, Kind::Viscoelastic, gamma, speed, mass);
+            let rest = e - (1.0 - c1 * x + c2 * x * x);
+            assert!(rest.abs() < 0.5 * x.powf(2.5), "{gamma}: {rest:e}");
+            rests.push(rest);
+            // What the energy lacks was dissipated, and the impulse is the change of momentum.
+            assert!(end.energy_error.unwrap() < 6e-12, "{:e}", end.energy_error.unwrap());
+            let contacts = end.contacts.unwrap();
+            let impulse: f64 = contacts.iter().map(|contact| contact.impulse).sum();
+            assert!((impulse - mass[1] * end.state[3]).abs() < 1e-10, "{impulse} {}", mass[1] * end.state[3]);
+            assert_eq!(contacts.len(), 1);
+        }
+        println!("{mass:?}: {rests:?}");
+        let slope = (rests[1] / rests[2]).log2();
+        assert!((2.2..2.8).contains(&slope), "{slope}");
+    }
+}
+
+#[test]
+fn beads_with_dashpots_rebound_as_published() {
+    // Truth: Schwager & Poeschel 2007, Granular Matter 9, 465: for alpha = 1, with beta = gamma/(2
+    // m_eff), omega_0^2 = A/m_eff, omega^2 = omega_0^2 - beta^2 and beta < omega_0/sqrt 2, beads
+    // that never pull have e = exp(-beta/omega (pi - arctan(2 beta omega/(omega^2 - beta^2)))).
+    for gamma in [0.1, 0.5, 0.9] {
+        let (beta, square) = (gamma, 2.0f64);
+        let omega = (square - beta * beta).sqrt();
+        let want = (-beta / omega
+            * (std::f64::consts::PI - (2.0 * beta * omega / (omega * omega - beta * beta)).atan()))
+        .exp();
+        let (e, end) = restitution(1.0, Kind::Dashpot, gamma, 0.7, [1.0, 1.0]);
+        // The force jumps where the beads meet: error control crosses that, as in plain DOP853.
+        println!("{gamma}: {:e}, balance {:e}", e - want, end.energy_error.unwrap());
+        assert!((e - want).abs() < 2e-10, "{gamma}: {e} {want}");
+        assert!(end.energy_error.unwrap() < 2e-10);
+    }
+}
+
+#[test]
+fn a_damped_resonator_is_exact_at_any_step() {
+    // Truth: closed form of a damped cradle bead, u = e^{-nu t} (cos w t + nu/w sin w t), and its
+    // energy; one step of sixteen periods is as good as short ones.
+    let apart = Details { drag: vec![0.02; 3], overlap: vec![-1.0; 2], ..Details::default() };
+    let chain = Chain::new(params(1.5, 1.0, f64::INFINITY), Boundary::Free, 3).unwrap().with(&apart).unwrap();
+    let mut state = State::rest(&chain);
+    state.u_mut().copy_from_slice(&[-0.3, 0.0, 0.3]);
+    let (nu, end) = (0.01f64, 100.0f64);
+    let w = (1.0 - nu * nu).sqrt();
+    let want = -0.3 * (-nu * end).exp() * ((w * end).cos() + nu / w * (w * end).sin());
+    for steps in [1, 7, 1000] {
+        for method in ["strang-linear", "yoshida4-linear"] {
+            let got = run(&chain, &state, end, method, Setting::Steps(steps));
+            // A rounding for each of at most four drifts a step, and 2^8 in the matrix of the longest.
+            let bound = 1.1e-16 * (256.0 + 4.0 * steps as f64);
+            assert!((got.state[0] - want).abs() < bound, "{method} {steps}: {:e}", got.state[0] - want);
+            let error = got.energy_error.unwrap();
+            assert!(error < 2.0 * bound, "{method} {steps}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_wall_of_its_own_and_an_impurity_keep_energy_and_momentum() {
+    // Truth: invariants. A free chain keeps its momentum whatever the masses.
+    let details = Details { mass: vec![1.0, 0.1, 3.0, 0.5], rho: vec![0.5, 0.0, 2.0, 1.0], ..Details::default() };
+    let chain = Chain::new(params(1.5, 1.0, 1.0), Boundary::Free, 4).unwrap().with(&details).unwrap();
+    let state = lively(&chain);
+    let end = run(&chain, &state, 20.0, "dop853-regularised", Setting::Tolerance(1e-13));
+    assert!(end.energy_error.unwrap() < 1e-11, "{:e}", end.energy_error.unwrap());
+    let drift = chain.momentum(&end.state) - chain.momentum(state.as_slice());
+    assert!(drift.abs() < 1e-12, "{drift:e}");
+    let sum: f64 = chain.site_energies(&end.state).iter().sum();
+    assert!((sum - end.energy.unwrap().total()).abs() < 1e-14);
+    assert_eq!(chain.overlaps(&end.state)[0], f64::NEG_INFINITY);
+}
+
+#[test]
+fn what_cannot_run_such_a_chain_names_one_that_can() {
+    let details = Details { mass: vec![1.0, 2.0], ..Details::default() };
+    let plain = Chain::<f64>::new(params(1.5, 1.0, 1.0), Boundary::Free, 2).unwrap();
+    let chain = plain.clone().with(&details).unwrap();
+    let start = |chain: &Chain<f64>, method: Method, setting| {
+        let run = Run::new(chain.clone(), lively(chain)).until(1.0).unwrap();
+        run.method(method).setting(setting).start().map(|_| ()).map_err(|error| error.to_string())
+    };
+    let lossy =
+        Details { dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1] }), ..details.clone() };
+    let lossy = plain.clone().with(&lossy).unwrap();
+    for method in Method::all() {
+        let setting = if method.adaptive() { Setting::Tolerance(1e-8) } else { Setting::Steps(10) };
+        for chain in [&chain, &lossy] {
+            let outcome = start(chain, method, setting);
+            assert_eq!(outcome.is_ok(), method.runs(chain).is_ok(), "{}", method.name());
+            if let Err(message) = outcome {
+                assert!(message.contains(&method.name()) && message.contains("take dop853-regularised"), "{message}");
+            }
+        }
+    }
+    let message = chain.collocation(lively(&chain).as_slice(), (0.0, 1.0), super::windows(4, 8)).err().unwrap();
+    assert!(message.to_string().contains("equal beads"), "{message}");
+    // What nobody names is a method that can.
+    for chain in [&chain, &lossy] {
+        let run = Run::new(chain.clone(), lively(chain)).until(1.0).unwrap();
+        assert!(run.start().unwrap().failure.is_none());
+        assert!(run.clone().tolerance(1e-9).unwrap().start().unwrap().failure.is_none());
+    }
+    let run = Run::new(chain.clone(), lively(&chain)).until(1.0).unwrap();
+    assert!(run.step(0.01).unwrap().start().unwrap().failure.is_none());
+}
+
+#[test]
+fn wrong_details_are_refused_by_name_and_rule() {
+    let chain = |boundary| Chain::<f64>::new(params(1.5, 1.0, 1.0), boundary, 3).unwrap();
+    let none = Details::default;
+    let drive = |site, means, signal| Details { drives: vec![Drive { site, means, signal }], ..none() };
+    let cases: Vec<(Details, &str, &str)> = vec![
+        (Details { mass: vec![1.0, 2.0], ..none() }, "mass = 2 numbers for 3 sites", "one number for each site"),
+        (Details { mass: vec![1.0, -2.0, 1.0], ..none() }, "mass = -2 (entry 1)", "finite and positive"),
+        (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
+        (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
+        (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "at least zero"),
+        (Details { overlap: vec![0.1, 0.1], ..none() }, "overlap", "only walls"),
+        (
+            Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
+            "dashpot = 0.1 at site 0",
+            "beside a spring",
+        ),
+        (drive(3, Means::Pushed, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
+        (drive(0, Means::Moved, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
+        (drive(0, Means::Pushed, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
+        (drive(0, Means::Pushed, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),
+        (drive(0, Means::Pushed, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),
+    ];
+    for (details, value, rule) in cases {
+        let message = chain(Boundary::Free).with(&details).unwrap_err().to_string();
+        assert!(message.contains(value) && message.contains(rule), "{message}");
+    }
+    let message = chain(Boundary::StrainRing).with(&none()).unwrap_err().to_string();
+    assert!(message.contains("strain-ring"), "{message}");
+    // A bead that is moved begins where its drive does.
+    let moved = Details { rho: vec![0.0, 1.0, 1.0], ..drive(0, Means::Moved, Signal::sine(0.1, 1.0, 0.0)) };
+    let chain = chain(Boundary::Free).with(&moved).unwrap();
+    let run = Run::new(chain.clone(), State::rest(&chain)).until(1.0).unwrap();
+    assert!(run.start().unwrap_err().to_string().contains("begins where its drive does"));
+    let run = Run::new(chain.clone(), State::rest(&chain).driven(&chain)).until(1.0).unwrap();
+    assert!(run.start().unwrap().failure.is_none());
+}
