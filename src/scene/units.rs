@@ -3,8 +3,12 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `R, rho_s, E, nu` | radius, density, Young's modulus, Poisson's ratio of a sphere |
-//! | `F = A delta^{3/2}` | Hertz's law: `A = 4/3 E* sqrt(R*)`, `1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2`, `1/R* = 1/R_1 + 1/R_2`; a flat wall has `1/R = 0` |
-//! | units | length `R`, mass `m` and contact constant `A` of the first bead and its like; time `(m/(A R^{1/2}))^{1/2}` |
+//! | `A` | contact constant of Hertz's law, `F = A delta^{3/2}`, `A = 4/3 E* sqrt(R*)` |
+//! | `E*` | `1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2` |
+//! | `R*` | `1/R* = 1/R_1 + 1/R_2`; a flat wall has `1/R = 0` |
+//!
+//! Units are the radius `R` and the mass `m` of the first bead, the constant `A` of two such beads,
+//! and the time `(m/(A R^{1/2}))^{1/2}`.
 //!
 //! K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section 4.2.
 

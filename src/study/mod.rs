@@ -37,7 +37,7 @@ pub use charts::{
     resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, compare};
-pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse};
+pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse, pulse_by};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;

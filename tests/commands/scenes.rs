@@ -254,9 +254,10 @@ fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
 /// The tables of the template that stand in comments, without what excludes something else.
 fn details_of_the_template() -> String {
     let template = stdout(&["scenes", "template"]);
-    let code = template.lines().filter_map(|line| line.strip_prefix("# ")).filter(|line| {
-        line.starts_with('[') || line.split_once(" = ").is_some_and(|(key, _)| !key.contains(' '))
-    });
+    let code = template
+        .lines()
+        .filter_map(|line| line.strip_prefix("# "))
+        .filter(|line| line.starts_with('[') || line.split_once(" = ").is_some_and(|(key, _)| !key.contains(' ')));
     let ours = code.skip_while(|line| *line != "[beads]").take_while(|line| *line != "[initial]");
     let beside = ["dashpot = 0.01", "band", "seed", "ramp", "start", "length"];
     let kept = ours.filter(|line| !beside.iter().any(|key| line.starts_with(key)));

@@ -285,7 +285,7 @@ fn a_damped_resonator_is_exact_at_any_step() {
     for steps in [1, 7, 1000] {
         for method in ["strang-linear", "yoshida4-linear"] {
             let got = run(&chain, &state, end, method, Setting::Steps(steps));
-            // A rounding for each of at most four drifts a step, and 2^8 in the matrix of the longest.
+            // A rounding for each of at most four drifts a step; 2^8 in the matrix of the longest.
             let bound = 1.1e-16 * (256.0 + 4.0 * steps as f64);
             assert!((got.state[0] - want).abs() < bound, "{method} {steps}: {:e}", got.state[0] - want);
             let error = got.energy_error.unwrap();

@@ -1,4 +1,4 @@
-//! A pulse in a 1:1 dimer: how much of it a chain of alternating heavy and light beads lets through.
+//! A pulse in a 1:1 dimer: how much of it a chain of heavy and light beads in turn lets through.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -27,13 +27,16 @@ pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
 
 /// Mass ratios that can be asked for.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
-/// Cells that the pulse passes before it is measured: it has then its own shape.
-const FIRST_CELL: usize = 12;
+/// Cells that the pulse passes before it is measured: it has then its own shape. Measured at m =
+/// 0.3428: a pulse that starts as a strike loses 8e-4 of its force between cell 12 and cell 36,
+/// and 1e-5 in the next 72. With 12 cells the maximum is found at 0.3414, 0.3419 and 0.3426 over
+/// 24, 48 and 96 cells.
+const FIRST_CELL: usize = 36;
 /// Cells beyond the last that is measured, so that the end of the chain is not felt.
 const BEYOND: usize = 4;
 const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
-/// Method and step: its error of `T` is below 1e-5, see `the_step_is_short_enough`.
+/// Method and step: its error of `T` is below 1e-5 (`the_step_of_the_dimer_study_is_short_enough`).
 const METHOD: &str = "aba864";
 const STEP: f64 = 0.02;
 /// The golden ratio less 1.
@@ -133,9 +136,9 @@ impl DimerOptions {
 ///
 /// ```
 /// use hertzchain::study::pulse;
-/// // Equal beads let a solitary wave through; at m = 0.59 the pulse is lost.
-/// assert!(pulse(1.0, 12)?.transmission() > 0.99);
-/// assert!(pulse(0.59, 12)?.transmission() < 0.5);
+/// // Equal beads let a solitary wave through; at m = 0.59 the pulse decays.
+/// assert!(pulse(1.0, 12)?.transmission() > 0.999);
+/// assert!(pulse(0.59, 12)?.transmission() < 0.8);
 /// # Ok::<(), hertzchain::Error>(())
 /// ```
 ///
@@ -184,7 +187,11 @@ pub fn pulse(ratio: f64, cells: usize) -> Result<DimerRow> {
     pulse_by(ratio, cells, STEP)
 }
 
-fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
+/// As [`pulse`], with another step.
+///
+/// # Errors
+/// As [`pulse`]; a step that is not positive.
+pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
     let sites = 2 * (FIRST_CELL + cells + BEYOND);
     let mass = (0..sites).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
     let details = Details { mass, ..Details::default() };
@@ -243,45 +250,5 @@ impl Peaks {
     /// Whether the pulse has passed the second bond: its overlap has fallen to half of its peak.
     fn passed(&self) -> bool {
         self.largest[1] > 0.0 && self.recent[1][2] < 0.5 * self.largest[1]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_step_is_short_enough() {
-        // Truth: a step of a quarter, whose error is 2^-5 and less of it.
-        for ratio in [0.0901, 0.3428, 0.6] {
-            let [a, b] = [STEP, 0.25 * STEP].map(|step| pulse_by(ratio, 8, step).unwrap().transmission());
-            assert!((a - b).abs() < 1e-5, "{ratio}: {:e}", a - b);
-        }
-    }
-
-    #[test]
-    fn solitary_waves_are_where_they_were_found() {
-        // Truth: the published mass ratios, to three digits; a pulse that keeps its force there, and
-        // loses much of it half way between.
-        for (published, (low, high)) in [(0.3428, (0.31, 0.38)), (0.1548, (0.14, 0.17)), (0.0901, (0.083, 0.098))] {
-            let found = highest(low, high, 24).unwrap();
-            assert!((found.ratio - published).abs() < 5e-4, "{published}: {}", found.ratio);
-            assert!(found.transmission() > 0.99, "{published}: {}", found.transmission());
-        }
-        assert!(pulse(0.59, 24).unwrap().transmission() < 0.4);
-    }
-
-    #[test]
-    fn options_outside_their_rules_are_refused() {
-        let refused = |options: DimerOptions, rule: &str| {
-            let message = options.begin().map(|_| ()).unwrap_err().to_string();
-            assert!(message.contains(rule), "{message}");
-        };
-        let own = DimerOptions::default;
-        refused(DimerOptions { from: 0.01, ..own() }, "from 0.02 to 1");
-        refused(DimerOptions { to: 1.5, ..own() }, "to = 1.5");
-        refused(DimerOptions { from: 0.5, to: 0.5, ..own() }, "below the largest");
-        refused(DimerOptions { points: 2, ..own() }, "points = 2");
-        refused(DimerOptions { cells: 3, ..own() }, "cells = 3");
     }
 }

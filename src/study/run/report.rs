@@ -301,7 +301,7 @@ pub fn run_pictures(
             first_site: first_bond(scene),
             times: (0.0, last.t),
             signed: true,
-            caption: caption(&format!("Negative strain (blue) is contact, positive (red) a gap{clipped}.")),
+            caption: caption(&format!("{}{clipped}.", strain_words(scene))),
         };
         pictures.push(("spacetime.png", figures::space_time(&figure)?));
     }
@@ -334,6 +334,17 @@ pub fn run_pictures(
 #[cfg(feature = "plot")]
 fn first_bond(scene: &Scene) -> f64 {
     Overlaps::new(scene.chain().clone()).bond(0) as f64
+}
+
+/// What the sign of a strain means. Beads with static overlaps of their own may press at both.
+#[cfg(feature = "plot")]
+fn strain_words(scene: &Scene) -> &'static str {
+    match scene.chain().details() {
+        Some(details) if !details.overlap.is_empty() => {
+            "Strain beside the static overlap: negative (blue) presses more, positive (red) less"
+        }
+        _ => "Negative strain (blue) is contact, positive (red) a gap",
+    }
 }
 
 /// The range of colours, and whether gaps go beyond it: up to the largest overlap, so that contacts

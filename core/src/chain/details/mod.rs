@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `m_n, kappa_n, rho_n` | mass of a bead, its spring constant, mass of its resonator over `m_n` |
+//! | `m_n, kappa_n, rho_n` | mass of a bead, spring constant, mass of its resonator over `m_n` |
 //! | `c_n, d_n` | drag on a bead, `-c_n u_n'`; dashpot beside its spring, `-d_n (u_n' - v_n')` |
 //! | `A_b, alpha_b, delta_b` | constant, exponent and static overlap of a contact |
 //! | `gamma_b` | dissipation of a contact, see [`Dissipation`] |
@@ -251,8 +251,8 @@ impl Details {
 }
 
 impl<R: Real> Chain<R> {
-    /// The same chain with details; see [`Details`]. Methods that need a uniform, conservative chain
-    /// refuse it.
+    /// The same chain with details; see [`Details`]. Methods that need a uniform, conservative
+    /// chain refuse it.
     ///
     /// # Errors
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns

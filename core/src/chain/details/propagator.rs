@@ -6,8 +6,8 @@
 //! | `E(t)` | `exp(A t)`, with `z' = A z` |
 //! | `Q(t)` | `int_0^t E^T D E ds`: `z^T Q z` is what a damper with the rate `z^T D z` dissipates |
 //!
-//! `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`: from a short time, by Taylor's series and
-//! a Gauss rule, to the whole one by doublings.
+//! `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`: from a short time, by Taylor's series
+//! and a Gauss rule, to the whole one by doublings.
 
 use super::{
     super::{Modes, Params, Resonators, gauss::gauss},
@@ -206,8 +206,8 @@ fn doubled<R: Real>(a: &Matrix<R>, [drag, dashpot]: [R; 2], damped: bool, dt: R)
     [e, losses[0], losses[1]]
 }
 
-/// `Q` over a short time of a damper between two velocities, or of one to the ground if they are the
-/// same.
+/// `Q` over a short time of a damper between two velocities, or of one to the ground if they are
+/// the same.
 fn over_short<R: Real>(a: &Matrix<R>, [i, j]: [usize; 2], rate: R, short: R) -> Matrix<R> {
     let integrand = |s: R| {
         let e = taylor(a, s);

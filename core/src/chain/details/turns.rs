@@ -4,8 +4,8 @@
 use super::super::{Chain, Overlaps};
 use hertzchain_integrators::{EventFunctions, Real};
 
-/// The overlaps of all bonds that can touch, then, for each bond that dissipates, a function that is
-/// positive where the contact pushes.
+/// The overlaps of all bonds that can touch, then, for each bond that dissipates, a function that
+/// is positive where the contact pushes.
 #[derive(Clone, Debug)]
 pub struct Turns<R> {
     chain: Chain<R>,
