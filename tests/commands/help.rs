@@ -73,7 +73,7 @@ fn short_help_fits_a_screen_and_long_help_has_examples() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 34, "the program, ten commands, and those below them");
+    assert_eq!(seen, 35, "the program, ten commands, and those below them");
 }
 
 #[test]
