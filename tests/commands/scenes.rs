@@ -337,10 +337,11 @@ fn json_of_a_scene_that_is_damped_and_driven_has_its_balance() {
     let of = |path: &str| run.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
     let kinds = of("/dissipated/drag") + of("/dissipated/dashpots") + of("/dissipated/contacts");
     assert!((kinds - of("/dissipated/total")).abs() < 1e-15 && of("/dissipated/dashpots") > 0.0);
-    // From rest: what is left is what was driven, less what was dissipated.
+    // From rest: what is left is what was driven, less what was dissipated. The tolerance is 1e-10 a
+    // step, of some 200 steps.
     let balance = of("/energy") + of("/dissipated/total") - of("/driven");
-    assert!(balance.abs() < 1e-9 * of("/driven").abs(), "{balance:e}");
-    assert!(of("/energy_error") < 1e-9, "{run}");
+    assert!(balance.abs() < 2e-8 * of("/driven").abs(), "{balance:e} of {:e}", of("/driven"));
+    assert!(of("/energy_error") < 2e-8, "{:e}", of("/energy_error"));
     assert_eq!(run["integrator"], "dop853-regularised");
     assert_eq!(run.pointer("/scene_file/beads/rho/except/0/1"), Some(&Value::from(0.0)));
     // Conservative scenes have neither.

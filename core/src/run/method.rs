@@ -300,7 +300,7 @@ impl Method {
     }
 
     /// Whether the method can run a chain: those that can run one with
-    /// [`Details`](crate::chain::Details) are DOP853, and splittings unless contacts dissipate.
+    /// [`Details`] are DOP853, and splittings unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.

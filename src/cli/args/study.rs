@@ -74,8 +74,8 @@ Example:
     /// Measure how a pulse decays in dimers, over the mass ratio.
     ///
     /// A chain of alternating heavy and light beads, struck at one end. The transmission is the
-    /// largest contact force far from that end over the one near it. Its maxima are the mass
-    /// ratios at which solitary waves exist.
+    /// largest contact force far from that end over the one near it. Where it has a maximum of 1
+    /// there is a solitary wave.
     #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer")]
     Dimer(Told<DimerOptions>),
 }

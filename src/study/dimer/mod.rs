@@ -8,7 +8,7 @@
 //!
 //! At most mass ratios the light beads ring behind the pulse, which loses energy to them. At a
 //! sequence of ratios they are at rest again when the pulse has passed, and it is a solitary wave:
-//! the maxima of `T`. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
+//! the maxima at which `T` is 1. K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis 2011, Phys. Rev. E 83,
 //! 036606.
 
 mod report;
@@ -108,7 +108,8 @@ pub struct DimerStudy {
     pub cells: usize,
     /// A row a mass ratio, ascending.
     pub rows: Vec<DimerRow>,
-    /// The maxima of the transmission inside the range, ascending.
+    /// The maxima of the transmission inside the range, ascending; where it is 1 the pulse is a
+    /// solitary wave.
     pub maxima: Vec<DimerRow>,
 }
 

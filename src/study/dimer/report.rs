@@ -49,8 +49,8 @@ impl Report for DimerStudy {
             )
         });
         format!(
-            "{}\nMaxima of the transmission F_2/F_1 of a pulse over {} cells of a 1:1 dimer, light mass over heavy mass; published: \
-             Jayaprakash, Starosvetsky & Vakakis 2011.\n{least}",
+            "{}\nMaxima of the transmission F_2/F_1 of a pulse over {} cells of a 1:1 dimer, light mass over heavy mass: solitary \
+             waves where it is 1. Published: Jayaprakash, Starosvetsky & Vakakis 2011.\n{least}",
             table(&["mass ratio", "published", "transmission"], &rows),
             self.cells
         )

@@ -21,6 +21,9 @@ use std::sync::Arc;
 /// Drifts whose propagators are kept: those that a scheme repeats.
 const KEPT: usize = 16;
 
+/// A time, and what each class of sites does over it.
+type Kept<R> = (Twofold<R>, Arc<Vec<Propagator<R>>>);
+
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
 ///
 /// Contacts that dissipate are no kicks, since their forces depend on velocities: a chain with
@@ -36,7 +39,7 @@ pub struct SitewiseFlow<R> {
     ledger: Ledger<R>,
     start: Twofold<R>,
     time: Twofold<R>,
-    kept: Vec<(Twofold<R>, Arc<Vec<Propagator<R>>>)>,
+    kept: Vec<Kept<R>>,
     /// Positions of beads, and forces on them.
     u: Vec<R>,
     force: Vec<R>,
