@@ -10,7 +10,7 @@ use std::str::FromStr;
 /// use hertzchain::figures::{Format, Kind, Line, Panel, Panels, panels};
 /// let line = Line::new("sin", (0..100).map(|k| (0.1 * f64::from(k), (0.1 * f64::from(k)).sin())));
 /// let panel = Panel::new(Kind::Time, ["time t", "sin t"], vec![line]);
-/// let picture = panels(&Panels::column("A sine".into(), vec![panel], "It is drawn over time.".into()))?;
+/// let picture = panels(&Panels::column("A sine", vec![panel], "It is drawn over time."))?;
 /// assert!(picture.file(Format::Png)?.starts_with(b"\x89PNG"));
 /// let svg = String::from_utf8(picture.file(Format::Svg)?).unwrap();
 /// assert!(svg.contains("<title>A sine</title>"));

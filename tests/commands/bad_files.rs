@@ -397,7 +397,7 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["study", "order"], &["--alpha"], &["--beads"]),
         (&["study", "scaling"], &["--tol", "--max-time"], &["--sites"]),
         (&["study", "drift"], &["--periods"], &["--samples"]),
-        (&["study", "dimer"], &["--from", "--to"], &["--points", "--cells"]),
+        (&["study", "dimer"], &["--from", "--to"], &["--ratios", "--cells"]),
         (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
         (
             &["breather", "bright"],

@@ -63,7 +63,7 @@ const PRINTING: [&str; 34] = [
     "study stability --charts length --quick --integrators verlet --periods 1 --sites 10",
     "study theorem --epsilons 0.3,0.2 --horizon 0.1",
     "study lifetimes --epsilons 0.3 --rhos 5 --sites 20 --until 12",
-    "study dimer --from 0.3 --to 0.4 --points 3 --cells 4",
+    "study dimer --from 0.3 --to 0.4 --ratios 3 --cells 4",
     "wave tw-q15 --until 3",
     "wave modulation --sites 10",
     "breather bright --sites 10 --until 3",

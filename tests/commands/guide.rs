@@ -79,7 +79,8 @@ fn every_command_of_the_guide_is_understood() {
             let ours = line.split(['#', '>', '|', '&', ';']).next().unwrap();
             let words = ["hertzchain"].into_iter().chain(ours.split_whitespace());
             // Variables of the shell stand for numbers.
-            let words = words.map(|word| OsString::from(word.replace("$k", "1").replace("$K", "1").trim_matches(['"', '\''])));
+            let words =
+                words.map(|word| OsString::from(word.replace("$k", "1").replace("$K", "1").trim_matches(['"', '\''])));
             if let Err(why) = hertzchain::cli::understood(words) {
                 panic!("{}: hertzchain {line}\n{why}", path.display());
             }

@@ -34,7 +34,7 @@ pub(crate) enum ShellAction {
 
 #[derive(Args)]
 pub(crate) struct ManArgs {
-    /// Write the pages to this folder.
-    #[arg(long, value_name = "DIR", required = true)]
+    /// Write the results to this folder.
+    #[arg(long, value_name = "DIR", default_value = "out/man")]
     pub(crate) out: PathBuf,
 }

@@ -76,7 +76,7 @@ Example:
     /// A chain of alternating heavy and light beads, struck at one end. The transmission is the
     /// largest contact force far from that end over the one near it. Where it has a maximum of 1
     /// there is a solitary wave.
-    #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer")]
+    #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --ratios 20 --out out/dimer")]
     Dimer(Told<DimerOptions>),
 }
 

@@ -48,18 +48,18 @@ const NEAR: f64 = 2e-5;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct DimerOptions {
-    /// Smallest mass ratio, light over heavy.
+    /// Where it begins.
     ///
-    /// From 0.02 to 1.
+    /// The smallest mass ratio, light over heavy, from 0.02 to 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.07"))]
     pub from: f64,
-    /// Largest mass ratio.
+    /// Where it ends.
     ///
-    /// From 0.02 to 1.
+    /// The largest mass ratio, from 0.02 to 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "1"))]
     pub to: f64,
     /// Number of mass ratios, evenly spaced in their logarithm.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 120))]
+    #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 120))]
     pub points: usize,
     /// Cells between the two bonds that are compared.
     ///
@@ -124,7 +124,7 @@ impl DimerOptions {
             return Err(Error::parameter("from", self.from, "below the largest mass ratio"));
         }
         if !POINTS.contains(&self.points) {
-            return Err(Error::parameter("points", self.points, "from 3 to 10000"));
+            return Err(Error::parameter("ratios", self.points, "from 3 to 10000"));
         }
         if !CELLS.contains(&self.cells) {
             return Err(Error::parameter("cells", self.cells, "from 4 to 1000"));
