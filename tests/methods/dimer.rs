@@ -37,6 +37,6 @@ fn options_of_the_dimer_study_outside_their_rules_are_refused() {
     refused(DimerOptions { from: 0.01, ..own() }, "from 0.02 to 1");
     refused(DimerOptions { to: 1.5, ..own() }, "to = 1.5");
     refused(DimerOptions { from: 0.5, to: 0.5, ..own() }, "below the largest");
-    refused(DimerOptions { points: 2, ..own() }, "points = 2");
+    refused(DimerOptions { points: 2, ..own() }, "ratios = 2");
     refused(DimerOptions { cells: 3, ..own() }, "cells = 3");
 }
