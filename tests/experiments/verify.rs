@@ -269,7 +269,7 @@ fn values_are_those_that_are_stored() {
 }
 
 #[test]
-#[ignore = "nightly: every section a second time"]
+#[ignore = "nightly: section 6 of verify a second time"]
 fn a_section_alone_has_the_items_it_has_in_all() {
     let part = verify(Some(6), &|_, _| {}).unwrap();
     let whole: Vec<Item> = all().items.iter().filter(|item| item.claim.section == 6).copied().collect();
