@@ -223,7 +223,7 @@ impl Method {
     pub fn stages(&self) -> usize {
         match self {
             Self::Splitting(scheme, _) | Self::Landed(scheme) => scheme.stages(),
-            // The discrete gradient iterates: five to ten evaluations in steps that resolve contacts.
+            // The discrete gradient iterates: five to ten evaluations where steps resolve contacts.
             Self::Corrected(..) | Self::Conserving(_) => 1,
             Self::Dop853(_) => 12,
             Self::Collocation => 8,

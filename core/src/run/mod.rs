@@ -232,7 +232,7 @@ impl Run {
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
         parts.check(self.chain.sites())?;
         if !parts.whole() && self.chain.details().is_some() {
-            let rule = "1: a chain of beads that differ, are damped or driven runs in one part";
+            let rule = "beads that differ, are damped or driven run in one part: leave threads and ranks out";
             return Err(Error::parameter("parts", parts.count(), rule));
         }
         self.parts = parts;

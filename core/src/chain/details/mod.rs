@@ -323,7 +323,7 @@ impl<R: Real> Chain<R> {
             None => Ok(()),
             Some(_) => {
                 let rule = "it needs equal beads, without damping or drives";
-                Err(Error::parameter("chain", format!("one with details, for {what},"), rule))
+                Err(Error::parameter("chain", format!("of beads that differ, are damped or driven, for {what},"), rule))
             }
         }
     }
