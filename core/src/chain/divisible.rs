@@ -15,8 +15,8 @@ pub enum Split {
 /// A split of the chain that can be divided: a kick of a site depends on this site and its two
 /// neighbours, and a drift on nothing but the site.
 ///
-/// What does not belong to a site, such as a phase, depends on durations alone. So it is the same in
-/// all parts that make the same kicks and drifts.
+/// What does not belong to a site, such as a phase, depends on durations alone. So it is the same
+/// in all parts that make the same kicks and drifts.
 pub trait Divisible<R: Real>: SplitFlow<R> {
     /// The chain at rest.
     fn rest(chain: Chain<R>) -> Self;

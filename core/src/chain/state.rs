@@ -6,8 +6,8 @@ use hertzchain_integrators::Real;
 
 /// Where the arrays of a state are: `[u, v, u', v']`, or `[u, u']` without moving resonators.
 ///
-/// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`. The
-/// state of a chain that dissipates or is driven ends with its [`Ledger`](super::Ledger).
+/// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`.
+/// The state of a chain that dissipates or is driven ends with its [`Ledger`](super::Ledger).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     sites: usize,

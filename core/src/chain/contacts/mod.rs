@@ -83,8 +83,8 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
 /// With `G` the largest overlap, follow the overlap from there back to the last time `t` at which
 /// it has the value [`TOUCH`]` G`, and on to its zero at `t_0`. The onset is `t_0` if the overlap
 /// comes through zero: if its rate there is at least a tenth of the mean rate from `t_0` to `t`.
-/// Else the beads touched before they pressed, and the onset is `t`. The release is the same in time
-/// reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts if its
+/// Else the beads touched before they pressed, and the onset is `t`. The release is the same in
+/// time reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts if its
 /// least value between them is below [`TOUCH`] of the smaller of their largest ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
