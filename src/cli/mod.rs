@@ -128,6 +128,9 @@ fn run_command(command: &Command) -> Exit {
             StudyAction::Theorem(told) => told.run(),
             StudyAction::Lifetimes(told) => told.run(),
             StudyAction::Dimer(told) => told.run(),
+            StudyAction::Impurity(told) => told.run(),
+            StudyAction::Taper(told) => told.run(),
+            StudyAction::Disorder(told) => told.run(),
         },
         Command::Wave(args) => match &args.action {
             Some(WaveAction::Modulation(told)) => told.run(),

@@ -9,7 +9,6 @@ mod barrier;
 mod breather;
 mod charts;
 mod compare;
-mod dimer;
 mod dps;
 mod drift;
 mod evolve;
@@ -19,6 +18,7 @@ mod modulation;
 mod orbits;
 mod order;
 mod plan;
+mod pulses;
 mod run;
 mod scaling;
 mod solitary;
@@ -37,7 +37,6 @@ pub use charts::{
     resonance,
 };
 pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, compare};
-pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse, pulse_by};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
@@ -61,6 +60,7 @@ pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
+pub use pulses::*;
 pub use run::*;
 pub use scaling::*;
 #[cfg(feature = "plot")]

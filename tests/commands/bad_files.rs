@@ -398,6 +398,9 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["study", "scaling"], &["--tol", "--max-time"], &["--sites"]),
         (&["study", "drift"], &["--periods"], &["--samples"]),
         (&["study", "dimer"], &["--from", "--to"], &["--ratios", "--cells"]),
+        (&["study", "impurity"], &["--from", "--to"], &["--ratios"]),
+        (&["study", "taper"], &["--from", "--to"], &["--ratios", "--spheres"]),
+        (&["study", "disorder"], &[], &["--seeds", "--beads"]),
         (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
         (
             &["breather", "bright"],

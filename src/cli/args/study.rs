@@ -2,7 +2,10 @@
 
 use crate::{
     cli::runner::Told,
-    study::{Bound, Charts, DimerOptions, Drift, LifetimeOptions, OrderOptions, ScalingOptions, TheoremOptions},
+    study::{
+        Bound, Charts, DimerOptions, DisorderOptions, Drift, ImpurityOptions, LifetimeOptions, OrderOptions,
+        ScalingOptions, TaperOptions, TheoremOptions,
+    },
 };
 use clap::{Args, Subcommand};
 
@@ -78,6 +81,31 @@ Example:
     /// there is a solitary wave.
     #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --ratios 20 --out out/dimer")]
     Dimer(Told<DimerOptions>),
+    /// Measure how one bead of another mass scatters a solitary wave.
+    ///
+    /// Shares of its energy behind the bead, before it and in it when all is over, over the mass; and
+    /// the frequency with which a light bead rings between its neighbours.
+    #[command(
+        after_long_help = "Example:\n  hertzchain study impurity --from 0.1 --to 10 --ratios 20 --out out/impurity"
+    )]
+    Impurity(Told<ImpurityOptions>),
+    /// Measure how a pulse grows in tapered chains.
+    ///
+    /// Spheres of one material whose radii are a geometric sequence, from growing to shrinking ones:
+    /// growth of the velocity from sphere to sphere, and what the pulse keeps of its energy.
+    #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --ratios 11 --out out/taper")]
+    Taper(Told<TaperOptions>),
+    /// Measure how a pulse decays in chains with masses drawn at random.
+    ///
+    /// The energy of a solitary wave against distance, over many chains, for several strengths of the
+    /// disorder.
+    ///
+    /// With --out every chain is kept as soon as it was run, in disorder.store: a run that was killed
+    /// goes on where it was.
+    #[command(
+        after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --seeds 50 --out out/disorder"
+    )]
+    Disorder(Told<DisorderOptions>),
 }
 
 /// The rule of the verdict, and an example.

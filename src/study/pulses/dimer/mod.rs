@@ -13,14 +13,12 @@
 
 mod report;
 
-use super::{Progress, Study, Work};
+use super::{Crests, STEP, follow, plain};
 use crate::{
-    chain::{Boundary, Chain, Details, Overlaps, Params, State},
+    chain::State,
     error::{Error, Result},
-    interrupt,
-    run::{Method, Run, Setting, state_at},
+    study::{Progress, Study, Work},
 };
-use hertzchain_integrators::{EventFunctions, Stepper};
 
 /// Mass ratios at which solitary waves were found, in the article cited above.
 pub const PUBLISHED: [f64; 4] = [1.0, 0.3428, 0.1548, 0.0901];
@@ -36,9 +34,6 @@ const FIRST_CELL: usize = 36;
 const BEYOND: usize = 4;
 const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
-/// Method and step: its error of `T` is below 1e-5 (`the_step_of_the_dimer_study_is_short_enough`).
-const METHOD: &str = "aba864";
-const STEP: f64 = 0.02;
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Mass ratios at maxima are found to this.
@@ -194,62 +189,17 @@ pub fn pulse(ratio: f64, cells: usize) -> Result<DimerRow> {
 /// As [`pulse`]; a step that is not positive.
 pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
     let sites = 2 * (FIRST_CELL + cells + BEYOND);
-    let mass = (0..sites).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
-    let details = Details { mass, ..Details::default() };
-    let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, sites)?.with(&details)?;
+    let chain = plain((0..sites).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect(), Vec::new())?;
     let mut state = State::rest(&chain);
     state.u_dot_mut()[0] = 1.0;
+    let bonds = [2 * FIRST_CELL, 2 * (FIRST_CELL + cells)];
+    let mut crests = Crests::new(2);
     // The pulse of equal beads takes 1.6 a bead at most: slow ones are those that have decayed.
-    let end = 8.0 * sites as f64;
-    let run = Run::new(chain.clone(), state).until(end)?.method(Method::named(METHOD)?);
-    let mut stepper = run.setting(Setting::steps(end / step)?).stepper()?;
-    let mut peaks = Peaks::new(&chain, [2 * FIRST_CELL, 2 * (FIRST_CELL + cells)]);
-    while !peaks.passed() && !stepper.done() {
-        if interrupt::asked() {
-            return Err(Error::Stopped { kept: "nothing of this study".to_owned() });
-        }
-        stepper.step()?;
-        let t = stepper.time();
-        peaks.look(&state_at(&mut *stepper, t)?);
-    }
-    let [first, last] = peaks.largest.map(|overlap| chain.law().force(overlap));
+    follow(&chain, state, (step, 8.0 * sites as f64), &mut |_, y| {
+        let overlaps = chain.overlaps(chain.layout().u(y));
+        crests.look(bonds.map(|bond| overlaps[bond]), |_| ());
+        crests.all_passed()
+    })?;
+    let [first, last] = [0, 1].map(|k| chain.law().force(crests.crest[k]));
     Ok(DimerRow { ratio, first, last })
-}
-
-/// The first maxima of the overlaps of two bonds, from states at equal times.
-struct Peaks {
-    overlaps: Overlaps<f64>,
-    index: [usize; 2],
-    g: Vec<f64>,
-    /// The last three values of each.
-    recent: [[f64; 3]; 2],
-    largest: [f64; 2],
-}
-
-impl Peaks {
-    fn new(chain: &Chain<f64>, bonds: [usize; 2]) -> Self {
-        let overlaps = Overlaps::new(chain.clone());
-        let first = overlaps.bond(0);
-        let g = vec![0.0; overlaps.count()];
-        Self { overlaps, index: bonds.map(|bond| bond - first), g, recent: [[0.0; 3]; 2], largest: [0.0; 2] }
-    }
-
-    fn look(&mut self, y: &[f64]) {
-        self.overlaps.values(0.0, y, &mut self.g);
-        for k in 0..2 {
-            let [_, b, c] = self.recent[k];
-            self.recent[k] = [b, c, self.g[self.index[k]]];
-            let [a, b, c] = self.recent[k];
-            if b >= a && b > c && b > 0.0 {
-                // The vertex of the parabola through three values.
-                let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
-                self.largest[k] = self.largest[k].max(b - 0.5 * slope * slope / bend);
-            }
-        }
-    }
-
-    /// Whether the pulse has passed the second bond: its overlap has fallen to half of its peak.
-    fn passed(&self) -> bool {
-        self.largest[1] > 0.0 && self.recent[1][2] < 0.5 * self.largest[1]
-    }
 }

@@ -1,11 +1,14 @@
 //! The study of dimers as people and machines read it.
 
-use super::{DimerRow, DimerStudy, FIRST_CELL, METHOD, PUBLISHED, STEP};
+use super::{DimerRow, DimerStudy, FIRST_CELL, PUBLISHED};
 use crate::{
     error::Result,
     output::csv,
     present::table,
-    study::{File, Report, named},
+    study::{
+        File, Report, named,
+        pulses::{METHOD, STEP},
+    },
 };
 use serde_json::{Value, json};
 

@@ -1,0 +1,314 @@
+//! A solitary wave that runs into beads whose masses are drawn at random.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `eps` | strength: masses are uniform in `[1 - eps, 1 + eps]` |
+//! | `E_n` | energy of the pulse when its crest is at bond `n`, over that at the start |
+//! | rate | `-d <ln E_n>/dn`, mean over seeds, by a straight line from bond 10 on |
+//!
+//! Below a level of disorder the amplitude of a pulse decays exponentially with distance, above it
+//! like a power (L. Ponson, N. Boechler, Y. M. Lai, M. A. Porter, P. G. Kevrekidis & C. Daraio 2010,
+//! Phys. Rev. E 82, 021301, for beads of two masses). A sequence of collisions of two beads passes on
+//! `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to leading order.
+//! The wave is wider than a bead and loses less.
+
+use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
+use crate::{
+    error::{Error, Result},
+    output::csv,
+    present::table,
+    random::uniform,
+    study::{File, Progress, Report, Study, Work, fit_line, named},
+    sweep::{Engine, Grid},
+    waves::LinePulse,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// The store in the folder of results.
+const STORE: &str = "disorder.store";
+/// Above, a mass could be so small that its contacts need shorter steps.
+const STRENGTHS: std::ops::RangeInclusive<f64> = 0.0..=0.9;
+const SEEDS: std::ops::RangeInclusive<u64> = 2..=100_000;
+const BEADS: std::ops::RangeInclusive<usize> = 20..=2000;
+/// Bonds that the line of the rate leaves out.
+const FIRST: usize = 10;
+/// Beads after the last that is measured, so that the free end is not felt.
+const BEYOND: usize = 8;
+/// End of a run, in units of the time that the solitary wave takes.
+const END: f64 = 6.0;
+
+/// The study of pulses in disordered chains.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DisorderOptions {
+    /// Strengths of the disorder, separated by commas.
+    ///
+    /// Masses are drawn evenly from 1 - E to 1 + E; each from 0 to 0.9.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "E,..", value_delimiter = ',', default_values = ["0.1", "0.2", "0.4", "0.8"])
+    )]
+    pub strengths: Vec<f64>,
+    /// Number of chains for each strength, with seeds from 1 on.
+    ///
+    /// From 2 to 10^5.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 100))]
+    pub seeds: u64,
+    /// Beads that are drawn.
+    ///
+    /// From 20 to 2000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 100))]
+    pub beads: usize,
+}
+
+impl Default for DisorderOptions {
+    fn default() -> Self {
+        Self { strengths: vec![0.1, 0.2, 0.4, 0.8], seeds: 100, beads: 100 }
+    }
+}
+
+/// Pulses in chains with disorder of one strength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DisorderRow {
+    /// `eps`.
+    pub strength: f64,
+    /// The rate.
+    pub rate: f64,
+    /// Its standard error, from the spread of the rates of single chains.
+    pub error: f64,
+    /// `eps^2/6`.
+    pub binary: f64,
+    /// Mean of `ln E_n` over seeds, from the first disordered bond on.
+    pub log_energy: Vec<f64>,
+    /// Standard deviation of `ln E_n` over seeds.
+    pub spread: Vec<f64>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct DisorderStudy {
+    /// Number of seeds.
+    pub seeds: u64,
+    /// A row a strength.
+    pub rows: Vec<DisorderRow>,
+}
+
+impl DisorderOptions {
+    fn check(&self) -> Result<()> {
+        if self.strengths.is_empty() {
+            return Err(Error::parameter("strengths", "", "at least one strength"));
+        }
+        if let Some(strength) = self.strengths.iter().find(|strength| !STRENGTHS.contains(*strength)) {
+            return Err(Error::parameter("strengths", strength, "a strength from 0 to 0.9"));
+        }
+        if !SEEDS.contains(&self.seeds) {
+            return Err(Error::parameter("seeds", self.seeds, "from 2 to 10^5"));
+        }
+        if !BEADS.contains(&self.beads) {
+            return Err(Error::parameter("beads", self.beads, "from 20 to 2000"));
+        }
+        Ok(())
+    }
+}
+
+impl Study for DisorderOptions {
+    const FILES: &'static str = "\
+Files: disorder.csv, energies.csv, disorder.json, disorder.png and disorder.store. The store keeps every \
+chain as soon as it was run; the same command goes on from there.";
+    const STOPS: bool = true;
+    const SWEEPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.check()?;
+        Ok(Box::new(|engine, progress| Ok(Box::new(disorder(self, engine, progress)?))))
+    }
+}
+
+/// The decay at every strength; each chain is a point of a grid. `progress` is told the share done.
+///
+/// # Errors
+/// An option outside its rule; a run that fails; a signal.
+pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'_>) -> Result<DisorderStudy> {
+    options.check()?;
+    let DisorderOptions { strengths, seeds, beads } = options;
+    let line = LinePulse::new(ALPHA);
+    let chains: Vec<(f64, u64)> =
+        strengths.iter().flat_map(|&strength| (1..=*seeds).map(move |seed| (strength, seed))).collect();
+    let grid = Grid { store: STORE, study: "disorder", settings: json!({"beads": beads, "step": STEP}) };
+    let tell = |done: u64, total: u64| progress(done as f64 / total as f64, "chains");
+    let work = |&(strength, seed): &(f64, u64)| decay(strength, *beads, seed, &line);
+    let swept = engine.sweep(&grid, &chains, &tell, work)?;
+    if swept.missing > 0 {
+        let kept = format!("{} of {} chains have run; those in --out are kept", swept.computed(), chains.len());
+        return Err(Error::Stopped { kept });
+    }
+    let point = |(&(strength, seed), row): (&(f64, u64), std::result::Result<Vec<f64>, String>)| {
+        row.map_err(|why| Error::Point { point: format!("strength {strength}, seed {seed}"), why })
+    };
+    let energies: Vec<Vec<f64>> = chains.iter().zip(swept.rows).map(point).collect::<Result<_>>()?;
+    let rows = strengths.iter().zip(energies.chunks(*seeds as usize));
+    Ok(DisorderStudy { seeds: *seeds, rows: rows.map(|(&strength, energies)| row_of(strength, energies)).collect() })
+}
+
+/// Energies `E_n` of the solitary wave of speed 1 in so many beads with masses drawn from `1 -
+/// strength` to `1 + strength`, at all their bonds.
+///
+/// ```
+/// use hertzchain::{study::decay, waves::LinePulse};
+/// let line = LinePulse::new(1.5);
+/// // Without disorder the pulse keeps its energy; with it, it loses some.
+/// assert!(decay(0.0, 20, 1, &line)?.iter().all(|energy| (energy - 1.0).abs() < 1e-5));
+/// assert!(decay(0.8, 20, 1, &line)?[19] < 0.9);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// A strength that makes a mass negative; a run that fails; a signal.
+pub fn decay(strength: f64, beads: usize, seed: u64, line: &LinePulse) -> Result<Vec<f64>> {
+    let mut draw = uniform(seed);
+    let mut mass = vec![1.0; LEAD];
+    mass.extend((0..beads).map(|_| 1.0 + strength * draw()));
+    mass.extend([1.0; BEYOND]);
+    let least = mass.iter().copied().fold(1.0, f64::min);
+    let chain = plain(mass, Vec::new())?;
+    let start = solitary_wave(&chain, line);
+    let whole = pulse_energy(&chain, start.as_slice(), CREST);
+    let mut crests = Crests::new(beads);
+    let mut energies = vec![0.0; beads];
+    let end = END * (LEAD + beads + BEYOND) as f64;
+    follow(&chain, start, (STEP * least.sqrt(), end), &mut |_, y| {
+        let overlaps = chain.overlaps(chain.layout().u(y));
+        crests.look(overlaps[LEAD..LEAD + beads].iter().copied(), |k| {
+            energies[k] = pulse_energy(&chain, y, LEAD + k) / whole;
+        });
+        crests.all_passed()
+    })?;
+    Ok(energies)
+}
+
+/// The row of a strength from the energies of its chains.
+fn row_of(strength: f64, energies: &[Vec<f64>]) -> DisorderRow {
+    let logs: Vec<Vec<f64>> = energies.iter().map(|chain| chain.iter().map(|energy| energy.ln()).collect()).collect();
+    let rates: Vec<f64> = logs.iter().map(|logs| rate(logs)).collect();
+    let bonds = 0..logs.first().map_or(0, Vec::len);
+    let (log_energy, spread) = bonds.map(|n| mean(logs.iter().map(|chain| chain[n]))).unzip();
+    let (rate, deviation) = mean(rates.iter().copied());
+    let error = deviation / (rates.len() as f64).sqrt();
+    DisorderRow { strength, rate, error, binary: strength * strength / 6.0, log_energy, spread }
+}
+
+/// The rate of decay of one chain.
+fn rate(logs: &[f64]) -> f64 {
+    let points: Vec<(f64, f64)> = logs.iter().enumerate().skip(FIRST).map(|(n, log)| (n as f64, *log)).collect();
+    fit_line(&points).map_or(f64::NAN, |(slope, _)| -slope)
+}
+
+/// Mean and standard deviation of a sample.
+fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let count = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0)).sqrt())
+}
+
+impl DisorderStudy {
+    /// The exponent `b` of `rate = a eps^b` over the strengths whose rate is positive, by a straight
+    /// line; `None` with fewer than two of them.
+    pub fn exponent(&self) -> Option<f64> {
+        let good = self.rows.iter().filter(|row| row.strength > 0.0 && row.rate > 0.0);
+        let points: Vec<(f64, f64)> = good.map(|row| (row.strength.ln(), row.rate.ln())).collect();
+        fit_line(&points).map(|(slope, _)| slope)
+    }
+}
+
+impl Report for DisorderStudy {
+    fn json(&self) -> Value {
+        json!({
+            "seeds": self.seeds,
+            "integrator": METHOD,
+            "step": STEP,
+            "exponent": self.exponent(),
+            "rows": self.rows,
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    fn text(&self) -> String {
+        let cells = |row: &DisorderRow| {
+            let per_square = row.rate / (row.strength * row.strength);
+            let ratio = if row.strength > 0.0 { format!("{per_square:.4}") } else { "–".to_owned() };
+            let rates = [row.rate, row.error, row.binary].map(|rate| format!("{rate:.3e}"));
+            [format!("{:.3}", row.strength)].into_iter().chain(rates).chain([ratio]).collect()
+        };
+        let rows: Vec<_> = self.rows.iter().map(cells).collect();
+        let fit = self.exponent().map_or_else(String::new, |slope| format!("rate ~ strength^{slope:.2}.\n"));
+        format!(
+            "{}\nRate of decay of the energy of a pulse from bead to bead, mean of {} chains, with its standard error; \
+             collisions: eps^2/6, of a sequence of collisions of two beads.\n{fit}",
+            table(&["strength eps", "rate", "error", "collisions", "rate/eps^2"], &rows),
+            self.seeds
+        )
+    }
+
+    fn files(&self, json: &str) -> Result<Vec<File>> {
+        let rows = self.rows.iter().map(|row| vec![row.strength, row.rate, row.error, row.binary]);
+        let energies = self.rows.iter().flat_map(|row| {
+            let bonds = row.log_energy.iter().zip(&row.spread).enumerate();
+            bonds.map(|(n, (log, spread))| vec![row.strength, n as f64, *log, *spread])
+        });
+        Ok(named([
+            ("disorder.csv", csv(&["strength", "rate", "error", "binary"], rows)),
+            ("energies.csv", csv(&["strength", "bond", "log_energy", "spread"], energies)),
+            ("disorder.json", json.into()),
+        ]))
+    }
+
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
+        Ok(named([("disorder.png", self.picture()?)]))
+    }
+}
+
+impl DisorderStudy {
+    /// Energy against distance, and the rate against the strength.
+    #[cfg(feature = "plot")]
+    fn picture(&self) -> Result<crate::figures::Picture> {
+        use crate::figures::{Band, Kind, Line, Panel, Panels, panels};
+        let decays = self.rows.iter().map(|row| {
+            let points = row.log_energy.iter().enumerate().map(|(n, log)| (n as f64, log.exp()));
+            Line::new(&format!("ε = {}", row.strength), points)
+        });
+        let bands = self.rows.iter().map(|row| Band {
+            name: "± σ".to_owned(),
+            points: row
+                .log_energy
+                .iter()
+                .zip(&row.spread)
+                .enumerate()
+                .map(|(n, (log, spread))| (n as f64, (log - spread).exp(), (log + spread).exp()))
+                .collect(),
+        });
+        let mut energy = Panel::new(Kind::LogTime, ["bead n", "energy of the pulse"], decays.collect());
+        energy.bands = bands.collect();
+        let positive = || self.rows.iter().filter(|row| row.strength > 0.0 && row.rate > 0.0);
+        let rates = vec![
+            Line::new("computed", positive().map(|row| (row.strength, row.rate))),
+            Line::new("ε²/6", positive().map(|row| (row.strength, row.binary))),
+        ];
+        let mut plots = vec![energy];
+        if positive().count() > 1 {
+            plots.push(Panel::new(Kind::LogLog, ["strength ε", "rate of decay a bead"], rates));
+        }
+        let caption = format!(
+            "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into beads with masses drawn evenly \
+             from 1 − ε to 1 + ε. Above: geometric mean over {} chains of the energy in {} sites about the crest, and its \
+             standard deviation σ. Below: rate of the exponential decay; ε²/6 if two beads collide at a time. Seeds from 1 \
+             on. Integrator {METHOD}, steps of {STEP}, shorter for light beads. hertzchain {}.",
+            self.seeds,
+            2 * super::HALF_PULSE,
+            env!("CARGO_PKG_VERSION")
+        );
+        Ok(panels(&Panels::column("A pulse in disordered chains".to_owned(), plots, caption))?)
+    }
+}

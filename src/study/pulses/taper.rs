@@ -1,0 +1,256 @@
+//! A solitary wave that runs into a tapered chain of spheres of one material.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `s` | radius of a sphere over that of the one before it |
+//! | `m_n, A_n` | masses `s^{3n}`; contact constants `(2 R_{n-1} R_n/(R_{n-1} + R_n))^{1/2}` |
+//! | `V_n` | largest velocity of sphere `n` |
+//! | growth | slope of `ln V_n` against `n` over the second half of the tapered spheres |
+//!
+//! As a sequence of collisions of two spheres the pulse grows by `V_n/V_{n-1} = 2/(1 + s^3)` (U.
+//! Harbola, A. Rosas, M. Esposito & K. Lindenberg 2009, Phys. Rev. E 80, 031302). If it kept its
+//! energy, `V_n` would be as `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are `1 - 3 (s - 1)/2`
+//! near `s = 1`.
+
+use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
+use crate::{
+    error::{Error, Result},
+    output::csv,
+    present::table,
+    study::{File, Progress, Report, Study, Work, fit_line, named},
+    sweep::map,
+    waves::LinePulse,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+const RADII: std::ops::RangeInclusive<f64> = 0.8..=1.25;
+const POINTS: std::ops::RangeInclusive<usize> = 2..=1000;
+const SPHERES: std::ops::RangeInclusive<usize> = 10..=200;
+/// Least and largest radius that a chain may have.
+const LIMITS: (f64, f64) = (1e-3, 1e3);
+/// Spheres after the last that is measured, so that the free end is not felt.
+const BEYOND: usize = 8;
+/// The time of a contact is as `R^{13/10}` for a pulse of given energy: `(m/A)^{1/2} g^{-1/4}`, `g`
+/// as `A^{-2/5}`.
+const TIME: f64 = 1.3;
+
+/// The study of a pulse in tapered chains.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct TaperOptions {
+    /// Where it begins.
+    ///
+    /// The smallest ratio of a radius to the one before it, from 0.8 to 1.25.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "0.92"))]
+    pub from: f64,
+    /// Where it ends.
+    ///
+    /// The largest ratio of a radius to the one before it, from 0.8 to 1.25.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "1.08"))]
+    pub to: f64,
+    /// Number of ratios of radii, evenly spaced.
+    #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 33))]
+    pub points: usize,
+    /// Spheres that are measured.
+    ///
+    /// From 10 to 200; radii stay between 0.001 and 1000.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
+    pub spheres: usize,
+}
+
+impl Default for TaperOptions {
+    fn default() -> Self {
+        Self { from: 0.92, to: 1.08, points: 33, spheres: 40 }
+    }
+}
+
+/// A pulse in a tapered chain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TaperRow {
+    /// `s`.
+    pub ratio: f64,
+    /// Growth of `ln V_n` a sphere.
+    pub growth: f64,
+    /// `ln(2/(1 + s^3))`.
+    pub binary: f64,
+    /// `-3/2 ln s`.
+    pub adiabatic: f64,
+    /// Share of the energy that the pulse has at the last sphere that is measured.
+    pub energy: f64,
+    /// `V_n` over the velocity in the uniform chain, sphere by sphere.
+    pub velocity: Vec<f64>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct TaperStudy {
+    /// A row a ratio, ascending.
+    pub rows: Vec<TaperRow>,
+}
+
+impl TaperOptions {
+    fn check(&self) -> Result<()> {
+        for (name, value) in [("from", self.from), ("to", self.to)] {
+            if !RADII.contains(&value) {
+                return Err(Error::parameter(name, value, "a ratio of radii from 0.8 to 1.25"));
+            }
+        }
+        if self.from >= self.to {
+            return Err(Error::parameter("from", self.from, "below the largest ratio of radii"));
+        }
+        if !POINTS.contains(&self.points) {
+            return Err(Error::parameter("ratios", self.points, "from 2 to 1000"));
+        }
+        if !SPHERES.contains(&self.spheres) {
+            return Err(Error::parameter("spheres", self.spheres, "from 10 to 200"));
+        }
+        let last = |ratio: f64| ratio.powi((self.spheres + BEYOND) as i32);
+        if last(self.from) < LIMITS.0 || last(self.to) > LIMITS.1 {
+            let rule = "so few that all radii stay between 0.001 and 1000";
+            return Err(Error::parameter("spheres", self.spheres, rule));
+        }
+        Ok(())
+    }
+}
+
+impl Study for TaperOptions {
+    const FILES: &'static str = "Files: taper.csv, velocities.csv, taper.json and taper.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.check()?;
+        Ok(Box::new(|_, progress| Ok(Box::new(taper(self, progress)?))))
+    }
+}
+
+/// The growth at every ratio of radii, on all cores. `progress` is told the share done.
+///
+/// # Errors
+/// An option outside its rule; a run that fails; a signal.
+pub fn taper(options: &TaperOptions, progress: Progress<'_>) -> Result<TaperStudy> {
+    options.check()?;
+    let &TaperOptions { from, to, points, spheres } = options;
+    let line = LinePulse::new(ALPHA);
+    let ratios: Vec<f64> = (0..points).map(|k| from + (to - from) * k as f64 / (points - 1) as f64).collect();
+    let rows = map(&ratios, |&ratio| {
+        progress((ratio - from) / (to - from), &format!("s = {ratio:.4}"));
+        tapered(ratio, spheres, &line)
+    });
+    Ok(TaperStudy { rows: rows.into_iter().collect::<Result<_>>()? })
+}
+
+/// The solitary wave of speed 1 that runs into so many spheres, each with this radius over that of
+/// the one before it.
+///
+/// ```
+/// use hertzchain::{study::tapered, waves::LinePulse};
+/// // In a uniform chain it keeps its velocity and its energy.
+/// let same = tapered(1.0, 10, &LinePulse::new(1.5))?;
+/// assert!(same.growth.abs() < 1e-6 && (same.energy - 1.0).abs() < 1e-5);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+///
+/// # Errors
+/// A ratio that is not positive; a run that fails; a signal.
+pub fn tapered(ratio: f64, spheres: usize, line: &LinePulse) -> Result<TaperRow> {
+    let sites = LEAD + spheres + BEYOND;
+    let radius: Vec<f64> = (0..sites).map(|i| ratio.powi((i + 1).saturating_sub(LEAD) as i32)).collect();
+    let constant = |pair: &[f64]| (2.0 * pair[0] * pair[1] / (pair[0] + pair[1])).sqrt();
+    let chain = plain(radius.iter().map(|r| r.powi(3)).collect(), radius.windows(2).map(constant).collect())?;
+    let start = solitary_wave(&chain, line);
+    let whole = pulse_energy(&chain, start.as_slice(), CREST);
+    let layout = chain.layout();
+    // From the last sphere of the uniform chain on, whose velocity is that of the solitary wave but
+    // for what it feels of the next: so the reference is a sphere before.
+    let first = CREST + 2;
+    let mut crests = Crests::new(LEAD + spheres - first);
+    let mut energy = 0.0;
+    let least = radius[sites - 1].min(1.0).powf(TIME);
+    let end = 4.0 * (LEAD as f64 + radius.iter().map(|r| r.powf(TIME)).sum::<f64>());
+    follow(&chain, start, (STEP * least, end), &mut |_, y| {
+        crests.look(layout.u_dot(y)[first..LEAD + spheres].iter().copied(), |k| {
+            if first + k + 1 == LEAD + spheres {
+                energy = pulse_energy(&chain, y, first + k) / whole;
+            }
+        });
+        crests.all_passed()
+    })?;
+    let velocity: Vec<f64> = crests.crest[LEAD - first..].iter().map(|v| v / crests.crest[0]).collect();
+    let second_half: Vec<_> = (spheres / 2..spheres).map(|n| (n as f64, velocity[n].ln())).collect();
+    let growth = fit_line(&second_half).map_or(f64::NAN, |(slope, _)| slope);
+    let (binary, adiabatic) = ((2.0 / (1.0 + ratio.powi(3))).ln(), -1.5 * ratio.ln());
+    Ok(TaperRow { ratio, growth, binary, adiabatic, energy, velocity })
+}
+
+impl Report for TaperStudy {
+    fn json(&self) -> Value {
+        json!({
+            "integrator": METHOD,
+            "step": STEP,
+            "rows": self.rows,
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    fn text(&self) -> String {
+        let cells = |row: &TaperRow| {
+            let growth = [row.growth, row.binary, row.adiabatic].map(|rate| format!("{rate:.5}"));
+            [format!("{:.4}", row.ratio)].into_iter().chain(growth).chain([format!("{:.5}", row.energy)]).collect()
+        };
+        let rows: Vec<_> = self.rows.iter().map(cells).collect();
+        format!(
+            "{}\nRatio of a radius to the one before it; growth of the logarithm of the velocity from sphere to sphere: \
+             computed, by a sequence of collisions of two spheres (Harbola, Rosas, Esposito & Lindenberg 2009), and of \
+             a pulse that keeps its energy; share of the energy in the pulse at the last sphere.\n",
+            table(&["ratio", "growth", "collisions", "same energy", "energy"], &rows)
+        )
+    }
+
+    fn files(&self, json: &str) -> Result<Vec<File>> {
+        let rows = self.rows.iter().map(|row| vec![row.ratio, row.growth, row.binary, row.adiabatic, row.energy]);
+        let velocities = self.rows.iter().flat_map(|row| {
+            row.velocity.iter().enumerate().map(|(n, velocity)| vec![row.ratio, (n + 1) as f64, *velocity])
+        });
+        Ok(named([
+            ("taper.csv", csv(&["ratio", "growth", "binary", "adiabatic", "energy"], rows)),
+            ("velocities.csv", csv(&["ratio", "sphere", "velocity"], velocities)),
+            ("taper.json", json.into()),
+        ]))
+    }
+
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
+        Ok(named([("taper.png", self.picture()?)]))
+    }
+}
+
+impl TaperStudy {
+    /// Growth and energy against the ratio of radii.
+    #[cfg(feature = "plot")]
+    fn picture(&self) -> Result<crate::figures::Picture> {
+        use crate::figures::{Kind, Line, Panel, Panels, panels};
+        let of = |value: fn(&TaperRow) -> f64| self.rows.iter().map(move |row| (row.ratio, value(row)));
+        let growth = vec![
+            Line::new("computed", of(|row| row.growth)),
+            Line::new("collisions of two spheres", of(|row| row.binary)),
+            Line::new("same energy", of(|row| row.adiabatic)),
+        ];
+        let label = "radius over that of the sphere before it";
+        let panel = |y: &str, lines| Panel::new(Kind::Parameter, [label, y], lines);
+        let plots = vec![
+            panel("growth of ln Vₙ a sphere", growth),
+            panel("energy of the pulse", vec![Line::new("share at the last sphere", of(|row| row.energy))]),
+        ];
+        let caption = format!(
+            "A solitary wave of the uniform chain, α = 3/2, without precompression, runs into spheres of one material whose \
+             radii are a geometric sequence. Above: growth of the largest velocity Vₙ from sphere to sphere over the second \
+             half of them; 2/(1 + s³) a sphere if two spheres collide at a time; s^(−3/2) if the pulse keeps its energy. \
+             Below: energy in {} sites about the crest when it is at the last of {} spheres. Integrator {METHOD}, steps of \
+             {STEP}, shorter for small spheres. hertzchain {}.",
+            2 * super::HALF_PULSE,
+            self.rows.first().map_or(0, |row| row.velocity.len()),
+            env!("CARGO_PKG_VERSION")
+        );
+        Ok(panels(&Panels::column("A pulse in a tapered chain".to_owned(), plots, caption))?)
+    }
+}
