@@ -42,6 +42,15 @@ impl<R: Real> Contact<R> {
         Self { law: ContactLaw::new(alpha), constant: R::of(constant), rest: R::of(rest), loss }
     }
 
+    pub(crate) fn law(&self) -> ContactLaw<R> {
+        self.law
+    }
+
+    /// `A`.
+    pub(crate) fn constant(&self) -> R {
+        self.constant
+    }
+
     pub(crate) fn dissipates(&self) -> bool {
         self.loss.is_some()
     }

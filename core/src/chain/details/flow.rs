@@ -12,17 +12,18 @@
 use super::{
     super::{Chain, Resonators},
     Ledger, Means, Parts,
-    propagator::{Class, Propagator},
+    propagator::Class,
+    stretches::{Drift, Stretches},
 };
 use crate::run::method::Split;
 use hertzchain_integrators::{Real, SplitFlow, Twofold, system::ContactFlow};
 use std::sync::Arc;
 
-/// Drifts whose propagators are kept: those that a scheme repeats.
+/// Drifts that are kept: those that a scheme repeats.
 const KEPT: usize = 16;
 
-/// A time, and what each class of sites does over it.
-type Kept<R> = (Twofold<R>, Arc<Vec<Propagator<R>>>);
+/// A time, and what each site does over it.
+type Kept<R> = (Twofold<R>, Arc<Drift<R>>);
 
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
 ///
@@ -34,14 +35,16 @@ pub struct SitewiseFlow<R> {
     classes: Arc<Vec<Class<R>>>,
     /// The class of each site.
     class: Arc<Vec<u32>>,
+    stretches: Arc<Stretches<R>>,
     /// The sites, in the variables of their classes.
-    z: Vec<[R; 4]>,
+    z: [Vec<R>; 4],
     ledger: Ledger<R>,
     start: Twofold<R>,
     time: Twofold<R>,
     kept: Vec<Kept<R>>,
-    /// Positions of beads, and forces on them.
+    /// Positions of beads, forces in bonds, and forces on beads.
     u: Vec<R>,
+    push: Vec<R>,
     force: Vec<R>,
 }
 
@@ -69,14 +72,16 @@ impl<R: Real> SitewiseFlow<R> {
         let (n, zero) = (chain.sites(), R::zero());
         Self {
             split,
+            stretches: Arc::new(Stretches::new(&chain, parts(&chain), &classes, &class)),
             classes: Arc::new(classes),
             class: Arc::new(class),
-            z: vec![[zero; 4]; n],
+            z: std::array::from_fn(|_| vec![zero; n]),
             ledger: Ledger::of(&[zero; super::LEDGER]),
             start: Twofold::new(start),
             time: Twofold::new(start),
             kept: Vec::new(),
             u: vec![zero; n],
+            push: vec![zero; n + 1],
             force: vec![zero; n],
             chain,
         }
@@ -86,9 +91,13 @@ impl<R: Real> SitewiseFlow<R> {
         &self.classes[self.class[i] as usize]
     }
 
+    fn site(&self, i: usize) -> [R; 4] {
+        self.z.each_ref().map(|z| z[i])
+    }
+
     /// Position and velocity of a bead.
     fn bead(&self, i: usize) -> [R; 2] {
-        self.class(i).bead(&self.z[i])
+        self.class(i).bead(&self.site(i))
     }
 
     /// `F u + m s'^2/2` of all drives, now.
@@ -109,57 +118,20 @@ impl<R: Real> SitewiseFlow<R> {
         let Self { chain, z, .. } = self;
         for drive in parts(chain).drives().iter().filter(|drive| drive.means == Means::Moved) {
             let [s, s_dot, _] = drive.signal.at(t);
-            z[drive.site] = [s, R::zero(), s_dot, R::zero()];
+            z.iter_mut().zip([s, R::zero(), s_dot, R::zero()]).for_each(|(z, value)| z[drive.site] = value);
         }
     }
 
-    /// The motion of all classes over a time.
-    fn propagators(&mut self, dt: Twofold<R>) -> Arc<Vec<Propagator<R>>> {
+    /// The motion of all sites over a time.
+    fn over(&mut self, dt: Twofold<R>) -> Arc<Drift<R>> {
         if let Some((_, kept)) = self.kept.iter().find(|(time, _)| *time == dt) {
             return Arc::clone(kept);
         }
-        let made = Arc::new(self.classes.iter().map(|class| class.over(dt)).collect());
+        let made = Arc::new(self.stretches.over(dt, &self.classes, &self.class));
         if self.kept.len() < KEPT {
             self.kept.push((dt, Arc::clone(&made)));
         }
         made
-    }
-
-    /// Contact forces on all beads at the present positions.
-    fn contacts(&mut self) {
-        for i in 0..self.z.len() {
-            self.u[i] = self.bead(i)[0];
-        }
-        let Self { chain, u, force, .. } = self;
-        force.fill(R::zero());
-        let parts = parts(chain);
-        for bond in chain.touching() {
-            let contact = &parts.bonds[bond];
-            let g = contact.rest + chain.across(bond, |i| u[i]);
-            if g <= R::zero() {
-                continue;
-            }
-            let f = contact.elastic(g);
-            for &(site, weight) in chain.topology().pushed(bond).iter() {
-                force[site] += R::of(weight) * f;
-            }
-        }
-    }
-
-    /// The springs of the kinetic split.
-    fn springs(&mut self, kick: R) {
-        for i in 0..self.z.len() {
-            let site = parts(&self.chain).sites[i];
-            let pull = match site.resonators {
-                Resonators::None => continue,
-                Resonators::Fixed => site.kappa * self.z[i][0],
-                Resonators::Moving => site.kappa * (self.z[i][0] - self.z[i][1]),
-            };
-            self.force[i] -= pull;
-            if site.resonators == Resonators::Moving {
-                self.z[i][3] += kick * (pull / site.resonator());
-            }
-        }
     }
 
     fn drives(&mut self, kick: R) {
@@ -191,8 +163,10 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
         let layout = self.chain.layout();
         let (u, v, u_dot, v_dot) = (layout.u(y), layout.v(y), layout.u_dot(y), layout.v_dot(y));
         for i in 0..u.len() {
-            let of = |array: Option<&[R]>| array.map_or(R::zero(), |array| array[i]);
-            self.z[i] = self.class(i).split([u[i], of(v), u_dot[i], of(v_dot)]);
+            let moves = parts(&self.chain).sites[i].resonators == Resonators::Moving;
+            let of = |array: Option<&[R]>| array.filter(|_| moves).map_or(R::zero(), |array| array[i]);
+            let site = self.class(i).split([u[i], of(v), u_dot[i], of(v_dot)]);
+            self.z.iter_mut().zip(site).for_each(|(z, value)| z[i] = value);
         }
         self.time = self.start;
         self.follow();
@@ -203,10 +177,10 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
     }
 
     fn store(&self, y: &mut [R]) {
-        let (layout, n) = (self.chain.layout(), self.z.len());
+        let (layout, n) = (self.chain.layout(), self.chain.sites());
         let half = layout.half();
         for (i, site) in parts(&self.chain).sites.iter().enumerate() {
-            let [u, v, u_dot, v_dot] = self.class(i).join(self.z[i], site.resonators);
+            let [u, v, u_dot, v_dot] = self.class(i).join(self.site(i), site.resonators);
             (y[i], y[half + i]) = (u, u_dot);
             if layout.resonators() {
                 (y[n + i], y[half + n + i]) = (v, v_dot);
@@ -224,44 +198,41 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             split: self.split,
             classes: Arc::clone(&self.classes),
             class: Arc::clone(&self.class),
+            stretches: Arc::clone(&self.stretches),
             z: self.z.clone(),
             ledger: self.ledger,
             start: self.start,
             time: self.time,
             kept: self.kept.clone(),
             u: self.u.clone(),
+            push: self.push.clone(),
             force: self.force.clone(),
         }
     }
 
     fn copy_from(&mut self, other: &Self) {
-        self.z.copy_from_slice(&other.z);
+        self.z.iter_mut().zip(&other.z).for_each(|(z, other)| z.copy_from_slice(other));
         (self.ledger, self.time) = (other.ledger, other.time);
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        let propagators = self.propagators(dt);
-        for (z, &class) in self.z.iter_mut().zip(self.class.iter()) {
-            let [drag, dashpot] = propagators[class as usize].apply(z);
-            self.ledger.drag += drag;
-            self.ledger.dashpots += dashpot;
-        }
+        let drift = self.over(dt);
+        let Ledger { drag, dashpots, .. } = &mut self.ledger;
+        self.stretches.drift(&mut self.z, &drift, &self.class, [drag, dashpots]);
         self.time = self.time + dt;
         self.follow();
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
-        self.contacts();
+        let Self { chain, stretches, z, u, push, force, .. } = self;
+        stretches.positions(z, u);
+        stretches.forces(chain, parts(chain), u, push, force);
         // Beads that are pushed may have springs, those that are moved have none.
         if self.split == Split::Kinetic {
-            self.springs(kick);
+            stretches.springs(z, force, kick);
         }
         self.drives(kick);
-        let parts = parts(&self.chain);
-        for (i, site) in parts.sites.iter().enumerate().filter(|(_, site)| !site.moved) {
-            let class = &self.classes[self.class[i] as usize];
-            class.kick(&mut self.z[i], kick * (self.force[i] / site.mass));
-        }
+        self.stretches.kick(&mut self.z, &self.force, kick);
         self.drift(drift);
     }
 }
@@ -278,6 +249,6 @@ impl<R: Real> ContactFlow<R> for SitewiseFlow<R> {
         for (overlap, bond) in overlaps.iter_mut().zip(self.chain.touching()) {
             *overlap += parts.bonds[bond].rest;
         }
-        self.chain.dead_band((0..self.z.len()).map(|i| self.bead(i)[0]))
+        self.chain.dead_band((0..self.chain.sites()).map(|i| self.bead(i)[0]))
     }
 }

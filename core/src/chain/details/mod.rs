@@ -23,6 +23,7 @@ mod field;
 mod flow;
 mod ledger;
 mod propagator;
+mod stretches;
 mod turns;
 
 pub use contact::{Dissipation, Kind};

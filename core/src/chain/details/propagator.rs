@@ -106,15 +106,11 @@ impl<R: Real> Class<R> {
         }
     }
 
-    /// An impulse on the bead, over its mass.
-    #[inline]
-    pub(super) fn kick(&self, z: &mut [R; 4], impulse: R) {
+    /// What an impulse on the bead, over its mass, adds to `z[2]` and `z[3]`.
+    pub(super) fn shares(&self) -> [R; 2] {
         match self {
-            Self::Modes(modes) => {
-                z[2] += modes.m * impulse;
-                z[3] += modes.mu_over_omega() * impulse;
-            }
-            _ => z[2] += impulse,
+            Self::Modes(modes) => [modes.m, modes.mu_over_omega()],
+            _ => [R::one(), R::zero()],
         }
     }
 
@@ -160,7 +156,11 @@ fn dot<R: Real>(a: &[R; 4], b: &[R; 4]) -> R {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
+/// `z^T Q z`; a damper dissipates only if a velocity does.
 fn form<R: Real>(q: &Matrix<R>, z: &[R; 4]) -> R {
+    if q[2][2] == R::zero() {
+        return R::zero();
+    }
     (0..4).fold(R::zero(), |sum, i| sum + z[i] * dot(&q[i], z))
 }
 

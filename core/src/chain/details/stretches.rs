@@ -1,0 +1,444 @@
+//! Loops over the sites of a chain with details, in registers.
+//!
+//! A *stretch* is a part of the chain whose sites move by the same formula. Products and sums are
+//! those of one site at a time, in the same order, so that all instruction sets, and all ways to
+//! divide a chain into stretches, give the same bits.
+
+use super::{
+    super::{
+        Chain, ContactLaw, Resonators,
+        law::{Power, with_power},
+    },
+    Parts,
+    propagator::{Class, Propagator},
+};
+use hertzchain_integrators::{Real, Rotation, Twofold, VectorKernel, vector::Vector};
+use std::ops::Range;
+
+/// By what formula a site moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Motion {
+    /// Its position is given.
+    Given,
+    /// `R` moves freely, `P` turns.
+    Turning,
+    /// Bead and resonator move freely.
+    Straight,
+    /// By a matrix.
+    Damped,
+}
+
+/// What the loops need of the sites and contacts, and what does not change.
+#[derive(Debug)]
+pub(super) struct Stretches<R> {
+    motions: Vec<(Motion, Range<usize>)>,
+    /// Shares of an impulse on the bead that go to `z[2]` and `z[3]`.
+    shares: [Vec<R>; 2],
+    mass: Vec<R>,
+    /// Spring constants; masses of resonators, infinite where none moves.
+    springs: Option<[Vec<R>; 2]>,
+    /// The law of all contacts, if they have the same exponent.
+    law: Option<ContactLaw<R>>,
+    /// Constants and static overlaps of contacts.
+    contacts: [Vec<R>; 2],
+}
+
+/// What each site does over a time.
+#[derive(Debug)]
+pub(super) struct Drift<R> {
+    dt: R,
+    /// High and low part of the cosine and of the sine, by site; empty where no site turns.
+    turns: [Vec<R>; 4],
+    /// By class.
+    propagators: Vec<Propagator<R>>,
+}
+
+impl<R: Real> Stretches<R> {
+    /// Of a chain whose sites are of these classes, each of that with its number.
+    pub(super) fn new(chain: &Chain<R>, parts: &Parts<R>, classes: &[Class<R>], class: &[u32]) -> Self {
+        let of = |i: usize| &classes[class[i] as usize];
+        let mut motions: Vec<(Motion, Range<usize>)> = Vec::new();
+        for i in 0..class.len() {
+            let motion = match of(i) {
+                Class::Moved => Motion::Given,
+                Class::Modes(_) => Motion::Turning,
+                Class::Linear { damped: false, .. } => Motion::Straight,
+                Class::Linear { .. } => Motion::Damped,
+            };
+            match motions.last_mut() {
+                Some((last, range)) if *last == motion => range.end = i + 1,
+                _ => motions.push((motion, i..i + 1)),
+            }
+        }
+        let sites = &parts.sites;
+        let sprung = sites.iter().any(|site| site.resonators != Resonators::None);
+        let springs = sprung.then(|| {
+            let kappa =
+                sites.iter().map(|site| if site.resonators == Resonators::None { R::zero() } else { site.kappa });
+            let moves = |resonators| resonators == Resonators::Moving;
+            let masses = sites.iter().map(|site| if moves(site.resonators) { site.resonator() } else { R::infinity() });
+            [kappa.collect(), masses.collect()]
+        });
+        let laws: Vec<ContactLaw<R>> = chain.touching().map(|bond| parts.bonds[bond].law()).collect();
+        let same = laws.windows(2).all(|pair| pair[0].alpha() == pair[1].alpha());
+        Self {
+            motions,
+            shares: [0, 1].map(|k| (0..class.len()).map(|i| of(i).shares()[k]).collect()),
+            mass: sites.iter().map(|site| site.mass).collect(),
+            springs,
+            law: laws.first().filter(|_| same).copied(),
+            contacts: [
+                parts.bonds.iter().map(|bond| bond.constant()).collect(),
+                parts.bonds.iter().map(|bond| bond.rest).collect(),
+            ],
+        }
+    }
+
+    /// The motion of all sites over a time.
+    pub(super) fn over(&self, dt: Twofold<R>, classes: &[Class<R>], class: &[u32]) -> Drift<R> {
+        let propagators: Vec<Propagator<R>> = classes.iter().map(|class| class.over(dt)).collect();
+        let turning = self.motions.iter().any(|(motion, _)| *motion == Motion::Turning);
+        let parts: [fn(&Rotation<R>) -> R; 4] = [|by| by.cos.hi, |by| by.cos.lo, |by| by.sin.hi, |by| by.sin.lo];
+        let turns = parts.map(|part| {
+            let by = |&class: &u32| match &propagators[class as usize] {
+                Propagator::Modes(_, rotation) => part(rotation),
+                _ => R::zero(),
+            };
+            class.iter().filter(|_| turning).map(by).collect()
+        });
+        Drift { dt: dt.value(), turns, propagators }
+    }
+
+    /// Moves all sites on; adds what drag and dashpots dissipate.
+    pub(super) fn drift(&self, z: &mut [Vec<R>; 4], drift: &Drift<R>, class: &[u32], lost: [&mut R; 2]) {
+        let [lost_to_drag, lost_to_dashpots] = lost;
+        for (motion, range) in &self.motions {
+            let mut z = part(z, range);
+            match motion {
+                Motion::Given => {}
+                Motion::Turning => {
+                    over(
+                        range.len(),
+                        Turn { z, dt: drift.dt, turns: drift.turns.each_ref().map(|by| &by[range.clone()]) },
+                    );
+                }
+                Motion::Straight => over(range.len(), Straight { z, dt: drift.dt }),
+                Motion::Damped => {
+                    for (k, &class) in class[range.clone()].iter().enumerate() {
+                        let mut site = z.each_ref().map(|z| z[k]);
+                        let [drag, dashpot] = drift.propagators[class as usize].apply(&mut site);
+                        z.iter_mut().zip(site).for_each(|(z, value)| z[k] = value);
+                        *lost_to_drag += drag;
+                        *lost_to_dashpots += dashpot;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Positions of beads.
+    pub(super) fn positions(&self, z: &[Vec<R>; 4], u: &mut [R]) {
+        u.copy_from_slice(&z[0]);
+        for (_, range) in self.motions.iter().filter(|(motion, _)| *motion == Motion::Turning) {
+            u[range.clone()].iter_mut().zip(&z[1][range.clone()]).for_each(|(u, &p)| *u += p);
+        }
+    }
+
+    /// Contact forces on beads at these positions; `push` has room for one bond more than sites.
+    pub(super) fn forces(&self, chain: &Chain<R>, parts: &Parts<R>, u: &[R], push: &mut [R], force: &mut [R]) {
+        let (n, touching) = (u.len(), chain.touching());
+        let push = &mut push[..=n];
+        let own = |bond: usize| {
+            let contact = &parts.bonds[bond];
+            contact.elastic(contact.rest + chain.across(bond, |i| u[i]))
+        };
+        if let Some(law) = &self.law {
+            let contacts = self.contacts.each_ref().map(|numbers| &numbers[1..]);
+            let push = &mut push[1..n];
+            with_power!(law, power => over(n - 1, Push { power, law, contacts, u, push }));
+        } else {
+            touching.clone().for_each(|bond| push[bond] = own(bond));
+        }
+        // With a wall, with nothing, or from the last bead of a ring to the first.
+        for bond in [0, n] {
+            push[bond] = if touching.contains(&bond) { own(bond) } else { R::zero() };
+        }
+        if chain.topology().ring() {
+            push[n] = push[0];
+        }
+        for (force, pair) in force.iter_mut().zip(push.windows(2)) {
+            *force = pair[0] - pair[1];
+        }
+    }
+
+    /// Adds the pull of springs to the forces on beads, and kicks resonators.
+    pub(super) fn springs(&self, z: &mut [Vec<R>; 4], force: &mut [R], kick: R) {
+        if let Some(springs) = &self.springs {
+            let sites = force.len();
+            over(
+                sites,
+                Springs { z: part(z, &(0..sites)), force, kick, springs: springs.each_ref().map(|s| &s[..sites]) },
+            );
+        }
+    }
+
+    /// Kicks all beads but those that are moved.
+    pub(super) fn kick(&self, z: &mut [Vec<R>; 4], force: &[R], kick: R) {
+        for (_, range) in self.motions.iter().filter(|(motion, _)| *motion != Motion::Given) {
+            let (force, mass) = (&force[range.clone()], &self.mass[range.clone()]);
+            let shares = self.shares.each_ref().map(|share| &share[range.clone()]);
+            over(range.len(), Kick { z: part(z, range), force, mass, shares, kick });
+        }
+    }
+}
+
+fn part<'a, R>(z: &'a mut [Vec<R>; 4], range: &Range<usize>) -> [&'a mut [R]; 4] {
+    z.each_mut().map(|numbers| &mut numbers[range.clone()])
+}
+
+/// A formula for one register of sites, or bonds.
+trait Formula<R: Real> {
+    /// Those from `i` on, as many as `V` has lanes.
+    ///
+    /// # Safety
+    /// All slices have so many numbers from `i` on; the formula for overlaps has one more.
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize);
+}
+
+/// A formula for so many sites, or bonds, register after register.
+struct Over<F> {
+    count: usize,
+    formula: F,
+}
+
+/// Applies a formula, which has slices of `count` numbers.
+fn over<R: Real>(count: usize, formula: impl Formula<R>) {
+    R::run_vector(Over { count, formula });
+}
+
+impl<R: Real, F: Formula<R>> VectorKernel<R> for Over<F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<R>>(mut self) {
+        let mut i = 0;
+        while i + V::LANES <= self.count {
+            // SAFETY: the slices have `count` numbers.
+            unsafe { self.formula.at::<V>(i) };
+            i += V::LANES;
+        }
+        for i in i..self.count {
+            // SAFETY: as above.
+            unsafe { self.formula.at::<R>(i) };
+        }
+    }
+}
+
+/// The numbers of a slice from `i` on.
+///
+/// # Safety
+/// It has so many.
+#[inline(always)]
+unsafe fn load<R, V: Vector<R>>(numbers: &[R], i: usize) -> V {
+    debug_assert!(i + V::LANES <= numbers.len());
+    // SAFETY: the caller's promise.
+    unsafe { V::load(numbers.as_ptr().add(i)) }
+}
+
+/// The numbers of four slices from `i` on. No closure: it would not be compiled for the registers.
+///
+/// # Safety
+/// They have so many.
+#[inline(always)]
+unsafe fn four<R, V: Vector<R>>(numbers: &[impl std::ops::Deref<Target = [R]>; 4], i: usize) -> [V; 4] {
+    // SAFETY: the caller's promise.
+    unsafe { [load(&numbers[0], i), load(&numbers[1], i), load(&numbers[2], i), load(&numbers[3], i)] }
+}
+
+/// Writes the numbers of a slice from `i` on.
+///
+/// # Safety
+/// It has so many.
+#[inline(always)]
+unsafe fn store<R, V: Vector<R>>(numbers: &mut [R], i: usize, values: V) {
+    debug_assert!(i + V::LANES <= numbers.len());
+    // SAFETY: the caller's promise.
+    unsafe { values.store(numbers.as_mut_ptr().add(i)) }
+}
+
+/// `R` moves freely, `P` turns.
+struct Turn<'a, R> {
+    z: [&'a mut [R]; 4],
+    dt: R,
+    turns: [&'a [R]; 4],
+}
+
+impl<R: Real> Formula<R> for Turn<'_, R> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
+        // SAFETY: the caller's promise, for all slices.
+        unsafe {
+            let [r, p, r_dot, s]: [V; 4] = four(&self.z, i);
+            let [cos, cos_low, sin, sin_low]: [V; 4] = four(&self.turns, i);
+            store(self.z[0], i, r + V::all(self.dt) * r_dot);
+            // The low parts keep the rotation from growing or shrinking over many steps.
+            store(self.z[1], i, (cos * p + sin * s) + (cos_low * p + sin_low * s));
+            store(self.z[3], i, (cos * s - sin * p) + (cos_low * s - sin_low * p));
+        }
+    }
+}
+
+/// Bead and resonator move freely.
+struct Straight<'a, R> {
+    z: [&'a mut [R]; 4],
+    dt: R,
+}
+
+impl<R: Real> Formula<R> for Straight<'_, R> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
+        // SAFETY: the caller's promise, for all slices.
+        unsafe {
+            let [u, v, u_dot, v_dot]: [V; 4] = four(&self.z, i);
+            store(self.z[0], i, u + V::all(self.dt) * u_dot);
+            store(self.z[1], i, v + V::all(self.dt) * v_dot);
+        }
+    }
+}
+
+/// `A (delta + u_i - u_{i+1})_+^alpha` of the bond behind bead `i`.
+struct Push<'a, R, P> {
+    power: P,
+    law: &'a ContactLaw<R>,
+    contacts: [&'a [R]; 2],
+    u: &'a [R],
+    push: &'a mut [R],
+}
+
+impl<R: Real, P: Power<R>> Formula<R> for Push<'_, R, P> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
+        // SAFETY: the caller's promise, for all slices; there is one position more than bonds.
+        unsafe {
+            let overlap = load::<R, V>(self.contacts[1], i) + (load::<R, V>(self.u, i) - load(self.u, i + 1));
+            let constant: V = load(self.contacts[0], i);
+            store(self.push, i, constant * self.power.raise(self.law.positive_part(overlap)));
+        }
+    }
+}
+
+/// The pull of springs.
+struct Springs<'a, R> {
+    z: [&'a mut [R]; 4],
+    force: &'a mut [R],
+    kick: R,
+    springs: [&'a [R]; 2],
+}
+
+impl<R: Real> Formula<R> for Springs<'_, R> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
+        // SAFETY: the caller's promise, for all slices.
+        unsafe {
+            let [u, v, _, v_dot]: [V; 4] = four(&self.z, i);
+            let (kappa, resonator): (V, V) = (load(self.springs[0], i), load(self.springs[1], i));
+            let pull = kappa * (u - v);
+            store(self.force, i, load::<R, V>(self.force, i) - pull);
+            store(self.z[3], i, v_dot + V::all(self.kick) * (pull / resonator));
+        }
+    }
+}
+
+/// An impulse on the bead, by its shares.
+struct Kick<'a, R> {
+    z: [&'a mut [R]; 4],
+    force: &'a [R],
+    mass: &'a [R],
+    shares: [&'a [R]; 2],
+    kick: R,
+}
+
+impl<R: Real> Formula<R> for Kick<'_, R> {
+    #[inline(always)]
+    unsafe fn at<V: Vector<R>>(&mut self, i: usize) {
+        // SAFETY: the caller's promise, for all slices.
+        unsafe {
+            let impulse = V::all(self.kick) * (load::<R, V>(self.force, i) / load(self.mass, i));
+            store(self.z[2], i, load::<R, V>(self.z[2], i) + load::<R, V>(self.shares[0], i) * impulse);
+            store(self.z[3], i, load::<R, V>(self.z[3], i) + load::<R, V>(self.shares[1], i) * impulse);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        chain::{Boundary, Chain, Details, Drive, Means, Params, Signal, SitewiseFlow, State},
+        run::method::Split,
+    };
+    use hertzchain_integrators::{Instructions, SplitFlow, Twofold};
+
+    /// Beads of all kinds of motion, in stretches of lengths that no register divides.
+    fn mixed(boundary: Boundary, alpha: Vec<f64>) -> Chain<f64> {
+        let n = 29;
+        let of = |f: &dyn Fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
+        let signal = Signal::sine(0.1, 1.3, 0.0);
+        let details = Details {
+            mass: of(&|i| 0.5 + (i * 7 % 5) as f64 / 4.0),
+            rho: of(&|i| {
+                if i == 0 || i % 9 == 4 {
+                    0.0
+                } else if i % 11 == 5 {
+                    f64::INFINITY
+                } else {
+                    0.4
+                }
+            }),
+            dashpot: of(&|i| if (14..17).contains(&i) { 0.1 } else { 0.0 }),
+            alpha,
+            drives: vec![Drive { site: 0, means: Means::Moved, signal }],
+            ..Details::default()
+        };
+        Chain::new(Params::new(1.5, 1.0, 0.4).unwrap(), boundary, n).unwrap().with(&details).unwrap()
+    }
+
+    fn after(chain: &Chain<f64>, split: Split) -> Vec<u64> {
+        let mut state = State::rest(chain);
+        (0..29).for_each(|i| state.u_dot_mut()[i] = ((i * i) as f64 * 0.7).sin());
+        let mut flow = SitewiseFlow::new(chain.clone(), split, 0.0);
+        flow.load(state.as_slice());
+        (0..200).for_each(|_| flow.kick_drift(0.05, Twofold::new(0.05)));
+        let mut y = vec![0.0; flow.dim()];
+        flow.store(&mut y);
+        y.into_iter().map(f64::to_bits).collect()
+    }
+
+    #[test]
+    fn all_instruction_sets_and_single_laws_give_the_same_bits() {
+        let used = Instructions::used();
+        for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
+            let chain = mixed(boundary, Vec::new());
+            let bonds = chain.touching().len();
+            for split in [Split::Linear, Split::Kinetic] {
+                assert!(Instructions::Portable.select());
+                let portable = after(&chain, split);
+                for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+                    assert_eq!(after(&chain, split), portable, "{boundary:?} {split:?} {set:?}");
+                }
+                // One contact that never closes has another exponent: no contact is computed beside
+                // others then.
+                let mut apart = vec![1.5; bonds];
+                apart[bonds - 1] = 2.0;
+                let mut details = chain.parts().unwrap().given.clone();
+                details.alpha = apart;
+                details.overlap = vec![0.0; bonds];
+                details.overlap[bonds - 1] = -1e3;
+                let plain = Details { alpha: Vec::new(), ..details.clone() };
+                let base = Chain::new(Params::new(1.5, 1.0, 0.4).unwrap(), boundary, 29).unwrap();
+                let [one, other] = [plain, details].map(|details| after(&base.clone().with(&details).unwrap(), split));
+                assert_eq!(one, other, "{boundary:?} {split:?}");
+            }
+        }
+        assert!(used.select());
+    }
+}
