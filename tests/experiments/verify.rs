@@ -149,6 +149,28 @@ fn the_guide_has_the_counts_of_the_verdicts() {
     }
 }
 
+// Truth: the program. The numbers of the page may be those of another machine.
+#[test]
+fn the_guide_has_every_claim_with_its_verdict() {
+    let guide = include_str!("../../docs/claims.md");
+    let cell = |words: &str| words.replace('|', "\\|");
+    for Item { claim, .. } in &all().items {
+        let verdict = item(&claim.id).verdict().word();
+        let words = [&claim.label, &claim.quantity, &claim.paper].map(|words| cell(words)).join(" | ");
+        let start = format!("| `{}` | {words} | ", claim.id);
+        let line = guide.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{start}"));
+        assert!(line.ends_with(&format!(" | {verdict} |")), "{line}: {verdict}");
+        if claim.instead.is_some() {
+            let open = claim.open.as_ref().map(|what| format!("The paper does not give {what}. "));
+            let why = cell(&format!("{}{}", open.unwrap_or_default(), claim.why));
+            let row = format!("| `{}` | {verdict} | {why} |", claim.id);
+            assert!(guide.contains(&row), "{row}");
+        }
+    }
+    let known = claims().iter().filter(|claim| claim.instead.is_some()).count();
+    assert_eq!(guide.matches("\n| `s").count(), all().items.len() + known);
+}
+
 #[test]
 fn all_sections_with_numbers_have_items() {
     let count = |section| all().items.iter().filter(|item| item.claim.section == section).count();
