@@ -130,7 +130,7 @@ class Chain:
         known = names(self.boundary == STRAIN_RING)
         arrays = state_of(y0, known, self.sites, self.resonators)
         if self.boundary != STRAIN_RING:
-            masses = self.masses if self._tables else (1.0, self.rho)
+            masses: tuple[Vector | float, Vector | float] = self.masses if self._tables else (1.0, self.rho)
             for name, mass in zip(("pu", "pv"), masses):
                 if name in arrays and (name == "pu" or self.resonators):
                     arrays[name] = velocity(name, arrays[name], mass)
