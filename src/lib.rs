@@ -58,7 +58,8 @@ pub use scene::Scene;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// The example of the guide, run as a test.
+/// The examples of the guide, run as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]
+#[doc = include_str!("../docs/start.md")]
 struct Guide;

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from . import _native
 from ._arrays import Vector, number, vector, whole, word
 from ._errors import ParameterError
+from ._tables import BEADS, BONDS, TOUCHING, UNITS, Table, drives, table, text_of
 
 STRAIN_RING = "strain-ring"
 Arrays = tuple[Vector | None, Vector | None, Vector | None, Vector | None]
@@ -19,7 +21,7 @@ Arrays = tuple[Vector | None, Vector | None, Vector | None, Vector | None]
 
 @dataclass(frozen=True)
 class Chain:
-    """A chain of equal beads, each with a linear resonator.
+    """A chain of beads, each with a linear resonator.
 
     Beads push each other with the force (overlap)_+^alpha:
     ``u_n'' = (u_{n-1} - u_n)_+^alpha - (u_n - u_{n+1})_+^alpha - kappa (u_n - v_n)`` and
@@ -39,6 +41,19 @@ class Chain:
         What is beyond the ends. On a strain ring the unknowns are strains ``x, y``.
     precompression : float
         Static overlap of each contact.
+    beads : mapping, optional
+        What differs from bead to bead: ``mass, kappa, rho, drag, dashpot``. A value is a number for
+        all, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
+    bonds : mapping, optional
+        What differs from contact to contact: ``contact, alpha, overlap, viscoelastic, dashpot``, as
+        for `beads`, for the bonds that can touch from left to right: ``sites - 1`` between free
+        ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall`` is a number.
+    drive : sequence of mappings, optional
+        Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on.
+    units : mapping, optional
+        Spheres in SI units: ``radius, density, young, poisson`` and so on.
+
+        Keys, rules and meanings of these four are those of the tables of a scene.
 
     Examples
     --------
@@ -46,6 +61,16 @@ class Chain:
     >>> chain = hc.Chain(sites=10, kappa=1, rho=1 / 3)
     >>> round(chain.omega, 12)
     2.0
+
+    A dimer, with a heavy first bead.
+
+    >>> import numpy as np
+    >>> mass = np.where(np.arange(10) % 2, 0.3428, 1.0)
+    >>> mass[0] = 5.0
+    >>> dimer = hc.Chain(sites=10, beads={"mass": mass})
+    >>> run = hc.run(dimer, y0={"pu": 5.0 * np.eye(10)[0]}, until=20.0, tol=1e-10)
+    >>> bool(abs(run.pu[-1].sum() - 5.0) < 1e-11)
+    True
     """
 
     sites: int
@@ -54,18 +79,41 @@ class Chain:
     rho: float = 0.0
     boundary: str = "free"
     precompression: float = 0.0
+    beads: Table | None = field(default=None, compare=False)
+    bonds: Table | None = field(default=None, compare=False)
+    drive: Sequence[Table] = field(default=(), compare=False)
+    units: Table | None = field(default=None, compare=False)
+    _tables: str = field(init=False, default="", repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sites", whole("sites", self.sites))
         for name in ("alpha", "kappa", "rho", "precompression"):
             object.__setattr__(self, name, number(name, getattr(self, name)))
         word("boundary", self.boundary)
-        params = [self.alpha, self.kappa, self.rho]
-        _native.check_chain(self.sites, params, self.boundary, self.precompression)
+        _native.check_chain(self._numbers)
+        counts = {"beads": (BEADS, self.sites), "bonds": (BONDS, self.sites + TOUCHING[self.boundary])}
+        for name, (keys, count) in {**counts, "units": (UNITS, self.sites)}.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, table(name, getattr(self, name), keys, count))
+        object.__setattr__(self, "drive", drives(self.drive))
+        object.__setattr__(self, "_tables", text_of(self.beads, self.bonds, tuple(self.drive), self.units))
+        if self._tables:
+            _native.check_chain(self._numbers)
+
+    @property
+    def _numbers(self) -> tuple[int, float, float, float, str, float, str]:
+        params = (self.alpha, self.kappa, self.rho)
+        return (self.sites, *params, self.boundary, self.precompression, self._tables)
+
+    @cached_property
+    def masses(self) -> tuple[Vector, Vector]:
+        """Masses of the beads, and of the resonators: zero where none moves."""
+        beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e300).masses()
+        return beads, resonators
 
     @property
     def omega(self) -> float:
-        """Frequency of a bead against its resonator, ``sqrt(kappa (1 + 1/rho))``."""
+        """Frequency of a bead of mass 1 against its resonator, ``sqrt(kappa (1 + 1/rho))``."""
         if self.rho == 0.0 or self.kappa == 0.0:
             return 0.0
         return math.sqrt(self.kappa * (1.0 + 1.0 / self.rho))
@@ -73,12 +121,21 @@ class Chain:
     @property
     def resonators(self) -> bool:
         """Whether resonators move."""
+        if self._tables:
+            return bool(self.masses[1].any())
         return self.kappa > 0.0 and 0.0 < self.rho < math.inf
 
-    def _native(self, state: Any, until: float) -> _native.Scene:
-        return _native.Scene.of_chain(
-            self.sites, self.alpha, self.kappa, self.rho, self.boundary, self.precompression, tuple(state), until
-        )
+    def _velocities(self, y0: Any) -> Arrays:
+        """The arrays ``u, v, u', v'`` of a state."""
+        known = names(self.boundary == STRAIN_RING)
+        arrays = state_of(y0, known, self.sites, self.resonators)
+        if self.boundary != STRAIN_RING:
+            masses: tuple[Vector | float, Vector | float] = self.masses if self._tables else (1.0, self.rho)
+            for name, mass in zip(("pu", "pv"), masses):
+                if name in arrays and (name == "pu" or self.resonators):
+                    arrays[name] = velocity(name, arrays[name], mass)
+        u, v, u_dot, v_dot = (arrays.get(name) for name in known)
+        return u, v, u_dot, v_dot
 
     def scene(self, y0: Any, until: float) -> Scene:
         """A scene: this chain from a state up to a time.
@@ -90,8 +147,7 @@ class Chain:
         until : float
             End time.
         """
-        state = velocities(y0, self.sites, self.resonators, self.rho, self.boundary == STRAIN_RING)
-        return Scene(self._native(state, number("until", until)))
+        return Scene(_native.Scene.of_chain(self._numbers, self._velocities(y0), number("until", until)), self)
 
 
 class Scene:
@@ -107,9 +163,9 @@ class Scene:
     (50, 1.0)
     """
 
-    def __init__(self, native: _native.Scene) -> None:
+    def __init__(self, native: _native.Scene, chain: Chain | None = None) -> None:
         self._scene = native
-        self._chain: Chain | None = None
+        self._chain = chain
 
     @staticmethod
     def names() -> dict[str, str]:
@@ -148,9 +204,9 @@ class Scene:
 
     @property
     def chain(self) -> Chain:
-        """The chain."""
+        """The chain; rules and units of a scene have become numbers of each bead."""
         if self._chain is None:
-            self._chain = Chain(*self._scene.chain)
+            self._chain = Chain(*self._scene.chain, **(self._scene.tables or {}))
         return self._chain
 
     @property
@@ -176,11 +232,12 @@ class Scene:
     @property
     def y0(self) -> dict[str, Vector]:
         """The initial state: ``u, v, pu, pv``, or ``x, y, vx, vy`` on a strain ring."""
-        chain = self.chain
-        strains = chain.boundary == STRAIN_RING
+        strains = self.chain.boundary == STRAIN_RING
         u, v, u_dot, v_dot = self._scene.initial()
-        if v_dot is not None and not strains:
-            v_dot = chain.rho * v_dot
+        if not strains:
+            beads, resonators = self._scene.masses()
+            u_dot = None if u_dot is None else beads * u_dot
+            v_dot = None if v_dot is None else resonators * v_dot
         return {name: array for name, array in zip(names(strains), (u, v, u_dot, v_dot)) if array is not None}
 
     def __repr__(self) -> str:
@@ -207,19 +264,24 @@ def changes_of(changes: Mapping[str, Any] | None) -> list[str]:
     return [f"{key}={value(of)}" for key, of in (changes or {}).items()]
 
 
-def velocities(y0: Any, sites: int, resonators: bool, rho: float, strains: bool) -> Arrays:
-    """The arrays ``u, v, u', v'`` of a state that is given by momenta, or by strains and rates."""
-    known = names(strains)
+def state_of(y0: Any, known: tuple[str, ...], sites: int, resonators: bool) -> dict[str, Vector]:
+    """The arrays of a state by their names."""
     if isinstance(y0, Mapping):
         unknown = [key for key in y0 if key not in known]
         if unknown:
             raise ParameterError(f"y0 with the key {unknown[0]!r} is not valid: keys are {', '.join(known)}")
-        arrays = {name: vector(name, y0[name], sites) for name in known if y0.get(name) is not None}
-    else:
-        parts = [name for k, name in enumerate(known) if resonators or k % 2 == 0]
-        flat = vector("y0", y0, len(parts) * sites)
-        arrays = dict(zip(parts, np.split(flat, len(parts))))
-    u, v, pu, pv = (arrays.get(name) for name in known)
-    if pv is not None and resonators and not strains:
-        pv = pv / rho
-    return u, v, pu, pv
+        return {name: vector(name, y0[name], sites) for name in known if y0.get(name) is not None}
+    parts = [name for k, name in enumerate(known) if resonators or k % 2 == 0]
+    flat = vector("y0", y0, len(parts) * sites)
+    return dict(zip(parts, np.split(flat, len(parts))))
+
+
+def velocity(name: str, momenta: Vector, masses: Vector | float) -> Vector:
+    """Velocities from momenta; what has no mass has none of either."""
+    if isinstance(masses, float):
+        return momenta if masses == 1.0 else momenta / masses
+    lost = np.flatnonzero((masses == 0.0) & (momenta != 0.0))
+    if lost.size:
+        site = int(lost[0])
+        raise ParameterError(f"{name} = {momenta[site]} of site {site} is not valid: 0, as nothing moves there")
+    return np.divide(momenta, masses, out=np.zeros_like(momenta), where=masses > 0.0)

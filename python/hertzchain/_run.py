@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import Vector, number, optional, vector, word
-from ._chain import STRAIN_RING, Chain, Scene, names, velocities
+from ._chain import STRAIN_RING, Chain, Scene, names
 from ._errors import ParameterError
 from ._progress import Progress, shown
 
@@ -41,7 +41,8 @@ class Trajectory:
     t : ndarray, shape (times,)
         Sample times.
     u, v, pu, pv : ndarray, shape (times, sites), or None
-        Displacements of beads and resonators, and their momenta ``pu = u'``, ``pv = rho v'``. ``v``
+        Displacements of beads and resonators, and their momenta, mass times rate; for equal beads
+        ``pu = u'``, ``pv = rho v'``. ``v``
         and ``pv`` are None if no resonator moves. On a strain ring these are ``x, y, vx, vy``:
         strains and their rates.
     energy : ndarray, shape (times,), or None
@@ -54,7 +55,13 @@ class Trajectory:
     stats : dict
         ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
     energy_error : float or None
-        Largest sampled ``|E(t) - E(0)| / |E(0)|``.
+        Largest sampled ``|E(t) - E(0)| / |E(0)|``; of chains that dissipate or are driven, that of
+        the balance energy + dissipated - driven.
+    dissipated : dict or None
+        Work lost up to the end: ``drag``, ``dashpots``, ``contacts`` and ``total``, of a chain that
+        dissipates or is driven.
+    driven : float or None
+        Work that drives have put in, of such a chain.
     failure : str or None
         Why the run stopped before its end, if it did.
     t_end : float
@@ -76,6 +83,9 @@ class Trajectory:
         self._contacts: Vector | None = record.get("contacts")
         self.stats = {name: record[name] for name in ("steps", "rejected", "force_evaluations", "wall_s")}
         self.energy_error: float | None = record["energy_error"]
+        work = record.get("dissipated")
+        self.dissipated = None if work is None else dict(zip(("drag", "dashpots", "contacts", "total"), work))
+        self.driven: float | None = record.get("driven")
         self.failure: str | None = record["failure"]
         self.t_end: float = record["t_end"]
         self.end: dict[str, Vector] = {
@@ -178,9 +188,7 @@ def scene_of(what: Scene | Chain, y0: Any, until: float | None) -> Scene:
         return what
     native = what._scene if until is None else what._scene.until(number("until", until))
     if y0 is not None:
-        chain = what.chain
-        strains = chain.boundary == STRAIN_RING
-        native = native.from_state(velocities(y0, chain.sites, chain.resonators, chain.rho, strains))
+        native = native.from_state(what.chain._velocities(y0))
     return Scene(native)
 
 
@@ -198,6 +206,7 @@ def run(
     events: bool = False,
     progress: Progress = False,
     on_sample: Callable[[float, Vector], Any] | None = None,
+    on_contact: Callable[[dict[str, float]], Any] | None = None,
 ) -> Trajectory:
     """Run a scene, or a chain from a state.
 
@@ -232,6 +241,10 @@ def run(
         Whether to show progress; or a function that is called with the share that is done.
     on_sample : callable, optional
         Called with the time of every sample and the state there, ``[u, v, u', v']``.
+    on_contact : callable, optional
+        Called with each contact once the step is done in which it ends: a dictionary with the
+        columns of the log. It turns `events` on. An exception in one of the two functions stops
+        the run and is raised; its attribute ``partial`` is the trajectory so far.
 
     Returns
     -------
@@ -259,6 +272,8 @@ def run(
     """
     if on_sample is not None and not callable(on_sample):
         raise ParameterError(f"on_sample = {on_sample!r} is not valid: a function of t and the state")
+    if on_contact is not None and not callable(on_contact):
+        raise ParameterError(f"on_contact = {on_contact!r} is not valid: a function of a contact")
     whole = scene_of(scene, y0, until)
     if at is None and isinstance(scene, Chain):
         at = DEFAULT_SAMPLES
@@ -271,9 +286,10 @@ def run(
             steps_per_period=optional("steps_per_period", steps_per_period),
             times=None if at is None else times_of(at, whole.end),
             states=states,
-            events=events,
+            events=events or on_contact is not None,
             progress=tell,
             seen=on_sample,
+            told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers)),
         )
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record)
     if isinstance(raised, KeyboardInterrupt):
@@ -282,6 +298,12 @@ def run(
         raised.partial = trajectory  # type: ignore[attr-defined]
         raise raised
     return trajectory
+
+
+def contact_of(numbers: Vector) -> dict[str, float]:
+    """A contact by the columns of the log."""
+    contact: dict[str, float] = dict(zip(_native.CONTACT_COLUMNS, numbers.tolist()))
+    return contact | {"bond": int(numbers[0])}
 
 
 def times_of(at: ArrayLike | int, end: float) -> Vector:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _native
-from ._arrays import Vector
+from ._arrays import Vector, word
 from ._errors import FileError, ParameterError
 from ._progress import Progress, shown
 
@@ -46,6 +46,7 @@ def sweep_plan(
     plan: str | os.PathLike[str],
     *,
     out: str | os.PathLike[str] | None = None,
+    format: str | Iterable[str] = (),
     shard: str | None = None,
     progress: Progress = False,
 ) -> Table:
@@ -57,6 +58,8 @@ def sweep_plan(
         A TOML file; ``python -m hertzchain sweep --template`` prints one.
     out : path, optional
         A folder for tables and for the store: the same sweep goes on where it was.
+    format : str or list of str, optional
+        Draw the pictures of ``hertzchain sweep`` into `out`: ``"png"``, ``"svg"`` or both.
     shard : str, optional
         ``"K/N"``: compute the K-th part of N, counted from 1, into a store of its own in `out`; a
         sweep without a shard merges them.
@@ -64,8 +67,11 @@ def sweep_plan(
         As in :func:`run`.
     """
     folder = None if out is None else os.fspath(out)
+    formats = [word("format", name) for name in ([format] if isinstance(format, str) else format)]
+    if formats and folder is None:
+        raise ParameterError(f"format = {format!r} is not valid: pictures need a folder, out")
     with shown(progress, "sweep") as tell:
-        return Table(*_native.sweep_plan(os.fspath(plan), folder, shard, tell))
+        return Table(*_native.sweep_plan(os.fspath(plan), folder, formats, shard, tell))
 
 
 def sweep(
@@ -75,6 +81,7 @@ def sweep(
     workers: int | None = None,
     store: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] | None = None,
+    format: str | Iterable[str] = (),
     shard: str | None = None,
     comm: Any = None,
     progress: Progress = False,
@@ -87,7 +94,8 @@ def sweep(
     ----------
     function : callable or path
         Called with a point; with a store or MPI its values must be JSON: numbers, strings, lists,
-        dictionaries, None. Or a plan, as for :func:`sweep_plan`, with `out`, `shard`, `progress`.
+        dictionaries, None. Or a plan, as for :func:`sweep_plan`, with `out`, `format`, `shard`,
+        `progress`.
     points : iterable
         The points; with a store they must be JSON too.
     workers : int, optional
@@ -115,7 +123,9 @@ def sweep(
     [1, 4, 9]
     """
     if not callable(function):
-        return sweep_plan(function, out=out, shard=shard, progress=progress)
+        return sweep_plan(function, out=out, format=format, shard=shard, progress=progress)
+    if format:
+        raise ParameterError(f"format = {format!r} is not valid: a function has no pictures, a plan has")
     if out is not None:
         raise ParameterError(f"out = {os.fspath(out)!r} is not valid: a function has a store, a plan a folder")
     todo = list(points)

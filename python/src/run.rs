@@ -2,49 +2,51 @@
 
 use crate::{
     error::OrRaise,
-    scene::Scene,
+    scene::{Scene, masses},
     work::{Watched, brief, watched},
 };
 use hertzchain::{
     Setting, Trajectory,
-    chain::{Boundary, Contact, Energy, Layout},
+    chain::{Boundary, Chain, Contact, Energy, Layout},
     run::Records,
     study::{Asked, How},
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
 use pyo3::{prelude::*, types::PyDict};
+use std::cell::RefCell;
 
 /// Steps times sites of a run that takes less than a millisecond.
 const SHORT: u64 = 10_000;
 
-/// Rows of states, array by array: `u`, `v`, and the momenta `p_u = u'`, `p_v = rho v'`, or the
-/// rates of strains.
+/// Rows of states, array by array: `u`, `v`, and their momenta, or the rates of strains.
 struct Rows {
     layout: Layout,
-    /// What velocities of resonators are multiplied by.
-    mass: f64,
+    /// What velocities of beads and of resonators are multiplied by.
+    masses: [Vec<f64>; 2],
     t: Vec<f64>,
     arrays: [Vec<f64>; 4],
 }
 
 impl Rows {
-    fn new(scene: &hertzchain::Scene, rows: usize, states: bool) -> Self {
-        let chain = scene.chain();
+    /// Room for the states of a chain at some times.
+    fn new(chain: &Chain<f64>, times: usize, states: bool) -> Self {
         let strains = chain.boundary() == Boundary::StrainRing;
-        let mass = if strains { 1.0 } else { chain.params().rho };
-        let (layout, sites) = (chain.layout(), if states { rows * chain.sites() } else { 0 });
+        let masses = if strains { [(); 2].map(|()| vec![1.0; chain.sites()]) } else { masses(chain) };
+        let (layout, sites) = (chain.layout(), if states { times * chain.sites() } else { 0 });
         let beside = if layout.resonators() { sites } else { 0 };
         let arrays = [sites, beside, sites, beside].map(Vec::with_capacity);
-        Self { layout, mass, t: Vec::with_capacity(rows), arrays }
+        Self { layout, masses, t: Vec::with_capacity(times), arrays }
     }
 
     fn add(&mut self, y: &[f64]) {
-        let Self { layout, mass, .. } = *self;
-        let [u, v, p_u, p_v] = &mut self.arrays;
+        let Self { layout, masses: [beads, resonators], arrays: [u, v, p_u, p_v], .. } = self;
+        let momenta = |masses: &[f64], velocities: &[f64], into: &mut Vec<f64>| {
+            into.extend(masses.iter().zip(velocities).map(|(mass, velocity)| mass * velocity));
+        };
         u.extend_from_slice(layout.u(y));
         v.extend_from_slice(layout.v(y).unwrap_or_default());
-        p_u.extend_from_slice(layout.u_dot(y));
-        p_v.extend(layout.v_dot(y).unwrap_or_default().iter().map(|velocity| mass * velocity));
+        momenta(beads, layout.u_dot(y), p_u);
+        momenta(resonators, layout.v_dot(y).unwrap_or_default(), p_v);
     }
 
     /// The arrays for Python, `rows x sites`; `None` for resonators that do not move.
@@ -61,7 +63,7 @@ impl Rows {
 /// did.
 #[pyfunction]
 #[pyo3(signature = (
-    scene, *, integrator, tol, step, steps_per_period, times, states, events, progress, seen
+    scene, *, integrator, tol, step, steps_per_period, times, states, events, progress, seen, told
 ))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run<'py>(
@@ -76,6 +78,7 @@ pub(crate) fn run<'py>(
     events: bool,
     progress: Option<Bound<'py, PyAny>>,
     seen: Option<Py<PyAny>>,
+    told: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, Option<PyErr>)> {
     let scene = &scene.0;
     let asked = Asked { integrator, tol, step, steps_per_period, ..Asked::default() };
@@ -89,22 +92,30 @@ pub(crate) fn run<'py>(
         None => (run, scene.samples() + 1),
     };
     let run = if events { run.contacts() } else { run };
-    let mut rows = Rows::new(scene, count, states);
-    let end = scene.end();
+    let mut rows = Rows::new(scene.chain(), count, states);
+    let (end, arrays) = (scene.end(), 2 * scene.chain().layout().half());
     let work = |watched: &Watched| {
-        let mut thrown = None;
-        let outcome = how.start(run, &mut |t, y| {
+        let thrown = RefCell::new(None);
+        // Calls a function of Python; once one has thrown, no other is called.
+        let call = |function: &Option<Py<PyAny>>, with: (f64, &[f64])| {
+            let (Some(function), true) = (function, thrown.borrow().is_none()) else { return };
+            let (t, numbers) = with;
+            let called = Python::attach(|py| function.call1(py, (t, PyArray1::from_slice(py, numbers))).map(|_| ()));
+            *thrown.borrow_mut() = called.inspect_err(|_| watched.ask()).err();
+        };
+        let mut seen = |t: f64, y: &[f64]| {
             watched.tell(t / end);
             rows.t.push(t);
             if states {
                 rows.add(y);
             }
-            if let (Some(seen), true) = (&seen, thrown.is_none()) {
-                let called = Python::attach(|py| seen.call1(py, (t, PyArray1::from_slice(py, y))).map(|_| ()));
-                thrown = called.inspect_err(|_| watched.ask()).err();
-            }
-        });
-        (outcome, thrown, rows)
+            call(&seen, (t, &y[..arrays]));
+        };
+        let mut told = |contact: &Contact| {
+            call(&told, (contact.release.unwrap_or(f64::NAN), &contact.numbers()));
+        };
+        let outcome = how.start_told(run, &mut seen, &mut told);
+        (outcome, thrown.into_inner(), rows)
     };
     let short =
         matches!(how, How::Integrated(_, Setting::Steps(steps), ..) if steps * scene.chain().sites() as u64 <= SHORT);
@@ -140,8 +151,14 @@ fn record<'py>(py: Python<'py>, outcome: Trajectory, mut rows: Rows, states: boo
     result.set_item("energy_error", outcome.energy_error)?;
     result.set_item("failure", outcome.failure.map(|failure| failure.to_string()))?;
     result.set_item("t_end", outcome.t)?;
+    if let Some(ledger) = rows.layout.ledger(&outcome.state) {
+        let dissipated = [ledger.drag, ledger.dashpots, ledger.contacts, ledger.dissipated()];
+        result.set_item("dissipated", dissipated)?;
+        result.set_item("driven", ledger.driven)?;
+    }
     let count = rows.t.len();
-    let mut last = Rows { layout: rows.layout, mass: rows.mass, t: Vec::new(), arrays: Default::default() };
+    let masses = std::mem::take(&mut rows.masses);
+    let mut last = Rows { layout: rows.layout, masses, t: Vec::new(), arrays: Default::default() };
     last.add(&outcome.state);
     result.set_item("end", last.arrays(py, 1)?)?;
     result.set_item("t", PyArray1::from_vec(py, std::mem::take(&mut rows.t)))?;

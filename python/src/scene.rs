@@ -3,10 +3,11 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
+    chain::{Details, Envelope, Kind, Means},
     scene::{ChainSection, Initial, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::prelude::*;
+use pyo3::{prelude::*, types::{PyDict, PyList}};
 
 /// A scene that has been checked and can be run.
 #[pyclass(frozen, module = "hertzchain._native")]
@@ -15,6 +16,29 @@ pub(crate) struct Scene(pub(crate) hertzchain::Scene);
 /// The numbers of an array, copied where they are not in one piece.
 fn numbers(array: Option<&PyReadonlyArray1<'_, f64>>) -> Vec<f64> {
     array.map(|array| array.as_array().to_vec()).unwrap_or_default()
+}
+
+/// The numbers of a chain: sites, exponent, spring constant, mass ratio, boundary, static overlap,
+/// and what differs from bead to bead as tables of a scene in TOML.
+#[derive(FromPyObject)]
+pub(crate) struct Numbers(usize, f64, f64, f64, String, f64, String);
+
+impl Numbers {
+    /// The file of a scene of this chain.
+    fn file(&self, py: Python<'_>, initial: Initial, until: f64) -> PyResult<SceneFile> {
+        let &Self(sites, alpha, kappa, rho, ref boundary, precompression, ref tables) = self;
+        let chain =
+            ChainSection { sites, alpha, kappa, rho, boundary: boundary_named(py, boundary)?, precompression };
+        // The chain of this text stands for any: only its tables are read.
+        let text = format!(
+            "chain = {{ sites = 1, alpha = 1.5, boundary = \"free\" }}\n\
+             initial = {{ kind = \"state\" }}\nspan = {{ until = 1.0 }}\n{tables}"
+        );
+        let read = SceneFile::parse(&text, "chain").or_raise(py)?;
+        let span = Span { periods: None, until: Some(until), period: None };
+        let name = "chain".to_owned();
+        Ok(SceneFile { name, summary: String::new(), chain, initial, span, record: Record::default(), ..read })
+    }
 }
 
 /// Arrays `u, v, u', v'` of a state; one that is left out is zero.
@@ -32,35 +56,11 @@ impl Scene {
         hertzchain::Scene::parse_with(text, name, &changes).or_raise(py).map(Self)
     }
 
-    /// A scene from its numbers.
+    /// A chain from a state up to a time.
     #[staticmethod]
-    #[allow(clippy::too_many_arguments)]
-    fn of_chain(
-        py: Python<'_>,
-        sites: usize,
-        alpha: f64,
-        kappa: f64,
-        rho: f64,
-        boundary: &str,
-        precompression: f64,
-        state: Arrays<'_>,
-        until: f64,
-    ) -> PyResult<Self> {
-        let boundary = boundary_named(py, boundary)?;
+    fn of_chain(py: Python<'_>, chain: Numbers, state: Arrays<'_>, until: f64) -> PyResult<Self> {
         let [u, v, u_dot, v_dot] = state.each_ref().map(|array| numbers(array.as_ref()));
-        let file = SceneFile {
-            name: "chain".to_owned(),
-            summary: String::new(),
-            chain: ChainSection { sites, alpha, kappa, rho, boundary, precompression },
-            beads: None,
-            bonds: None,
-            drives: Vec::new(),
-            units: None,
-            initial: Initial::State { u, v, u_dot, v_dot },
-            span: Span { periods: None, until: Some(until), period: None },
-            record: Record::default(),
-            method: None,
-        };
+        let file = chain.file(py, Initial::State { u, v, u_dot, v_dot }, until)?;
         hertzchain::Scene::build(file).or_raise(py).map(Self)
     }
 
@@ -87,10 +87,20 @@ impl Scene {
     /// Sites, exponent, spring constant, mass ratio, boundary, precompression.
     #[getter]
     fn chain(&self) -> (usize, f64, f64, f64, String, f64) {
-        let chain = self.0.chain();
-        let Params { alpha, kappa, rho } = chain.params();
-        let boundary = serde_json::to_value(chain.boundary()).ok().and_then(|name| name.as_str().map(str::to_owned));
-        (chain.sites(), alpha, kappa, rho, boundary.unwrap_or_default(), chain.precompression())
+        let &ChainSection { sites, alpha, kappa, rho, boundary, precompression } = &self.0.file().chain;
+        let boundary = serde_json::to_value(boundary).ok().and_then(|name| name.as_str().map(str::to_owned));
+        (sites, alpha, kappa, rho, boundary.unwrap_or_default(), precompression)
+    }
+
+    /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads.
+    #[getter]
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        self.0.chain().details().map(|details| tables(py, details)).transpose()
+    }
+
+    /// Masses of beads and of resonators, zero where none moves.
+    fn masses<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
+        masses(self.0.chain()).map(|list| PyArray1::from_vec(py, list))
     }
 
     #[getter]
@@ -126,18 +136,66 @@ fn boundary_named(py: Python<'_>, name: &str) -> PyResult<Boundary> {
     serde_json::from_value(name.into()).map_err(|_| Error::unknown("boundary", name, known)).or_raise(py)
 }
 
+/// The tables of a scene that say the same as details.
+fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict>> {
+    let table = |lists: &[(&str, &Vec<f64>)]| -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        for (key, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+            table.set_item(key, PyArray1::from_slice(py, list))?;
+        }
+        Ok(table)
+    };
+    let Details { mass, kappa, rho, drag, dashpot, contact, alpha, overlap, dissipation, drives } = details;
+    let beads = [("mass", mass), ("kappa", kappa), ("rho", rho), ("drag", drag), ("dashpot", dashpot)];
+    let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap)];
+    bonds.extend(dissipation.iter().map(|loss| match loss.kind {
+        Kind::Viscoelastic => ("viscoelastic", &loss.strength),
+        Kind::Dashpot => ("dashpot", &loss.strength),
+    }));
+    let drive = PyList::empty(py);
+    for driven in drives {
+        let harmonics = &driven.signal.harmonics;
+        let each = table(&[
+            ("amplitude", &harmonics.iter().map(|one| one.amplitude).collect()),
+            ("omega", &harmonics.iter().map(|one| one.omega).collect()),
+            ("phase", &harmonics.iter().map(|one| one.phase).collect()),
+        ])?;
+        each.set_item("site", driven.site)?;
+        each.set_item("kind", if driven.means == Means::Moved { "moved" } else { "pushed" })?;
+        match driven.signal.envelope {
+            Envelope::None => {}
+            Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,
+            Envelope::Burst { start, length } => {
+                each.set_item("start", start)?;
+                each.set_item("length", length)?;
+            }
+        }
+        drive.append(each)?;
+    }
+    let all = PyDict::new(py);
+    all.set_item("beads", table(&beads)?)?;
+    all.set_item("bonds", table(&bonds)?)?;
+    all.set_item("drive", drive)?;
+    Ok(all)
+}
+
+/// Masses of beads and of resonators, zero where none moves.
+pub(crate) fn masses(chain: &Chain<f64>) -> [Vec<f64>; 2] {
+    [0, 1].map(|k| (0..chain.sites()).map(|site| chain.masses(site)[k]).collect())
+}
+
 /// Refuses numbers of a chain that are outside their rules.
 #[pyfunction]
-pub(crate) fn check_chain(
-    py: Python<'_>,
-    sites: usize,
-    params: [f64; 3],
-    boundary: &str,
-    precompression: f64,
-) -> PyResult<()> {
-    let (boundary, [alpha, kappa, rho]) = (boundary_named(py, boundary)?, params);
-    let chain = Params::new(alpha, kappa, rho).and_then(|params| Chain::<f64>::new(params, boundary, sites));
-    chain.and_then(|chain| chain.precompressed(precompression)).map(|_| ()).or_raise(py)
+pub(crate) fn check_chain(py: Python<'_>, chain: Numbers) -> PyResult<()> {
+    let &Numbers(sites, alpha, kappa, rho, ref boundary, precompression, ref tables) = &chain;
+    if tables.is_empty() {
+        let boundary = boundary_named(py, boundary)?;
+        let chain = Params::new(alpha, kappa, rho).and_then(|params| Chain::<f64>::new(params, boundary, sites));
+        return chain.and_then(|chain| chain.precompressed(precompression)).map(|_| ()).or_raise(py);
+    }
+    // At rest, and long enough for every drive.
+    let rest = Initial::State { u: Vec::new(), v: Vec::new(), u_dot: Vec::new(), v_dot: Vec::new() };
+    hertzchain::Scene::build(chain.file(py, rest, 1e300)?).map(|_| ()).or_raise(py)
 }
 
 /// Names and summaries of the built-in scenes.

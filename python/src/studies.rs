@@ -7,6 +7,7 @@ use crate::{
 use hertzchain::{
     Result,
     dps::Center,
+    figures::Format,
     orbits::{Formulation, Trail},
     output::Folder,
     study::{self, CompareOptions, Continue, Dark, Plan, Report, Ring, Study, compare, planned},
@@ -168,11 +169,13 @@ pub(crate) fn sweep_plan<'py>(
     py: Python<'py>,
     path: PathBuf,
     out: Option<PathBuf>,
+    formats: Vec<String>,
     shard: Option<&str>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(String, Vec<Column<'py>>, Vec<(usize, String)>)> {
     let work = |watched: &Watched| {
         let plan = Plan::load(&path)?;
+        let formats = formats.iter().map(|name| name.parse()).collect::<Result<Vec<Format>>>()?;
         let folder = out.map(Folder::create).transpose()?;
         let engine = Engine::threads();
         let engine = folder.as_ref().map_or(Engine::threads(), |folder| engine.keeping(folder));
@@ -189,6 +192,12 @@ pub(crate) fn sweep_plan<'py>(
         if let Some(folder) = &folder {
             for (name, bytes) in study.files(&json)? {
                 folder.write(&name, &bytes)?;
+            }
+            let pictures = if formats.is_empty() { Vec::new() } else { study.pictures()? };
+            for (name, picture) in pictures {
+                for format in &formats {
+                    folder.write(&format.name(&name), &picture.file(*format)?)?;
+                }
             }
         }
         Ok((json, study.columns, study.failed))

@@ -23,5 +23,5 @@ def test_example(example: Path, tmp_path: Path) -> None:
     assert picture.stat().st_size > 1000 and done.stdout
 
 
-def test_there_are_six() -> None:
-    assert len(EXAMPLES) == 6
+def test_there_are_seven() -> None:
+    assert len(EXAMPLES) == 7

@@ -15,6 +15,12 @@ NAN, INF = float("nan"), float("inf")
 CHAIN = hc.Chain(sites=3)
 HEAVY = hc.Chain(sites=3, kappa=1.0, rho=1.0)
 RING = hc.Chain(sites=4, kappa=1.0, rho=1.0, boundary="strain-ring")
+MOVED = hc.Chain(
+    sites=3,
+    kappa=1.0,
+    beads={"rho": [0.0, 1.0, 1.0]},
+    drive=[{"site": 0, "kind": "moved", "amplitude": 0.1, "omega": 1.0}],
+)
 WAVE = hc.Scene.load("tw-q15")
 REST = {"u": np.zeros(3)}
 
@@ -43,6 +49,41 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, boundary="rng"), "did you mean \"ring\""),
     (lambda: hc.Chain(sites=3, boundary=3), "boundary = 3"),  # type: ignore[arg-type]
     (lambda: hc.Chain(sites=3, precompression=NAN), "precompression"),
+    # What differs from bead to bead.
+    (lambda: hc.Chain(sites=3, beads=[1, 2, 3]), "beads = \\[1, 2, 3\\] is not valid: a dictionary"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=3, beads={"masss": 1.0}), "'masss' is not valid: keys are mass, kappa"),
+    (lambda: hc.Chain(sites=3, beads={"mass": np.ones(2)}), "beads.mass with 2 numbers is not valid: 3 of them"),
+    (lambda: hc.Chain(sites=3, beads={"mass": np.ones((3, 1))}), "beads.mass of shape \\(3, 1\\)"),
+    (lambda: hc.Chain(sites=3, beads={"mass": [1.0, NAN, 1.0]}), "mass"),
+    (lambda: hc.Chain(sites=3, beads={"mass": [1.0, -1.0, 1.0]}), "beads.mass = -1"),
+    (lambda: hc.Chain(sites=3, beads={"mass": 0.0}), "beads.mass = 0"),
+    (lambda: hc.Chain(sites=3, beads={"mass": "heavy"}), "mass"),
+    (lambda: hc.Chain(sites=3, beads={"mass": [1j, 1, 1]}), "beads.mass of type complex128"),
+    (lambda: hc.Chain(sites=3, beads={"mass": [2**53 + 1, 1, 1]}), "doubles cannot hold"),
+    (lambda: hc.Chain(sites=3, beads={"mass": np.array([1, 2, None])}), "beads.mass of type object"),
+    (lambda: hc.Chain(sites=3, beads={"mass": {"pattrn": [1.0]}}), "pattrn"),
+    (lambda: hc.Chain(sites=3, beads={"mass": {"taper": 0.9, "value": 1.0}}), "taper|value"),
+    (lambda: hc.Chain(sites=3, beads={"drag": -0.1}), "beads.drag = -0.1"),
+    (lambda: hc.Chain(sites=3, beads={"dashpot": 0.1}), "dashpot"),
+    (lambda: hc.Chain(sites=3, kappa=1.0, beads={"rho": [1.0, -1.0, INF]}), "rho = -1"),
+    (lambda: hc.Chain(sites=4, boundary="strain-ring", beads={"mass": np.ones(4)}), "strain-ring"),
+    (lambda: hc.Chain(sites=3, bonds={"contact": np.ones(3)}), "bonds.contact with 3 numbers is not valid: 2"),
+    (lambda: hc.Chain(sites=3, boundary="fixed", bonds={"contact": np.ones(3)}), "3 numbers is not valid: 4"),
+    (lambda: hc.Chain(sites=3, bonds={"wall": 1.0}), "bonds.wall"),
+    (lambda: hc.Chain(sites=3, bonds={"alpha": 0.0}), "alpha = 0"),
+    (lambda: hc.Chain(sites=3, bonds={"overlap": 0.1}), "overlap"),
+    (lambda: hc.Chain(sites=3, bonds={"viscoelastic": 0.1, "dashpot": 0.1}), "viscoelastic"),
+    (lambda: hc.Chain(sites=3, drive={"site": 0}), "a list of dictionaries"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "shaken", "amplitude": 1.0, "omega": 1.0}]), "shaken"),
+    (lambda: hc.Chain(sites=3, drive=[{"site": 9, "kind": "moved", "amplitude": 1.0, "omega": 1.0}]), "site"),
+    (lambda: hc.Chain(sites=3, drive=[{"site": 0.5, "kind": "moved"}]), "drive.site = 0.5"),
+    (lambda: hc.Chain(sites=3, drive=[{"kind": "moved", "amplitude": 1.0, "omega": 1.0}]), "site"),
+    (lambda: hc.Chain(sites=3, drive=[{"site": 0, "kind": "moved", "amplitude": 1.0}]), "drive.omega"),
+    (lambda: hc.Chain(sites=3, units={"radius": 0.01}), "density|young"),
+    (lambda: run(y0={"pu": [0.0, 1.0]}), "pu with 2 numbers"),
+    (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "pv": [1.0, 0, 0]}, until=1.0), "pv = 1.0 of site 0"),
+    (lambda: hc.run(MOVED, y0=REST, until=1.0, tol=1e-9, method="collocation"), "dop853"),
+    (lambda: hc.monodromy(MOVED, y0=REST, until=1.0), "equal beads|uniform|beads"),
     # Scenes.
     (lambda: hc.Scene.load("tw-q16"), "did you mean"),
     (lambda: hc.Scene.load("no/such/file.toml"), "no/such/file.toml"),
@@ -89,6 +130,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: run(at=[NAN]), "times = NaN"),
     (lambda: run(at=0), "at = 0"),
     (lambda: run(on_sample=3), "on_sample = 3"),
+    (lambda: run(on_contact=3), "on_contact = 3"),
     # Waves, breathers, orbits.
     (lambda: wave(epsilon=None), "epsilon and detuning"),
     (lambda: wave(detuning=0.1), "epsilon and detuning"),
@@ -124,6 +166,8 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.sweep(abs, [1], shard="3/2", store="s"), "1 <= K <= N"),
     (lambda: hc.sweep(abs, [1], shard=(1, 2), store="s"), "K/N"),  # type: ignore[arg-type]
     (lambda: hc.sweep(abs, [1], out="s"), "a plan a folder"),
+    (lambda: hc.sweep(abs, [1], format="png"), "a function has no pictures"),
+    (lambda: hc.sweep("no-plan.toml", format="png"), "pictures need a folder"),
     (lambda: hc.sweep("no-plan.toml"), "no-plan.toml"),
     (lambda: hc.sweep_plan("no-plan.toml", shard="0/2"), "no-plan.toml"),
 ]

@@ -1,11 +1,15 @@
-//! The guide: links lead somewhere, commands are understood, every chapter is in the book.
+//! The guide: links lead somewhere, commands do what they are shown for, every chapter is in the
+//! book.
 #![cfg(feature = "cli")]
 
 use std::{
+    env,
     ffi::OsString,
     fs,
     path::{Path, PathBuf},
+    process::Command,
 };
+
 
 /// The texts that people read: those beside the program, and the chapters.
 fn texts() -> Vec<PathBuf> {
@@ -68,26 +72,119 @@ fn every_link_leads_to_a_file_and_a_heading() {
     assert!(count > 100, "{count} links: they are looked for in vain");
 }
 
+/// The commands of a text: its lines for the shell that begin with the program. A command goes on
+/// after a backslash.
+fn commands(text: &str) -> Vec<String> {
+    let shell = lines(text, Some("sh")).join("\n").replace("\\\n", " ");
+    shell.lines().filter(|line| line.split(' ').next() == Some("hertzchain")).map(str::to_owned).collect()
+}
+
 #[test]
 fn every_command_of_the_guide_is_understood() {
     let mut count = 0;
     for path in texts() {
-        let text = fs::read_to_string(&path).unwrap();
-        // A command goes on after a backslash; what follows a sign of the shell is not ours.
-        let shell = lines(&text, Some("sh")).join("\n").replace("\\\n", " ");
-        for line in shell.lines().filter_map(|line| line.strip_prefix("hertzchain ")) {
+        for line in commands(&fs::read_to_string(&path).unwrap()) {
+            // What follows a sign of the shell is not ours.
             let ours = line.split(['#', '>', '|', '&', ';']).next().unwrap();
-            let words = ["hertzchain"].into_iter().chain(ours.split_whitespace());
             // Variables of the shell stand for numbers.
-            let words =
-                words.map(|word| OsString::from(word.replace("$k", "1").replace("$K", "1").trim_matches(['"', '\''])));
+            let words = words(ours).into_iter().map(|word| OsString::from(word.replace("$k", "1").replace("$K", "1")));
             if let Err(why) = hertzchain::cli::understood(words) {
-                panic!("{}: hertzchain {line}\n{why}", path.display());
+                panic!("{}: {line}\n{why}", path.display());
             }
             count += 1;
         }
     }
-    assert!(count > 30, "{count} commands: they are looked for in vain");
+    assert!(count > 60, "{count} commands: they are looked for in vain");
+}
+
+/// The words of a command; quotation marks hold words together.
+fn words(line: &str) -> Vec<String> {
+    let (mut all, mut word, mut quote) = (Vec::new(), String::new(), None);
+    for c in line.chars().chain([' ']) {
+        match quote {
+            Some(mark) if c == mark => quote = None,
+            None if c == '"' || c == '\'' => quote = Some(c),
+            None if c == ' ' => all.extend(Some(std::mem::take(&mut word)).filter(|word| !word.is_empty())),
+            _ => word.push(c),
+        }
+    }
+    all
+}
+
+/// Files that a text has its reader save: a block of TOML after the words "as `NAME.toml`".
+fn files(text: &str) -> Vec<(&str, &str)> {
+    let blocks = text.match_indices("```toml\n").filter_map(|(at, mark)| {
+        let (_, name) = text[..at].rsplit_once("as `")?;
+        let name = name.split_once('`')?.0;
+        Some((name, text[at + mark.len()..].split_once("```")?.0)).filter(|_| name.ends_with(".toml"))
+    });
+    blocks.collect()
+}
+
+/// Commands that take more than half a second of CPU time, or go on with what such a command wrote.
+const LONG: &[&str] = &[
+    "hertzchain breather barrier",
+    "hertzchain breather bright",
+    "hertzchain breather continue",
+    "hertzchain breather dark --center bond",
+    "hertzchain breather doubled",
+    "hertzchain breather evolve",
+    "hertzchain compare",
+    "hertzchain paper",
+    "hertzchain run impact --set chain.sites=2000000",
+    "hertzchain study",
+    "hertzchain sweep plan.toml --out out/masses",
+    "hertzchain wave continue",
+    "hertzchain wave modulation --q-over-pi",
+    "hertzchain wave solitary",
+    "hertzchain wave tw-q15 --out",
+    "hertzchain wave tw-rho3",];
+
+/// Runs the commands of every text, in its order and in a folder of its own; those of `LONG` only
+/// if asked for.
+fn run_the_guide(long: bool) {
+    let program = Path::new(env!("CARGO_BIN_EXE_hertzchain"));
+    let path = format!("{}:{}", program.parent().unwrap().display(), env::var("PATH").unwrap_or_default());
+    let (mut met, mut ran) = (vec![false; LONG.len()], 0);
+    for text in texts() {
+        let name = text.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap().to_string_lossy().replace('/', "-");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("guide-{long}")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        let said = fs::read_to_string(&text).unwrap();
+        for (name, content) in files(&said) {
+            fs::write(folder.join(name), content).unwrap();
+        }
+        for line in commands(&said) {
+            let known = LONG.iter().position(|start| line.starts_with(start));
+            known.into_iter().for_each(|at| met[at] = true);
+            if known.is_some() && !long {
+                continue;
+            }
+            let done = Command::new("sh").args(["-c", &line]).current_dir(&folder).env("PATH", &path).output().unwrap();
+            let why = String::from_utf8_lossy(&done.stderr);
+            assert!(done.status.success(), "{}: {line}\n{}\n{why}", text.display(), done.status);
+            ran += 1;
+        }
+        fs::remove_dir_all(&folder).unwrap();
+    }
+    assert!(ran > 30, "{ran} commands: they are looked for in vain");
+    let gone: Vec<_> = LONG.iter().zip(&met).filter(|(_, met)| !**met).collect();
+    assert!(gone.is_empty(), "not in the guide: {gone:?}");
+}
+
+// Truth: what the guide shows is what a reader types. The exit code says whether it worked.
+#[test]
+#[cfg(unix)]
+fn cheap_commands_of_the_guide_run() {
+    run_the_guide(false);
+}
+
+#[test]
+#[cfg(unix)]
+#[ignore = "nightly: all commands of the guide take a quarter of an hour"]
+fn all_commands_of_the_guide_run() {
+    run_the_guide(true);
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub use states::States;
 pub use states::state_at;
 
 use crate::{
-    chain::{Chain, State},
+    chain::{Chain, Contact, State},
     error::{Error, Result},
     parts::Parts,
 };
@@ -363,8 +363,37 @@ impl Run {
     /// # Errors
     /// As [`start`](Self::start).
     pub fn start_seen(&self, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
+        self.start_told(seen, &mut |_| ())
+    }
+
+    /// As [`start_seen`](Self::start_seen), and calls `told` with each contact of the log once it
+    /// has ended. It needs a log ([`contacts`](Self::contacts)). Not told of are contacts that are
+    /// open at the end of the run. Told of are also those that the log leaves out at last, as they
+    /// are roundings of the largest one.
+    ///
+    /// ```
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
+    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 5)?;
+    /// # let mut state = State::rest(&chain);
+    /// state.u_dot_mut()[0] = 1.0;
+    /// let run = Run::new(chain, state).until(20.0)?.contacts();
+    /// let mut bonds = Vec::new();
+    /// let end = run.start_told(&mut |_, _| (), &mut |contact| bonds.push(contact.bond))?;
+    /// // The pulse opens one bond after the other.
+    /// assert_eq!(bonds, [1, 2, 3, 4]);
+    /// assert_eq!(end.contacts.unwrap().len(), 4);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_told(
+        &self,
+        seen: &mut dyn FnMut(f64, &[f64]),
+        told: &mut dyn FnMut(&Contact),
+    ) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
-        let mut recorder = Recorder::new(self, Kept::new(self), seen);
+        let mut recorder = Recorder::new(self, Kept::new(self), seen).telling(told);
         let failure = recorder.go_on(method, setting, end)?.err();
         Ok(recorder.trajectory(failure))
     }

@@ -6,7 +6,12 @@ use crate::{
     error::{Failed, Result},
     interrupt,
 };
-use hertzchain_integrators::{Error as Failure, Observer, Stats, Stepper, Watch, collocation::ContactStepper, drive};
+use hertzchain_integrators::{
+    Error as Failure, Event, Observer, Stats, Stepper, Watch,
+    collocation::ContactStepper,
+    drive,
+    events::{Listener, Part},
+};
 use std::{
     ops::ControlFlow,
     time::{Duration, Instant},
@@ -136,13 +141,45 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
     }
 }
 
-/// A method that knows its contacts, together with the log that collects them.
-struct Logged {
-    run: Box<dyn ContactStepper + Send>,
+/// A log of contacts that tells of each contact once it has ended.
+struct Told<'a> {
     log: ContactLog,
+    count: usize,
+    tell: &'a mut dyn FnMut(&Contact),
 }
 
-impl Stepper<f64> for Logged {
+impl<'a> Told<'a> {
+    fn new(log: ContactLog, tell: &'a mut dyn FnMut(&Contact)) -> Self {
+        Self { count: log.ended().len(), log, tell }
+    }
+
+    fn news(&mut self) {
+        let ended = self.log.ended();
+        ended[self.count..].iter().for_each(&mut *self.tell);
+        self.count = ended.len();
+    }
+}
+
+impl Listener<f64> for Told<'_> {
+    fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
+        let goes_on = self.log.event(event, y);
+        self.news();
+        goes_on
+    }
+
+    fn positive(&mut self, part: &Part<f64>) {
+        self.log.positive(part);
+        self.news();
+    }
+}
+
+/// A method that knows its contacts, together with the log that collects them.
+struct Logged<'a> {
+    run: Box<dyn ContactStepper + Send>,
+    told: Told<'a>,
+}
+
+impl Stepper<f64> for Logged<'_> {
     fn dim(&self) -> usize {
         self.run.dim()
     }
@@ -157,8 +194,9 @@ impl Stepper<f64> for Logged {
 
     fn step(&mut self) -> std::result::Result<(), Failure> {
         self.run.step()?;
-        let log = &mut self.log;
+        let log = &mut self.told.log;
         self.run.tell(&mut |piece, start| log.take(piece, start));
+        self.told.news();
         Ok(())
     }
 
@@ -222,6 +260,7 @@ impl Kept {
 pub struct Recorder<'a> {
     run: &'a Run,
     seen: &'a mut dyn FnMut(f64, &[f64]),
+    told: Option<&'a mut dyn FnMut(&Contact)>,
     token: interrupt::Token,
     /// Number of samples from one profile to the next.
     stride: usize,
@@ -241,6 +280,7 @@ impl<'a> Recorder<'a> {
         Self {
             run,
             seen,
+            told: None,
             token: interrupt::token(),
             stride: (y.len() * run.sampling.count()).div_ceil(MOST_NUMBERS),
             has_energy,
@@ -248,6 +288,13 @@ impl<'a> Recorder<'a> {
             initial_size: max_norm(y.iter().copied()),
             kept,
         }
+    }
+
+    /// Has `told` called with each contact of the log once it has ended.
+    #[must_use]
+    pub(super) fn telling(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
+        self.told = Some(told);
+        self
     }
 
     /// Continues the run with a method up to `end`. Contacts are logged if the record has a log.
@@ -266,15 +313,17 @@ impl<'a> Recorder<'a> {
         // Contacts that are closed at the start of the run have no onset. Those that are closed at
         // the start of a later leg had their onset in an earlier leg.
         let log = if start > 0.0 { log.go_on(contacts, start) } else { log };
-        let (result, log) = if let Some(run) = start_logged(method, run, state, span, setting)? {
-            let mut logged = Logged { run, log };
-            (self.leg(&mut logged), logged.log)
+        let (told, mut nobody) = (self.told.take(), |_: &Contact| ());
+        let told = Told::new(log, told.unwrap_or(&mut nobody));
+        let (result, told) = if let Some(run) = start_logged(method, run, state, span, setting)? {
+            let mut logged = Logged { run, told };
+            (self.leg(&mut logged), logged.told)
         } else {
             let stepper = method.start(run, state, span, setting)?;
-            let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), log);
+            let mut watch = Watch::new(stepper, Overlaps::new(chain.clone()), told);
             (self.leg(&mut watch), watch.into_listener())
         };
-        self.kept.contacts = Some(log.into_contacts());
+        self.kept.contacts = Some(told.log.into_contacts());
         Ok(result)
     }
 

@@ -4,6 +4,7 @@
 use super::{LongRun, parts_plan};
 use crate::{
     breathers::{self, TrivialBreather},
+    chain::Contact,
     error::{Error, Result},
     parts::Parts,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
@@ -150,8 +151,22 @@ impl How {
     /// # Errors
     /// A run that cannot start; one that fails later keeps what it has.
     pub fn start(&self, run: Run, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
+        self.start_told(run, seen, &mut |_| ())
+    }
+
+    /// As [`start`](Self::start), and calls `told` with each contact of the log once it has ended
+    /// ([`Run::start_told`]).
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_told(
+        &self,
+        run: Run,
+        seen: &mut dyn FnMut(f64, &[f64]),
+        told: &mut dyn FnMut(&Contact),
+    ) -> Result<Trajectory> {
         match self {
-            Self::Integrated(method, setting, ..) => run.method(*method).setting(*setting).start_seen(seen),
+            Self::Integrated(method, setting, ..) => run.method(*method).setting(*setting).start_told(seen, told),
             Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
         }
     }

@@ -114,8 +114,10 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
 
 /// The run in a few readable lines.
 pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Trajectory) -> String {
+    let summary = &scene.file().summary;
+    let what = if summary.is_empty() { String::new() } else { format!(" ({summary})") };
     let mut lines = vec![
-        format!("scene       {} ({})", scene.name(), scene.file().summary),
+        format!("scene       {}{what}", scene.name()),
         format!("integrator  {integrator}, {setting}"),
         format!("reached     t = {} = {:.6} periods of {}", outcome.t, outcome.t / scene.period(), scene.period()),
     ];

@@ -95,6 +95,11 @@ impl ContactLog {
         self
     }
 
+    /// The contacts that have ended, in the order in which they did.
+    pub fn ended(&self) -> &[Contact] {
+        &self.ended
+    }
+
     /// Takes what a method says of a contact in a step that began at `start`: it needs no search.
     pub fn take(&mut self, piece: &Piece, start: f64) {
         if let Some((t, rate)) = piece.onset {

@@ -11,13 +11,13 @@
 
 use super::{
     super::{Chain, Resonators},
-    Ledger, Means, Parts,
+    Ledger, Means, Parts, SiteParts,
     propagator::Class,
     stretches::{Drift, Stretches},
 };
 use crate::run::method::Split;
 use hertzchain_integrators::{Real, SplitFlow, Twofold, system::ContactFlow};
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 /// Drifts that are kept: those that a scheme repeats.
 const KEPT: usize = 16;
@@ -60,14 +60,19 @@ impl<R: Real> SitewiseFlow<R> {
             Some(_) => chain,
             None => chain.with(&super::Details::default()).expect("a chain of displacements"),
         };
-        let (mut classes, mut kinds, mut class) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut classes, mut class) = (Vec::new(), Vec::new());
+        // Kinds of sites with their classes, by what they round to: all sites may differ.
+        let mut known: HashMap<[u64; 5], Vec<(SiteParts<R>, u32)>> = HashMap::new();
         for site in &parts(&chain).sites {
-            let found = kinds.iter().rposition(|kind| kind == site).unwrap_or_else(|| {
-                kinds.push(*site);
+            let rounded = [site.mass, site.kappa, site.rho, site.drag, site.dashpot].map(|x| x.f64().to_bits());
+            let alike = known.entry(rounded).or_default();
+            let found = alike.iter().find(|(kind, _)| kind == site).map(|&(_, index)| index);
+            class.push(found.unwrap_or_else(|| {
+                let index = classes.len() as u32;
                 classes.push(Class::new(site, split));
-                kinds.len() - 1
-            });
-            class.push(found as u32);
+                alike.push((*site, index));
+                index
+            }));
         }
         let (n, zero) = (chain.sites(), R::zero());
         Self {

@@ -1,0 +1,79 @@
+"""What differs from bead to bead: the tables of a scene, from Python values to TOML."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ._arrays import number, vector, whole
+from ._errors import ParameterError
+
+Table = Mapping[str, Any]
+
+BEADS = ("mass", "kappa", "rho", "drag", "dashpot")
+BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot")
+DRIVE = ("site", "kind", "amplitude", "omega", "phase", "band", "seed", "ramp", "start", "length")
+UNITS = ("radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
+# What a bond is, by what holds the ends: sites and so many more.
+TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1}
+
+
+def table(name: str, given: Any, keys: tuple[str, ...], count: int | None) -> Table:
+    """A table whose lists have `count` numbers; checked, copied, and not to be changed."""
+    if not isinstance(given, Mapping):
+        raise ParameterError(f"{name} = {given!r} is not valid: a dictionary with some of {', '.join(keys)}")
+    unknown = [key for key in given if key not in keys]
+    if unknown:
+        raise ParameterError(f"{name} with the key {unknown[0]!r} is not valid: keys are {', '.join(keys)}")
+    return MappingProxyType({key: _value(f"{name}.{key}", value, count) for key, value in given.items()})
+
+
+def drives(given: Any) -> tuple[Table, ...]:
+    """The drives, a table each."""
+    if isinstance(given, Mapping) or not isinstance(given, Sequence) or isinstance(given, str):
+        raise ParameterError(f"drive = {given!r} is not valid: a list of dictionaries, one for each drive")
+    return tuple(table("drive", one, DRIVE, None) for one in given)
+
+
+def _value(name: str, value: Any, count: int | None) -> Any:
+    """A number, a word, a list of numbers, or a rule, which the program checks."""
+    if isinstance(value, str):
+        return value
+    if name in ("drive.site", "drive.seed"):
+        return whole(name, value)
+    if isinstance(value, Mapping):
+        return MappingProxyType(dict(value))
+    if isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim > 0:
+        numbers = vector(name, value, count).copy()
+        numbers.flags.writeable = False
+        return numbers
+    return number(name, value)
+
+
+def text_of(
+    beads: Table | None, bonds: Table | None, drive: tuple[Table, ...], units: Table | None
+) -> str:
+    """The tables as TOML; each number is read back to the bit."""
+    named = [("[beads]", beads), ("[bonds]", bonds), ("[units]", units), *(("[[drive]]", one) for one in drive)]
+    lines = [[head, *(f"{key} = {_toml(value)}" for key, value in one.items())] for head, one in named if one]
+    return "".join("\n".join(block) + "\n" for block in lines)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + " }"
+    if isinstance(value, np.ndarray):
+        return "[" + ", ".join(map(repr, value.tolist())) + "]"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, (int, np.integer)):
+        return repr(int(value))
+    return repr(number("rule", value))
