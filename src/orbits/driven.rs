@@ -33,7 +33,7 @@ use std::f64::consts::PI;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
 pub enum DriveParameter {
-    /// Amplitude of the first harmonic of the first drive; all others keep their ratio to it.
+    /// Amplitude of the first harmonic with a frequency; all others with one keep their ratio to it.
     Amplitude,
     /// Fundamental frequency; all harmonics keep their ratio to it.
     Omega,
@@ -137,7 +137,8 @@ impl DrivenSetting {
         let omegas: Vec<f64> = all.iter().map(|harmonic| harmonic.omega).collect();
         let omega = fundamental(&omegas)
             .ok_or_else(|| refused("frequencies that are no multiples of one, as those of noise"))?;
-        let amplitude = all[0].amplitude;
+        // A least frequency exists.
+        let amplitude = all.iter().find(|harmonic| harmonic.omega > 0.0).map_or(0.0, |harmonic| harmonic.amplitude);
         DriveParameter::Amplitude.check(amplitude)?;
         // What a uniform precompression has given is in the overlaps at rest.
         let (n, rest) = (chain.sites(), chain.overlaps(&vec![0.0; chain.sites()]));
@@ -166,7 +167,8 @@ impl DrivenSetting {
         }
         let mut details = self.details.clone();
         let [amplitude, omega] = [0, 1].map(|k| self.values[k] / self.reference[k]);
-        for harmonic in details.drives.iter_mut().flat_map(|Drive { signal, .. }| &mut signal.harmonics) {
+        let harmonics = details.drives.iter_mut().flat_map(|Drive { signal, .. }| &mut signal.harmonics);
+        for harmonic in harmonics.filter(|harmonic| harmonic.omega > 0.0) {
             harmonic.amplitude *= amplitude;
             harmonic.omega *= omega;
         }
@@ -208,6 +210,11 @@ impl DrivenSetting {
     /// Period of the orbit, `m T`.
     pub fn period(&self) -> f64 {
         f64::from(self.turns) * 2.0 * PI / self.omega()
+    }
+
+    /// Number of sites, moved beads included.
+    pub fn sites(&self) -> usize {
+        self.bare.sites()
     }
 
     /// Number of unknowns.

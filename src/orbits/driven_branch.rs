@@ -69,16 +69,20 @@ pub struct DrivenBranch {
     pub points: Vec<DrivenPoint>,
     /// The bifurcations between them, in the same order.
     pub bifurcations: Vec<DrivenBifurcation>,
+    /// Number of changes of stability that were not resolved into single bifurcations.
+    pub unresolved: usize,
     /// Why it ended.
     pub end: End,
 }
 
 /// Largest number of times that a stretch is halved until each part has one bifurcation.
-const MOST_CUTS: u32 = 4;
+const MOST_CUTS: u32 = 12;
 /// Largest number of evaluations of `psi`.
 const MOST_TRIALS: u32 = 40;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-9;
+/// Largest `psi` of a located bifurcation.
+const NEAR: f64 = 1e-6;
 /// A multiplier with a smaller imaginary part counts as real.
 const REAL: f64 = 1e-5;
 
@@ -99,7 +103,7 @@ impl DrivenPoint {
 }
 
 impl DrivenContinuation {
-    fn check(&self, from: f64) -> Result<()> {
+    pub(crate) fn check(&self, from: f64) -> Result<()> {
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
         }
@@ -123,7 +127,7 @@ impl DrivenContinuation {
         let direction = (self.to - from).signum();
         let (mut ds, range) = (self.step / (self.to - from).abs(), (self.to - from).abs());
         let mut points = vec![DrivenPoint::new(start, &self.shooting)?];
-        let mut bifurcations = Vec::new();
+        let (mut bifurcations, mut unresolved) = (Vec::new(), 0);
         let end = loop {
             if points.len() >= self.most_points {
                 break End::MostPoints;
@@ -151,7 +155,7 @@ impl DrivenContinuation {
             let orbit = family.orbit(solution);
             ds = longer;
             let Ok(point) = DrivenPoint::new(orbit, &self.shooting) else { break End::NoMultipliers };
-            self.between(last, &point, MOST_CUTS, &mut bifurcations);
+            unresolved += self.between(last, &point, MOST_CUTS, &mut bifurcations);
             let p = point.orbit.setting.get(self.parameter);
             points.push(point);
             if (p - self.to) * direction >= 0.0 {
@@ -162,7 +166,7 @@ impl DrivenContinuation {
             }
         };
         points.last().into_iter().for_each(seen);
-        Ok(DrivenBranch { continuation: *self, points, bifurcations, end })
+        Ok(DrivenBranch { continuation: *self, points, bifurcations, unresolved, end })
     }
 
     fn family<'a>(&'a self, orbit: &'a DrivenOrbit) -> DrivenFamily<'a> {
@@ -173,23 +177,27 @@ impl DrivenContinuation {
         (&orbit.z, orbit.setting.get(self.parameter))
     }
 
-    /// The bifurcations between two points.
-    fn between(&self, a: &DrivenPoint, b: &DrivenPoint, cuts: u32, out: &mut Vec<DrivenBifurcation>) {
+    /// Adds the bifurcations between two points; returns the number of changes of stability that
+    /// were not resolved.
+    fn between(&self, a: &DrivenPoint, b: &DrivenPoint, cuts: u32, out: &mut Vec<DrivenBifurcation>) -> usize {
         let unstable = [a, b].map(|point| point.spectrum.unstable());
         let change = unstable[0].abs_diff(unstable[1]);
         if change == 0 {
-            return;
+            return 0;
         }
         let stretch = Stretch::new(self, a, b);
         if change <= 2
             && let Some(found) = stretch.locate(a, b, unstable[0].min(unstable[1]))
             && (change == 2) == (found.kind == BifurcationKind::Torus)
         {
-            return out.push(found);
+            out.push(found);
+            return 0;
         }
-        if let (1.., Some(middle)) = (cuts, stretch.point(0.5)) {
-            self.between(a, &middle, cuts - 1, out);
-            self.between(&middle, b, cuts - 1, out);
+        match (cuts, stretch.point(0.5)) {
+            (1.., Some(middle)) => {
+                self.between(a, &middle, cuts - 1, out) + self.between(&middle, b, cuts - 1, out)
+            }
+            _ => 1,
         }
     }
 }
@@ -228,7 +236,8 @@ impl<'a> Stretch<'a> {
         let mut last = None;
         for _ in 0..MOST_TRIALS {
             let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-            let point = self.point(s)?;
+            // At a branch point the corrector is singular: a point close to it is taken.
+            let Some(point) = self.point(s) else { break };
             let value = psi(&point);
             last = Some(point);
             if value * right.1 < 0.0 {
@@ -238,11 +247,11 @@ impl<'a> Stretch<'a> {
             }
             let by = (s - right.0).abs();
             right = (s, value);
-            if value.abs() <= 1e-3 * MARGIN || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
+            if value.abs() <= 1e-2 * MARGIN || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
                 break;
             }
         }
-        let point = last?;
+        let point = last.filter(|point| psi(point).abs() <= NEAR)?;
         let multiplier = point.spectrum.multipliers[k];
         let multiplier = DrivenMultiplier { im: multiplier.im.abs(), ..multiplier };
         let kind = if multiplier.im > REAL {

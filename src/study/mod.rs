@@ -12,6 +12,8 @@ mod compare;
 mod dimer;
 mod dps;
 mod drift;
+mod driven;
+mod end_driven;
 mod evolve;
 mod exact;
 mod lifetimes;
@@ -41,6 +43,10 @@ pub use dimer::{DimerOptions, DimerRow, DimerStudy, PUBLISHED, dimer, pulse, pul
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
+pub use driven::*;
+#[cfg(feature = "plot")]
+pub(crate) use driven::{multipliers_panel, stability_lines};
+pub use end_driven::*;
 #[cfg(feature = "plot")]
 pub(crate) use evolve::swing_maps;
 pub use evolve::*;

@@ -2,7 +2,9 @@
 
 use crate::{
     cli::runner::Told,
-    study::{Bound, Charts, DimerOptions, Drift, LifetimeOptions, OrderOptions, ScalingOptions, TheoremOptions},
+    study::{
+        Bound, Charts, DimerOptions, Drift, EndDriven, LifetimeOptions, OrderOptions, ScalingOptions, TheoremOptions,
+    },
 };
 use clap::{Args, Subcommand};
 
@@ -78,6 +80,16 @@ Example:
     /// there is a solitary wave.
     #[command(after_long_help = "Example:\n  hertzchain study dimer --from 0.3 --to 0.4 --ratios 20 --out out/dimer")]
     Dimer(Told<DimerOptions>),
+    /// Search for dark breathers in damped chains driven at both ends.
+    ///
+    /// Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
+    /// frequencies above omega. Each is followed as a periodic orbit from small drive amplitudes,
+    /// past folds; the table says from which amplitude on orbits are dark breathers, from which on
+    /// they are stable, and whether a chain at rest comes to them.
+    #[command(after_long_help = "\
+Example:
+  hertzchain study end-driven --lengths 12 --omegas 2.05 --out out/end-driven")]
+    EndDriven(Told<EndDriven>),
 }
 
 /// The rule of the verdict, and an example.
