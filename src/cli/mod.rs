@@ -19,7 +19,7 @@ use crate::{
     error::{Error, Result},
     output::say,
 };
-use args::{BreatherAction, Cli, Command, DpsAction, PaperAction, StudyAction, WaveAction};
+use args::{BreatherAction, Cli, Command, DpsAction, OrbitAction, PaperAction, StudyAction, WaveAction};
 use clap::{
     CommandFactory, FromArgMatches,
     builder::ValueParser,
@@ -131,6 +131,7 @@ fn run_command(command: &Command) -> Exit {
             StudyAction::Impurity(told) => told.run(),
             StudyAction::Taper(told) => told.run(),
             StudyAction::Disorder(told) => told.run(),
+            StudyAction::EndDriven(told) => told.run(),
         },
         Command::Wave(args) => match &args.action {
             Some(WaveAction::Modulation(told)) => told.run(),
@@ -147,6 +148,10 @@ fn run_command(command: &Command) -> Exit {
             BreatherAction::Doubled(told) => told.run(),
             BreatherAction::Evolve(told) => told.run(),
             BreatherAction::Barrier(told) => told.run(),
+        },
+        Command::Orbit(args) => match &args.action {
+            OrbitAction::Driven(told) => told.run(),
+            OrbitAction::Continue(told) => told.run(),
         },
         Command::Dps(args) => match &args.action {
             DpsAction::Integrals(told) => told.run(),

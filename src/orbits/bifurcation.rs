@@ -13,7 +13,8 @@
 //! - A fold: `psi` is the component of the tangent along the parameter.
 
 use super::{
-    continuation::{Continuation, Place, Scales},
+    arclength::Scales,
+    continuation::{Continuation, Place},
     floquet::Spectrum,
     setting::Setting,
     shooting::{Orbit, Shooting},
@@ -26,9 +27,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BifurcationKind {
-    /// A pair of multipliers crosses -1.
+    /// A pair of multipliers crosses -1; of driven orbits, one multiplier.
     PeriodDoubling,
-    /// A pair crosses 1.
+    /// A pair crosses 1; of driven orbits, one multiplier, and the branch does not turn.
     PlusOne,
     /// Two pairs meet on the circle and leave it, or the other way round.
     KreinCollision,
@@ -36,6 +37,9 @@ pub enum BifurcationKind {
     RealCollision,
     /// The branch turns back.
     Fold,
+    /// A pair leaves the circle elsewhere than at 1 and -1, or enters it: Neimark-Sacker, of driven
+    /// orbits only.
+    Torus,
 }
 
 /// A bifurcation point of a branch.
@@ -105,7 +109,7 @@ impl<'a> Stretch<'a> {
     }
 
     fn orbit(&self, s: f64) -> Result<Orbit> {
-        Ok(self.continuation.step(&self.place, self.scales, s * self.length)?.0)
+        self.continuation.step(&self.place, self.scales, s * self.length)
     }
 
     fn known(&self, s: f64) -> Result<Known> {
@@ -332,7 +336,7 @@ impl Bifurcation {
         };
         let scales = continuation.scales(&orbit, omega_b);
         let mode = DVector::from_iterator(self.mode.len() + 1, self.mode.iter().copied().chain([0.0]));
-        let ds = size * orbit.amplitude() * mode.norm() / scales.strain;
-        Ok(continuation.step(&Place { orbit, tangent: mode.normalize() }, scales, ds)?.0)
+        let ds = size * orbit.amplitude() * mode.norm() / scales.state;
+        continuation.step(&Place { orbit, tangent: mode.normalize() }, scales, ds)
     }
 }

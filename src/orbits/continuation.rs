@@ -5,19 +5,15 @@
 //! | `X = (Z/s, p/P)` | strains and parameter, scaled |
 //! | `s, P` | `sqrt(2N) max abs(Z)` for `2N` strains, and the range of the parameter |
 //! | `F(X) = 0` | the equations of the orbit ([`shooting`](super::Shooting)) |
-//! | `t` | unit tangent of the branch, `F_X t = 0` |
-//! | `ds` | length of the predictor `X + ds t` |
 //!
-//! The corrector solves `F(X) = 0` with `t . (X - predictor) = 0`. At a fold the parameter turns
-//! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
-//! of Bifurcation Theory*, pp. 359-384.
+//! Predictor and corrector are those of `arclength`.
 
 use super::{
+    arclength::{self, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
     setting::{Parameter, Setting},
-    shooting::{Equations, NewtonStep, Orbit, Shooting, least_squares},
+    shooting::{Equations, Orbit, Shooting},
 };
 use crate::{
-    chain::max_norm,
     dps::Center,
     error::{Error, Result},
     interrupt,
@@ -72,21 +68,8 @@ impl End {
     }
 }
 
-/// Largest `ds`: strains may change by half their size from point to point.
-const LONGEST: f64 = 0.5;
-/// Smallest `ds`, in units of the first one.
-const SHORTEST: f64 = 1e-6;
-/// Largest number of corrector steps; `ds` grows below `GOOD_CORRECTIONS` of them, and shrinks
-/// above `MANY_CORRECTIONS`.
-const MOST_CORRECTIONS: usize = 10;
-const GOOD_CORRECTIONS: usize = 4;
-const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
-/// A correction below this is the last one.
-const LAST_CORRECTION: f64 = 1e-9;
 /// Largest residual of an orbit, in units of the largest strain.
 const SOLVED: f64 = 1e-12;
-/// Relative change of the parameter for difference quotients of `F`.
-const DIFFERENCE: f64 = 1e-6;
 
 /// A point of a branch, and its tangent.
 #[derive(Clone, Debug)]
@@ -95,11 +78,36 @@ pub(super) struct Place {
     pub(super) tangent: DVector<f64>,
 }
 
-/// Units of `X`: `s` and `P`.
-#[derive(Clone, Copy)]
-pub(super) struct Scales {
-    pub(super) strain: f64,
-    pub(super) parameter: f64,
+/// Orbits of a setting of which one parameter varies.
+struct Varying<'a> {
+    continuation: &'a Continuation,
+    setting: Setting,
+}
+
+impl Varying<'_> {
+    fn at(&self, p: f64) -> Setting {
+        self.setting.with(self.continuation.parameter, p)
+    }
+
+    fn orbit(&self, Solution { z, p, residual, newton }: Solution) -> Orbit {
+        Orbit { setting: self.at(p), z, residual, newton }
+    }
+}
+
+impl Family for Varying<'_> {
+    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+        self.continuation.shooting.equations(&self.at(p), z, derivative)
+    }
+
+    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
+        let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.continuation.shooting };
+        let Orbit { z, residual, newton, .. } = shooting.solve(&self.at(p), seed)?;
+        Ok(Solution { z, p, residual, newton })
+    }
+
+    fn solved(&self) -> f64 {
+        SOLVED
+    }
 }
 
 /// A branch up to its last orbit, with everything needed to continue it.
@@ -244,120 +252,42 @@ impl Continuation {
         Ok((trail.orbits, end))
     }
 
+    fn varying(&self, setting: Setting) -> Varying<'_> {
+        Varying { continuation: self, setting }
+    }
+
+    fn spot<'a>(&self, place: &'a Place) -> Spot<'a> {
+        let Place { orbit, tangent } = place;
+        Spot { z: &orbit.z, p: orbit.setting.get(self.parameter), tangent }
+    }
+
     /// The next point after `place`, and the length `ds` for the point after it.
-    ///
-    /// The predictor has the length `ds` at first; the length is halved until the corrector
-    /// converges.
     fn next(&self, place: &Place, scales: Scales, direction: f64, ds: f64) -> Option<(Orbit, f64)> {
-        let now = place.orbit.setting.get(self.parameter);
-        let rate = place.tangent[place.tangent.len() - 1] * scales.parameter;
-        let shortest = SHORTEST * self.step / scales.parameter;
-        let mut ds = ds.min(LONGEST).min(self.step / rate.abs());
-        loop {
-            // The last step ends at the final value.
-            let lands = rate * direction > 0.0 && (self.to - now).abs() <= 1.001 * (rate * ds).abs();
-            let next = if lands || self.natural {
-                let to = if lands { self.to } else { now + rate.abs() * ds * direction };
-                self.naturally(place, scales, to)
-            } else {
-                self.step(place, scales, ds)
-            };
-            match next {
-                Ok((orbit, corrections)) => {
-                    let factor = match corrections {
-                        ..GOOD_CORRECTIONS => 1.5,
-                        GOOD_CORRECTIONS | MANY_CORRECTIONS => 1.0,
-                        _ => 0.6,
-                    };
-                    return Some((orbit, ds * factor));
-                }
-                Err(_) if ds > shortest => ds *= 0.5,
-                Err(_) => return None,
-            }
-        }
+        let family = self.varying(place.orbit.setting);
+        let way = Way { to: self.to, step: self.step, natural: self.natural, direction };
+        let (solution, ds) = arclength::next(&family, self.spot(place), scales, way, ds)?;
+        Some((family.orbit(solution), ds))
     }
 
     /// The difference of two orbits in the units of `X`.
     pub(super) fn chord(&self, a: &Orbit, b: &Orbit, scales: Scales) -> DVector<f64> {
-        let along = (b.setting.get(self.parameter) - a.setting.get(self.parameter)) / scales.parameter;
-        let chord = a.z.iter().zip(&b.z).map(|(a, b)| (b - a) / scales.strain);
-        DVector::from_iterator(a.z.len() + 1, chord.chain([along]))
+        let p = |orbit: &Orbit| orbit.setting.get(self.parameter);
+        scales.chord((&a.z, p(a)), (&b.z, p(b)))
     }
 
     pub(super) fn scales(&self, orbit: &Orbit, from: f64) -> Scales {
-        let root = (orbit.z.len() as f64).sqrt();
-        Scales { strain: max_norm(orbit.z.iter().copied()) * root, parameter: (self.to - from).abs() }
-    }
-
-    /// `F` and `[F_Z s, F_p P]` at an orbit.
-    fn extended(&self, setting: &Setting, z: &[f64], scales: Scales) -> Result<Equations> {
-        let Equations { residual, jacobian } = self.shooting.equations(setting, z, true)?;
-        let (p, columns) = (setting.get(self.parameter), z.len());
-        let by = DIFFERENCE * p.abs().max(scales.parameter);
-        let at = |p: f64| self.shooting.equations(&setting.with(self.parameter, p), z, false);
-        let slope = (at(p + by)?.residual - at(p - by)?.residual) / (2.0 * by);
-        let mut jacobian = (jacobian * scales.strain).insert_column(columns, 0.0);
-        jacobian.set_column(columns, &(slope * scales.parameter));
-        Ok(Equations { residual, jacobian })
+        Scales::new(&orbit.z, (self.to - from).abs())
     }
 
     /// The unit tangent with a positive product with `before`.
     pub(super) fn tangent(&self, orbit: &Orbit, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
-        let Equations { residual, jacobian } = self.extended(&orbit.setting, &orbit.z, scales)?;
-        let rows = residual.len();
-        let mut bordered = jacobian.insert_row(rows, 0.0);
-        bordered.set_row(rows, &before.transpose());
-        let mut right = DVector::zeros(rows + 1);
-        right[rows] = 1.0;
-        let tangent = least_squares(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
-        Ok(tangent.normalize())
+        let family = self.varying(orbit.setting);
+        arclength::tangent(&family, (&orbit.z, orbit.setting.get(self.parameter)), scales, before)
     }
 
-    /// The next point by arclength, and the number of corrector steps.
-    pub(super) fn step(&self, place: &Place, scales: Scales, ds: f64) -> Result<(Orbit, usize)> {
-        let columns = place.orbit.z.len();
-        let t = &place.tangent;
-        let mut z = DVector::from_column_slice(&place.orbit.z) + t.rows(0, columns) * (ds * scales.strain);
-        let mut setting = place.orbit.setting;
-        setting = setting.with(self.parameter, setting.get(self.parameter) + ds * t[columns] * scales.parameter);
-        let (mut newton, mut before) = (Vec::new(), f64::INFINITY);
-        loop {
-            let Equations { residual, jacobian } = self.extended(&setting, z.as_slice(), scales)?;
-            let rows = residual.len();
-            let mut bordered = jacobian.insert_row(rows, 0.0);
-            bordered.set_row(rows, &t.transpose());
-            let size = z.amax();
-            let relative = residual.amax() / size;
-            let stalled = Error::Stalled { steps: newton.len(), best: None };
-            // All iterates are in the hyperplane of the predictor: its equation has the residual
-            // zero.
-            let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
-            let step = by.norm();
-            newton.push(NewtonStep { residual: relative, step });
-            z -= by.rows(0, columns) * scales.strain;
-            setting = setting.with(self.parameter, setting.get(self.parameter) - by[columns] * scales.parameter);
-            if step <= LAST_CORRECTION {
-                let residual = self.shooting.equations(&setting, z.as_slice(), false)?.residual.amax() / z.amax();
-                let corrections = newton.len();
-                let orbit = Orbit { setting, z: z.as_slice().to_vec(), residual, newton };
-                return if residual <= SOLVED { Ok((orbit, corrections)) } else { Err(stalled) };
-            }
-            if newton.len() >= MOST_CORRECTIONS || step > LONGEST && step > before {
-                return Err(stalled);
-            }
-            before = step;
-        }
-    }
-
-    /// The orbit at the value `to` of the parameter, and the number of steps of Newton's method;
-    /// the guess is on the tangent.
-    pub(super) fn naturally(&self, place: &Place, scales: Scales, to: f64) -> Result<(Orbit, usize)> {
-        let columns = place.orbit.z.len();
-        let by = (to - place.orbit.setting.get(self.parameter)) / (place.tangent[columns] * scales.parameter);
-        let z: Vec<f64> = place.orbit.z.iter().zip(&place.tangent).map(|(z, t)| z + by * t * scales.strain).collect();
-        let shooting = Shooting { most_steps: MOST_CORRECTIONS, ..self.shooting };
-        let orbit = shooting.solve(&place.orbit.setting.with(self.parameter, to), &z)?;
-        let corrections = orbit.newton.len();
-        Ok((orbit, corrections))
+    /// The next point by arclength.
+    pub(super) fn step(&self, place: &Place, scales: Scales, ds: f64) -> Result<Orbit> {
+        let family = self.varying(place.orbit.setting);
+        Ok(family.orbit(arclength::correct(&family, self.spot(place), scales, ds)?))
     }
 }

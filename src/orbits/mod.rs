@@ -1,4 +1,5 @@
-//! Periodic orbits of a chain: shooting, Floquet multipliers, continuation (Sec. 7).
+//! Periodic orbits of a chain: shooting, Floquet multipliers, continuation (Sec. 7); orbits of
+//! driven, damped chains under the stroboscopic map are in `driven`.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,8 +9,11 @@
 //! | `lambda, tau` | multipliers, and `(lambda + 1/lambda)/2` |
 //! | `R` | time reversal, `diag(1, -1)` on `(Z, Z')` |
 
+mod arclength;
 mod bifurcation;
 mod continuation;
+mod driven;
+mod driven_branch;
 mod eigen;
 mod file;
 mod floquet;
@@ -21,6 +25,8 @@ mod shooting;
 
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, End, Trail};
+pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
+pub use driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;

@@ -11,6 +11,8 @@ mod charts;
 mod compare;
 mod dps;
 mod drift;
+mod driven;
+mod end_driven;
 mod evolve;
 mod exact;
 mod lifetimes;
@@ -40,6 +42,10 @@ pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, 
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;
+pub use driven::*;
+#[cfg(feature = "plot")]
+pub(crate) use driven::{multipliers_panel, stability_lines};
+pub use end_driven::*;
 #[cfg(feature = "plot")]
 pub(crate) use evolve::swing_maps;
 pub use evolve::*;

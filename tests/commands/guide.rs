@@ -10,7 +10,6 @@ use std::{
     process::Command,
 };
 
-
 /// The texts that people read: those beside the program, and the chapters.
 fn texts() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -138,7 +137,8 @@ const LONG: &[&str] = &[
     "hertzchain wave modulation --q-over-pi",
     "hertzchain wave solitary",
     "hertzchain wave tw-q15 --out",
-    "hertzchain wave tw-rho3",];
+    "hertzchain wave tw-rho3",
+];
 
 /// Runs the commands of every text, in its order and in a folder of its own; those of `LONG` only
 /// if asked for.

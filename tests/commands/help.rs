@@ -36,17 +36,30 @@ fn commands() -> Vec<Vec<String>> {
 }
 
 #[test]
-fn there_are_eleven_commands_and_each_has_its_place() {
+fn there_are_twelve_commands_and_each_has_its_place() {
     let all: Vec<String> = commands().iter().map(|path| path.join(" ")).collect();
-    let top =
-        ["run", "compare", "sweep", "scenes", "integrators", "study", "wave", "breather", "dps", "paper", "shell"];
+    let top = [
+        "run",
+        "compare",
+        "sweep",
+        "scenes",
+        "integrators",
+        "study",
+        "wave",
+        "breather",
+        "orbit",
+        "dps",
+        "paper",
+        "shell",
+    ];
     let first: Vec<&str> =
         all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
     assert_eq!(first, top);
     let below = [
-        ("study", "order scaling drift stability theorem lifetimes dimer impurity taper disorder"),
+        ("study", "order scaling drift stability theorem lifetimes dimer impurity taper disorder end-driven"),
         ("wave", "modulation exact continue solitary"),
         ("breather", "bright trivial dark continue doubled evolve barrier"),
+        ("orbit", "driven continue"),
         ("dps", "integrals homoclinic dark"),
         ("paper", "figures verify report"),
         ("shell", "completions man"),
@@ -75,7 +88,7 @@ fn short_help_fits_a_screen_and_long_help_has_examples() {
         }
         seen += 1;
     }
-    assert_eq!(seen, 43, "the program, eleven commands, and those below them");
+    assert_eq!(seen, 47, "the program, twelve commands, and those below them");
 }
 
 #[test]

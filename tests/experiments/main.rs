@@ -9,6 +9,7 @@ mod barrier;
 mod branch_files;
 mod breathers;
 mod charts;
+mod driven;
 mod exact_waves;
 mod lifetimes;
 mod orbits;

@@ -21,6 +21,7 @@ mod pulses;
 mod run;
 mod splitting;
 mod tangent;
+mod variations;
 
 /// Equal windows, with panels cut at events of neighbours.
 fn windows(windows: u64, nodes: usize) -> hertzchain::integrators::collocation::Pace {

@@ -34,7 +34,10 @@ mod topology;
 pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
-pub use details::{Details, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns};
+pub use details::{
+    Details, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns, Variations,
+    Varied,
+};
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
 pub use field::Field;

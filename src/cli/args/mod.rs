@@ -7,6 +7,7 @@
 mod breathers;
 mod methods;
 mod modulation;
+mod orbit;
 mod paper;
 mod scenes;
 mod shell;
@@ -15,6 +16,7 @@ mod study;
 pub(super) use breathers::*;
 pub(super) use methods::*;
 pub(super) use modulation::*;
+pub(super) use orbit::*;
 pub(super) use paper::*;
 pub(super) use scenes::*;
 pub(super) use shell::*;
@@ -118,6 +120,12 @@ Examples:
   hertzchain breather bright --center bond --epsilon 0.01
   hertzchain breather dark --center bond --omega-b 2.05 --out out/dark")]
     Breather(BreatherArgs),
+    /// Periodic orbits of driven, damped scenes, and branches of them.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain orbit driven granular-crystal
+  hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch")]
+    Orbit(OrbitArgs),
     /// The modulation equations of small oscillations.
     #[command(after_long_help = "\
 Examples:

@@ -3,7 +3,7 @@
 use crate::{
     cli::runner::Told,
     study::{
-        Bound, Charts, DimerOptions, DisorderOptions, Drift, ImpurityOptions, LifetimeOptions, OrderOptions,
+        Bound, Charts, DimerOptions, DisorderOptions, Drift, EndDriven, ImpurityOptions, LifetimeOptions, OrderOptions,
         ScalingOptions, TaperOptions, TheoremOptions,
     },
 };
@@ -106,6 +106,16 @@ Example:
         after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --seeds 50 --out out/disorder"
     )]
     Disorder(Told<DisorderOptions>),
+    /// Search for dark breathers in damped chains driven at both ends.
+    ///
+    /// Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
+    /// frequencies above omega. Each is followed as a periodic orbit from small drive amplitudes,
+    /// past folds; the table says from which amplitude on orbits are dark breathers, from which on
+    /// they are stable, and whether a chain at rest comes to them.
+    #[command(after_long_help = "\
+Example:
+  hertzchain study end-driven --lengths 12 --omegas 2.05 --out out/end-driven")]
+    EndDriven(Told<EndDriven>),
 }
 
 /// The rule of the verdict, and an example.

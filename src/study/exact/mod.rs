@@ -268,7 +268,9 @@ pub struct ContinueWave {
     /// The wave.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub wanted: Wanted,
-    /// Number of the wave that varies.
+    /// What varies along the branch.
+    ///
+    /// A number of the wave.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
     pub vary: WaveParameter,
     /// Where it ends.

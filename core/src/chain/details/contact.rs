@@ -61,6 +61,12 @@ impl<R: Real> Contact<R> {
         self.constant * self.law.force(g)
     }
 
+    /// `A alpha (g)_+^{alpha-1}`.
+    #[inline]
+    pub(crate) fn stiffness(&self, g: R) -> R {
+        self.constant * self.law.stiffness(g)
+    }
+
     /// The force at an overlap and its rate; never negative.
     #[inline]
     pub(crate) fn force(&self, g: R, rate: R) -> R {

@@ -25,12 +25,14 @@ mod ledger;
 mod propagator;
 mod stretches;
 mod turns;
+mod variations;
 
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, Envelope, Harmonic, Means, Signal};
 pub use flow::SitewiseFlow;
 pub use ledger::Ledger;
 pub use turns::Turns;
+pub use variations::{Variations, Varied};
 
 pub(super) use field::rates;
 pub(super) use ledger::LEDGER;

@@ -229,6 +229,7 @@ fn bifurcation_words(all: &[Bifurcation]) -> String {
         BifurcationKind::KreinCollision => "meet on the circle",
         BifurcationKind::RealCollision => "meet on the real axis",
         BifurcationKind::Fold => "fold",
+        BifurcationKind::Torus => "torus",
     };
     let words: Vec<String> = all.iter().map(|one| format!("{:.7} ({})", one.parameter, word(one.kind))).collect();
     if words.is_empty() { "none stronger than 0.01".to_owned() } else { words.join(", ") }

@@ -1,0 +1,36 @@
+//! Orbits of driven scenes as commands.
+
+use crate::{
+    cli::runner::Told,
+    study::{Driven, DrivenContinue},
+};
+use clap::{Args, Subcommand};
+
+#[derive(Args)]
+pub(crate) struct OrbitArgs {
+    #[command(subcommand)]
+    pub(crate) action: OrbitAction,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum OrbitAction {
+    /// Compute the periodic orbit to which a driven scene leads.
+    ///
+    /// Under the stroboscopic map: by Newton's method from the state that the scene has after some
+    /// periods. With its Floquet multipliers, which may lie inside and outside the unit circle, and
+    /// their product against Liouville's formula. Exit code 1 if no orbit is found.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain orbit driven granular-crystal
+  hertzchain orbit driven granular-crystal --turns 2 --json")]
+    Driven(Told<Driven>),
+    /// Follow the orbit of a driven scene in one parameter.
+    ///
+    /// In the drive's amplitude or frequency, or in the damping, past folds; with multipliers,
+    /// folds, period doublings and torus bifurcations. It begins with the scene's own value. Exit
+    /// code 1 if the branch is lost on its way.
+    #[command(after_long_help = "\
+Example:
+  hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch")]
+    Continue(Told<DrivenContinue>),
+}

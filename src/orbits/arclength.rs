@@ -1,0 +1,202 @@
+//! Predictor and corrector of pseudo-arclength continuation, for equations with one parameter.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `X = (z/s, p/P)` | unknowns and parameter, scaled |
+//! | `F(X) = 0` | the equations |
+//! | `t` | unit tangent of the branch, `F_X t = 0` |
+//! | `ds` | length of the predictor `X + ds t` |
+//!
+//! The corrector solves `F(X) = 0` with `t . (X - predictor) = 0`. At a fold the parameter turns
+//! back; the equations with the arclength stay regular there. Source: Keller 1977, in *Applications
+//! of Bifurcation Theory*, pp. 359-384.
+
+use super::shooting::{Equations, NewtonStep, least_squares};
+use crate::{
+    chain::max_norm,
+    error::{Error, Result},
+};
+use nalgebra::DVector;
+
+/// Largest `ds`: unknowns may change by half their size from point to point.
+const LONGEST: f64 = 0.5;
+/// Smallest `ds`, in units of the first one.
+const SHORTEST: f64 = 1e-6;
+/// Largest number of corrector steps; `ds` grows below `GOOD_CORRECTIONS` of them, and shrinks
+/// above `MANY_CORRECTIONS`.
+pub(super) const MOST_CORRECTIONS: usize = 10;
+const GOOD_CORRECTIONS: usize = 4;
+const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
+/// A correction below this is the last one.
+const LAST_CORRECTION: f64 = 1e-9;
+/// Relative change of the parameter for difference quotients of `F`.
+const DIFFERENCE: f64 = 1e-6;
+
+/// Equations `F(z, p) = 0` with a parameter.
+pub(super) trait Family {
+    /// `F`, and its derivative by `z` if `derivative`; without it, it has no columns.
+    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
+    /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
+    /// method from `seed`.
+    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution>;
+    /// Largest residual of a solution, in units of the largest unknown.
+    fn solved(&self) -> f64;
+}
+
+/// A solution, with its residual in units of the largest unknown.
+#[derive(Clone, Debug)]
+pub(super) struct Solution {
+    pub(super) z: Vec<f64>,
+    pub(super) p: f64,
+    pub(super) residual: f64,
+    pub(super) newton: Vec<NewtonStep>,
+}
+
+/// A point of a branch, and its tangent.
+#[derive(Clone, Copy)]
+pub(super) struct Spot<'a> {
+    pub(super) z: &'a [f64],
+    pub(super) p: f64,
+    pub(super) tangent: &'a DVector<f64>,
+}
+
+/// Units of `X`: `s` and `P`.
+#[derive(Clone, Copy)]
+pub(super) struct Scales {
+    pub(super) state: f64,
+    pub(super) parameter: f64,
+}
+
+/// How far a branch is followed.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// The value of the parameter at which the branch ends.
+    pub(super) to: f64,
+    /// The largest change of the parameter from point to point, positive.
+    pub(super) step: f64,
+    /// Whether the branch is followed in the parameter itself.
+    pub(super) natural: bool,
+    /// Sign of the parameter's change from the first point to the end.
+    pub(super) direction: f64,
+}
+
+impl Scales {
+    /// Units for unknowns of this size and a parameter of this range.
+    pub(super) fn new(z: &[f64], range: f64) -> Self {
+        let root = (z.len() as f64).sqrt();
+        Self { state: max_norm(z.iter().copied()) * root, parameter: range }
+    }
+
+    /// The difference of two points in the units of `X`.
+    pub(super) fn chord(self, (a, p): (&[f64], f64), (b, q): (&[f64], f64)) -> DVector<f64> {
+        let along = (q - p) / self.parameter;
+        let chord = a.iter().zip(b).map(|(a, b)| (b - a) / self.state);
+        DVector::from_iterator(a.len() + 1, chord.chain([along]))
+    }
+}
+
+/// `F` and `[F_z s, F_p P]`.
+fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
+    let Equations { residual, jacobian } = family.equations(z, p, true)?;
+    let columns = z.len();
+    let by = DIFFERENCE * p.abs().max(scales.parameter);
+    let at = |p: f64| family.equations(z, p, false);
+    let slope = (at(p + by)?.residual - at(p - by)?.residual) / (2.0 * by);
+    let mut jacobian = (jacobian * scales.state).insert_column(columns, 0.0);
+    jacobian.set_column(columns, &(slope * scales.parameter));
+    Ok(Equations { residual, jacobian })
+}
+
+/// The unit tangent with a positive product with `before`.
+pub(super) fn tangent(
+    family: &impl Family,
+    (z, p): (&[f64], f64),
+    scales: Scales,
+    before: &DVector<f64>,
+) -> Result<DVector<f64>> {
+    let Equations { residual, jacobian } = extended(family, z, p, scales)?;
+    let rows = residual.len();
+    let mut bordered = jacobian.insert_row(rows, 0.0);
+    bordered.set_row(rows, &before.transpose());
+    let mut right = DVector::zeros(rows + 1);
+    right[rows] = 1.0;
+    let tangent = least_squares(bordered, &right).ok_or(Error::Stalled { steps: 0, best: None })?;
+    Ok(tangent.normalize())
+}
+
+/// The next point by arclength.
+pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+    let columns = spot.z.len();
+    let t = spot.tangent;
+    let mut z = DVector::from_column_slice(spot.z) + t.rows(0, columns) * (ds * scales.state);
+    let mut p = spot.p + ds * t[columns] * scales.parameter;
+    let (mut newton, mut before) = (Vec::new(), f64::INFINITY);
+    loop {
+        let Equations { residual, jacobian } = extended(family, z.as_slice(), p, scales)?;
+        let rows = residual.len();
+        let mut bordered = jacobian.insert_row(rows, 0.0);
+        bordered.set_row(rows, &t.transpose());
+        let size = z.amax();
+        let relative = residual.amax() / size;
+        let stalled = Error::Stalled { steps: newton.len(), best: None };
+        // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
+        let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
+        let step = by.norm();
+        newton.push(NewtonStep { residual: relative, step });
+        z -= by.rows(0, columns) * scales.state;
+        p -= by[columns] * scales.parameter;
+        if step <= LAST_CORRECTION {
+            let residual = family.equations(z.as_slice(), p, false)?.residual.amax() / z.amax();
+            let solution = Solution { z: z.as_slice().to_vec(), p, residual, newton };
+            return if residual <= family.solved() { Ok(solution) } else { Err(stalled) };
+        }
+        if newton.len() >= MOST_CORRECTIONS || step > LONGEST && step > before {
+            return Err(stalled);
+        }
+        before = step;
+    }
+}
+
+/// The solution at the value `to` of the parameter; the guess is on the tangent.
+fn naturally(family: &impl Family, spot: Spot<'_>, scales: Scales, to: f64) -> Result<Solution> {
+    let by = (to - spot.p) / (spot.tangent[spot.z.len()] * scales.parameter);
+    let z: Vec<f64> = spot.z.iter().zip(spot.tangent).map(|(z, t)| z + by * t * scales.state).collect();
+    family.solve(&z, to)
+}
+
+/// The next point after `spot`, and the length `ds` for the point after it.
+///
+/// The predictor has the length `ds` at first; the length is halved until the corrector converges.
+pub(super) fn next(
+    family: &impl Family,
+    spot: Spot<'_>,
+    scales: Scales,
+    Way { to, step, natural, direction }: Way,
+    ds: f64,
+) -> Option<(Solution, f64)> {
+    let rate = spot.tangent[spot.tangent.len() - 1] * scales.parameter;
+    let shortest = SHORTEST * step / scales.parameter;
+    let mut ds = ds.min(LONGEST).min(step / rate.abs());
+    loop {
+        // The last step ends at the final value.
+        let lands = rate * direction > 0.0 && (to - spot.p).abs() <= 1.001 * (rate * ds).abs();
+        let next = if lands || natural {
+            let to = if lands { to } else { spot.p + rate.abs() * ds * direction };
+            naturally(family, spot, scales, to)
+        } else {
+            correct(family, spot, scales, ds)
+        };
+        match next {
+            Ok(solution) => {
+                let factor = match solution.newton.len() {
+                    ..GOOD_CORRECTIONS => 1.5,
+                    GOOD_CORRECTIONS | MANY_CORRECTIONS => 1.0,
+                    _ => 0.6,
+                };
+                return Some((solution, ds * factor));
+            }
+            Err(_) if ds > shortest => ds *= 0.5,
+            Err(_) => return None,
+        }
+    }
+}

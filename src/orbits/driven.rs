@@ -1,0 +1,583 @@
+//! Periodic orbits of driven, damped chains: fixed points of the stroboscopic map.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `omega, T` | fundamental frequency of the drive, and its period `2 pi/omega` |
+//! | `P` | stroboscopic map: the flow over `T`, from phase zero of the drive |
+//! | `m` | periods of the drive in a period of the orbit |
+//! | `q` | displacements of beads that no drive moves, and of resonators |
+//! | `z = (q, q'/omega)` | unknowns, at `t = 0` |
+//! | `M` | derivative of `P^m` at the orbit; its eigenvalues `lambda` are the multipliers |
+//! | `gamma` | minus the divergence of the vector field, `sum (c_n + d_n)/m_n + d_n/(rho_n m_n)` |
+//!
+//! The equations are `P^m(z) - z = 0`. There is no free phase: the drive has one. Drag and dashpots
+//! make the divergence constant, so that `det M = exp(-gamma m T)` (Liouville).
+
+use super::{
+    arclength::{Family, MOST_CORRECTIONS, Solution},
+    eigen::eigenvalues,
+    shooting::{Equations, NewtonStep, least_squares},
+};
+use crate::{
+    chain::{Chain, Details, Drive, Envelope, Means, State, Variations, max_norm},
+    error::{Error, Iterate, Result},
+    interrupt,
+};
+use nalgebra::{Complex, DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A number of a driven chain that can vary along a branch of orbits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
+pub enum DriveParameter {
+    /// Amplitude of the first harmonic with a frequency; all others with one keep their ratio to it.
+    Amplitude,
+    /// Fundamental frequency; all harmonics keep their ratio to it.
+    Omega,
+    /// Factor of all drags and dashpots.
+    Damping,
+}
+
+impl DriveParameter {
+    /// The symbol in pictures.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Amplitude => "drive amplitude a",
+            Self::Omega => "drive frequency ω",
+            Self::Damping => "factor of damping",
+        }
+    }
+
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Amplitude => "amplitude",
+            Self::Omega => "omega",
+            Self::Damping => "damping",
+        }
+    }
+
+    /// The rule for its values.
+    fn check(self, value: f64) -> Result<()> {
+        let (good, rule) = match self {
+            Self::Amplitude => (value != 0.0, "finite, and not zero"),
+            Self::Omega => (value > 0.0, "a frequency is finite and positive"),
+            Self::Damping => (value >= 0.0, "a factor is finite and at least zero"),
+        };
+        if value.is_finite() && good { Ok(()) } else { Err(Error::parameter(self.name(), value, rule)) }
+    }
+}
+
+/// A driven chain, and the period of its orbit.
+#[derive(Clone, Debug)]
+pub struct DrivenSetting {
+    /// The chain without details.
+    bare: Chain<f64>,
+    /// Details for the reference values of the parameters, without envelopes.
+    details: Details,
+    reference: [f64; 2],
+    /// Amplitude, frequency, factor of damping.
+    values: [f64; 3],
+    turns: u32,
+    /// Entries of a state that are free displacements.
+    free: Vec<usize>,
+}
+
+/// Largest number of periods of the drive in a period of an orbit.
+const MOST_TURNS: u32 = 64;
+/// Largest number of sites.
+const MOST_SITES: usize = 256;
+/// Frequencies of a periodic drive are multiples of the least one over a whole number up to this.
+const MOST_SUBDIVISIONS: u32 = 64;
+/// Relative error of such multiples.
+const COMMENSURATE: f64 = 1e-9;
+
+/// The largest frequency of which all are multiples; `None` if there is none within
+/// [`MOST_SUBDIVISIONS`].
+fn fundamental(omegas: &[f64]) -> Option<f64> {
+    let least = omegas.iter().copied().filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min);
+    let multiple = |omega: f64, of: f64| ((omega / of).round() * of - omega).abs() <= COMMENSURATE * omega;
+    let candidates = (1..=MOST_SUBDIVISIONS).map(|k| least / f64::from(k));
+    candidates.filter(|of| of.is_finite()).find(|of| omegas.iter().all(|&omega| multiple(omega, *of)))
+}
+
+impl DrivenSetting {
+    /// The orbit of `turns` periods of the drive, on this chain. Ramps are taken at their full
+    /// height.
+    ///
+    /// # Errors
+    /// A chain without a drive, or whose drives are bursts, or have frequencies that are no
+    /// multiples of one; a strain ring; contacts that dissipate; `alpha <= 1`; more than 256 sites;
+    /// `turns` outside 1 to 64.
+    pub fn new(chain: &Chain<f64>, turns: u32) -> Result<Self> {
+        let refused = |value: &str| Error::parameter("drive", value, "an orbit needs a periodic drive");
+        let Some(details) = chain.details().filter(|details| !details.drives.is_empty()) else {
+            return Err(refused("none"));
+        };
+        if !(1..=MOST_TURNS).contains(&turns) {
+            return Err(Error::parameter("turns", turns, "from 1 to 64 periods of the drive"));
+        }
+        if chain.sites() > MOST_SITES {
+            return Err(Error::parameter("sites", chain.sites(), "at most 256 sites for a tangent map"));
+        }
+        let mut details = details.clone();
+        for drive in &mut details.drives {
+            if let Envelope::Burst { .. } = drive.signal.envelope {
+                return Err(refused("a burst"));
+            }
+            drive.signal.envelope = Envelope::None;
+        }
+        let harmonics = |details: &Details| -> Vec<_> {
+            details.drives.iter().flat_map(|drive| drive.signal.harmonics.clone()).collect()
+        };
+        let all = harmonics(&details);
+        let omegas: Vec<f64> = all.iter().map(|harmonic| harmonic.omega).collect();
+        let omega = fundamental(&omegas)
+            .ok_or_else(|| refused("frequencies that are no multiples of one, as those of noise"))?;
+        // A least frequency exists.
+        let amplitude = all.iter().find(|harmonic| harmonic.omega > 0.0).map_or(0.0, |harmonic| harmonic.amplitude);
+        DriveParameter::Amplitude.check(amplitude)?;
+        // What a uniform precompression has given is in the overlaps at rest.
+        let (n, rest) = (chain.sites(), chain.overlaps(&vec![0.0; chain.sites()]));
+        details.overlap = chain.touching().map(|bond| rest[bond]).collect();
+        let bare = Chain::new(chain.params(), chain.boundary(), n)?;
+        let moved = |i: usize| details.drives.iter().any(|drive| drive.site == i && drive.means == Means::Moved);
+        let beads = (0..n).filter(|&i| !moved(i));
+        let resonators = (0..n).filter(|&i| chain.resonator_moves(i)).map(|i| n + i);
+        let free: Vec<usize> = beads.chain(resonators).collect();
+        if free.is_empty() {
+            return Err(Error::parameter("drive", "moves every bead", "an orbit needs a bead that is free"));
+        }
+        let setting =
+            Self { bare, details, reference: [amplitude, omega], values: [amplitude, omega, 1.0], turns, free };
+        Variations::new(&setting.chain()?, 0)?;
+        Ok(setting)
+    }
+
+    /// The chain, with its drives at their full height.
+    ///
+    /// # Errors
+    /// A parameter outside its rule.
+    pub fn chain(&self) -> Result<Chain<f64>> {
+        for parameter in [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping] {
+            parameter.check(self.get(parameter))?;
+        }
+        let mut details = self.details.clone();
+        let [amplitude, omega] = [0, 1].map(|k| self.values[k] / self.reference[k]);
+        let harmonics = details.drives.iter_mut().flat_map(|Drive { signal, .. }| &mut signal.harmonics);
+        for harmonic in harmonics.filter(|harmonic| harmonic.omega > 0.0) {
+            harmonic.amplitude *= amplitude;
+            harmonic.omega *= omega;
+        }
+        for loss in details.drag.iter_mut().chain(&mut details.dashpot) {
+            *loss *= self.values[2];
+        }
+        self.bare.clone().with(&details)
+    }
+
+    /// The value of a parameter.
+    pub fn get(&self, parameter: DriveParameter) -> f64 {
+        self.values[parameter as usize]
+    }
+
+    /// The setting with another value of a parameter, unchecked.
+    #[must_use]
+    pub fn with(&self, parameter: DriveParameter, value: f64) -> Self {
+        let mut setting = self.clone();
+        setting.values[parameter as usize] = value;
+        setting
+    }
+
+    /// Periods of the drive in a period of the orbit.
+    pub fn turns(&self) -> u32 {
+        self.turns
+    }
+
+    /// The same chain with another period of the orbit, unchecked.
+    #[must_use]
+    pub fn turned(&self, turns: u32) -> Self {
+        Self { turns, ..self.clone() }
+    }
+
+    /// Fundamental frequency of the drive.
+    pub fn omega(&self) -> f64 {
+        self.get(DriveParameter::Omega)
+    }
+
+    /// Period of the orbit, `m T`.
+    pub fn period(&self) -> f64 {
+        f64::from(self.turns) * 2.0 * PI / self.omega()
+    }
+
+    /// Number of sites, moved beads included.
+    pub fn sites(&self) -> usize {
+        self.bare.sites()
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        2 * self.free.len()
+    }
+
+    /// Beads that no drive moves.
+    pub fn free_beads(&self) -> impl Iterator<Item = usize> + '_ {
+        self.free.iter().copied().take_while(|&i| i < self.bare.sites())
+    }
+
+    /// `gamma`, minus the divergence of the vector field.
+    ///
+    /// # Errors
+    /// A parameter outside its rule.
+    pub fn contraction(&self) -> Result<f64> {
+        let chain = self.chain()?;
+        let of = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
+        let details = chain.details().cloned().unwrap_or_default();
+        let site = |i: usize| {
+            let [mass, resonator] = chain.masses(i);
+            let (drag, dashpot) = (of(&details.drag, i), of(&details.dashpot, i));
+            let inner = if chain.resonator_moves(i) { dashpot / resonator } else { 0.0 };
+            (drag + dashpot) / mass + inner
+        };
+        Ok(self.free_beads().map(site).sum())
+    }
+
+    /// The state at `t = 0` with the given unknowns.
+    fn start(&self, chain: &Chain<f64>, z: &[f64]) -> Vec<f64> {
+        let (half, omega) = (chain.layout().half(), self.omega());
+        let mut state = State::rest(chain).driven(chain).as_slice().to_vec();
+        let (q, q_dot) = z.split_at(self.free.len());
+        for ((&i, q), q_dot) in self.free.iter().zip(q).zip(q_dot) {
+            (state[i], state[half + i]) = (*q, omega * q_dot);
+        }
+        state
+    }
+
+    /// The unknowns of a state.
+    fn unknowns_of(&self, chain: &Chain<f64>, state: &[f64]) -> DVector<f64> {
+        let (half, omega) = (chain.layout().half(), self.omega());
+        let q = self.free.iter().map(|&i| state[i]);
+        let q_dot = self.free.iter().map(|&i| state[half + i] / omega);
+        DVector::from_iterator(self.unknowns(), q.chain(q_dot))
+    }
+
+    /// The unknowns at rest.
+    pub fn rest(&self) -> Vec<f64> {
+        vec![0.0; self.unknowns()]
+    }
+}
+
+/// Settings of the search for a driven orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrivenShooting {
+    /// Tolerance of a step of the flow.
+    pub tol: f64,
+    /// Tolerance of a step of the tangent map.
+    pub tangent_tol: f64,
+    /// Largest number of steps of Newton's method.
+    pub most_steps: usize,
+}
+
+impl Default for DrivenShooting {
+    fn default() -> Self {
+        Self { tol: 1e-14, tangent_tol: 1e-11, most_steps: 30 }
+    }
+}
+
+/// A periodic orbit of a driven chain.
+#[derive(Clone, Debug)]
+pub struct DrivenOrbit {
+    /// Chain, drive and period.
+    pub setting: DrivenSetting,
+    /// `z = (q, q'/omega)` at `t = 0`.
+    pub z: Vec<f64>,
+    /// `max |P^m(z) - z|` in units of `max |z|`.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
+}
+
+/// A step below this is the last: by quadratic convergence the next one would be below rounding.
+const LAST_STEP: f64 = 1e-9;
+/// Largest residual of an orbit.
+const SOLVED: f64 = 1e-11;
+/// Longest step, in units of the largest unknown or drive.
+const LONGEST_STEP: f64 = 0.5;
+/// Change from period to period, in units of the largest unknown, at which a run has settled.
+const SETTLED: f64 = 1e-8;
+/// Tolerance of a step on the way there.
+const SETTLE_TOL: f64 = 1e-9;
+/// Samples of a period of the drive for extremes.
+const SAMPLES: u32 = 64;
+
+impl DrivenShooting {
+    /// `P^m(z) - z`, with its derivative if asked for.
+    pub(super) fn equations(&self, setting: &DrivenSetting, z: &[f64], derivative: bool) -> Result<Equations> {
+        let chain = setting.chain()?;
+        let start = setting.start(&chain, z);
+        let span = (0.0, setting.period());
+        let end = Variations::flow(&chain, &start, span, &[], self.tol)?;
+        let residual = setting.unknowns_of(&chain, &end.state) - DVector::from_column_slice(z);
+        let unknowns = setting.unknowns();
+        let jacobian = if derivative {
+            self.monodromy(setting, z)? - DMatrix::identity(unknowns, unknowns)
+        } else {
+            DMatrix::zeros(unknowns, 0)
+        };
+        Ok(Equations { residual, jacobian })
+    }
+
+    /// `M`, the derivative of `P^m` by `z`.
+    fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<DMatrix<f64>> {
+        let chain = setting.chain()?;
+        let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
+        // Column `j` is the displacement `free[j]`, column `m + j` its velocity over omega.
+        let mut columns = vec![0.0; 2 * half * 2 * m];
+        for (j, &i) in setting.free.iter().enumerate() {
+            columns[i * 2 * m + j] = 1.0;
+            columns[(half + i) * 2 * m + m + j] = omega;
+        }
+        let start = setting.start(&chain, z);
+        let end = Variations::flow(&chain, &start, (0.0, setting.period()), &columns, self.tangent_tol)?.columns;
+        let entry = |k: usize, j: usize| match k.checked_sub(m) {
+            None => end[setting.free[k] * 2 * m + j],
+            Some(k) => end[(half + setting.free[k]) * 2 * m + j] / omega,
+        };
+        Ok(DMatrix::from_fn(2 * m, 2 * m, entry))
+    }
+
+    /// The unknowns after so many periods of the drive, from a state of `chain` at `t = 0`, ramps
+    /// included; fewer if it has become periodic. `seen` is told the share that is done.
+    ///
+    /// # Errors
+    /// An integration that fails; a signal.
+    pub fn settle(
+        &self,
+        setting: &DrivenSetting,
+        chain: &Chain<f64>,
+        state: &State<f64>,
+        periods: u32,
+        seen: impl Fn(f64),
+    ) -> Result<Vec<f64>> {
+        let period = setting.period();
+        let ramps = chain.details().into_iter().flat_map(|details| &details.drives);
+        let ramp = ramps.map(|drive| drive.signal.settled()).fold(0.0, f64::max);
+        let first = (ramp / period).ceil() as u32;
+        let mut y = state.as_slice().to_vec();
+        let mut z = setting.unknowns_of(chain, &y);
+        for k in 0..first + periods {
+            if interrupt::asked() {
+                return Err(Error::Stopped { kept: "nothing of this orbit".to_owned() });
+            }
+            seen(f64::from(k) / f64::from(first + periods));
+            let span = (f64::from(k) * period, f64::from(k + 1) * period);
+            y = Variations::flow(chain, &y, span, &[], SETTLE_TOL)?.state;
+            let next = setting.unknowns_of(chain, &y);
+            let settled = k >= first && (&next - &z).amax() <= SETTLED * next.amax();
+            z = next;
+            if settled {
+                break;
+            }
+        }
+        Ok(z.as_slice().to_vec())
+    }
+
+    /// The orbit near the unknowns `seed`.
+    ///
+    /// # Errors
+    /// A seed of another length or not finite; a seed whose flow fails; [`Error::Stalled`] with the
+    /// best iterate where the residual of Newton's method does not fall to 1e-11.
+    pub fn solve(&self, setting: &DrivenSetting, seed: &[f64]) -> Result<DrivenOrbit> {
+        if seed.len() != setting.unknowns() {
+            let rule = "a displacement and a velocity for each free bead and resonator";
+            return Err(Error::parameter("seed", format!("{} numbers", seed.len()), rule));
+        }
+        if !seed.iter().all(|z| z.is_finite()) {
+            return Err(Error::parameter("seed", "not finite", "a seed is finite"));
+        }
+        let drives = setting.chain()?.details().map_or(0.0, |details| {
+            let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
+            moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
+        });
+        let size = |z: &DVector<f64>| z.amax().max(drives).max(f64::MIN_POSITIVE);
+        let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
+        let mut best: Option<DrivenOrbit> = None;
+        let mut keep = |z: &DVector<f64>, residual: f64, newton: &[NewtonStep]| {
+            if residual < best.as_ref().map_or(f64::INFINITY, |best| best.residual) {
+                let z = z.as_slice().to_vec();
+                best = Some(DrivenOrbit { setting: setting.clone(), z, residual, newton: newton.to_vec() });
+            }
+            best.clone()
+        };
+        for _ in 0..self.most_steps {
+            let Ok(Equations { residual, jacobian }) = self.equations(setting, z.as_slice(), true) else { break };
+            let size = size(&z);
+            let Some(mut by) = least_squares(jacobian, &residual) else { break };
+            newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
+            keep(&z, residual.amax() / size, &newton);
+            by *= (LONGEST_STEP * size / by.amax()).min(1.0);
+            z -= &by;
+            if by.amax() <= LAST_STEP * size {
+                break;
+            }
+        }
+        let last = match self.equations(setting, z.as_slice(), false) {
+            Ok(equations) => equations.residual.amax() / size(&z),
+            Err(error) if newton.is_empty() => return Err(error),
+            Err(_) => f64::INFINITY,
+        };
+        match keep(&z, last, &newton) {
+            Some(orbit) if orbit.residual <= SOLVED => Ok(DrivenOrbit { newton, ..orbit }),
+            best => {
+                let best = best.map(|orbit| {
+                    let place = format!("omega = {}, amplitude = {}", setting.omega(), setting.values[0]);
+                    Box::new(Iterate { z: orbit.z, residual: orbit.residual, place })
+                });
+                Err(Error::Stalled { steps: newton.len(), best })
+            }
+        }
+    }
+}
+
+/// A multiplier of a driven orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DrivenMultiplier {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+    /// Modulus.
+    pub modulus: f64,
+}
+
+/// The multipliers of a driven orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivenSpectrum {
+    /// All of them, the largest modulus first, with conjugates next to each other.
+    pub multipliers: Vec<DrivenMultiplier>,
+    /// `|ln |det M| + gamma m T|`: zero in theory.
+    pub liouville: f64,
+}
+
+/// Multipliers up to `1 + MARGIN` count as on the circle: beads that no contact holds have the
+/// multiplier 1, up to roundings.
+pub(super) const MARGIN: f64 = 1e-7;
+
+impl DrivenSpectrum {
+    fn new(monodromy: &DMatrix<f64>, exponent: f64) -> Option<Self> {
+        let of = |value: Complex<f64>| DrivenMultiplier { re: value.re, im: value.im, modulus: value.norm() };
+        let mut multipliers: Vec<DrivenMultiplier> = eigenvalues(monodromy)?.into_iter().map(of).collect();
+        multipliers
+            .sort_by(|a, b| b.modulus.total_cmp(&a.modulus).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im)));
+        let lu = monodromy.clone().lu();
+        let log: f64 = lu.u().diagonal().iter().map(|pivot| pivot.abs().ln()).sum();
+        Some(Self { multipliers, liouville: (log + exponent).abs() })
+    }
+
+    /// Number of multipliers outside the circle of radius `1 + 10^-7`.
+    pub fn unstable(&self) -> usize {
+        self.multipliers.iter().filter(|one| one.modulus > 1.0 + MARGIN).count()
+    }
+
+    /// The largest modulus.
+    pub fn largest(&self) -> f64 {
+        self.multipliers.first().map_or(0.0, |one| one.modulus)
+    }
+}
+
+impl DrivenOrbit {
+    /// The state at `t = 0`.
+    ///
+    /// # Errors
+    /// A parameter of the setting outside its rule.
+    pub fn start(&self) -> Result<State<f64>> {
+        let chain = self.setting.chain()?;
+        let mut state = State::rest(&chain);
+        state.as_mut_slice().copy_from_slice(&self.setting.start(&chain, &self.z));
+        Ok(state)
+    }
+
+    /// The multipliers.
+    ///
+    /// # Errors
+    /// An integration that fails, or eigenvalues that do not converge.
+    pub fn spectrum(&self, shooting: &DrivenShooting) -> Result<DrivenSpectrum> {
+        let monodromy = shooting.monodromy(&self.setting, &self.z)?;
+        let exponent = self.setting.contraction()? * self.setting.period();
+        DrivenSpectrum::new(&monodromy, exponent).ok_or_else(|| {
+            let rule = "no multipliers: the eigenvalues did not converge";
+            Error::parameter("omega", self.setting.omega(), rule)
+        })
+    }
+
+    /// States at 64 equal times of each period of the drive, from `t = 0` to the end of the orbit.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn samples(&self, shooting: &DrivenShooting) -> Result<Vec<Vec<f64>>> {
+        let (chain, period) = (self.setting.chain()?, self.setting.period());
+        let count = SAMPLES * self.setting.turns;
+        let time = |k: u32| period * f64::from(k) / f64::from(count);
+        let mut samples = vec![self.setting.start(&chain, &self.z)];
+        for k in 0..count {
+            let last = &samples[k as usize];
+            let next = Variations::flow(&chain, last, (time(k), time(k + 1)), &[], shooting.tangent_tol)?.state;
+            samples.push(next);
+        }
+        Ok(samples)
+    }
+
+    /// Half the range of each bead's displacement over the orbit, moved beads included, and of each
+    /// strain between neighbours: from [`samples`](Self::samples).
+    pub fn ranges(&self, samples: &[Vec<f64>]) -> [Vec<f64>; 2] {
+        let n = self.setting.bare.sites();
+        let half_range = |of: &dyn Fn(&[f64]) -> f64| {
+            let (low, high) = samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), state| {
+                let value = of(state);
+                (low.min(value), high.max(value))
+            });
+            0.5 * (high - low)
+        };
+        [
+            (0..n).map(|i| half_range(&|state| state[i])).collect(),
+            (1..n).map(|i| half_range(&|state| state[i] - state[i - 1])).collect(),
+        ]
+    }
+
+    /// Half the range of the displacement of that free bead which moves most.
+    pub fn amplitude(&self, samples: &[Vec<f64>]) -> f64 {
+        let [beads, _] = self.ranges(samples);
+        max_norm(self.setting.free_beads().map(|i| beads[i]))
+    }
+}
+
+/// Driven orbits of a setting of which one parameter varies.
+pub(super) struct DrivenFamily<'a> {
+    pub(super) shooting: &'a DrivenShooting,
+    pub(super) setting: &'a DrivenSetting,
+    pub(super) parameter: DriveParameter,
+}
+
+impl DrivenFamily<'_> {
+    pub(super) fn orbit(&self, Solution { z, p, residual, newton }: Solution) -> DrivenOrbit {
+        DrivenOrbit { setting: self.setting.with(self.parameter, p), z, residual, newton }
+    }
+}
+
+impl Family for DrivenFamily<'_> {
+    fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
+        self.shooting.equations(&self.setting.with(self.parameter, p), z, derivative)
+    }
+
+    fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
+        let shooting = DrivenShooting { most_steps: MOST_CORRECTIONS, ..*self.shooting };
+        let DrivenOrbit { z, residual, newton, .. } = shooting.solve(&self.setting.with(self.parameter, p), seed)?;
+        Ok(Solution { z, p, residual, newton })
+    }
+
+    fn solved(&self) -> f64 {
+        SOLVED
+    }
+}

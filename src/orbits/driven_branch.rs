@@ -1,0 +1,283 @@
+//! Branches of driven orbits: continuation, stability, bifurcations.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `U` | number of multipliers outside the unit circle |
+//! | `psi(s)` | `abs(lambda_k) - 1` over the chord of two points, moduli in descending order |
+//!
+//! Where `U` differs between two points, `psi` with `k` the smaller `U` changes its sign: ordered
+//! moduli are continuous. The multiplier there tells what happens: 1 at a fold or a branch point,
+//! -1 at a period doubling, a pair of others where a torus branches off (Neimark-Sacker).
+
+use super::{
+    arclength::{self, Scales, Spot, Way},
+    bifurcation::BifurcationKind,
+    continuation::End,
+    driven::{DriveParameter, DrivenFamily, DrivenMultiplier, DrivenOrbit, DrivenShooting, DrivenSpectrum, MARGIN},
+};
+use crate::{
+    error::{Error, Result},
+    interrupt,
+};
+use nalgebra::DVector;
+
+/// Settings of a continuation of driven orbits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrivenContinuation {
+    /// The parameter that varies.
+    pub parameter: DriveParameter,
+    /// The value at which the branch ends.
+    pub to: f64,
+    /// The largest change of the parameter from point to point, positive.
+    pub step: f64,
+    /// Largest number of points.
+    pub most_points: usize,
+    /// How orbits are solved for.
+    pub shooting: DrivenShooting,
+}
+
+/// An orbit of a branch with its multipliers.
+#[derive(Clone, Debug)]
+pub struct DrivenPoint {
+    /// The orbit.
+    pub orbit: DrivenOrbit,
+    /// Its multipliers.
+    pub spectrum: DrivenSpectrum,
+    /// Half the range of that free bead which moves most.
+    pub amplitude: f64,
+}
+
+/// A bifurcation of a branch.
+#[derive(Clone, Debug)]
+pub struct DrivenBifurcation {
+    /// The kind of bifurcation.
+    pub kind: BifurcationKind,
+    /// Value of the parameter.
+    pub parameter: f64,
+    /// The multiplier that crosses, of the upper half plane.
+    pub multiplier: DrivenMultiplier,
+    /// The orbit there, with its multipliers.
+    pub point: DrivenPoint,
+}
+
+/// A branch of driven orbits.
+#[derive(Clone, Debug)]
+pub struct DrivenBranch {
+    /// How it was followed.
+    pub continuation: DrivenContinuation,
+    /// Its points, at least one, in their order along it.
+    pub points: Vec<DrivenPoint>,
+    /// The bifurcations between them, in the same order.
+    pub bifurcations: Vec<DrivenBifurcation>,
+    /// Number of changes of stability that were not resolved into single bifurcations.
+    pub unresolved: usize,
+    /// Why it ended.
+    pub end: End,
+}
+
+/// Largest number of times that a stretch is halved until each part has one bifurcation.
+const MOST_CUTS: u32 = 12;
+/// Largest number of evaluations of `psi`.
+const MOST_TRIALS: u32 = 40;
+/// Error of a located bifurcation, as a share of the stretch.
+const LOCATED: f64 = 1e-9;
+/// Largest `psi` of a located bifurcation.
+const NEAR: f64 = 1e-6;
+/// A multiplier with a smaller imaginary part counts as real.
+const REAL: f64 = 1e-5;
+
+impl DrivenPoint {
+    /// An orbit with its multipliers and amplitude.
+    ///
+    /// # Errors
+    /// An integration that fails, or eigenvalues that do not converge.
+    pub fn new(orbit: DrivenOrbit, shooting: &DrivenShooting) -> Result<Self> {
+        let (spectrum, samples) = (orbit.spectrum(shooting)?, orbit.samples(shooting)?);
+        Ok(Self { spectrum, amplitude: orbit.amplitude(&samples), orbit })
+    }
+
+    /// Whether no multiplier is outside the unit circle.
+    pub fn stable(&self) -> bool {
+        self.spectrum.unstable() == 0
+    }
+}
+
+impl DrivenContinuation {
+    pub(crate) fn check(&self, from: f64) -> Result<()> {
+        if !self.to.is_finite() || self.to == from {
+            return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
+        }
+        if !(self.step.is_finite() && self.step > 0.0) {
+            return Err(Error::parameter("step", self.step, "finite and positive"));
+        }
+        if self.most_points < 2 {
+            return Err(Error::parameter("points", self.most_points, "at least two"));
+        }
+        Ok(())
+    }
+
+    /// Follows the branch from `start`, past folds, until the parameter has its final value or, back
+    /// again, passes its first; `seen` is called with every point.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; multipliers that cannot be computed; a signal.
+    pub fn follow(&self, start: DrivenOrbit, mut seen: impl FnMut(&DrivenPoint)) -> Result<DrivenBranch> {
+        let from = start.setting.get(self.parameter);
+        self.check(from)?;
+        let direction = (self.to - from).signum();
+        let (mut ds, range) = (self.step / (self.to - from).abs(), (self.to - from).abs());
+        let mut points = vec![DrivenPoint::new(start, &self.shooting)?];
+        let (mut bifurcations, mut unresolved) = (Vec::new(), 0);
+        let end = loop {
+            if points.len() >= self.most_points {
+                break End::MostPoints;
+            }
+            if interrupt::asked() {
+                return Err(Error::Stopped { kept: format!("{} points of the branch", points.len()) });
+            }
+            let last = &points[points.len() - 1];
+            seen(last);
+            let family = self.family(&last.orbit);
+            let (z, p) = self.place(&last.orbit);
+            let scales = Scales::new(z, range);
+            let before = match &points[..] {
+                [.., a, b] => scales.chord(self.place(&a.orbit), self.place(&b.orbit)).normalize(),
+                _ => {
+                    let mut along = DVector::zeros(z.len() + 1);
+                    along[z.len()] = direction;
+                    along
+                }
+            };
+            let Ok(tangent) = arclength::tangent(&family, (z, p), scales, &before) else { break End::Lost };
+            let way = Way { to: self.to, step: self.step, natural: false, direction };
+            let spot = Spot { z, p, tangent: &tangent };
+            let Some((solution, longer)) = arclength::next(&family, spot, scales, way, ds) else { break End::Lost };
+            let orbit = family.orbit(solution);
+            ds = longer;
+            let Ok(point) = DrivenPoint::new(orbit, &self.shooting) else { break End::NoMultipliers };
+            unresolved += self.between(last, &point, MOST_CUTS, &mut bifurcations);
+            let p = point.orbit.setting.get(self.parameter);
+            points.push(point);
+            if (p - self.to) * direction >= 0.0 {
+                break End::Reached;
+            }
+            if (p - from) * direction < 0.0 {
+                break End::TurnedBack;
+            }
+        };
+        points.last().into_iter().for_each(seen);
+        Ok(DrivenBranch { continuation: *self, points, bifurcations, unresolved, end })
+    }
+
+    fn family<'a>(&'a self, orbit: &'a DrivenOrbit) -> DrivenFamily<'a> {
+        DrivenFamily { shooting: &self.shooting, setting: &orbit.setting, parameter: self.parameter }
+    }
+
+    fn place<'a>(&self, orbit: &'a DrivenOrbit) -> (&'a [f64], f64) {
+        (&orbit.z, orbit.setting.get(self.parameter))
+    }
+
+    /// Adds the bifurcations between two points; returns the number of changes of stability that
+    /// were not resolved.
+    fn between(&self, a: &DrivenPoint, b: &DrivenPoint, cuts: u32, out: &mut Vec<DrivenBifurcation>) -> usize {
+        let unstable = [a, b].map(|point| point.spectrum.unstable());
+        let change = unstable[0].abs_diff(unstable[1]);
+        if change == 0 {
+            return 0;
+        }
+        let stretch = Stretch::new(self, a, b);
+        if change <= 2
+            && let Some(found) = stretch.locate(a, b, unstable[0].min(unstable[1]))
+            && (change == 2) == (found.kind == BifurcationKind::Torus)
+        {
+            out.push(found);
+            return 0;
+        }
+        match (cuts, stretch.point(0.5)) {
+            (1.., Some(middle)) => self.between(a, &middle, cuts - 1, out) + self.between(&middle, b, cuts - 1, out),
+            _ => 1,
+        }
+    }
+}
+
+/// A part of a branch, over the chord of its ends.
+struct Stretch<'a> {
+    continuation: &'a DrivenContinuation,
+    from: &'a DrivenOrbit,
+    chord: DVector<f64>,
+    scales: Scales,
+    length: f64,
+}
+
+impl<'a> Stretch<'a> {
+    fn new(continuation: &'a DrivenContinuation, a: &'a DrivenPoint, b: &'a DrivenPoint) -> Self {
+        let [a, b] = [a, b].map(|point| &point.orbit);
+        let ((z, p), there) = (continuation.place(a), continuation.place(b));
+        let scales = Scales::new(z, (there.1 - p).abs().max(1e-3 * continuation.step));
+        let chord = scales.chord((z, p), there);
+        let length = chord.norm();
+        Self { continuation, from: a, chord: chord / length, scales, length }
+    }
+
+    fn point(&self, s: f64) -> Option<DrivenPoint> {
+        let family = self.continuation.family(self.from);
+        let (z, p) = self.continuation.place(self.from);
+        let spot = Spot { z, p, tangent: &self.chord };
+        let solution = arclength::correct(&family, spot, self.scales, s * self.length).ok()?;
+        DrivenPoint::new(family.orbit(solution), &self.continuation.shooting).ok()
+    }
+
+    /// The zero of `psi` by the rule of false position (Illinois variant).
+    fn locate(&self, a: &DrivenPoint, b: &DrivenPoint, k: usize) -> Option<DrivenBifurcation> {
+        let psi = |point: &DrivenPoint| point.spectrum.multipliers[k].modulus - 1.0 - MARGIN;
+        let (mut left, mut right) = ((0.0, psi(a)), (1.0, psi(b)));
+        let mut last = None;
+        for _ in 0..MOST_TRIALS {
+            let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
+            // At a branch point the corrector is singular: a point close to it is taken.
+            let Some(point) = self.point(s) else { break };
+            let value = psi(&point);
+            last = Some(point);
+            if value * right.1 < 0.0 {
+                left = right;
+            } else {
+                left.1 *= 0.5;
+            }
+            let by = (s - right.0).abs();
+            right = (s, value);
+            if value.abs() <= 1e-2 * MARGIN || by <= LOCATED || (left.0 - right.0).abs() <= LOCATED {
+                break;
+            }
+        }
+        let point = last.filter(|point| psi(point).abs() <= NEAR)?;
+        let multiplier = point.spectrum.multipliers[k];
+        let multiplier = DrivenMultiplier { im: multiplier.im.abs(), ..multiplier };
+        let kind = if multiplier.im > REAL {
+            BifurcationKind::Torus
+        } else if multiplier.re < 0.0 {
+            BifurcationKind::PeriodDoubling
+        } else if self.turns_at(&point)? {
+            BifurcationKind::Fold
+        } else {
+            BifurcationKind::PlusOne
+        };
+        Some(DrivenBifurcation {
+            kind,
+            parameter: point.orbit.setting.get(self.continuation.parameter),
+            multiplier,
+            point,
+        })
+    }
+
+    /// Whether the branch runs across the parameter at a point: at a fold its tangent has no
+    /// component along it.
+    fn turns_at(&self, point: &DrivenPoint) -> Option<bool> {
+        let family = self.continuation.family(&point.orbit);
+        let place = self.continuation.place(&point.orbit);
+        let tangent = arclength::tangent(&family, place, self.scales, &self.chord).ok()?;
+        Some(tangent[tangent.len() - 1].abs() <= ACROSS)
+    }
+}
+
+/// Component along the parameter below which a unit tangent is that of a fold.
+const ACROSS: f64 = 1e-3;

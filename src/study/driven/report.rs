@@ -1,0 +1,281 @@
+//! Orbits of driven scenes and their branches as people and machines read them.
+
+use super::{DrivenBranchStudy, DrivenStudy};
+use crate::{
+    error::Result,
+    orbits::{DriveParameter, DrivenBifurcation, DrivenMultiplier, DrivenPoint, End},
+    output::csv,
+    present::table,
+    study::{File, Report, named, scene_json},
+};
+use serde_json::{Value, json};
+
+/// Multipliers of a point of a branch that are in its JSON.
+const LEADING: usize = 6;
+/// Method, as it is called where runs name theirs.
+const METHOD: &str = "dop853-regularised";
+
+fn parameters(point: &DrivenPoint) -> Value {
+    let setting = &point.orbit.setting;
+    json!({
+        "amplitude": setting.get(DriveParameter::Amplitude),
+        "omega": setting.omega(),
+        "damping": setting.get(DriveParameter::Damping),
+        "turns": setting.turns(),
+        "period": setting.period(),
+    })
+}
+
+impl Report for DrivenStudy {
+    fn json(&self) -> Value {
+        let Self { scene, point, samples, driven, dissipated } = self;
+        let [beads, strains] = point.orbit.ranges(samples);
+        let start = point.orbit.start().ok();
+        let numbers = |of: fn(&crate::chain::State<f64>) -> &[f64]| start.as_ref().map(|state| of(state).to_vec());
+        json!({
+            "scene": scene.name(),
+            "drive": parameters(point),
+            "u": numbers(|state| state.u()),
+            "v": numbers(|state| state.v().unwrap_or_default()),
+            "u_dot": numbers(|state| state.u_dot()),
+            "v_dot": numbers(|state| state.v_dot().unwrap_or_default()),
+            "response": point.amplitude,
+            "bead_ranges": beads,
+            "strain_ranges": strains,
+            "driven": driven,
+            "dissipated": dissipated,
+            "residual": point.orbit.residual,
+            "newton": point.orbit.newton,
+            "multipliers": point.spectrum.multipliers,
+            "max_modulus": point.spectrum.largest(),
+            "unstable": point.spectrum.unstable(),
+            "liouville": point.spectrum.liouville,
+            "integrator": METHOD,
+            "scene_file": scene_json(scene),
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    fn text(&self) -> String {
+        let Self { point, driven, dissipated, .. } = self;
+        let setting = &point.orbit.setting;
+        let numbers = [
+            ("drive amplitude, frequency", format!("{}, {}", setting.get(DriveParameter::Amplitude), setting.omega())),
+            ("period of the orbit", format!("{:.12} ({} of the drive)", setting.period(), setting.turns())),
+            ("largest half range of a free bead", format!("{:.9e}", point.amplitude)),
+            ("driven, dissipated over the orbit", format!("{driven:.9e}, {dissipated:.9e}")),
+            ("residual max |P(z) - z| / max |z|", format!("{:.1e}", point.orbit.residual)),
+            ("steps of Newton's method", point.orbit.newton.len().to_string()),
+            ("|ln |det M| + gamma T|", format!("{:.1e}", point.spectrum.liouville)),
+            ("multipliers outside the circle", point.spectrum.unstable().to_string()),
+        ];
+        let rows: Vec<_> = numbers.map(|(name, value)| vec![name.to_owned(), value]).to_vec();
+        let leading = point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING);
+        let leading: Vec<_> = leading
+            .map(|one| vec![format!("{:.10}", one.re), format!("{:.10}", one.im), format!("{:.10}", one.modulus)])
+            .collect();
+        format!(
+            "{}\n{}\nThe leading multipliers, one of each conjugate pair; the orbit is {}.\n",
+            table(&["quantity", "value"], &rows),
+            table(&["Re lambda", "Im lambda", "|lambda|"], &leading),
+            if point.stable() { "stable" } else { "unstable" }
+        )
+    }
+
+    fn files(&self, json: &str) -> Result<Vec<File>> {
+        let n = self.scene.chain().sites();
+        let period = self.point.orbit.setting.period();
+        let count = self.samples.len() - 1;
+        let names: Vec<String> = std::iter::once("t".to_owned()).chain((0..n).map(|i| format!("u{i}"))).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let rows = self.samples.iter().enumerate().map(|(k, state)| {
+            let t = period * k as f64 / count as f64;
+            std::iter::once(t).chain(state[..n].iter().copied()).collect()
+        });
+        Ok(named([("driven-orbit.csv", csv(&names, rows)), ("driven-orbit.json", format!("{json}\n").into())]))
+    }
+
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
+        Ok(named([("driven-orbit.png", orbit_picture(self)?)]))
+    }
+
+    fn succeeded(&self) -> bool {
+        true
+    }
+}
+
+impl Report for DrivenBranchStudy {
+    fn json(&self) -> Value {
+        let Self { scene, branch } = self;
+        let points = branch.points.iter().map(|point| {
+            let leading: Vec<&DrivenMultiplier> =
+                point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect();
+            let mut value = parameters(point);
+            value["response"] = json!(point.amplitude);
+            value["residual"] = json!(point.orbit.residual);
+            value["max_modulus"] = json!(point.spectrum.largest());
+            value["unstable"] = json!(point.spectrum.unstable());
+            value["leading"] = json!(leading);
+            value["liouville"] = json!(point.spectrum.liouville);
+            value
+        });
+        let bifurcation = |one: &DrivenBifurcation| {
+            json!({
+                "kind": one.kind,
+                "parameter": one.parameter,
+                "multiplier": one.multiplier,
+                "response": one.point.amplitude,
+            })
+        };
+        json!({
+            "scene": scene.name(),
+            "parameter": branch.continuation.parameter.name(),
+            "end": branch.end,
+            "points": points.collect::<Vec<Value>>(),
+            "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
+            "unresolved": branch.unresolved,
+            "integrator": METHOD,
+            "scene_file": scene_json(scene),
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    fn text(&self) -> String {
+        let branch = &self.branch;
+        let parameter = branch.continuation.parameter;
+        let rows: Vec<Vec<String>> = branch
+            .points
+            .iter()
+            .map(|point| {
+                vec![
+                    format!("{:.8}", point.orbit.setting.get(parameter)),
+                    format!("{:.6e}", point.amplitude),
+                    format!("{:.8}", point.spectrum.largest()),
+                    point.spectrum.unstable().to_string(),
+                ]
+            })
+            .collect();
+        let events: Vec<Vec<String>> = branch
+            .bifurcations
+            .iter()
+            .map(|one| {
+                let DrivenMultiplier { re, im, .. } = one.multiplier;
+                vec![word(&one.kind), format!("{:.8}", one.parameter), format!("{re:.6}"), format!("{im:.6}")]
+            })
+            .collect();
+        let events = if events.is_empty() {
+            "no bifurcation\n".to_owned()
+        } else {
+            table(&["bifurcation", parameter.name(), "Re lambda", "Im lambda"], &events)
+        };
+        let unresolved = match branch.unresolved {
+            0 => String::new(),
+            count => format!("changes of stability that were not resolved into single bifurcations: {count}\n"),
+        };
+        table(&[parameter.name(), "response", "largest |lambda|", "outside"], &rows)
+            + "\n"
+            + &events
+            + &format!("\n{} points; the branch ended: {}\n{unresolved}", branch.points.len(), branch.end.words())
+            + "response: largest half range of a free bead; outside: multipliers outside the unit circle\n"
+    }
+
+    fn files(&self, json: &str) -> Result<Vec<File>> {
+        let parameter = self.branch.continuation.parameter;
+        let rows = self.branch.points.iter().map(|point| {
+            let unstable = point.spectrum.unstable() as f64;
+            vec![point.orbit.setting.get(parameter), point.amplitude, point.spectrum.largest(), unstable]
+        });
+        let table = csv(&[parameter.name(), "response", "max_modulus", "unstable"], rows);
+        Ok(named([("driven-branch.csv", table), ("driven-branch.json", format!("{json}\n").into())]))
+    }
+
+    #[cfg(feature = "plot")]
+    fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
+        Ok(named([("driven-branch.png", branch_picture(self)?)]))
+    }
+
+    fn remark(&self) -> Option<String> {
+        (!self.succeeded()).then(|| format!("error: the branch ended: {}", self.branch.end.words()))
+    }
+
+    /// A branch that turned back has answered the question as well as one that got to its end.
+    fn succeeded(&self) -> bool {
+        matches!(self.branch.end, End::Reached | End::TurnedBack)
+    }
+}
+
+fn word(value: &impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// Multipliers in the complex plane: inside the circle, and outside.
+#[cfg(feature = "plot")]
+pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
+    use crate::figures::{Kind, Line, Panel};
+    let outside = point.spectrum.unstable();
+    let at = |one: &DrivenMultiplier| (one.re, one.im);
+    let (out, inside) = point.spectrum.multipliers.split_at(outside);
+    let mut lines = vec![Line::new("inside or on the circle", inside.iter().map(at))];
+    if outside > 0 {
+        lines.push(Line::new("outside", out.iter().map(at)));
+    }
+    Panel::new(Kind::Plane, ["Re λ", "Im λ"], lines)
+}
+
+/// Points of branches, stable ones and unstable ones apart.
+#[cfg(feature = "plot")]
+pub(crate) fn stability_lines<'a, T: 'a>(
+    points: &'a [T],
+    place: impl Fn(&'a T) -> (f64, f64),
+    stable: impl Fn(&'a T) -> bool,
+) -> Vec<crate::figures::Line> {
+    let chosen = |wanted: bool| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
+    [("stable", true), ("unstable", false)]
+        .into_iter()
+        .map(|(name, wanted)| crate::figures::Line::new(name, chosen(wanted)))
+        .collect()
+}
+
+#[cfg(feature = "plot")]
+fn orbit_picture(study: &DrivenStudy) -> Result<crate::figures::Picture> {
+    use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
+    let DrivenStudy { scene, point, samples, .. } = study;
+    let [beads, strains] = point.orbit.ranges(samples);
+    let sites = |label: &str, values: &[f64], first: f64| {
+        let points = values.iter().enumerate().map(|(i, value)| (i as f64 + first, *value));
+        Panel::new(Kind::Sites, ["site n", label], vec![Line::new(label, points)])
+    };
+    let profile = [sites("half range of uₙ", &beads, 0.0), sites("half range of uₙ − uₙ₋₁", &strains, 1.0)];
+    let setting = &point.orbit.setting;
+    let how = format!(
+        "Orbit of {} period{} of the drive, a = {}, ω = {}; largest |λ| = {:.6}; residual {:.1e}.",
+        setting.turns(),
+        if setting.turns() == 1 { "" } else { "s" },
+        setting.get(DriveParameter::Amplitude),
+        setting.omega(),
+        point.spectrum.largest(),
+        point.orbit.residual
+    );
+    let caption = crate::study::provenance(scene, &how);
+    let columns = vec![Column::new("", profile), Column::new("", [multipliers_panel(point)])];
+    Ok(panels(&Panels { title: format!("Driven orbit of {}", scene.name()), columns, caption })?)
+}
+
+#[cfg(feature = "plot")]
+fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> {
+    use crate::figures::{Kind, Line, Panel, Panels, panels};
+    let DrivenBranchStudy { scene, branch } = study;
+    let parameter = branch.continuation.parameter;
+    let place = |point: &DrivenPoint| point.orbit.setting.get(parameter);
+    let mut lines = stability_lines(&branch.points, |point| (place(point), point.amplitude), DrivenPoint::stable);
+    lines.push(Line::new("bifurcation", branch.bifurcations.iter().map(|one| (one.parameter, one.point.amplitude))));
+    let moduli = branch.points.iter().map(|point| (place(point), point.spectrum.largest()));
+    let plots = vec![
+        Panel::new(Kind::Cloud, [parameter.symbol(), "largest half range of a bead"], lines),
+        Panel::new(Kind::Cloud, [parameter.symbol(), "largest |λ|"], vec![Line::new("largest |λ|", moduli)]),
+    ];
+    let how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
+    let title = format!("Driven orbits of {} over the {}", scene.name(), parameter.symbol());
+    Ok(panels(&Panels::column(title, plots, crate::study::provenance(scene, &how)))?)
+}

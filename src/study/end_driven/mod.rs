@@ -1,0 +1,370 @@
+//! Damped resonant chains driven at both ends: are there dark breathers (Sec. 8)?
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `a, omega_d` | amplitude and frequency of the end beads: `a cos(omega_d t)`, and plus or minus that |
+//! | `c_b` | first harmonic of the strain of bond `b`, a complex amplitude |
+//! | `L, R` | means of `(-1)^b c_b` over the bonds of the left and of the right half |
+//! | `B` | background, the smaller of the moduli of `L` and `R` |
+//! | `C` | modulus of the mean of `(-1)^b c_b` over the one or two bonds in the middle |
+//! | `K_x` | background amplitude of the conservative dark breather of frequency `omega_d` |
+//!
+//! The background of a dark breather alternates from bond to bond, with opposite signs on the two
+//! sides of its kink. `L` and `R` leave out two bonds at each end and the three or four in the
+//! middle. An orbit counts as a dark breather if `L` and `R` have opposite phases (cosine below
+//! -0.9), `C <= B/10` and `B >= K_x/2`.
+//!
+//! The reflection of the chain maps a strain to that of the mirrored bond. With ends in antiphase
+//! it is a symmetry: the strains of an odd number of bonds have no kink, those of an even number
+//! have one about the bead in the middle. With ends in phase it is one together with half a period:
+//! an odd number of bonds has a kink about the bond in the middle, an even number has none.
+
+mod report;
+
+use super::{Progress, Study, Work};
+use crate::{
+    breathers::DarkBreather,
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    dps::Center,
+    error::{Error, Result},
+    orbits::{
+        DriveParameter, DrivenBifurcation, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
+        End, Shooting,
+    },
+    sweep::map,
+};
+use nalgebra::Complex;
+use serde::Serialize;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Bonds at each end that are no background.
+const ENDS: usize = 2;
+/// Sites of the conservative breather that is the measure.
+const RING: usize = 21;
+/// Periods that the chain runs before its first orbit is sought.
+const SETTLE: u32 = 400;
+/// Ramp and rest, in periods, of the run from rest.
+const FROM_REST: [u32; 2] = [800, 400];
+/// Distance from an orbit, in units of its largest unknown, at which a run has reached it.
+const REACHED: f64 = 1e-3;
+const SITES: std::ops::RangeInclusive<usize> = 10..=60;
+
+/// Damped resonant chains driven at both ends.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct EndDriven {
+    /// Numbers of sites, ends included.
+    ///
+    /// From 10 to 60; even ones have a kink about a bond if the ends move in phase, odd ones about
+    /// a bead if they move in antiphase.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "12,13"))]
+    pub lengths: Vec<usize>,
+    /// Drive frequencies.
+    ///
+    /// Above omega = sqrt(1 + 1/rho).
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05,2.07")
+    )]
+    pub omegas: Vec<f64>,
+    /// Mass ratio resonator to bead, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
+    pub rho: f64,
+    /// Drag on beads.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0.01"))]
+    pub drag: f64,
+    /// Dashpots beside the springs of resonators.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "D", default_value = "0.001"))]
+    pub dashpot: f64,
+    /// Where it ends.
+    ///
+    /// The largest drive amplitude.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.35"))]
+    pub to: f64,
+    /// Its largest change from point to point.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DA", default_value = "0.01"))]
+    pub step: f64,
+    /// Points of the branch at most.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 60))]
+    pub max_points: usize,
+}
+
+impl Default for EndDriven {
+    fn default() -> Self {
+        Self {
+            lengths: vec![12, 13],
+            omegas: vec![2.03, 2.05, 2.07],
+            rho: 1.0 / 3.0,
+            drag: 0.01,
+            dashpot: 0.001,
+            to: 0.35,
+            step: 0.01,
+            max_points: 60,
+        }
+    }
+}
+
+/// How the ends move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ends {
+    /// Both `a cos(omega_d t)`.
+    InPhase,
+    /// `a cos(omega_d t)` and `-a cos(omega_d t)`.
+    Antiphase,
+}
+
+/// A point of a branch, and what its strains are like.
+#[derive(Clone, Debug)]
+pub struct EndDrivenPoint {
+    /// The orbit with its multipliers.
+    pub point: DrivenPoint,
+    /// `B`.
+    pub background: f64,
+    /// Cosine of the angle between `L` and `R`.
+    pub cosine: f64,
+    /// `C`.
+    pub centre: f64,
+}
+
+/// A chain, a way to drive it, a frequency: the branch in the amplitude.
+#[derive(Clone, Debug)]
+pub struct EndDrivenCase {
+    /// Number of sites.
+    pub sites: usize,
+    /// How the ends move.
+    pub ends: Ends,
+    /// Frequency of the drive.
+    pub omega: f64,
+    /// `K_x`.
+    pub free: f64,
+    /// The points, in their order along the branch.
+    pub points: Vec<EndDrivenPoint>,
+    /// Bifurcations between them.
+    pub bifurcations: Vec<DrivenBifurcation>,
+    /// Why the branch ended; `None` if the chain did not settle to a first orbit.
+    pub end: Option<End>,
+    /// The stable dark breather with the strongest background, by its number.
+    pub best: Option<usize>,
+    /// Whether a chain at rest comes to it, driven by a slow ramp.
+    pub from_rest: Option<bool>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct EndDrivenStudy {
+    /// What was asked for.
+    pub options: EndDriven,
+    /// By length, then by the way the ends move, then by frequency.
+    pub cases: Vec<EndDrivenCase>,
+}
+
+impl Study for EndDriven {
+    const FILES: &'static str = "Files: end-driven.csv, end-driven.json and end-driven.png.";
+    const STOPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.check()?;
+        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?))))
+    }
+}
+
+impl Ends {
+    /// The sign of the right end.
+    fn sign(self) -> f64 {
+        if self == Self::InPhase { 1.0 } else { -1.0 }
+    }
+}
+
+impl EndDrivenPoint {
+    /// Whether the background alternates, with a kink in the middle.
+    pub fn kinked(&self) -> bool {
+        self.cosine <= -0.9 && self.centre <= 0.1 * self.background
+    }
+
+    /// Whether it is a dark breather for a conservative one of this amplitude.
+    pub fn dark(&self, free: f64) -> bool {
+        self.kinked() && self.background >= 0.5 * free
+    }
+
+    /// What the strains of an orbit are like.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn measured(point: DrivenPoint) -> Result<Self> {
+        let samples = point.orbit.samples(&DrivenShooting::default())?;
+        let n = samples.first().map_or(0, |_| point.orbit.setting.sites());
+        let staggered: Vec<Complex<f64>> = (1..n)
+            .map(|b| {
+                let sign = if b % 2 == 0 { 1.0 } else { -1.0 };
+                first_harmonic(samples[1..].iter().map(|state| state[b] - state[b - 1])) * sign
+            })
+            .collect();
+        let bonds = staggered.len();
+        let mean = |range: std::ops::Range<usize>| {
+            let count = range.len() as f64;
+            staggered[range].iter().sum::<Complex<f64>>() / count
+        };
+        // The middle: one bond of an odd number, two of an even one, and one more on each side.
+        let (low, high) = ((bonds - 1) / 2, bonds / 2 + 1);
+        let (left, right) = (mean(ENDS..low - 1), mean(high + 1..bonds - ENDS));
+        let cosine = (left * right.conj()).re / (left.norm() * right.norm()).max(f64::MIN_POSITIVE);
+        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), point })
+    }
+
+    /// The drive amplitude.
+    pub fn amplitude(&self) -> f64 {
+        self.point.orbit.setting.get(DriveParameter::Amplitude)
+    }
+}
+
+/// The amplitude of the first harmonic of equal samples of a period.
+fn first_harmonic(samples: impl ExactSizeIterator<Item = f64>) -> Complex<f64> {
+    let count = samples.len() as f64;
+    let turned = samples.enumerate().map(|(k, x)| Complex::from_polar(x, -2.0 * PI * (k + 1) as f64 / count));
+    turned.sum::<Complex<f64>>() * (2.0 / count)
+}
+
+impl EndDriven {
+    fn check(&self) -> Result<()> {
+        let params = Params::new(1.5, 1.0, self.rho)?;
+        if let Some(sites) = self.lengths.iter().find(|sites| !SITES.contains(sites)) {
+            return Err(Error::parameter("lengths", sites, "from 10 to 60 sites"));
+        }
+        if let Some(omega) = self.omegas.iter().find(|omega| !(omega.is_finite() && **omega > params.omega())) {
+            return Err(Error::parameter("omegas", omega, "finite, and above sqrt(1 + 1/rho)"));
+        }
+        for (name, value) in [("drag", self.drag), ("dashpot", self.dashpot)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::parameter(name, value, "finite and at least zero"));
+            }
+        }
+        if self.drag + self.dashpot == 0.0 {
+            return Err(Error::parameter("drag", 0, "a chain without drag has a dashpot"));
+        }
+        for (name, value) in [("to", self.to), ("step", self.step)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::parameter(name, value, "finite and positive"));
+            }
+        }
+        if self.step >= self.to {
+            return Err(Error::parameter("step", self.step, "below the largest amplitude"));
+        }
+        if !(2..=10_000).contains(&self.max_points) {
+            return Err(Error::parameter("max-points", self.max_points, "from 2 to 10000"));
+        }
+        Ok(())
+    }
+
+    /// The chain.
+    ///
+    /// # Errors
+    /// Numbers outside their rules.
+    pub fn chain(&self, sites: usize, ends: Ends, omega: f64, amplitude: f64, ramp: f64) -> Result<Chain<f64>> {
+        let inner = |value: f64| (0..sites).map(|i| if i == 0 || i + 1 == sites { 0.0 } else { value }).collect();
+        let envelope = if ramp > 0.0 { Envelope::Ramp(ramp) } else { Envelope::None };
+        let drive = |site: usize, amplitude: f64| Drive {
+            site,
+            means: Means::Moved,
+            signal: Signal { harmonics: vec![Harmonic { amplitude, omega, phase: FRAC_PI_2 }], envelope },
+        };
+        let details = Details {
+            rho: inner(self.rho),
+            drag: inner(self.drag),
+            dashpot: inner(self.dashpot),
+            drives: vec![drive(0, amplitude), drive(sites - 1, ends.sign() * amplitude)],
+            ..Details::default()
+        };
+        Chain::new(Params::new(1.5, 1.0, self.rho)?, Boundary::Free, sites)?.with(&details)
+    }
+
+    fn study(&self, progress: Progress<'_>) -> Result<EndDrivenStudy> {
+        self.check()?;
+        let mut cases = Vec::new();
+        for &sites in &self.lengths {
+            for ends in [Ends::InPhase, Ends::Antiphase] {
+                cases.extend(self.omegas.iter().map(|&omega| (sites, ends, omega)));
+            }
+        }
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let one = |&(sites, ends, omega): &(usize, Ends, f64)| {
+            let case = self.case(sites, ends, omega);
+            let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            progress(count as f64 / cases.len() as f64, &format!("N = {sites}, omega = {omega}"));
+            case
+        };
+        let found = map(&cases, one).into_iter().collect::<Result<Vec<_>>>()?;
+        Ok(EndDrivenStudy { options: self.clone(), cases: found })
+    }
+
+    /// `K_x` of the conservative breather of this frequency.
+    fn free(&self, omega: f64) -> Result<f64> {
+        let params = Params::new(1.5, 1.0, self.rho)?;
+        let breather = DarkBreather { params, center: Center::Site, sites: RING, omega_b: omega, c_x: 0.0 };
+        let shooting = Shooting::default();
+        Ok(breather.orbit(&shooting)?.extent(shooting.tol)?.k_x)
+    }
+
+    /// The branch of one case.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; an integration that fails; a signal.
+    pub fn case(&self, sites: usize, ends: Ends, omega: f64) -> Result<EndDrivenCase> {
+        let (shooting, free) = (DrivenShooting::default(), self.free(omega)?);
+        let chain = self.chain(sites, ends, omega, self.step, 0.0)?;
+        let setting = DrivenSetting::new(&chain, 1)?;
+        let mut case = EndDrivenCase {
+            sites,
+            ends,
+            omega,
+            free,
+            points: Vec::new(),
+            bifurcations: Vec::new(),
+            end: None,
+            best: None,
+            from_rest: None,
+        };
+        let rest = State::rest(&chain).driven(&chain);
+        let seed = shooting.settle(&setting, &chain, &rest, SETTLE, |_| {})?;
+        let start = match shooting.solve(&setting, &seed) {
+            Ok(orbit) => orbit,
+            Err(Error::Stalled { .. }) => return Ok(case),
+            Err(error) => return Err(error),
+        };
+        let continuation = DrivenContinuation {
+            parameter: DriveParameter::Amplitude,
+            to: self.to,
+            step: self.step,
+            most_points: self.max_points,
+            shooting,
+        };
+        let branch = continuation.follow(start, |_| {})?;
+        case.points = branch.points.into_iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
+        (case.bifurcations, case.end) = (branch.bifurcations, Some(branch.end));
+        let stable = |(_, one): &(usize, &EndDrivenPoint)| one.dark(free) && one.point.stable();
+        let candidates = case.points.iter().enumerate().filter(stable);
+        case.best = candidates.max_by(|(_, a), (_, b)| a.background.total_cmp(&b.background)).map(|(k, _)| k);
+        case.from_rest = case.best.map(|k| self.from_rest(&case, &case.points[k].point.orbit)).transpose()?;
+        Ok(case)
+    }
+
+    /// Whether a chain at rest that a slow ramp drives comes to an orbit.
+    fn from_rest(&self, case: &EndDrivenCase, orbit: &DrivenOrbit) -> Result<bool> {
+        let [ramp, rest] = FROM_REST;
+        let amplitude = orbit.setting.get(DriveParameter::Amplitude);
+        let ramp = f64::from(ramp) * orbit.setting.period();
+        let chain = self.chain(case.sites, case.ends, case.omega, amplitude, ramp)?;
+        let state = State::rest(&chain).driven(&chain);
+        let z = DrivenShooting::default().settle(&orbit.setting, &chain, &state, rest, |_| {})?;
+        let size = orbit.z.iter().fold(0.0, |size: f64, z| size.max(z.abs()));
+        Ok(z.iter().zip(&orbit.z).all(|(a, b)| (a - b).abs() <= REACHED * size))
+    }
+}
+
+impl EndDrivenCase {
+    /// The points at which orbits begin to be dark breathers: the first, and the first stable one.
+    pub fn first(&self) -> [Option<&EndDrivenPoint>; 2] {
+        let dark = |one: &&EndDrivenPoint| one.dark(self.free);
+        [self.points.iter().find(dark), self.points.iter().find(|one| dark(one) && one.point.stable())]
+    }
+}

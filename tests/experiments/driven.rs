@@ -1,0 +1,281 @@
+//! Periodic orbits of driven, damped chains.
+
+use hertzchain::{
+    chain::{
+        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, State,
+        Variations,
+    },
+    orbits::{
+        BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
+        End,
+    },
+    run::{Method, Run, Setting},
+    study::{EndDriven, EndDrivenPoint, Ends},
+};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+fn sine(site: usize, means: Means, amplitude: f64, omega: f64) -> Drive {
+    Drive { site, means, signal: Signal::sine(amplitude, omega, 0.0) }
+}
+
+/// A bead between two walls with static overlaps 1, with drag, pushed by `amplitude sin(omega t)`.
+/// Its restoring force is `(1 + u)^{3/2} - (1 - u)^{3/2} = 3 u - u^3/8 + ..`.
+fn bead(drag: f64, amplitude: f64, omega: f64) -> Chain<f64> {
+    let details = Details {
+        drag: vec![drag],
+        overlap: vec![1.0; 2],
+        drives: vec![sine(0, Means::Pushed, amplitude, omega)],
+        ..Details::default()
+    };
+    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
+}
+
+fn orbit(chain: &Chain<f64>, turns: u32) -> DrivenOrbit {
+    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(chain, turns).unwrap());
+    shooting.solve(&setting, &setting.rest()).unwrap()
+}
+
+#[test]
+fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
+    // Truth: u = Im [a e^{i omega t}/(3 - omega^2 + i c omega)]; what the cubic term changes is of the
+    // relative order a^2, so the error falls by 16 when a falls by 4. Multipliers: e^{mu T} with
+    // mu^2 + c mu + 3 = 0.
+    let (drag, omega) = (0.2, 1.1f64);
+    let error = |a: f64| {
+        let orbit = orbit(&bead(drag, a, omega), 1);
+        let response = Complex::new(a, 0.0) / Complex::new(3.0 - omega * omega, drag * omega);
+        let want = [response.im, response.re];
+        let off = orbit.z.iter().zip(want).fold(0.0, |off: f64, (z, want)| off.max((z - want).abs()));
+        off / response.norm()
+    };
+    let errors = [0.04, 0.01].map(error);
+    assert!(errors[1] < 1e-5 && (errors[0] / errors[1] - 16.0).abs() < 0.2, "{errors:?}");
+    let orbit = orbit(&bead(drag, 1e-5, omega), 1);
+    let spectrum = orbit.spectrum(&DrivenShooting::default()).unwrap();
+    let mu = Complex::new(-0.5 * drag, (3.0 - 0.25 * drag * drag).sqrt());
+    let want = (mu * (2.0 * PI / omega)).exp();
+    let got = spectrum.multipliers[0];
+    assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 1e-9, "{got:?} {want}");
+    assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0);
+}
+
+/// The frequencies of the two folds of the resonance curve.
+fn folds(drag: f64, amplitude: f64, from: f64, to: f64) -> Vec<f64> {
+    let continuation = DrivenContinuation {
+        parameter: DriveParameter::Omega,
+        to,
+        step: 0.05 * (to - from).abs(),
+        most_points: 200,
+        shooting: DrivenShooting::default(),
+    };
+    let branch = continuation.follow(orbit(&bead(drag, amplitude, from), 1), |_| {}).unwrap();
+    assert_eq!((branch.end, branch.unresolved), (End::Reached, 0));
+    let kinds: Vec<BifurcationKind> = branch.bifurcations.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [BifurcationKind::Fold; 2]);
+    // Unstable between the folds, stable before and after.
+    let unstable: Vec<usize> = branch.points.iter().map(|point| point.spectrum.unstable()).collect();
+    assert_eq!((unstable[0], *unstable.iter().max().unwrap(), *unstable.last().unwrap()), (0, 1, 0));
+    branch.bifurcations.iter().map(|one| one.parameter).collect()
+}
+
+/// The folds of harmonic balance for `u'' + c u' + 3 u - u^3/8 = a sin(omega t)`: amplitude `A` with
+/// `((3 - omega^2 - 3 A^2/32)^2 + c^2 omega^2) A^2 = a^2`, where `d omega/dA = 0`.
+fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
+    // On the curve omega^2 = s solves s^2 + (c^2 - 2 k) s + k^2 - a^2/A^2 = 0, k = 3 - 3 A^2/32.
+    let omega = |size: f64, sign: f64| {
+        let k = 3.0 - 3.0 * size * size / 32.0;
+        let half = k - 0.5 * drag * drag;
+        let root = half * half - k * k + (amplitude / size).powi(2);
+        (half + sign * root.sqrt()).sqrt()
+    };
+    // Both folds are on the left half of the curve: a maximum of omega(A), then a minimum near the
+    // top. On a grid of 10^6 sizes each is found to the square of its spacing.
+    let top = amplitude / (drag * 1.5);
+    let values: Vec<f64> = (1..1_000_000).map(|k| omega(top * f64::from(k) * 1e-6, -1.0)).collect();
+    let largest = values.windows(3).find(|w| w[1] >= w[0] && w[1] > w[2]).unwrap()[1];
+    let after = values.windows(3).skip_while(|w| w[1] != largest);
+    let least = after.skip(1).find(|w| w[1] <= w[0] && w[1] < w[2]).unwrap()[1];
+    [least, largest]
+}
+
+#[test]
+fn the_folds_of_a_softening_resonance_are_those_of_harmonic_balance() {
+    // Truth: harmonic balance of the Duffing equation. With c = e and a of the order e^{3/2} it gives
+    // the detuning, of the order e, up to e^2: the distance falls by 4 when e is halved.
+    let distance = |e: f64| {
+        let (drag, amplitude) = (e, 16.0 * e.powf(1.5));
+        let [low, high] = balance(drag, amplitude);
+        let mut got = folds(drag, amplitude, 3f64.sqrt() + 4.0 * e, 3f64.sqrt() - 6.0 * e);
+        got.sort_by(f64::total_cmp);
+        println!("{e}: {got:?} {low} {high}");
+        [(got[0] - low).abs(), (got[1] - high).abs()]
+    };
+    let [coarse, fine] = [0.002, 0.001].map(distance);
+    for k in 0..2 {
+        let slope = (coarse[k] / fine[k]).log2();
+        assert!((1.6..2.6).contains(&slope), "fold {k}: {coarse:?} {fine:?}: {slope}");
+    }
+}
+
+/// A bead that rests on a wall and is shaken.
+fn shaken(amplitude: f64) -> Chain<f64> {
+    let details = Details {
+        drag: vec![0.15],
+        overlap: vec![1.0, 0.0],
+        contact: vec![1.0, 0.0],
+        drives: vec![Drive {
+            site: 0,
+            means: Means::Pushed,
+            signal: Signal {
+                harmonics: vec![
+                    Harmonic { amplitude, omega: 2.2, phase: 0.0 },
+                    // Weight, which holds the static overlap.
+                    Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
+                ],
+                envelope: Envelope::None,
+            },
+        }],
+        ..Details::default()
+    };
+    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
+}
+
+#[test]
+fn a_period_doubling_is_where_a_run_begins_to_alternate() {
+    // Truth: runs without any tangent. Before the bifurcation a run comes back after a period, after
+    // it only after two.
+    let setting = DrivenSetting::new(&shaken(0.1), 1).unwrap();
+    let shooting = DrivenShooting::default();
+    let continuation =
+        DrivenContinuation { parameter: DriveParameter::Amplitude, to: 2.0, step: 0.1, most_points: 100, shooting };
+    let start = shooting.solve(&setting, &setting.rest()).unwrap();
+    let branch = continuation.follow(start, |_| {}).unwrap();
+    let found = branch.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
+    let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
+    assert!((found.multiplier.re + 1.0).abs() < 1e-6 && found.multiplier.im < 1e-6);
+    println!("period doubling at {}", found.parameter);
+    for (factor, alternates) in [(0.98, false), (1.02, true)] {
+        let setting = setting.with(DriveParameter::Amplitude, factor * found.parameter);
+        let chain = setting.chain().unwrap();
+        let mut y = found.point.orbit.start().unwrap().as_slice().to_vec();
+        y[0] += 1e-3;
+        let mut last: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..600 {
+            y = Variations::flow(&chain, &y, (0.0, setting.period()), &[], 1e-10).unwrap().state;
+            last.push(y[..2].to_vec());
+        }
+        let apart = |k: usize| {
+            let [.., end] = &last[..] else { panic!() };
+            last[last.len() - 1 - k].iter().zip(end).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()))
+        };
+        assert!(apart(2) < 1e-4, "{factor}: {:e}", apart(2));
+        assert_eq!(apart(1) > 1e-2, alternates, "{factor}: {:e}", apart(1));
+    }
+}
+
+/// The chain of the study `end-driven`, and an orbit of it.
+fn ends(sites: usize, kind: Ends, amplitude: f64) -> (Chain<f64>, DrivenOrbit) {
+    let chain = EndDriven::default().chain(sites, kind, 2.05, amplitude, 0.0).unwrap();
+    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&chain, 1).unwrap());
+    let rest = State::rest(&chain).driven(&chain);
+    let seed = shooting.settle(&setting, &chain, &rest, 300, |_| {}).unwrap();
+    let orbit = shooting.solve(&setting, &seed).unwrap();
+    (chain, orbit)
+}
+
+#[test]
+fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
+    // Truth: a splitting scheme, which shares no code with the flow of the search; the reflection of
+    // the chain, with half a period for ends in phase.
+    let (chain, orbit) = ends(10, Ends::InPhase, 0.12);
+    let (start, period) = (orbit.start().unwrap(), orbit.setting.period());
+    let run = Run::new(chain.clone(), start.clone()).until(period).unwrap();
+    let run = run.method(Method::named("aba1064-linear-landed").unwrap()).setting(Setting::Steps(4000));
+    let end = run.start().unwrap().complete().unwrap().state;
+    let half = chain.layout().half();
+    let apart = start.as_slice()[..2 * half].iter().zip(&end).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()));
+    assert!(apart < 1e-9, "{apart:e}");
+    let samples = orbit.samples(&DrivenShooting::default()).unwrap();
+    for k in 0..32 {
+        for i in 0..10 {
+            // A reflection turns displacements round.
+            let off = samples[k][i] + samples[k + 32][9 - i];
+            assert!(off.abs() < 1e-9, "{k} {i}: {off:e}");
+        }
+    }
+    let ledger = chain.layout().ledger(&samples[64]).unwrap();
+    assert!((ledger.driven - ledger.dissipated()).abs() < 1e-9 * ledger.driven, "{ledger:?}");
+    assert!(orbit.spectrum(&DrivenShooting::default()).unwrap().liouville < 1e-8);
+}
+
+#[test]
+fn a_perturbation_of_an_unstable_orbit_grows_by_its_largest_multiplier() {
+    // Truth: two runs without tangent; growth over periods after the direction has turned into that
+    // of the largest multiplier.
+    let (_, start) = ends(10, Ends::InPhase, 0.10);
+    let shooting = DrivenShooting::default();
+    let continuation =
+        DrivenContinuation { parameter: DriveParameter::Amplitude, to: 0.2, step: 0.01, most_points: 14, shooting };
+    let branch = continuation.follow(start, |_| {}).unwrap();
+    let unstable = branch.points.iter().filter(|point| {
+        let [a, b, ..] = &point.spectrum.multipliers[..] else { return false };
+        a.im == 0.0 && a.modulus > 1.003 && b.modulus < 0.995
+    });
+    let point = unstable.max_by(|a, b| a.spectrum.largest().total_cmp(&b.spectrum.largest())).unwrap();
+    let (setting, largest) = (&point.orbit.setting, point.spectrum.largest());
+    let chain = setting.chain().unwrap();
+    let run = |by: f64| {
+        let mut y = point.orbit.start().unwrap().as_slice().to_vec();
+        (1..9).for_each(|i| y[i] += by * (1.0 + i as f64).cos());
+        let mut far = Vec::new();
+        for _ in 0..900 {
+            y = Variations::flow(&chain, &y, (0.0, setting.period()), &[], 1e-13).unwrap().state;
+            far.push(y[..10].to_vec());
+        }
+        far
+    };
+    let (plus, minus) = (run(1e-8), run(-1e-8));
+    let size = |k: usize| plus[k].iter().zip(&minus[k]).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()));
+    let growth = (size(899) / size(599)).powf(1.0 / 300.0);
+    println!("largest {largest}, growth {growth}");
+    assert!((growth - largest).abs() < 1e-5, "{growth} {largest}");
+}
+
+#[test]
+fn ends_in_phase_make_a_dark_breather_of_an_even_chain() {
+    // Truth: the definition of a kink, and its symmetry: in phase an even number of beads has one,
+    // in antiphase it has none.
+    for (kind, kinked) in [(Ends::InPhase, true), (Ends::Antiphase, false)] {
+        let (_, orbit) = ends(10, kind, 0.12);
+        let point = EndDrivenPoint::measured(DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap()).unwrap();
+        assert_eq!(point.kinked(), kinked, "{kind:?}: {} {}", point.cosine, point.centre);
+        assert!((point.cosine.abs() - 1.0).abs() < 1e-6, "{kind:?}: {}", point.cosine);
+    }
+}
+
+#[test]
+fn what_has_no_periodic_drive_is_refused() {
+    let chain = |drives: Vec<Drive>, dissipation| {
+        let bare = Chain::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 3).unwrap();
+        bare.with(&Details { drives, dissipation, ..Details::default() }).unwrap()
+    };
+    let refused = |drives: Vec<Drive>| DrivenSetting::new(&chain(drives, None), 1).unwrap_err().to_string();
+    let said = refused(Vec::new());
+    assert!(said.contains("drive = none") && said.contains("periodic drive"), "{said}");
+    let burst = Envelope::Burst { start: 0.0, length: 3.0 };
+    let harmonics = vec![Harmonic { amplitude: 0.1, omega: 1.0, phase: 0.0 }];
+    let said = refused(vec![Drive { site: 1, means: Means::Pushed, signal: Signal { harmonics, envelope: burst } }]);
+    assert!(said.contains("burst"), "{said}");
+    let said = refused(vec![sine(1, Means::Pushed, 0.1, 1.0), sine(2, Means::Pushed, 0.1, 2f64.sqrt())]);
+    assert!(said.contains("no multiples of one"), "{said}");
+    let said = refused(vec![sine(1, Means::Pushed, 0.0, 1.0)]);
+    assert!(said.contains("amplitude = 0"), "{said}");
+    let lossy = Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 4] };
+    let lossy = chain(vec![sine(1, Means::Pushed, 0.1, 1.0)], Some(lossy));
+    assert!(DrivenSetting::new(&lossy, 1).unwrap_err().to_string().contains("do not dissipate"));
+    let good = chain(vec![sine(1, Means::Pushed, 0.1, 3.0), sine(2, Means::Pushed, 0.1, 2.0)], None);
+    assert!(DrivenSetting::new(&good, 0).unwrap_err().to_string().contains("turns = 0"));
+    // 3 and 2 are multiples of 1.
+    assert!((DrivenSetting::new(&good, 2).unwrap().period() - 4.0 * PI).abs() < 1e-12);
+}
