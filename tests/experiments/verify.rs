@@ -165,7 +165,9 @@ fn page() -> String {
         let claim = item.claim;
         if claim.section != section {
             section = claim.section;
-            page += &format!("\n## Section {section}\n\n| claim | where | quantity | the paper says | we get | verdict |\n");
+            page += &format!(
+                "\n## Section {section}\n\n| claim | where | quantity | the paper says | we get | verdict |\n"
+            );
             page += "|---|---|---|---|---|---|\n";
         }
         let words = [&claim.label, &claim.quantity, &claim.paper].map(|words| cell(words)).join(" | ");

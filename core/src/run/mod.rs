@@ -387,11 +387,7 @@ impl Run {
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_told(
-        &self,
-        seen: &mut dyn FnMut(f64, &[f64]),
-        told: &mut dyn FnMut(&Contact),
-    ) -> Result<Trajectory> {
+    pub fn start_told(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
         let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
         let mut recorder = Recorder::new(self, Kept::new(self), seen).telling(told);
         let failure = recorder.go_on(method, setting, end)?.err();
