@@ -7,7 +7,10 @@ use hertzchain::{
     scene::{ChainSection, Initial, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::{prelude::*, types::{PyDict, PyList}};
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyList},
+};
 
 /// A scene that has been checked and can be run.
 #[pyclass(frozen, module = "hertzchain._native")]
@@ -27,8 +30,7 @@ impl Numbers {
     /// The file of a scene of this chain.
     fn file(&self, py: Python<'_>, initial: Initial, until: f64) -> PyResult<SceneFile> {
         let &Self(sites, alpha, kappa, rho, ref boundary, precompression, ref tables) = self;
-        let chain =
-            ChainSection { sites, alpha, kappa, rho, boundary: boundary_named(py, boundary)?, precompression };
+        let chain = ChainSection { sites, alpha, kappa, rho, boundary: boundary_named(py, boundary)?, precompression };
         // The chain of this text stands for any: only its tables are read.
         let text = format!(
             "chain = {{ sites = 1, alpha = 1.5, boundary = \"free\" }}\n\

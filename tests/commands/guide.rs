@@ -87,6 +87,10 @@ fn every_command_of_the_guide_is_understood() {
             let ours = line.split(['#', '>', '|', '&', ';']).next().unwrap();
             // Variables of the shell stand for numbers.
             let words = words(ours).into_iter().map(|word| OsString::from(word.replace("$k", "1").replace("$K", "1")));
+            // Without a command the program says where to begin.
+            if words.len() == 1 {
+                continue;
+            }
             if let Err(why) = hertzchain::cli::understood(words) {
                 panic!("{}: {line}\n{why}", path.display());
             }
@@ -136,7 +140,7 @@ const LONG: &[&str] = &[
     "hertzchain wave continue",
     "hertzchain wave modulation --q-over-pi",
     "hertzchain wave solitary",
-    "hertzchain wave tw-q15 --out",
+    "hertzchain wave tw-q15",
     "hertzchain wave tw-rho3",
 ];
 
