@@ -469,7 +469,8 @@ impl DrivenSpectrum {
     fn new(monodromy: &DMatrix<f64>, exponent: f64) -> Option<Self> {
         let of = |value: Complex<f64>| DrivenMultiplier { re: value.re, im: value.im, modulus: value.norm() };
         let mut multipliers: Vec<DrivenMultiplier> = eigenvalues(monodromy)?.into_iter().map(of).collect();
-        multipliers.sort_by(|a, b| b.modulus.total_cmp(&a.modulus).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im)));
+        multipliers
+            .sort_by(|a, b| b.modulus.total_cmp(&a.modulus).then(b.re.total_cmp(&a.re)).then(b.im.total_cmp(&a.im)));
         let lu = monodromy.clone().lu();
         let log: f64 = lu.u().diagonal().iter().map(|pivot| pivot.abs().ln()).sum();
         Some(Self { multipliers, liouville: (log + exponent).abs() })

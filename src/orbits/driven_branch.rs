@@ -194,9 +194,7 @@ impl DrivenContinuation {
             return 0;
         }
         match (cuts, stretch.point(0.5)) {
-            (1.., Some(middle)) => {
-                self.between(a, &middle, cuts - 1, out) + self.between(&middle, b, cuts - 1, out)
-            }
+            (1.., Some(middle)) => self.between(a, &middle, cuts - 1, out) + self.between(&middle, b, cuts - 1, out),
             _ => 1,
         }
     }
@@ -263,7 +261,12 @@ impl<'a> Stretch<'a> {
         } else {
             BifurcationKind::PlusOne
         };
-        Some(DrivenBifurcation { kind, parameter: point.orbit.setting.get(self.continuation.parameter), multiplier, point })
+        Some(DrivenBifurcation {
+            kind,
+            parameter: point.orbit.setting.get(self.continuation.parameter),
+            multiplier,
+            point,
+        })
     }
 
     /// Whether the branch runs across the parameter at a point: at a fold its tangent has no

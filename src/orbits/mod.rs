@@ -25,9 +25,7 @@ mod shooting;
 
 pub use bifurcation::{Bifurcation, BifurcationKind};
 pub use continuation::{Continuation, End, Trail};
-pub use driven::{
-    DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum,
-};
+pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
 pub use driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;

@@ -38,8 +38,20 @@ fn commands() -> Vec<Vec<String>> {
 #[test]
 fn there_are_twelve_commands_and_each_has_its_place() {
     let all: Vec<String> = commands().iter().map(|path| path.join(" ")).collect();
-    let top =
-        ["run", "compare", "sweep", "scenes", "integrators", "study", "wave", "breather", "orbit", "dps", "paper", "shell"];
+    let top = [
+        "run",
+        "compare",
+        "sweep",
+        "scenes",
+        "integrators",
+        "study",
+        "wave",
+        "breather",
+        "orbit",
+        "dps",
+        "paper",
+        "shell",
+    ];
     let first: Vec<&str> =
         all.iter().filter(|name| !name.is_empty() && !name.contains(' ')).map(String::as_str).collect();
     assert_eq!(first, top);

@@ -93,8 +93,8 @@ fn it_agrees_with_differences_in_double_double_and_follows_its_tolerance() {
     let (chain, t) = (chain::<f64>(), 9.0);
     let w = direction(free(&chain).len(), 0);
     let truth = difference(&w, t);
-    let errors = [1e-6, 1e-8, 1e-10, 1e-12]
-        .map(|tol| error(&applied(&monodromy(&chain, &start(&chain), t, tol), &w), &truth));
+    let errors =
+        [1e-6, 1e-8, 1e-10, 1e-12].map(|tol| error(&applied(&monodromy(&chain, &start(&chain), t, tol), &w), &truth));
     println!("{errors:?}");
     assert!(errors[3] < 1e-11, "{:e}", errors[3]);
     for pair in errors.windows(2) {

@@ -1,6 +1,6 @@
 //! The study of chains driven at both ends as people and machines read it.
 
-use super::{EndDriven, EndDrivenCase, EndDrivenPoint, EndDrivenStudy, Ends, FROM_REST, RING, SETTLE};
+use super::{AFTER_RAMP, EndDriven, EndDrivenCase, EndDrivenPoint, EndDrivenStudy, Ends, RAMPS, RING, SETTLE};
 use crate::{
     error::Result,
     orbits::DrivenBifurcation,
@@ -31,9 +31,8 @@ fn point(one: &EndDrivenPoint, free: f64) -> Value {
 }
 
 fn case_json(case: &EndDrivenCase) -> Value {
-    let bifurcation = |one: &DrivenBifurcation| {
-        json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.multiplier })
-    };
+    let bifurcation =
+        |one: &DrivenBifurcation| json!({ "kind": one.kind, "parameter": one.parameter, "multiplier": one.multiplier });
     let [first, stable] = case.first().map(|one| one.map(EndDrivenPoint::amplitude));
     let best = case.best.map(|k| {
         let one = &case.points[k];
@@ -112,8 +111,8 @@ impl Report for EndDrivenStudy {
             "step": options.step,
             "max_points": options.max_points,
             "settle": SETTLE,
-            "from_rest_ramp": FROM_REST[0],
-            "from_rest_periods": FROM_REST[1],
+            "ramps": RAMPS,
+            "after_ramp": AFTER_RAMP,
             "ring": RING,
             "answer": self.answer(),
             "cases": self.cases.iter().map(case_json).collect::<Vec<Value>>(),
@@ -130,10 +129,10 @@ impl Report for EndDrivenStudy {
             .map(|case| {
                 let [first, stable] = case.first().map(|one| one.map(EndDrivenPoint::amplitude));
                 let best = case.best.map(|k| &case.points[k]);
-                let rest = match case.from_rest {
-                    None => "–",
-                    Some(true) => "yes",
-                    Some(false) => "no",
+                let reached = case.from_rest.iter().filter(|run| run.ramp.is_some()).count();
+                let rest = match case.from_rest.len() {
+                    0 => "–".to_owned(),
+                    tried => format!("{reached} of {tried}"),
                 };
                 vec![
                     case.sites.to_string(),
@@ -144,19 +143,20 @@ impl Report for EndDrivenStudy {
                     shown(stable),
                     shown(best.map(EndDrivenPoint::amplitude)),
                     best.map_or_else(|| "–".to_owned(), |one| format!("{:.3}", one.background / case.free)),
-                    rest.to_owned(),
+                    rest,
                 ]
             })
             .collect();
         let head = ["N", "ends", "omega_d", "points", "dark from a", "stable from", "best a", "B/K_x", "from rest"];
         format!(
             "{}\n{}\nSearched: {}.\nDark: the background alternates with a kink in the middle, and B >= K_x/2, K_x being that of the \
-             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: whether a ramp of {} \
-             periods\nto the best amplitude leads a chain at rest to it.\n",
+             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: how many of the strongest \
+             stable ones\na chain at rest comes to, by a ramp of {} or {} periods.\n",
             table(&head, &rows),
             self.answer(),
             searched(&self.options),
-            FROM_REST[0]
+            RAMPS[0],
+            RAMPS[1]
         )
     }
 
@@ -178,9 +178,8 @@ impl Report for EndDrivenStudy {
                 ]
             })
         });
-        let columns = [
-            "sites", "ends", "omega", "amplitude", "background", "k_x", "cosine", "centre", "max_modulus", "unstable",
-        ];
+        let columns =
+            ["sites", "ends", "omega", "amplitude", "background", "k_x", "cosine", "centre", "max_modulus", "unstable"];
         Ok(named([("end-driven.csv", csv(&columns, rows)), ("end-driven.json", format!("{json}\n").into())]))
     }
 
@@ -223,8 +222,7 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
     if let Some((case, one)) = strongest {
         let state = one.point.orbit.start()?;
         let strains = state.u().windows(2).enumerate().map(|(i, u)| ((i + 1) as f64, u[1] - u[0]));
-        let profile =
-            Panel::new(Kind::Sites, ["bond n", "strain at t = 0"], vec![Line::new("uₙ − uₙ₋₁", strains)]);
+        let profile = Panel::new(Kind::Sites, ["bond n", "strain at t = 0"], vec![Line::new("uₙ − uₙ₋₁", strains)]);
         columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
         best = format!(
             " Right: the stable one with the largest B/K_x = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
