@@ -60,15 +60,12 @@ pub struct EndDriven {
     ///
     /// From 10 to 60; even ones have a kink about a bond if the ends move in phase, odd ones about
     /// a bead if they move in antiphase.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "12,13"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "10,11"))]
     pub lengths: Vec<usize>,
     /// Drive frequencies.
     ///
     /// Above omega = sqrt(1 + 1/rho).
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05,2.07")
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05"))]
     pub omegas: Vec<f64>,
     /// Mass ratio resonator to bead, positive.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
@@ -82,27 +79,27 @@ pub struct EndDriven {
     /// Where it ends.
     ///
     /// The largest drive amplitude.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.35"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.2"))]
     pub to: f64,
     /// Its largest change from point to point.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA", default_value = "0.01"))]
     pub step: f64,
     /// Points of the branch at most.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 60))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 30))]
     pub max_points: usize,
 }
 
 impl Default for EndDriven {
     fn default() -> Self {
         Self {
-            lengths: vec![12, 13],
-            omegas: vec![2.03, 2.05, 2.07],
+            lengths: vec![10, 11],
+            omegas: vec![2.03, 2.05],
             rho: 1.0 / 3.0,
             drag: 0.01,
             dashpot: 0.001,
-            to: 0.35,
+            to: 0.2,
             step: 0.01,
-            max_points: 60,
+            max_points: 30,
         }
     }
 }
@@ -128,6 +125,8 @@ pub struct EndDrivenPoint {
     pub cosine: f64,
     /// `C`.
     pub centre: f64,
+    /// `c_b`, bond by bond, from the left; in phase with `L` where real and of the sign of `(-1)^b`.
+    pub harmonics: Vec<Complex<f64>>,
 }
 
 /// A chain, a way to drive it, a frequency: the branch in the amplitude.
@@ -221,7 +220,10 @@ impl EndDrivenPoint {
         let (low, high) = ((bonds - 1) / 2, bonds / 2 + 1);
         let (left, right) = (mean(ENDS..low - 1), mean(high + 1..bonds - ENDS));
         let cosine = (left * right.conj()).re / (left.norm() * right.norm()).max(f64::MIN_POSITIVE);
-        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), point })
+        let turn = (left / left.norm().max(f64::MIN_POSITIVE)).conj();
+        let sign = |b: usize| if b.is_multiple_of(2) { -1.0 } else { 1.0 };
+        let harmonics = staggered.iter().enumerate().map(|(b, c)| c * turn * sign(b)).collect();
+        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), harmonics, point })
     }
 
     /// The drive amplitude.

@@ -38,6 +38,8 @@ fn case_json(case: &EndDrivenCase) -> Value {
         let one = &case.points[k];
         let mut value = point(one, case.free);
         value["u"] = json!(one.point.orbit.start().ok().map(|state| state.u().to_vec()));
+        let harmonics = one.harmonics.iter().map(|c| json!({ "re": c.re, "im": c.im }));
+        value["harmonics"] = json!(harmonics.collect::<Vec<Value>>());
         value["multipliers"] = json!(one.point.spectrum.multipliers);
         value
     });
@@ -220,9 +222,9 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
     let mut columns = vec![Column::new("", branches)];
     let mut best = String::new();
     if let Some((case, one)) = strongest {
-        let state = one.point.orbit.start()?;
-        let strains = state.u().windows(2).enumerate().map(|(i, u)| ((i + 1) as f64, u[1] - u[0]));
-        let profile = Panel::new(Kind::Sites, ["bond n", "strain at t = 0"], vec![Line::new("uₙ − uₙ₋₁", strains)]);
+        let strains = one.harmonics.iter().enumerate().map(|(b, c)| ((b + 1) as f64, c.re));
+        let lines = vec![Line::new("part in phase with the left half", strains)];
+        let profile = Panel::new(Kind::Sites, ["bond n", "first harmonic of the strain"], lines);
         columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
         best = format!(
             " Right: the stable one with the largest B/K_x = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
