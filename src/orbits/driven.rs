@@ -401,7 +401,11 @@ impl DrivenShooting {
             let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
             moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
         });
-        let size = |z: &DVector<f64>| z.amax().max(drives).max(f64::MIN_POSITIVE);
+        // At rest the first residual is the only size that there is.
+        let size = |z: &DVector<f64>, residual: &DVector<f64>| match z.amax().max(drives) {
+            0.0 => residual.amax().max(f64::MIN_POSITIVE),
+            size => size,
+        };
         let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
         let mut best: Option<DrivenOrbit> = None;
         let mut keep = |z: &DVector<f64>, residual: f64, newton: &[NewtonStep]| {
@@ -413,18 +417,20 @@ impl DrivenShooting {
         };
         for _ in 0..self.most_steps {
             let Ok(Equations { residual, jacobian }) = self.equations(setting, z.as_slice(), true) else { break };
-            let size = size(&z);
+            let size = size(&z, &residual);
             let Some(mut by) = least_squares(jacobian, &residual) else { break };
             newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
             keep(&z, residual.amax() / size, &newton);
-            by *= (LONGEST_STEP * size / by.amax()).min(1.0);
+            if z.amax() > 0.0 {
+                by *= (LONGEST_STEP * size / by.amax()).min(1.0);
+            }
             z -= &by;
             if by.amax() <= LAST_STEP * size {
                 break;
             }
         }
         let last = match self.equations(setting, z.as_slice(), false) {
-            Ok(equations) => equations.residual.amax() / size(&z),
+            Ok(Equations { residual, .. }) => residual.amax() / size(&z, &residual),
             Err(error) if newton.is_empty() => return Err(error),
             Err(_) => f64::INFINITY,
         };

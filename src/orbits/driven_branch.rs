@@ -213,7 +213,8 @@ impl<'a> Stretch<'a> {
     fn new(continuation: &'a DrivenContinuation, a: &'a DrivenPoint, b: &'a DrivenPoint) -> Self {
         let [a, b] = [a, b].map(|point| &point.orbit);
         let ((z, p), there) = (continuation.place(a), continuation.place(b));
-        let scales = Scales::new(z, (there.1 - p).abs().max(1e-3 * continuation.step));
+        // Both ends may have the same parameter, beside a fold.
+        let scales = Scales::new(z, (there.1 - p).abs().max(continuation.step));
         let chord = scales.chord((z, p), there);
         let length = chord.norm();
         Self { continuation, from: a, chord: chord / length, scales, length }

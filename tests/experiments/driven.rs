@@ -205,11 +205,13 @@ fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
         }
     }
     let ledger = chain.layout().ledger(&samples[64]).unwrap();
-    assert!((ledger.driven - ledger.dissipated()).abs() < 1e-9 * ledger.driven, "{ledger:?}");
+    // Tolerance 1e-11 in units of the drive, for each of some 500 steps of the samples.
+    assert!((ledger.driven - ledger.dissipated()).abs() < 500.0 * 1e-11 * 0.12, "{ledger:?}");
     assert!(orbit.spectrum(&DrivenShooting::default()).unwrap().liouville < 1e-8);
 }
 
 #[test]
+#[ignore = "nightly: 1800 periods of ten beads, 7 s"]
 fn a_perturbation_of_an_unstable_orbit_grows_by_its_largest_multiplier() {
     // Truth: two runs without tangent; growth over periods after the direction has turned into that
     // of the largest multiplier.

@@ -380,3 +380,13 @@ fn wrong_details_are_refused_by_name_and_rule() {
     let run = Run::new(chain.clone(), State::rest(&chain).driven(&chain)).until(1.0).unwrap();
     assert!(run.start().unwrap().failure.is_none());
 }
+
+#[test]
+fn the_balance_of_a_chain_driven_at_both_ends_follows_its_tolerance() {
+    // Truth: energy + dissipated - driven is constant. The errors of some 1000 steps add up, each of
+    // the size of the tolerance: four orders of it are at least three of the balance.
+    let scene = hertzchain::scene::Scene::load("end-driven").unwrap();
+    let error = |tol: f64| scene.run().tolerance(tol).unwrap().start().unwrap().energy_error.unwrap();
+    let [coarse, fine] = [1e-8, 1e-12].map(error);
+    assert!(coarse < 1000.0 * 1e-8 && fine < 1000.0 * 1e-12 && fine < 1e-3 * coarse, "{coarse:e} {fine:e}");
+}

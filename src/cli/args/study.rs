@@ -114,7 +114,7 @@ Example:
     /// they are stable, and whether a chain at rest comes to them.
     #[command(after_long_help = "\
 Example:
-  hertzchain study end-driven --lengths 12 --omegas 2.05 --out out/end-driven")]
+  hertzchain study end-driven --lengths 10 --omegas 2.05 --out out/end-driven")]
     EndDriven(Told<EndDriven>),
 }
 

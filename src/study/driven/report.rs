@@ -99,10 +99,6 @@ impl Report for DrivenStudy {
     fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("driven-orbit.png", orbit_picture(self)?)]))
     }
-
-    fn succeeded(&self) -> bool {
-        true
-    }
 }
 
 impl Report for DrivenBranchStudy {

@@ -24,7 +24,7 @@ mod report;
 use super::{Progress, Study, Work};
 use crate::{
     breathers::DarkBreather,
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, max_norm},
     dps::Center,
     error::{Error, Result},
     orbits::{
@@ -43,8 +43,11 @@ const ENDS: usize = 2;
 const RING: usize = 21;
 /// Periods that the chain runs before its first orbit is sought.
 const SETTLE: u32 = 400;
-/// Ramp and rest, in periods, of the run from rest.
-const FROM_REST: [u32; 2] = [800, 400];
+/// Ramps of runs from rest, in periods, and the periods that a run takes after its ramp.
+const RAMPS: [u32; 2] = [20, 800];
+const AFTER_RAMP: u32 = 600;
+/// Most orbits of a branch to which runs from rest are tried, those with the strongest background.
+const MOST_TRIED: usize = 6;
 /// Distance from an orbit, in units of its largest unknown, at which a run has reached it.
 const REACHED: f64 = 1e-3;
 const SITES: std::ops::RangeInclusive<usize> = 10..=60;
@@ -57,15 +60,12 @@ pub struct EndDriven {
     ///
     /// From 10 to 60; even ones have a kink about a bond if the ends move in phase, odd ones about
     /// a bead if they move in antiphase.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "12,13"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "10,11"))]
     pub lengths: Vec<usize>,
     /// Drive frequencies.
     ///
     /// Above omega = sqrt(1 + 1/rho).
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05,2.07")
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05"))]
     pub omegas: Vec<f64>,
     /// Mass ratio resonator to bead, positive.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
@@ -79,27 +79,27 @@ pub struct EndDriven {
     /// Where it ends.
     ///
     /// The largest drive amplitude.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.35"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.2"))]
     pub to: f64,
     /// Its largest change from point to point.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA", default_value = "0.01"))]
     pub step: f64,
     /// Points of the branch at most.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 60))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 30))]
     pub max_points: usize,
 }
 
 impl Default for EndDriven {
     fn default() -> Self {
         Self {
-            lengths: vec![12, 13],
-            omegas: vec![2.03, 2.05, 2.07],
+            lengths: vec![10, 11],
+            omegas: vec![2.03, 2.05],
             rho: 1.0 / 3.0,
             drag: 0.01,
             dashpot: 0.001,
-            to: 0.35,
+            to: 0.2,
             step: 0.01,
-            max_points: 60,
+            max_points: 30,
         }
     }
 }
@@ -125,6 +125,8 @@ pub struct EndDrivenPoint {
     pub cosine: f64,
     /// `C`.
     pub centre: f64,
+    /// `c_b`, bond by bond, from the left; in phase with `L` where real and of the sign of `(-1)^b`.
+    pub harmonics: Vec<Complex<f64>>,
 }
 
 /// A chain, a way to drive it, a frequency: the branch in the amplitude.
@@ -146,8 +148,17 @@ pub struct EndDrivenCase {
     pub end: Option<End>,
     /// The stable dark breather with the strongest background, by its number.
     pub best: Option<usize>,
-    /// Whether a chain at rest comes to it, driven by a slow ramp.
-    pub from_rest: Option<bool>,
+    /// Runs from rest to stable dark breathers, the strongest background first.
+    pub from_rest: Vec<FromRest>,
+}
+
+/// Whether a chain at rest comes to an orbit when its drive is switched on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FromRest {
+    /// Drive amplitude.
+    pub amplitude: f64,
+    /// The ramp that leads to the orbit, in periods; the shortest of 20 and 800. `None`: neither.
+    pub ramp: Option<u32>,
 }
 
 /// The outcome of the study.
@@ -209,7 +220,10 @@ impl EndDrivenPoint {
         let (low, high) = ((bonds - 1) / 2, bonds / 2 + 1);
         let (left, right) = (mean(ENDS..low - 1), mean(high + 1..bonds - ENDS));
         let cosine = (left * right.conj()).re / (left.norm() * right.norm()).max(f64::MIN_POSITIVE);
-        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), point })
+        let turn = (left / left.norm().max(f64::MIN_POSITIVE)).conj();
+        let sign = |b: usize| if b.is_multiple_of(2) { -1.0 } else { 1.0 };
+        let harmonics = staggered.iter().enumerate().map(|(b, c)| c * turn * sign(b)).collect();
+        Ok(Self { background: left.norm().min(right.norm()), cosine, centre: mean(low..high).norm(), harmonics, point })
     }
 
     /// The drive amplitude.
@@ -322,7 +336,7 @@ impl EndDriven {
             bifurcations: Vec::new(),
             end: None,
             best: None,
-            from_rest: None,
+            from_rest: Vec::new(),
         };
         let rest = State::rest(&chain).driven(&chain);
         let seed = shooting.settle(&setting, &chain, &rest, SETTLE, |_| {})?;
@@ -341,23 +355,33 @@ impl EndDriven {
         let branch = continuation.follow(start, |_| {})?;
         case.points = branch.points.into_iter().map(EndDrivenPoint::measured).collect::<Result<_>>()?;
         (case.bifurcations, case.end) = (branch.bifurcations, Some(branch.end));
-        let stable = |(_, one): &(usize, &EndDrivenPoint)| one.dark(free) && one.point.stable();
-        let candidates = case.points.iter().enumerate().filter(stable);
-        case.best = candidates.max_by(|(_, a), (_, b)| a.background.total_cmp(&b.background)).map(|(k, _)| k);
-        case.from_rest = case.best.map(|k| self.from_rest(&case, &case.points[k].point.orbit)).transpose()?;
+        let stable = |k: &usize| case.points[*k].dark(free) && case.points[*k].point.stable();
+        let mut candidates: Vec<usize> = (0..case.points.len()).filter(stable).collect();
+        candidates.sort_by(|&a, &b| case.points[b].background.total_cmp(&case.points[a].background));
+        case.best = candidates.first().copied();
+        let tried = candidates.iter().take(MOST_TRIED);
+        case.from_rest =
+            tried.map(|&k| self.reached_from_rest(&case, &case.points[k].point.orbit)).collect::<Result<_>>()?;
         Ok(case)
     }
 
-    /// Whether a chain at rest that a slow ramp drives comes to an orbit.
-    fn from_rest(&self, case: &EndDrivenCase, orbit: &DrivenOrbit) -> Result<bool> {
-        let [ramp, rest] = FROM_REST;
+    /// Whether a chain at rest comes to an orbit.
+    fn reached_from_rest(&self, case: &EndDrivenCase, orbit: &DrivenOrbit) -> Result<FromRest> {
         let amplitude = orbit.setting.get(DriveParameter::Amplitude);
-        let ramp = f64::from(ramp) * orbit.setting.period();
-        let chain = self.chain(case.sites, case.ends, case.omega, amplitude, ramp)?;
-        let state = State::rest(&chain).driven(&chain);
-        let z = DrivenShooting::default().settle(&orbit.setting, &chain, &state, rest, |_| {})?;
-        let size = orbit.z.iter().fold(0.0, |size: f64, z| size.max(z.abs()));
-        Ok(z.iter().zip(&orbit.z).all(|(a, b)| (a - b).abs() <= REACHED * size))
+        let size = max_norm(orbit.z.iter().copied());
+        let reaches = |ramp: u32| -> Result<bool> {
+            let length = f64::from(ramp) * orbit.setting.period();
+            let chain = self.chain(case.sites, case.ends, case.omega, amplitude, length)?;
+            let state = State::rest(&chain).driven(&chain);
+            let z = DrivenShooting::default().settle(&orbit.setting, &chain, &state, AFTER_RAMP, |_| {})?;
+            Ok(z.iter().zip(&orbit.z).all(|(a, b)| (a - b).abs() <= REACHED * size))
+        };
+        for ramp in RAMPS {
+            if reaches(ramp)? {
+                return Ok(FromRest { amplitude, ramp: Some(ramp) });
+            }
+        }
+        Ok(FromRest { amplitude, ramp: None })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The study of chains driven at both ends as people and machines read it.
 
-use super::{EndDriven, EndDrivenCase, EndDrivenPoint, EndDrivenStudy, Ends, FROM_REST, RING, SETTLE};
+use super::{AFTER_RAMP, EndDriven, EndDrivenCase, EndDrivenPoint, EndDrivenStudy, Ends, RAMPS, RING, SETTLE};
 use crate::{
     error::Result,
     orbits::DrivenBifurcation,
@@ -38,6 +38,8 @@ fn case_json(case: &EndDrivenCase) -> Value {
         let one = &case.points[k];
         let mut value = point(one, case.free);
         value["u"] = json!(one.point.orbit.start().ok().map(|state| state.u().to_vec()));
+        let harmonics = one.harmonics.iter().map(|c| json!({ "re": c.re, "im": c.im }));
+        value["harmonics"] = json!(harmonics.collect::<Vec<Value>>());
         value["multipliers"] = json!(one.point.spectrum.multipliers);
         value
     });
@@ -111,8 +113,8 @@ impl Report for EndDrivenStudy {
             "step": options.step,
             "max_points": options.max_points,
             "settle": SETTLE,
-            "from_rest_ramp": FROM_REST[0],
-            "from_rest_periods": FROM_REST[1],
+            "ramps": RAMPS,
+            "after_ramp": AFTER_RAMP,
             "ring": RING,
             "answer": self.answer(),
             "cases": self.cases.iter().map(case_json).collect::<Vec<Value>>(),
@@ -129,10 +131,10 @@ impl Report for EndDrivenStudy {
             .map(|case| {
                 let [first, stable] = case.first().map(|one| one.map(EndDrivenPoint::amplitude));
                 let best = case.best.map(|k| &case.points[k]);
-                let rest = match case.from_rest {
-                    None => "–",
-                    Some(true) => "yes",
-                    Some(false) => "no",
+                let reached = case.from_rest.iter().filter(|run| run.ramp.is_some()).count();
+                let rest = match case.from_rest.len() {
+                    0 => "–".to_owned(),
+                    tried => format!("{reached} of {tried}"),
                 };
                 vec![
                     case.sites.to_string(),
@@ -143,19 +145,20 @@ impl Report for EndDrivenStudy {
                     shown(stable),
                     shown(best.map(EndDrivenPoint::amplitude)),
                     best.map_or_else(|| "–".to_owned(), |one| format!("{:.3}", one.background / case.free)),
-                    rest.to_owned(),
+                    rest,
                 ]
             })
             .collect();
         let head = ["N", "ends", "omega_d", "points", "dark from a", "stable from", "best a", "B/K_x", "from rest"];
         format!(
             "{}\n{}\nSearched: {}.\nDark: the background alternates with a kink in the middle, and B >= K_x/2, K_x being that of the \
-             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: whether a ramp of {} \
-             periods\nto the best amplitude leads a chain at rest to it.\n",
+             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: how many of the strongest \
+             stable ones\na chain at rest comes to, by a ramp of {} or {} periods.\n",
             table(&head, &rows),
             self.answer(),
             searched(&self.options),
-            FROM_REST[0]
+            RAMPS[0],
+            RAMPS[1]
         )
     }
 
@@ -219,9 +222,9 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
     let mut columns = vec![Column::new("", branches)];
     let mut best = String::new();
     if let Some((case, one)) = strongest {
-        let state = one.point.orbit.start()?;
-        let strains = state.u().windows(2).enumerate().map(|(i, u)| ((i + 1) as f64, u[1] - u[0]));
-        let profile = Panel::new(Kind::Sites, ["bond n", "strain at t = 0"], vec![Line::new("uₙ − uₙ₋₁", strains)]);
+        let strains = one.harmonics.iter().enumerate().map(|(b, c)| ((b + 1) as f64, c.re));
+        let lines = vec![Line::new("part in phase with the left half", strains)];
+        let profile = Panel::new(Kind::Sites, ["bond n", "first harmonic of the strain"], lines);
         columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
         best = format!(
             " Right: the stable one with the largest B/K_x = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
