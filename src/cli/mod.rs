@@ -144,6 +144,7 @@ fn run_command(command: &Command) -> Exit {
             BreatherAction::Doubled(told) => told.run(),
             BreatherAction::Evolve(told) => told.run(),
             BreatherAction::Barrier(told) => told.run(),
+            BreatherAction::Moving(told) => told.run(),
         },
         Command::Dps(args) => match &args.action {
             DpsAction::Integrals(told) => told.run(),

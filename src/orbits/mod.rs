@@ -24,6 +24,7 @@ pub use continuation::{Continuation, End, Trail};
 pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
+pub(crate) use floquet::Frame;
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::{Moment, flow};
 pub use kantorovich::Kantorovich;

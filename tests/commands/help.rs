@@ -46,7 +46,7 @@ fn there_are_eleven_commands_and_each_has_its_place() {
     let below = [
         ("study", "order scaling drift stability theorem lifetimes dimer"),
         ("wave", "modulation exact continue solitary"),
-        ("breather", "bright trivial dark continue doubled evolve barrier"),
+        ("breather", "bright trivial dark continue doubled evolve barrier moving"),
         ("dps", "integrals homoclinic dark"),
         ("paper", "figures verify report"),
         ("shell", "completions man"),

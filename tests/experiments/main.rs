@@ -11,6 +11,7 @@ mod breathers;
 mod charts;
 mod exact_waves;
 mod lifetimes;
+mod moving;
 mod orbits;
 mod solitary;
 mod sweep;
