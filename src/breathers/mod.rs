@@ -1,10 +1,13 @@
 //! Breathers: trivial ones without contact force, long-lived bright ones, which are approximate,
-//! and dark ones, which are exact.
+//! and dark ones, which are exact, at rest and moving.
 
 mod bright;
 mod dark;
+mod moving;
 mod trivial;
 
 pub use bright::{BrightBreather, Norms};
 pub use dark::DarkBreather;
+pub(crate) use moving::centre;
+pub use moving::{Envelope, MovingBreather, MovingOrbit};
 pub use trivial::{ClosedForm, TrivialBreather};

@@ -148,6 +148,7 @@ fn run_command(command: &Command) -> Exit {
             BreatherAction::Doubled(told) => told.run(),
             BreatherAction::Evolve(told) => told.run(),
             BreatherAction::Barrier(told) => told.run(),
+            BreatherAction::Moving(told) => told.run(),
         },
         Command::Orbit(args) => match &args.action {
             OrbitAction::Driven(told) => told.run(),

@@ -18,6 +18,13 @@
 //! `G C z`. Hence the condition number of `tau` is `|z| |G C z| / |z^T G C z|`, and the Krein
 //! signature of `e^{i theta}`, `0 < theta < pi`, is the sign of `-z^T G C z / sin theta`. Pairs of
 //! the same signature stay on the circle when they meet; pairs of opposite signature can leave it.
+//!
+//! # Two reversals
+//!
+//! A relative periodic orbit can have one reversal `R_1` at its start and another, `R_2`, after
+//! half of its time. In coordinates `(Q, P)` of each in which it is `diag(1, -1)`, all of this
+//! holds with `Q` for `Z` and `P` for `Z'`: the relative monodromy is `R_1 M_h^{-1} R_2 M_h`. A
+//! [`Frame`] has what depends on the coordinates.
 
 use super::eigen::{Eigenpair, eigen, eigenvalues};
 use crate::chain::{Boundary, Chain};
@@ -103,22 +110,21 @@ struct Vectors {
 }
 
 impl Spectrum {
-    /// The multipliers of a reversible orbit of period `period` from the tangent map `half` of its
-    /// half period, `dim x dim`.
+    /// The multipliers of a reversible orbit from the tangent map `half` of half of its time, `dim x
+    /// dim`, in the coordinates of the frame; `linear` is the `tau` of the kind [`Kind::Linear`].
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
-    pub(crate) fn new(chain: &Chain<f64>, half: &DMatrix<f64>, period: f64) -> Option<Self> {
+    pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, linear: f64) -> Option<Self> {
         let n = half.nrows() / 2;
         let monodromy = by_reversal(half)?;
         let a = monodromy.view((0, 0), (n, n)).into_owned();
-        let momentum = &metric(chain) * monodromy.view((n, 0), (n, n));
+        let momentum = &frame.metric * monodromy.view((n, 0), (n, n));
         let (c, g) = (monodromy.view((n, 0), (n, n)).map(Complex::from), momentum.map(Complex::from));
-        let symplectic_defect = symplectic_defect(chain, &monodromy);
+        let symplectic_defect = frame.symplectic_defect(&monodromy);
         let pairs = eigen(&a)?;
         let (wide, size) = (a.map(Complex::from), a.norm());
         let residual = |(tau, z): &Eigenpair| (&wide * z - z * *tau).norm() / size;
         let eigen_residual = pairs.iter().map(residual).fold(0.0, f64::max);
-        let omega = chain.params().omega();
         let mut quality =
             Quality { symplectic_defect, eigen_residual, trivial: [0.0; 2], linear: 0.0, pairing: f64::NAN };
 
@@ -133,7 +139,7 @@ impl Spectrum {
                 by
             })
         };
-        quality.linear = take((omega * period).cos(), Kind::Linear);
+        quality.linear = take(linear, Kind::Linear);
         quality.trivial = [take(1.0, Kind::Trivial), take(1.0, Kind::Trivial)];
         let known: Vec<(f64, i8, f64)> = modes.iter().map(|mode| (mode.tau.re, mode.krein, mode.error)).collect();
         for mode in &mut modes {
@@ -309,22 +315,62 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
     })
 }
 
-/// `max |M^T J M - J| / max |J|` with `J = [0 G; -G 0]`; on a strain ring for columns projected to
-/// sum zero.
-fn symplectic_defect(chain: &Chain<f64>, monodromy: &DMatrix<f64>) -> f64 {
-    let (g, n) = (metric(chain), monodromy.nrows() / 2);
-    let mut j = DMatrix::zeros(2 * n, 2 * n);
-    j.view_mut((0, n), (n, n)).copy_from(&g);
-    j.view_mut((n, 0), (n, n)).copy_from(&-&g);
-    let mut m = monodromy.clone();
-    if chain.boundary() == Boundary::StrainRing {
-        let sites = chain.sites();
-        for first in (0..2 * n).step_by(sites) {
-            let mean = m.columns(first, sites).column_mean();
-            m.columns_mut(first, sites).column_iter_mut().for_each(|mut column| column -= &mean);
+/// Coordinates `(Q, P)` of states in which the reversal is `diag(1, -1)`.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    /// `G`: `G P` is conjugate to `Q`.
+    metric: DMatrix<f64>,
+    /// Unit vectors that are left out of the symplectic form: on a strain ring uniform strains and
+    /// rates.
+    uniform: Vec<DVector<f64>>,
+}
+
+impl Frame {
+    /// `Q = Z`, `P = Z'`.
+    pub(crate) fn at_rest(chain: &Chain<f64>) -> Self {
+        let (metric, sites) = (metric(chain), chain.sites());
+        let n = 2 * metric.nrows();
+        let unit = |first: usize| {
+            let inside = |i: usize| (first..first + sites).contains(&i);
+            DVector::from_fn(n, |i, _| if inside(i) { (sites as f64).sqrt().recip() } else { 0.0 })
+        };
+        let uniform = match chain.boundary() {
+            Boundary::StrainRing => (0..n).step_by(sites).map(unit).collect(),
+            _ => Vec::new(),
+        };
+        Self { metric, uniform }
+    }
+
+    /// The coordinates `turn (Z, Z')`; `turn` is orthogonal, and the reversal that it belongs to
+    /// changes the sign of the symplectic form.
+    pub(crate) fn turned(chain: &Chain<f64>, turn: &DMatrix<f64>) -> Self {
+        let at_rest = Self::at_rest(chain);
+        let n = at_rest.metric.nrows();
+        let form = turn * at_rest.form() * turn.transpose();
+        Self {
+            metric: form.view((0, n), (n, n)).into_owned(),
+            uniform: at_rest.uniform.iter().map(|uniform| turn * uniform).collect(),
         }
     }
-    (m.transpose() * &j * &m - &j).amax() / j.amax()
+
+    /// `J = [0 G; -G^T 0]`.
+    fn form(&self) -> DMatrix<f64> {
+        let n = self.metric.nrows();
+        let mut j = DMatrix::zeros(2 * n, 2 * n);
+        j.view_mut((0, n), (n, n)).copy_from(&self.metric);
+        j.view_mut((n, 0), (n, n)).copy_from(&-self.metric.transpose());
+        j
+    }
+
+    /// `max |M^T J M - J| / max |J|`, on a strain ring on strains of sum zero.
+    fn symplectic_defect(&self, monodromy: &DMatrix<f64>) -> f64 {
+        let j = self.form();
+        let mut m = monodromy.clone();
+        for uniform in &self.uniform {
+            m -= (&m * uniform) * uniform.transpose();
+        }
+        (m.transpose() * &j * &m - &j).amax() / j.amax()
+    }
 }
 
 /// See [`Quality::pairing`].

@@ -30,6 +30,7 @@ pub use driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, Dri
 pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
+pub(crate) use floquet::Frame;
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::{Moment, flow};
 pub use kantorovich::Kantorovich;

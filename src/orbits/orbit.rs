@@ -2,7 +2,7 @@
 
 use super::{
     Kantorovich, Shot,
-    floquet::Spectrum,
+    floquet::{Frame, Spectrum},
     flow::Moment,
     shooting::{Equations, Formulation, Orbit, Shooting},
 };
@@ -140,7 +140,8 @@ impl Orbit {
     pub fn spectrum(&self, shooting: &Shooting) -> Result<Spectrum> {
         let chain = self.setting.chain()?;
         let half = shooting.flow(&chain, &self.z, 0.5 * self.setting.period(), 2 * self.z.len(), |_| {})?;
-        Spectrum::new(&chain, &half.columns, self.setting.period()).ok_or_else(|| {
+        let linear = (self.setting.params.omega() * self.setting.period()).cos();
+        Spectrum::new(&Frame::at_rest(&chain), &half.columns, linear).ok_or_else(|| {
             Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

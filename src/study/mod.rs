@@ -17,6 +17,7 @@ mod evolve;
 mod exact;
 mod lifetimes;
 mod modulation;
+mod moving;
 mod orbits;
 mod order;
 mod plan;
@@ -60,6 +61,10 @@ pub use lifetimes::*;
 pub(crate) use modulation::figure as stability_figure;
 pub use modulation::*;
 pub(crate) use modulation::{caption as stability_caption, stability_tables};
+#[cfg(feature = "plot")]
+pub(crate) use moving::moving_columns;
+pub use moving::*;
+pub(crate) use moving::{moving_caption, moving_tables};
 pub(crate) use orbits::branch_csv;
 #[cfg(feature = "cli")]
 pub(crate) use orbits::folder_of;

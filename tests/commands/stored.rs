@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::{env, fs, path::PathBuf, process::Command};
 
 /// Name in the store, and the command line without `--json`.
-const SET: [(&str, &str); 25] = [
+const SET: [(&str, &str); 26] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
@@ -33,6 +33,7 @@ const SET: [(&str, &str); 25] = [
     ("trivial", "breather trivial --until 20"),
     ("continue", "breather continue --sites 9 --from 2.01 --to 2.03"),
     ("barrier", "breather barrier --sites 9 --from 2.02 --to 2.04 --frequencies 2"),
+    ("moving", "breather moving --sites 21 --omega-b 2.094 --turns 11 --until 60"),
     ("theorem", "study theorem --epsilons 0.1,0.05"),
     ("lifetimes", "study lifetimes --epsilons 0.05,0.1 --rhos 10,100 --sites 20 --until 300"),
     ("drift", "study drift bright-breather-16 --periods 20 --samples 5"),

@@ -12,6 +12,7 @@ mod charts;
 mod driven;
 mod exact_waves;
 mod lifetimes;
+mod moving;
 mod orbits;
 mod solitary;
 mod sweep;

@@ -227,7 +227,8 @@ const BLIND: [(&str, &str); 3] = [
          s6-mu-positive s6-singular s6-guess s6-translation s6-between s6-site s6-bond s7-Cx s7-Eb \
          s7-site-only-oscillatory s7-bond-only-real s7-Eb1200 s7-Eb1200-multipliers s7-long-lived \
          s7-doubled-Eb s7-doubled-reflected s7-doubled-to s7-doubled-sample s7-rho3-Eb s7-rho3-growth \
-         s7-rho3-range-only-oscillatory s7-rho-only-bond s8-waves-exact s8-waves-bound s8-breathers-bound",
+         s7-rho3-range-only-oscillatory s7-rho-only-bond s8-waves-exact s8-waves-bound s8-breathers-bound \
+         s8-moving-exact",
     ),
     ("the paper prints one digit, or counts", "s4.1-omega s4.2-rho3-shift s7-pair s7-omega"),
     (
@@ -247,7 +248,7 @@ const BLIND: [(&str, &str); 3] = [
          s7-doubled-real s7-doubled-oscillatory s7-rho3-moves s7-rho3-bond s7-rho3-site \
          s7-rho3-range-real s7-rho3-range-site s7-rho10-near-real s7-rho10-near s7-rho10-bond \
          s7-rho10-site s7-rho-bond s7-rho-rising s7-rho-site s7-rho-site-heavy s7-rho-lifetime \
-         s7-rho-quartets s7-rho-chaos s8-waves-near s8-barrier",
+         s7-rho-quartets s7-rho-chaos s8-waves-near s8-barrier s8-moving-tail",
     ),
 ];
 

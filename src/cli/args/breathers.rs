@@ -2,7 +2,7 @@
 
 use crate::{
     cli::runner::Told,
-    study::{Barrier, Bright, Continue, Dark, Doubled, Evolve, Trivial},
+    study::{Barrier, Bright, Continue, Dark, Doubled, Evolve, Moving, Trivial},
 };
 use clap::{Args, Subcommand};
 
@@ -67,4 +67,14 @@ Examples:
   hertzchain breather barrier --from 2.01 --to 2.1 --out out/barrier
   hertzchain breather barrier --rho 3 --from 1.16 --to 1.35")]
     Barrier(Told<Barrier>),
+    /// Moving dark breathers as exact orbits, and a kicked one held against them.
+    ///
+    /// Relative periodic orbits: the chain, moved on by a site, comes back after so many and a half
+    /// periods of the background. With tails, relative multipliers, and the run of a kicked
+    /// breather at rest. Exit code 1 if an orbit is not found.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain breather moving --turns 16,18,22,26 --out out/moving
+  hertzchain breather moving --omega-b 2.088,2.092,2.096 --turns 11 --until 0")]
+    Moving(Told<Moving>),
 }

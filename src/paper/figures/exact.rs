@@ -7,9 +7,9 @@ use crate::{
     number::{shown, written},
     output::csv,
     study::{
-        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Solitary, SolitaryStudy, Wanted, WaveBranchStudy,
-        barrier_caption, barrier_tables, exact_caption, exact_study, exact_tables, fit_line, solitary_caption,
-        solitary_tables, wave_branch_csv,
+        Barrier, BarrierStudy, BranchWave, ContinueWave, ExactStudy, Moving, MovingStudy, Solitary, SolitaryStudy,
+        Wanted, WaveBranchStudy, barrier_caption, barrier_tables, exact_caption, exact_study, exact_tables, fit_line,
+        moving_caption, moving_tables, solitary_caption, solitary_tables, wave_branch_csv,
     },
     waves::{Given, MeanStrain, Search, Shape, Size, TravellingWave, WaveNumber, WaveParameter, WaveSetting},
 };
@@ -43,6 +43,11 @@ pub enum ExactRecipe {
         /// Mass ratio, ends of the frequency, and number of frequencies.
         runs: &'static [(f64, [f64; 2], usize)],
     },
+    /// Moving dark breathers at `rho = 1/3`, on rings of 41 sites.
+    Moving {
+        /// Frequencies and turns of each run, and the end of its kicked run.
+        runs: &'static [(&'static [f64], &'static [u32], f64)],
+    },
 }
 
 /// The numbers of a figure of exact travelling waves.
@@ -58,6 +63,8 @@ pub enum ExactData {
     Solitary(Box<SolitaryStudy>),
     /// The barrier at each mass ratio.
     Barrier(Vec<BarrierStudy>),
+    /// Moving breathers.
+    Moving(Vec<MovingStudy>),
 }
 
 /// An exact wave against the modulation equations.
@@ -118,6 +125,14 @@ impl ExactRecipe {
                     Barrier::of(rho, ends, points).study(&tell)
                 };
                 runs.iter().enumerate().map(study).collect::<Result<_>>().map(ExactData::Barrier)
+            }
+            Self::Moving { runs } => {
+                let study = |(k, &(omega_b, turns, until)): (usize, &(&[f64], &[u32], f64))| {
+                    let tell = |share: f64, _: &str| progress((k as f64 + share) / runs.len() as f64);
+                    let (omega_b, turns) = (omega_b.to_vec(), turns.to_vec());
+                    Moving { omega_b, turns, until, ..Moving::default() }.study(&tell)
+                };
+                runs.iter().enumerate().map(study).collect::<Result<_>>().map(ExactData::Moving)
             }
         }
     }
@@ -180,6 +195,7 @@ pub(super) fn exact_words(data: &ExactData) -> String {
         }
         ExactData::Solitary(study) => solitary_caption(study),
         ExactData::Barrier(studies) => studies.iter().map(barrier_caption).collect::<Vec<_>>().join(" "),
+        ExactData::Moving(studies) => studies.iter().map(moving_caption).collect::<Vec<_>>().join(" "),
     };
     format!("{words} hertzchain {}.", env!("CARGO_PKG_VERSION"))
 }
@@ -203,6 +219,10 @@ pub(super) fn exact_files(data: &ExactData) -> Vec<(String, Tables)> {
         ExactData::Barrier(studies) => {
             let tag = |study: &BarrierStudy| format!("rho{:.2}", study.options.ring.rho);
             studies.iter().map(|study| (tag(study), barrier_tables(study))).collect()
+        }
+        ExactData::Moving(studies) => {
+            let tag = |k: usize| if k == 0 { String::new() } else { "frequencies".to_owned() };
+            studies.iter().enumerate().map(|(k, study)| (tag(k), moving_tables(study))).collect()
         }
     }
 }
@@ -236,6 +256,11 @@ pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> cr
         }
         ExactData::Solitary(study) => crate::study::solitary_columns(study),
         ExactData::Barrier(studies) => studies.iter().map(crate::study::barrier_columns).collect(),
+        // Profiles, tails and depths of the first; tails and depths of the others.
+        ExactData::Moving(studies) => {
+            let columns = |(k, study)| crate::study::moving_columns(study).into_iter().skip(k);
+            studies.iter().enumerate().flat_map(|(k, study)| columns((usize::from(k > 0), study))).collect()
+        }
     };
     Panels { title: title.to_owned(), columns, caption }
 }

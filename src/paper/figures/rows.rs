@@ -321,4 +321,17 @@ pub const FIGURES: &[Figure] = &[
                 and stabilities do not exchange: only bond-centred breathers have real multipliers.",
         recipe: Recipe::Exact(ExactRecipe::Barrier { runs: &[(THIRD, [2.01, 2.1], 19), (3.0, [1.165, 1.345], 19)] }),
     },
+    Figure {
+        name: "moving",
+        source: "Sec. 8, which has no such figure",
+        title: "Are there exact moving dark breathers, and does a kicked one become such a wave?",
+        claim: "Relative periodic orbits exist over a range of velocities, each with a tail that does not fall with the length of the ring: a moving breather radiates. \
+                A kicked breather is at each time as deep as the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
+        recipe: Recipe::Exact(ExactRecipe::Moving {
+            runs: &[
+                (&[2.05], &[18, 19, 21, 22, 23, 24, 26, 28], 1200.0),
+                (&[2.088, 2.09, 2.092, 2.094, 2.096, 2.098, 2.1], &[11], 0.0),
+            ],
+        }),
+    },
 ];

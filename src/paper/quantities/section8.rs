@@ -2,7 +2,7 @@
 
 use super::{Group, Quantity, Runs};
 use crate::{
-    breathers::DarkBreather,
+    breathers::{DarkBreather, MovingBreather},
     chain::Params,
     dps::Center,
     error::{Error, Result},
@@ -11,7 +11,8 @@ use crate::{
     study::{Barrier, BarrierPoint, Wanted},
 };
 
-pub(super) const GROUPS: &[Group] = &[Group::of(waves), Group::of(limits), Group::of(existence), Group::of(barrier)];
+pub(super) const GROUPS: &[Group] =
+    &[Group::of(waves), Group::of(limits), Group::of(existence), Group::of(barrier), Group::of(moving)];
 
 /// Exact travelling waves at the parameters of Sec. 4.
 fn waves(_: &Runs) -> Result<Vec<Quantity>> {
@@ -54,4 +55,13 @@ fn barrier(_: &Runs) -> Result<Vec<Quantity>> {
     let least = study.points.iter().map(share).fold(f64::INFINITY, f64::min);
     let site = study.points.iter().map(|point| point.kinks[0].real).fold(0.0, f64::max);
     Ok(vec![("s8-barrier", least), ("s8-barrier-site", site)])
+}
+
+/// A moving dark breather at `rho = 1/3` on a short ring.
+fn moving(_: &Runs) -> Result<Vec<Quantity>> {
+    const TOL: f64 = 1e-14;
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
+    let orbit = MovingBreather { params, sites: 21, omega_b: 2.094, turns: 11 }.orbit(TOL)?;
+    let envelope = orbit.envelope(TOL)?;
+    Ok(vec![("s8-moving-exact", orbit.return_error(TOL)?), ("s8-moving-tail", envelope.tail)])
 }

@@ -1,0 +1,249 @@
+//! Moving dark breathers as exact orbits, and kicked breathers held against them (Sec. 8).
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `k, T_m, v` | turns; time in which the kink moves on by a site; velocity `1/T_m` |
+//! | depth | local amplitude of the two sites of a kink on a bond, over that of the background |
+//! | tail | largest less smallest local amplitude far from the kink, over that of the background |
+//!
+//! Moving breathers of one background are a family, in which depth and velocity belong to each
+//! other. A kicked breather that moves as one of them has the depth that belongs to its velocity.
+
+mod kicked;
+mod report;
+
+pub use kicked::{KickedRun, Passage};
+#[cfg(feature = "plot")]
+pub(crate) use report::columns as moving_columns;
+pub(crate) use report::{caption as moving_caption, tables as moving_tables};
+
+use super::{Progress, Study, Work};
+use crate::{
+    breathers::{Envelope, MovingBreather, MovingOrbit},
+    chain::Params,
+    error::{Error, Result},
+    orbits::{Kind, Orbit, Shooting, Spectrum},
+    sweep::map,
+};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Frequency over `omega`, where none is given.
+const RATIO: f64 = 1.025;
+/// Share of the work that a kicked run is told to be.
+const KICKED: f64 = 0.1;
+
+/// Moving dark breathers as relative periodic orbits, and a kicked one.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Moving {
+    /// Frequencies of the background, in radians per unit of time.
+    ///
+    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ','))]
+    pub omega_b: Vec<f64>,
+    /// Whole periods of the background for each site that the kink moves on.
+    ///
+    /// From 1 to 100; the velocity is omega_b/(2 pi (K + 1/2)).
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K,..", value_delimiter = ',', default_value = "18,22,26"))]
+    pub turns: Vec<u32>,
+    /// Number of sites.
+    ///
+    /// Of the ring: odd, from 9 to 255. Tails depend on it.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
+    pub sites: usize,
+    /// Exponent of the contact force; 1.5 for spheres.
+    ///
+    /// From 1.01 to 10.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "1.5"))]
+    pub alpha: f64,
+    /// Spring constant of the resonators, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value = "1"))]
+    pub kappa: f64,
+    /// Mass ratio resonator to bead, positive.
+    ///
+    /// Finite.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
+    pub rho: f64,
+    /// End time of the kicked run, in units of time; 0 for none.
+    ///
+    /// It starts from the bond-centred breather at rest of the first frequency.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
+    pub until: f64,
+    /// Largest change of its start along the mode that grows most.
+    ///
+    /// In units of the orbit's amplitude, of either sign.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE", default_value = "1e-2"))]
+    pub kick: f64,
+    /// Tolerance, from 1e-15 to 0.1.
+    ///
+    /// Of the flow, relative to the size of the state.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
+    pub tol: f64,
+}
+
+impl Default for Moving {
+    fn default() -> Self {
+        Self {
+            omega_b: Vec::new(),
+            turns: vec![18, 22, 26],
+            sites: 41,
+            alpha: 1.5,
+            kappa: 1.0,
+            rho: 1.0 / 3.0,
+            until: 1200.0,
+            kick: 1e-2,
+            tol: 1e-14,
+        }
+    }
+}
+
+/// A moving breather and what is asked of it.
+#[derive(Clone, Debug)]
+pub struct MovingPoint {
+    /// The orbit.
+    pub orbit: MovingOrbit,
+    /// See [`MovingOrbit::return_error`].
+    pub return_error: f64,
+    /// Local amplitudes.
+    pub envelope: Envelope,
+    /// Relative multipliers.
+    pub spectrum: Spectrum,
+}
+
+impl MovingPoint {
+    /// Growth per unit of time of the largest multiplier.
+    pub fn growth(&self) -> f64 {
+        self.spectrum.largest().ln() * self.orbit.breather.velocity()
+    }
+
+    /// The largest real multiplier above 1; 1 if there is none.
+    pub fn real(&self) -> f64 {
+        let real = self.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Real);
+        real.map(|one| one.modulus).fold(1.0, f64::max)
+    }
+}
+
+/// Moving breathers of some frequencies and velocities.
+#[derive(Clone, Debug)]
+pub struct MovingStudy {
+    /// What was asked for.
+    pub options: Moving,
+    /// The breathers that were found, by frequency, then by turns, as asked for.
+    pub points: Vec<MovingPoint>,
+    /// Frequencies and turns at which none was found, with the reason.
+    pub missing: Vec<(f64, u32, String)>,
+    /// The kicked run.
+    pub kicked: Option<KickedRun>,
+}
+
+impl Study for Moving {
+    const FILES: &'static str =
+        "Files: moving.json, moving.csv, envelope.csv and moving.png; passages.csv with a kicked run.";
+
+    fn sometimes() -> Vec<String> {
+        vec!["passages.csv".to_owned()]
+    }
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.breathers()?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(self.study(progress)?))))
+    }
+}
+
+impl Moving {
+    /// The breathers that are asked for.
+    ///
+    /// # Errors
+    /// Numbers outside their rules.
+    pub fn breathers(&self) -> Result<Vec<MovingBreather>> {
+        let params = Params::new(self.alpha, self.kappa, self.rho)?;
+        let frequencies = if self.omega_b.is_empty() { vec![RATIO * params.omega()] } else { self.omega_b.clone() };
+        if self.turns.is_empty() {
+            return Err(Error::parameter("turns", "none", "at least one number of turns"));
+        }
+        if !(1e-15..=0.1).contains(&self.tol) {
+            return Err(Error::parameter("tol", self.tol, "from 1e-15 to 0.1"));
+        }
+        let sites = self.sites;
+        let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
+        let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();
+        for breather in &breathers {
+            breather.chain()?;
+            breather.at_rest().seed()?;
+        }
+        if self.until != 0.0 {
+            kicked::check(self, breathers[0].at_rest().setting().period())?;
+        }
+        Ok(breathers)
+    }
+
+    /// The breathers, with what is asked of them, and the kicked run.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; an integration that fails; not one breather found.
+    pub fn study(&self, progress: Progress<'_>) -> Result<MovingStudy> {
+        let breathers = self.breathers()?;
+        let rest = |breather: &MovingBreather| breather.at_rest().orbit(&Shooting::default());
+        let rests: Vec<Orbit> = breathers.iter().step_by(self.turns.len()).map(rest).collect::<Result<_>>()?;
+        let kicked = (self.until != 0.0).then(|| KickedRun::of(&rests[0], self)).transpose()?;
+        let done = AtomicUsize::new(0);
+        let numbered: Vec<(usize, MovingBreather)> = breathers.iter().copied().enumerate().collect();
+        let point = |(k, breather): &(usize, MovingBreather)| {
+            let found = self.point(breather, &rests[k / self.turns.len()]);
+            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / breathers.len() as f64;
+            progress(KICKED + (1.0 - KICKED) * share, "");
+            found
+        };
+        let (mut points, mut missing, mut why) = (Vec::new(), Vec::new(), None);
+        for (breather, found) in breathers.iter().zip(map(&numbered, point)) {
+            match found {
+                Ok(point) => points.push(point),
+                Err(error @ Error::Stalled { .. }) => {
+                    missing.push((breather.omega_b, breather.turns, error.to_string()));
+                    why = Some(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        match why {
+            Some(error) if points.is_empty() => Err(error),
+            _ => Ok(MovingStudy { options: self.clone(), points, missing, kicked }),
+        }
+    }
+
+    fn point(&self, breather: &MovingBreather, rest: &Orbit) -> Result<MovingPoint> {
+        let orbit = breather.from_rest(rest, self.tol)?;
+        Ok(MovingPoint {
+            return_error: orbit.return_error(self.tol)?,
+            envelope: orbit.envelope(self.tol)?,
+            spectrum: orbit.spectrum(self.tol)?,
+            orbit,
+        })
+    }
+}
+
+impl MovingStudy {
+    /// The depth that belongs to a velocity, by straight lines between the breathers of the first
+    /// frequency; `None` beyond their velocities.
+    pub fn depth(&self, velocity: f64) -> Option<f64> {
+        let first = self.points.first()?.orbit.breather.omega_b;
+        let mut family: Vec<(f64, f64)> = self
+            .points
+            .iter()
+            .filter(|point| point.orbit.breather.omega_b == first)
+            .map(|point| (point.orbit.breather.velocity(), point.envelope.depth))
+            .collect();
+        family.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let pair = family.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&velocity))?;
+        let share = (velocity - pair[0].0) / (pair[1].0 - pair[0].0);
+        Some(pair[0].1 + share * (pair[1].1 - pair[0].1))
+    }
+
+    /// Largest difference of the depths of a kicked run from those that belong to its velocities;
+    /// `None` where no passage has a velocity among those of the breathers.
+    pub fn apart(&self) -> Option<f64> {
+        let passages = self.kicked.as_ref()?.passages.iter();
+        let differences = passages.filter_map(|one| Some((one.depth - self.depth(one.velocity?)?).abs()));
+        differences.reduce(f64::max)
+    }
+}
