@@ -51,12 +51,13 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
     };
     let errors = [0.04, 0.01].map(error);
     assert!(errors[1] < 1e-5 && (errors[0] / errors[1] - 16.0).abs() < 0.2, "{errors:?}");
-    let orbit = orbit(&bead(drag, 1e-5, omega), 1);
+    // At a = 1e-3 the stiffness is less by 3/8 u^2, 1e-7 of it, and the angle by 2e-7.
+    let orbit = orbit(&bead(drag, 1e-3, omega), 1);
     let spectrum = orbit.spectrum(&DrivenShooting::default()).unwrap();
     let mu = Complex::new(-0.5 * drag, (3.0 - 0.25 * drag * drag).sqrt());
     let want = (mu * (2.0 * PI / omega)).exp();
     let got = spectrum.multipliers[0];
-    assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 1e-9, "{got:?} {want}");
+    assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 4e-7, "{got:?} {want}");
     assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0);
 }
 
@@ -129,7 +130,7 @@ fn shaken(amplitude: f64) -> Chain<f64> {
             means: Means::Pushed,
             signal: Signal {
                 harmonics: vec![
-                    Harmonic { amplitude, omega: 2.2, phase: 0.0 },
+                    Harmonic { amplitude, omega: 1.8, phase: 0.0 },
                     // Weight, which holds the static overlap.
                     Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
                 ],
