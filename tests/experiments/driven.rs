@@ -90,14 +90,14 @@ fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
         let root = half * half - k * k + (amplitude / size).powi(2);
         (half + sign * root.sqrt()).sqrt()
     };
-    // Both folds are on the left half of the curve: a maximum of omega(A), then a minimum near the
-    // top. On a grid of 10^6 sizes each is found to the square of its spacing.
+    // Both folds are on the left half of the curve: the maximum of omega(A), and the minimum between
+    // it and the top. On a grid of 10^6 sizes each is found to the square of its spacing; sizes
+    // beyond the top give no number.
     let top = amplitude / (drag * 1.5);
     let values: Vec<f64> = (1..1_000_000).map(|k| omega(top * f64::from(k) * 1e-6, -1.0)).collect();
-    let largest = values.windows(3).find(|w| w[1] >= w[0] && w[1] > w[2]).unwrap()[1];
-    let after = values.windows(3).skip_while(|w| w[1] != largest);
-    let least = after.skip(1).find(|w| w[1] <= w[0] && w[1] < w[2]).unwrap()[1];
-    [least, largest]
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let from = values.iter().position(|&omega| omega == largest).unwrap();
+    [values[from..].iter().copied().fold(f64::INFINITY, f64::min), largest]
 }
 
 #[test]
