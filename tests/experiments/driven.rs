@@ -51,12 +51,13 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
     };
     let errors = [0.04, 0.01].map(error);
     assert!(errors[1] < 1e-5 && (errors[0] / errors[1] - 16.0).abs() < 0.2, "{errors:?}");
-    let orbit = orbit(&bead(drag, 1e-5, omega), 1);
+    // At a = 1e-3 the stiffness is less by 3/8 u^2, 1e-7 of it, and the angle by 2e-7.
+    let orbit = orbit(&bead(drag, 1e-3, omega), 1);
     let spectrum = orbit.spectrum(&DrivenShooting::default()).unwrap();
     let mu = Complex::new(-0.5 * drag, (3.0 - 0.25 * drag * drag).sqrt());
     let want = (mu * (2.0 * PI / omega)).exp();
     let got = spectrum.multipliers[0];
-    assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 1e-9, "{got:?} {want}");
+    assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 4e-7, "{got:?} {want}");
     assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0);
 }
 
@@ -89,14 +90,14 @@ fn balance(drag: f64, amplitude: f64) -> [f64; 2] {
         let root = half * half - k * k + (amplitude / size).powi(2);
         (half + sign * root.sqrt()).sqrt()
     };
-    // Both folds are on the left half of the curve: a maximum of omega(A), then a minimum near the
-    // top. On a grid of 10^6 sizes each is found to the square of its spacing.
+    // Both folds are on the left half of the curve: the maximum of omega(A), and the minimum between
+    // it and the top. On a grid of 10^6 sizes each is found to the square of its spacing; sizes
+    // beyond the top give no number.
     let top = amplitude / (drag * 1.5);
     let values: Vec<f64> = (1..1_000_000).map(|k| omega(top * f64::from(k) * 1e-6, -1.0)).collect();
-    let largest = values.windows(3).find(|w| w[1] >= w[0] && w[1] > w[2]).unwrap()[1];
-    let after = values.windows(3).skip_while(|w| w[1] != largest);
-    let least = after.skip(1).find(|w| w[1] <= w[0] && w[1] < w[2]).unwrap()[1];
-    [least, largest]
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let from = values.iter().position(|&omega| omega == largest).unwrap();
+    [values[from..].iter().copied().fold(f64::INFINITY, f64::min), largest]
 }
 
 #[test]
@@ -114,7 +115,7 @@ fn the_folds_of_a_softening_resonance_are_those_of_harmonic_balance() {
     let [coarse, fine] = [0.002, 0.001].map(distance);
     for k in 0..2 {
         let slope = (coarse[k] / fine[k]).log2();
-        assert!((1.6..2.6).contains(&slope), "fold {k}: {coarse:?} {fine:?}: {slope}");
+        assert!((1.8..2.2).contains(&slope), "fold {k}: {coarse:?} {fine:?}: {slope}");
     }
 }
 
@@ -129,7 +130,7 @@ fn shaken(amplitude: f64) -> Chain<f64> {
             means: Means::Pushed,
             signal: Signal {
                 harmonics: vec![
-                    Harmonic { amplitude, omega: 2.2, phase: 0.0 },
+                    Harmonic { amplitude, omega: 1.8, phase: 0.0 },
                     // Weight, which holds the static overlap.
                     Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
                 ],

@@ -115,8 +115,10 @@ fn its_determinant_is_liouvilles() {
 
 #[test]
 fn on_a_uniform_chain_it_is_that_of_collocation() {
-    // Truth: the tangent map of contact collocation, on chains that open and close.
-    for (rho, boundary) in [(1.0 / 3.0, Boundary::Free), (0.0, Boundary::Fixed), (2.0, Boundary::Ring)] {
+    // Truth: the tangent map of contact collocation, on chains that open and close. Between walls,
+    // without resonators, a contact of this start all but grazes; collocation itself then changes by
+    // 1e-8 with its windows.
+    for (rho, boundary) in [(1.0 / 3.0, Boundary::Free), (2.0, Boundary::Ring)] {
         let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, 8).unwrap();
         let y = start(&chain);
         let (dim, t) = (y.len(), 7.0);
@@ -127,17 +129,7 @@ fn on_a_uniform_chain_it_is_that_of_collocation() {
         let got = DMatrix::from_row_slice(dim, dim, &end.columns);
         let off = (&got - &want).amax() / want.amax();
         println!("{rho} {boundary:?}: {off:e}");
-        for windows in [100u64, 400, 800] {
-            let pace = Pace::Windows { windows, nodes: 12, neighbours: true };
-            let other = DMatrix::from_vec(dim, dim, chain.monodromy(&y, (0.0, t), pace).unwrap());
-            println!("  windows {windows}: {:e}", (&other - &want).amax() / want.amax());
-        }
-        for tol in [1e-9, 1e-11] {
-            let end = Variations::flow(&chain, &y, (0.0, t), &identity, tol).unwrap();
-            let other = DMatrix::from_row_slice(dim, dim, &end.columns);
-            println!("  tol {tol}: {:e}", (&other - &got).amax() / want.amax());
-        }
-        assert!(off < 1e-7, "{rho} {boundary:?}: {off:e}");
+        assert!(off < 1e-11, "{rho} {boundary:?}: {off:e}");
     }
 }
 

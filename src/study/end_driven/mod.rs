@@ -45,9 +45,9 @@ const RING: usize = 21;
 const SETTLE: u32 = 400;
 /// Ramps of runs from rest, in periods, and the periods that a run takes after its ramp.
 const RAMPS: [u32; 2] = [20, 800];
-const AFTER_RAMP: u32 = 600;
+const AFTER_RAMP: u32 = 4000;
 /// Most orbits of a branch to which runs from rest are tried, those with the strongest background.
-const MOST_TRIED: usize = 6;
+const MOST_TRIED: usize = 4;
 /// Distance from an orbit, in units of its largest unknown, at which a run has reached it.
 const REACHED: f64 = 1e-3;
 const SITES: std::ops::RangeInclusive<usize> = 10..=60;

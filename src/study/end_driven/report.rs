@@ -215,7 +215,7 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
         for line in &mut lines {
             line.name = format!("N = {sites}, {}", line.name);
         }
-        branches.push(Panel::new(Kind::Cloud, ["drive amplitude a", "background B/K_x"], lines));
+        branches.push(Panel::new(Kind::Cloud, ["drive amplitude a", "background B/Kₓ"], lines));
     }
     let strongest = study.cases.iter().filter_map(|case| Some((case, &case.points[case.best?])));
     let strongest = strongest.max_by(|(c, a), (d, b)| (a.background / c.free).total_cmp(&(b.background / d.free)));
@@ -227,7 +227,7 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
         let profile = Panel::new(Kind::Sites, ["bond n", "first harmonic of the strain"], lines);
         columns.push(Column::new("", [profile, multipliers_panel(&one.point)]));
         best = format!(
-            " Right: the stable one with the largest B/K_x = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
+            " Right: the stable one with the largest B/Kₓ = {:.3}: N = {}, ends {}, ω_d = {}, a = {:.4}.",
             one.background / case.free,
             case.sites,
             case.ends.words(),
@@ -236,7 +236,7 @@ fn picture(study: &EndDrivenStudy) -> Result<crate::figures::Picture> {
         );
     }
     let caption = format!(
-        "Left: background B of the orbits with a kink in the middle, over K_x of the conservative dark breather of the same \
+        "Left: background B of the orbits with a kink in the middle, over Kₓ of the conservative dark breather of the same \
          frequency, all frequencies together.{best} Searched: {}. hertzchain {}.",
         searched(&study.options),
         env!("CARGO_PKG_VERSION")
