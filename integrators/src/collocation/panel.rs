@@ -382,7 +382,7 @@ fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L
 
 /// `sum_k columns[k] values[k]`.
 #[inline(always)]
-fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
+pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     for k in 0..M {
         for j in 0..M {
