@@ -1,5 +1,6 @@
 //! Run times of contact collocation on one thread: compared with similar methods at equal error,
-//! for chains of several lengths, and for the tangent map.
+//! for chains of several lengths, and for the tangent map. Before these, a table of what the parts
+//! of a window cost, the least of several runs.
 //!
 //! Each benchmark checks its result before it is timed, and prints the error.
 
@@ -13,7 +14,11 @@ use hertzchain::{
     scene::{Initial, Scene, SceneFile},
     study::generic_state,
 };
-use std::{f64::consts::PI, hint::black_box, time::Duration};
+use std::{
+    f64::consts::PI,
+    hint::black_box,
+    time::{Duration, Instant},
+};
 
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |a, b| b.abs().max(a))
@@ -137,6 +142,87 @@ fn tangent_map(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Sites of the chains whose windows are taken apart, and their windows.
+const RING: usize = 200;
+const WINDOWS: u64 = 200;
+
+/// Nanoseconds of a bond and window, and sweeps a window, in windows of length `h` with so many
+/// nodes a panel: on a ring of beads in which all bonds stay as they are, closed or open, but for
+/// an oscillation.
+fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
+    let chain = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::StrainRing, RING).unwrap();
+    let strain = if closed { -1.0 } else { 1.0 };
+    let mut y0 = vec![strain; 2 * RING];
+    y0.extend((0..2 * RING).map(|i| 0.05 * (2.0 * PI * (i % RING) as f64 / 10.0).sin()));
+    let pace = Pace::Windows { windows: WINDOWS, nodes, neighbours: true };
+    let mut best = (f64::INFINITY, 0.0);
+    for _ in 0..5 {
+        let mut run = chain.collocation(&y0, (0.0, WINDOWS as f64 * h), pace).unwrap();
+        let start = Instant::now();
+        while !run.done() {
+            run.step().unwrap();
+        }
+        let time = 1e9 * start.elapsed().as_secs_f64() / (WINDOWS as usize * RING) as f64;
+        let stats = run.stats();
+        assert_eq!((stats.steps, stats.rejected), (WINDOWS, 0));
+        best = (best.0.min(time), stats.force_evaluations as f64 / (nodes as u64 * WINDOWS) as f64);
+    }
+    best
+}
+
+/// Nanoseconds of a bond and state inside a window.
+fn look(scene: &Scene, tol: f64) -> f64 {
+    let mut run = scene.run().method(Method::Collocation).setting(Setting::Tolerance(tol)).stepper().unwrap();
+    let mut y = vec![0.0; run.dim()];
+    let (mut before, mut best) = (0.0, f64::INFINITY);
+    for _ in 0..WINDOWS {
+        run.step().unwrap();
+        let middle = 0.5 * (before + run.time());
+        // The first look makes the memory of all.
+        for _ in 0..2 {
+            let start = Instant::now();
+            run.sample(middle, black_box(&mut y));
+            best = f64::min(best, 1e9 * start.elapsed().as_secs_f64() / scene.chain().touching().len() as f64);
+        }
+        before = run.time();
+    }
+    best
+}
+
+/// What the parts of a window cost a bond: the difference between an open bond and a closed one,
+/// and between windows of two lengths, which take more sweeps and are the same otherwise.
+fn parts() {
+    println!("ns a bond and window      4 nodes   8 nodes  12 nodes");
+    let mut table = [[0.0; 3]; 3];
+    for (column, nodes) in [4, 8, 12].into_iter().enumerate() {
+        let (open, none) = window(false, 0.1, nodes);
+        let ((short, few), (long, many)) = (window(true, 0.03, nodes), window(true, 0.3, nodes));
+        assert!(none == 0.0 && many > few && few >= 1.0, "{none} {few} {many}");
+        let sweep = (long - short) / (many - few);
+        for (row, part) in [open, short - few * sweep - open, sweep].into_iter().enumerate() {
+            table[row][column] = part;
+        }
+    }
+    for (name, row) in ["begin, predict, advance", "lay out, first forces", "a sweep"].into_iter().zip(table) {
+        println!("{name:24} {:8.0}  {:8.0}  {:8.0}", row[0], row[1], row[2]);
+    }
+    let scene = Scene::load("tw-q15").unwrap();
+    let bonds = scene.chain().touching().len();
+    for tol in [1e-4, 1e-7, 1e-10] {
+        let best = (0..5).map(|_| {
+            let mut run = scene.run().method(Method::Collocation).setting(Setting::Tolerance(tol)).stepper().unwrap();
+            let start = Instant::now();
+            while !run.done() {
+                run.step().unwrap();
+            }
+            let windows = run.stats().steps as usize;
+            1e9 * start.elapsed().as_secs_f64() / (windows * bonds) as f64
+        });
+        println!("tw-q15 at {tol:e}, with contacts that begin and end: {:.0}", best.fold(f64::INFINITY, f64::min));
+        println!("    a look into such a window: {:.0}", look(&scene, tol));
+    }
+}
+
 fn main() {
     let mut criterion = Criterion::default()
         .warm_up_time(Duration::from_millis(300))
@@ -145,6 +231,7 @@ fn main() {
         .configure_from_args();
     #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
+    parts();
     at_equal_error(&mut criterion);
     against_length(&mut criterion);
     tangent_map(&mut criterion);

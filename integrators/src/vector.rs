@@ -4,7 +4,7 @@
 //! number also meets that of the next site, which may lie in the next register; compilers take such
 //! loops apart. They are written with a [`Vector`], whose width is that of the instruction set in
 //! use. Lanes do not mix but by [`Vector::before`] and [`Vector::after`], and products and sums are
-//! not contracted, so that all widths give the same bits.
+//! contracted in [`Vector::fused`] only, so that all widths give the same bits.
 
 use crate::real::Real;
 use num_traits::One;
@@ -34,6 +34,10 @@ pub trait Vector<R>:
     /// # Safety
     /// `LANES` numbers can be written there.
     unsafe fn store(self, start: *mut R);
+    /// `self by + plus`, rounded once.
+    fn fused(self, by: Self, plus: Self) -> Self;
+    /// The larger number of each pair; that of `self` where one is no number.
+    fn larger(self, other: Self) -> Self;
     /// Square roots.
     fn root(self) -> Self;
     /// `1/x`.
@@ -72,6 +76,16 @@ impl<R: Real> Vector<R> for R {
     unsafe fn store(self, start: *mut R) {
         // SAFETY: the caller's promise.
         unsafe { *start = self }
+    }
+
+    #[inline(always)]
+    fn fused(self, by: Self, plus: Self) -> Self {
+        self.mul_add(by, plus)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if other > self { other } else { self }
     }
 
     #[inline(always)]
@@ -261,6 +275,16 @@ impl Vector<f64> for Pair {
     }
 
     #[inline(always)]
+    fn fused(self, by: Self, plus: Self) -> Self {
+        Self([self.0[0].mul_add(by.0[0], plus.0[0]), self.0[1].mul_add(by.0[1], plus.0[1])])
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self(pairwise(self.0, other.0, |x, other| if other > x { other } else { x }))
+    }
+
+    #[inline(always)]
     fn root(self) -> Self {
         Self([self.0[0].sqrt(), self.0[1].sqrt()])
     }
@@ -336,6 +360,16 @@ mod wide {
         }
 
         #[inline(always)]
+        fn fused(self, by: Self, plus: Self) -> Self {
+            unsafe { Self(_mm256_fmadd_pd(self.0, by.0, plus.0)) }
+        }
+
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            unsafe { Self(_mm256_max_pd(other.0, self.0)) }
+        }
+
+        #[inline(always)]
         fn root(self) -> Self {
             unsafe { Self(_mm256_sqrt_pd(self.0)) }
         }
@@ -399,6 +433,16 @@ mod wide {
         #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
             unsafe { _mm512_storeu_pd(start, self.0) }
+        }
+
+        #[inline(always)]
+        fn fused(self, by: Self, plus: Self) -> Self {
+            unsafe { Self(_mm512_fmadd_pd(self.0, by.0, plus.0)) }
+        }
+
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            unsafe { Self(_mm512_max_pd(other.0, self.0)) }
         }
 
         #[inline(always)]
@@ -472,6 +516,8 @@ mod tests {
                     a - b,
                     a * b,
                     a / b,
+                    a.fused(b, a - b),
+                    a.larger(b),
                     a.root(),
                     a.inverse(),
                     a.above(0.25, b),
@@ -527,11 +573,13 @@ mod tests {
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
                 let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                let operations: [&dyn Fn(f64, f64) -> f64; 11] = [
+                let operations: [&dyn Fn(f64, f64) -> f64; 13] = [
                     &|a, b| a + b,
                     &|a, b| a - b,
                     &|a, b| a * b,
                     &|a, b| a / b,
+                    &|a, b| a.mul_add(b, a - b),
+                    &|a, b| if b > a { b } else { a },
                     &|a, _| a.sqrt(),
                     &|a, _| 1.0 / a,
                     &|a, b| if a > 0.25 { b } else { 0.0 },

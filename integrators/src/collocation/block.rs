@@ -9,7 +9,7 @@
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
     goal::Goal,
-    panel::{Frame, sin_cos},
+    panel::{Frame, Panel, sin_cos},
     panels::Panels,
     sites::Bonds,
     system::{Links, Path, beside},
@@ -121,6 +121,12 @@ impl<const M: usize> Workspace<M> {
         Self { bonds: Vec::new(), old: Panels::new(), pieces: Vec::new() }
     }
 
+    /// What the bonds of a chain of one block leave behind by a time inside the last window.
+    pub(crate) fn look(&mut self, frame: &Frame<'_, M>, ring: bool, t: f64, left: &mut [Left]) {
+        let stretch = Stretch { bonds: &mut self.bonds[..left.len()], ring };
+        f64::run(Look { stretch, frame, part: Panel::new(), t, left });
+    }
+
     /// Solves for the bonds of `own` and leaves what they leave behind in `left`.
     pub(crate) fn solve(
         &mut self,
@@ -213,6 +219,28 @@ impl<const M: usize> Stretch<'_, M> {
         let left = head.last().or(if self.ring { tail.last() } else { None });
         let right = tail.first().or(if self.ring { head.first() } else { None });
         (me, [left, right])
+    }
+}
+
+/// See [`Workspace::look`].
+struct Look<'a, const M: usize> {
+    stretch: Stretch<'a, M>,
+    frame: &'a Frame<'a, M>,
+    part: Panel<M>,
+    t: f64,
+    left: &'a mut [Left],
+}
+
+impl<const M: usize> Kernel for Look<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        for b in 0..self.left.len() {
+            let (me, beside) = self.stretch.at(b);
+            let path = me.left_at(self.frame, beside, self.t, &mut self.part);
+            self.left[b] = Left { path, ongoing: None };
+        }
     }
 }
 
@@ -350,18 +378,21 @@ impl<const M: usize> Kernel for Pass<'_, M> {
 
     #[inline(always)]
     fn run(mut self) -> Passed {
-        let (n, levels) = (self.stretch.bonds.len(), self.levels.clone());
+        let (n, from, to) = (self.stretch.bonds.len(), *self.levels.start(), *self.levels.end());
         let mut passed = Passed::default();
-        for place in 0..n + 2 * levels.end() {
-            for level in levels.clone() {
-                if place < 2 * level || place >= n + 2 * level {
-                    continue;
+        for place in 0..n + 2 * to {
+            // Those that have begun and are not done: 2 level <= place < n + 2 level.
+            let first = from.max((place + 2).saturating_sub(n) / 2);
+            let last = to.min(place / 2);
+            // A bond back for each level.
+            let mut b = (place - first.min(place)) % n;
+            for level in first..=last {
+                if level == 0 {
+                    self.start(b, &mut passed);
+                } else if self.stretch.bonds[b].waits() {
+                    self.sweep(b, level, &mut passed);
                 }
-                let mut b = place - level;
-                while b >= n {
-                    b -= n;
-                }
-                if level == 0 { self.start(b, &mut passed) } else { self.sweep(b, level, &mut passed) }
+                b = if b == 0 { n - 1 } else { b - 1 };
             }
         }
         passed
@@ -385,13 +416,13 @@ impl<const M: usize> Pass<'_, M> {
         let Self { frame, goal, .. } = *self;
         let (me, beside) = self.stretch.at(b);
         let anew = me.pending.layout;
-        if anew {
-            me.lay_out(frame, beside, self.old);
-        }
         // A contact that turned out to be none is swept once more, to be forgotten.
-        if !(anew || me.pending.sweep && !me.contacts.found.is_empty()) {
+        if !anew && me.contacts.found.is_empty() {
             me.pending.sweep = false;
             return;
+        }
+        if anew {
+            me.lay_out(frame, beside, self.old);
         }
         passed.deepest = passed.deepest.max(level);
         let change = me.sweep(frame, beside, anew.then_some(&*self.old));

@@ -2,7 +2,7 @@
 
 use super::{
     detect::Crossing,
-    panel::{Frame, along, dot},
+    panel::{Frame, Panel, along, dot},
     panels::Panels,
     sites::Free,
     system::Path,
@@ -168,15 +168,24 @@ pub(super) fn ramps<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64, sin:
     (frame.m * free2 + scale * (1.0 - cos), frame.m * free3 + scale * (t - sin * per_omega))
 }
 
-/// `int_0^t K(t - s) s^2 ds`.
+/// `path + sum_k rates[k] int_0^t K(t - s) s^k/k! ds`, `k = 0, 1, 2`: a path, and coefficients of
+/// `t^2, t^3, t^4`.
 #[inline(always)]
-fn ramp2<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64) -> f64 {
-    let free = (t * t) * (t * t) * (1.0 / 12.0);
+fn ramped<const M: usize>(frame: &Frame<'_, M>, mut path: Path, rates: [f64; 3]) -> (Path, [f64; 3]) {
+    let free = [0.5 * rates[0], rates[1] * (1.0 / 6.0), rates[2] * (1.0 / 24.0)];
     if frame.omega * frame.h < 1e-2 {
-        return free;
+        return (path, free);
     }
-    let square = frame.per_omega * frame.per_omega;
-    frame.m * free + frame.mu * square * (t * t - 2.0 * square * (1.0 - cos))
+    // int K s^k/k! takes t^{k+2}/(k+2)! with m, and with mu what sin(omega t)/omega makes of it.
+    let per_square = frame.per_omega * frame.per_omega;
+    let swing = frame.mu * per_square * (rates[0] - rates[2] * per_square);
+    let moved = frame.mu * per_square * rates[1];
+    path[0] += swing;
+    path[2] -= swing;
+    path[1] += moved;
+    path[3] -= moved * frame.per_omega;
+    let [a, b, c] = free;
+    (path, [frame.m * a + 0.5 * frame.mu * per_square * rates[2], frame.m * b, frame.m * c])
 }
 
 /// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not
@@ -230,7 +239,7 @@ impl<const M: usize> Bond<M> {
     pub(crate) fn approach(&self, frame: &Frame<'_, M>, most: f64) -> f64 {
         let Initial { recoil, path: [r, v, c, s], overlap: [now, rate], .. } = self.initial;
         let (h, power) = (frame.h, frame.law.alpha() + 1.0);
-        let swing = if frame.omega == 0.0 { 0.0 } else { c.hypot(s) };
+        let swing = if frame.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
         let speed = rate.abs().max(v.abs() + frame.omega * swing);
         let reached = (r + v.max(0.0) * h + swing).min(now + speed * h);
         if reached <= 0.0 {
@@ -245,6 +254,34 @@ impl<const M: usize> Bond<M> {
         frame.law.stiffness(reached.min(stopped)) * lasts * lasts
     }
 
+    /// The path that the forces up to a time inside a solved window leave behind.
+    ///
+    /// The panel that the time is in is integrated up to there anew, with forces from the overlaps
+    /// of the solution: what these are off between nodes is an integral taken twice, and counts
+    /// `f'(g) h^2` times.
+    #[inline(always)]
+    pub(crate) fn left_at(&self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64, part: &mut Panel<M>) -> Path {
+        let after = self.panels.as_slice().iter().position(|panel| panel.end > t);
+        let Some(k) = after else { return self.panels.total };
+        let whole = &self.panels.list[k];
+        if whole.start >= t {
+            return whole.before;
+        }
+        part.cut_off(whole, t, frame);
+        let at = (&part.tau, &part.cos, &part.sin);
+        let Initial { path, recoil, .. } = self.initial;
+        let mut g = [0.0; M];
+        for j in 0..M {
+            g[j] = along(&path, part.tau[j], part.cos[j], part.sin[j]);
+        }
+        self.panels.influence(at, -recoil, &mut g);
+        for bond in beside.into_iter().flatten() {
+            bond.panels.influence(at, 1.0, &mut g);
+        }
+        part.force = frame.law.forces(&g);
+        part.leave()
+    }
+
     /// The contact that outlasts the window, in the time of the next one.
     pub(crate) fn outlasting(&self, h: f64) -> Option<Contact> {
         let contact = self.contacts.found.last().filter(|contact| contact.release > h)?;
@@ -257,15 +294,14 @@ impl<const M: usize> Bond<M> {
         let drive = self.drive([left, right]);
         let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.forecast.bend);
         let bend = bend(left) + bend(right) - self.initial.recoil * self.forecast.bend;
+        let (path, [a, b, c]) = ramped(frame, self.initial.path, [drive[0], drive[1], 2.0 * bend]);
         let (mut before, mut largest) = ([0.0; 4], 0.0);
         for panel in &mut self.panels.list[..self.panels.len] {
             let mut g = [0.0; M];
             for j in 0..M {
-                let (t, cos, sin) = (panel.tau[j], panel.cos[j], panel.sin[j]);
-                let (k2, k3) = ramps(frame, t, cos, sin);
-                g[j] = along(&self.initial.path, t, cos, sin)
-                    + (drive[0] * k2 + drive[1] * k3)
-                    + bend * ramp2(frame, t, cos);
+                let t = panel.tau[j];
+                let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
+                g[j] = along(&path, t, panel.cos[j], panel.sin[j]) + driven;
             }
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
@@ -290,6 +326,12 @@ impl<const M: usize> Bond<M> {
         if answer < 1.0 { answer } else { 1.0 }
     }
 
+    /// Whether a sweep is to do something for it.
+    #[inline(always)]
+    pub(crate) fn waits(&self) -> bool {
+        self.pending.layout || self.pending.sweep
+    }
+
     /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and
     /// end. If panels have been laid out since the last one, those before them are `old`.
     #[inline(always)]
@@ -304,29 +346,25 @@ impl<const M: usize> Bond<M> {
         for c in 0..self.contacts.found.len() {
             let (first, last) = self.contacts.found[c].panels;
             for k in first..last {
-                let panel = &self.panels.list[k];
-                let at = (&panel.tau, &panel.cos, &panel.sin);
-                let mut g = [0.0; M];
+                let panel = &mut self.panels.list[k];
+                let (mut path, mut g) = (linear, [0.0; M]);
                 if let Some(old) = old {
-                    for j in 0..M {
-                        g[j] = along(&linear, panel.tau[j], panel.cos[j], panel.sin[j]);
-                    }
-                    old.influence(at, -recoil, &mut g);
+                    old.influence((&panel.tau, &panel.cos, &panel.sin), -recoil, &mut g);
                 } else {
-                    let mut path = linear;
                     for i in 0..4 {
                         path[i] -= recoil * before[i];
                     }
                     for j in 0..M {
-                        g[j] = along(&path, panel.tau[j], panel.cos[j], panel.sin[j]) - recoil * panel.local[j];
+                        g[j] = -recoil * panel.local[j];
                     }
                 }
-                let panel = &mut self.panels.list[k];
-                if let Some(bond) = beside[0] {
-                    change.work += VIEW * bond.panels.act(panel, 0, &mut g);
+                for (side, bond) in beside.into_iter().enumerate() {
+                    if let Some(bond) = bond {
+                        change.work += VIEW * bond.panels.act(panel, side, &mut path, &mut g);
+                    }
                 }
-                if let Some(bond) = beside[1] {
-                    change.work += VIEW * bond.panels.act(panel, 1, &mut g);
+                for j in 0..M {
+                    g[j] += along(&path, panel.tau[j], panel.cos[j], panel.sin[j]);
                 }
                 let force = frame.law.forces(&g);
                 let mut by = [0.0; M];

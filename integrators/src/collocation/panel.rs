@@ -92,23 +92,17 @@ pub(crate) struct Panel<const M: usize> {
 /// A neighbour as seen from the nodes of a panel: what does not change from sweep to sweep.
 ///
 /// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next
-/// `2 k + 1`, one before all -1.
+/// `2 k + 1`, one before all -1. Places ascend with the nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct View<const M: usize> {
     /// Of the neighbour's panels.
     pub(crate) version: u64,
-    /// Ascending.
+    /// Of the first and the last node.
+    pub(crate) span: (i32, i32),
+    /// Of each, where they differ.
     pub(crate) place: [f64; M],
     /// The nodes in the variable of the panel that they are in.
     pub(crate) x: [f64; M],
-}
-
-impl<const M: usize> View<M> {
-    /// The first and the last place.
-    #[inline(always)]
-    pub(crate) fn span(&self) -> (i32, i32) {
-        (self.place[0] as i32, self.place[M - 1] as i32)
-    }
 }
 
 #[inline(always)]
@@ -160,7 +154,7 @@ impl<const M: usize> Panel<M> {
             local: zeros,
             series: zeros,
             before: [0.0; 4],
-            views: std::array::from_fn(|_| View { version: 0, place: zeros, x: zeros }),
+            views: std::array::from_fn(|_| View { version: 0, span: (-1, -1), place: zeros, x: zeros }),
         }
     }
 
@@ -178,9 +172,26 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// Places the nodes.
+    /// Makes this the part of another panel before a time inside it, and places its nodes.
+    #[inline(always)]
+    pub(crate) fn cut_off(&mut self, whole: &Self, end: f64, frame: &Frame<'_, M>) {
+        (self.start, self.end) = (whole.start, end);
+        (self.origin, self.sign, self.q) = (whole.origin, whole.sign, whole.q);
+        self.before = whole.before;
+        self.place_nodes(frame);
+        self.left = self.remains(frame);
+    }
+
+    /// Places the nodes, and makes what depends on them.
     #[inline(always)]
     pub(super) fn place(&mut self, frame: &Frame<'_, M>) {
+        self.place_nodes(frame);
+        self.left = self.remains(frame);
+        self.weigh(frame);
+    }
+
+    #[inline(always)]
+    fn place_nodes(&mut self, frame: &Frame<'_, M>) {
         let Self { start, end, origin, sign, q, .. } = *self;
         let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -208,27 +219,43 @@ impl<const M: usize> Panel<M> {
                 self.cos[j] = cos;
             }
         }
-        self.weigh(frame);
     }
 
-    /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
-    /// the weights of the integrals over `s`.
+    /// `K(t - s)` for a force at node `k`, per unit of `x`, as a path.
+    #[inline(always)]
+    fn kernel(&self, frame: &Frame<'_, M>, k: usize) -> Path {
+        let (m, mu, rate) = (frame.m, frame.mu_per_omega, self.rate[k]);
+        [-(m * rate * self.tau[k]), m * rate, -(mu * rate * self.sin[k]), mu * rate * self.cos[k]]
+    }
+
+    /// See [`left`](Self::left).
+    #[inline(always)]
+    fn remains(&self, frame: &Frame<'_, M>) -> [Path; M] {
+        let mut left = [[0.0; 4]; M];
+        for k in 0..M {
+            let kernel = self.kernel(frame, k);
+            for i in 0..4 {
+                left[k][i] = frame.rule.weights[k] * kernel[i];
+            }
+        }
+        left
+    }
+
+    /// Makes [`reaction`](Self::reaction): `K(t - s)` at the nodes, times the weights of the
+    /// integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M>) {
-        let Self { tau, cos, sin, rate, reaction, left, .. } = self;
-        let rule = frame.rule;
-        let (m, mu) = (frame.m, frame.mu_per_omega);
+        let (rule, mu) = (frame.rule, frame.mu_per_omega);
         for k in 0..M {
-            let rate = rate[k];
-            let [free, moved, c, s] = [m * rate, m * rate * tau[k], mu * rate * cos[k], mu * rate * sin[k]];
-            left[k] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
+            let [moved, free, s, c] = self.kernel(frame, k);
+            let Self { tau, cos, sin, reaction, .. } = &mut *self;
             let mut kernel = [0.0; M];
             for j in 0..M {
-                kernel[j] = free.mul_add(tau[j], -moved);
+                kernel[j] = free.mul_add(tau[j], moved);
             }
             if mu != 0.0 {
                 for j in 0..M {
-                    kernel[j] = c.mul_add(sin[j], (-s).mul_add(cos[j], kernel[j]));
+                    kernel[j] = c.mul_add(sin[j], s.mul_add(cos[j], kernel[j]));
                 }
             }
             reaction[k] = times(&rule.integral[k], &kernel);
@@ -291,22 +318,19 @@ impl<const M: usize> Panel<M> {
     #[inline(always)]
     pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
-        let last = |w: &[f64; M]| {
-            let [a, b] = [&frame.rule.tail[0], &frame.rule.tail[1]].map(|row| dot(row, w).abs());
-            if a > b { a } else { b }
-        };
-        let mut tail = last(&w);
+        let mut tail = last_terms(frame.rule, &w);
         if frame.mu != 0.0 {
-            for w in [times(&w, &self.cos), times(&w, &self.sin)] {
-                let other = last(&w);
-                tail = if other > tail { other } else { tail };
-            }
+            let cos = last_terms(frame.rule, &times(&w, &self.cos));
+            let sin = last_terms(frame.rule, &times(&w, &self.sin));
+            tail = if cos > tail { cos } else { tail };
+            tail = if sin > tail { sin } else { tail };
         }
         let (mut least, mut most, mut largest) = (self.overlap[0], self.overlap[0], 0.0);
-        for (&g, w) in self.overlap.iter().zip(w) {
+        for j in 0..M {
+            let (g, w) = (self.overlap[j], w[j].abs());
             least = if g < least { g } else { least };
             most = if g > most { g } else { most };
-            largest = if w.abs() > largest { w.abs() } else { largest };
+            largest = if w > largest { w } else { largest };
         }
         [if self.q < frame.q && least < FADING * most { slow * tail } else { tail }, largest]
     }
@@ -317,6 +341,12 @@ impl<const M: usize> Panel<M> {
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
         self.local = product(&self.reaction, &self.force);
         self.series = product(&frame.rule.series, &self.local);
+        self.leave()
+    }
+
+    /// The path that the forces up to the end leave behind.
+    #[inline(always)]
+    pub(crate) fn leave(&self) -> Path {
         let (mut even, mut odd) = (self.before, [0.0; 4]);
         for k in (0..M).step_by(2) {
             for i in 0..4 {
@@ -335,6 +365,13 @@ fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
         out[j] = a[j] * b[j];
     }
     out
+}
+
+/// The larger of the last two terms of a series with these values.
+#[inline(always)]
+fn last_terms<const M: usize>(rule: &Rule<M>, values: &[f64; M]) -> f64 {
+    let (a, b) = (dot(&rule.tail[0], values).abs(), dot(&rule.tail[1], values).abs());
+    if a > b { a } else { b }
 }
 
 /// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope,
@@ -382,7 +419,7 @@ fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L
 
 /// `sum_k columns[k] values[k]`.
 #[inline(always)]
-fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
+pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     for k in 0..M {
         for j in 0..M {

@@ -54,10 +54,32 @@ impl<const M: usize> Panels<M> {
     #[inline(always)]
     fn look(&self, tau: &[f64; M], view: &mut View<M>) {
         view.version = self.version;
-        view.place = [-1.0; M];
+        let (first, last) = (tau[0], tau[M - 1]);
+        let mut place = -1;
         for (k, panel) in self.as_slice().iter().enumerate() {
+            if last < panel.start {
+                break;
+            }
+            if first > panel.end {
+                place = 2 * k as i32 + 1;
+            } else if first >= panel.start && last <= panel.end {
+                place = 2 * k as i32;
+                view.x = panel.variable(tau);
+                break;
+            } else {
+                return self.look_one_by_one(k, tau, view);
+            }
+        }
+        view.span = (place, place);
+    }
+
+    /// The same for times of different places, the first of them not behind panel `first`.
+    #[inline(always)]
+    fn look_one_by_one(&self, first: usize, tau: &[f64; M], view: &mut View<M>) {
+        view.place = [2.0 * first as f64 - 1.0; M];
+        for (k, panel) in self.as_slice().iter().enumerate().skip(first) {
             if tau[M - 1] < panel.start {
-                return;
+                break;
             }
             let place = 2.0 * k as f64;
             for j in 0..M {
@@ -72,18 +94,48 @@ impl<const M: usize> Panels<M> {
                 }
             }
         }
+        view.span = (view.place[0] as i32, view.place[M - 1] as i32);
     }
 
-    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. Returns in how many
-    /// pieces.
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour: to `path` what is a
+    /// path at all of them, to `out` the rest. Returns in how many pieces.
     #[inline(always)]
-    pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, out: &mut [f64; M]) -> u64 {
+    pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, path: &mut Path, out: &mut [f64; M]) -> u64 {
         let Panel { tau, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
             self.look(tau, view);
         }
-        let (first, last) = view.span();
+        let (first, last) = view.span;
+        if first != last {
+            return self.act_in_pieces((tau, cos, sin), view, out);
+        }
+        if first < 0 {
+            return 0;
+        }
+        let k = (first / 2) as usize;
+        let inside = first % 2 == 0;
+        let before = if inside { &self.list[k].before } else { self.before(k + 1) };
+        for i in 0..4 {
+            path[i] += before[i];
+        }
+        if inside {
+            let moved = self.list[k].moved_at(&view.x);
+            for j in 0..M {
+                out[j] += moved[j];
+            }
+        }
+        1
+    }
+
+    #[inline(always)]
+    fn act_in_pieces(
+        &self,
+        (tau, cos, sin): (&[f64; M], &[f64; M], &[f64; M]),
+        view: &View<M>,
+        out: &mut [f64; M],
+    ) -> u64 {
+        let (first, last) = view.span;
         let mut pieces = 0;
         for place in first.max(0)..=last {
             let k = (place / 2) as usize;

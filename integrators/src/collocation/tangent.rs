@@ -6,8 +6,11 @@
 //! | `D` | `f'(g)` at the nodes, a diagonal |
 //! | `T` | influences: the overlaps at the nodes that forces at the nodes make, `int K(t - s) f(s) ds` |
 //! | `dg_lin` | change of the overlaps along the linear paths |
+//! | `G` | `(I - D T_pp)^{-1}` of one panel: its answer to what others do |
 //!
-//! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`. Ends of contacts move too,
+//! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`: a linear system with a block
+//! for each pair of panels. What a panel does to itself is solved once a window, so that a sweep is
+//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move too,
 //! but the force is zero there: to first order nothing is felt of that. What is felt is an end that
 //! is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
 //! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
@@ -16,12 +19,17 @@ use super::{
     Collocation,
     block::blocks,
     bond::Bond,
-    panel::{Frame, Panel, along, dot},
+    panel::{Frame, Panel, along, dot, product},
     panels::Panels,
     sites::Phase,
     system::{ContactChain, Links, Path, beside},
 };
-use crate::{drive::Stepper, error::Error, real::Kernel};
+use crate::{
+    drive::Stepper,
+    error::Error,
+    real::{Kernel, Real, VectorKernel},
+    vector::Vector,
+};
 
 /// Columns that are worked on together: a register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.
@@ -204,14 +212,14 @@ fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
     [r, v, c * cos + s * sin, s * cos - c * sin]
 }
 
-/// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `D` in them.
+/// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `G D` in them.
 struct Row<'a, const M: usize> {
     bond: usize,
     panel: &'a Panel<M>,
     stiffness: [f64; M],
-    /// `D` times the four functions of a linear path.
+    /// `G D` times the four functions of a linear path.
     path: [[f64; M]; 4],
-    /// `D T` for each panel that acts on this one.
+    /// `G D T` for each other panel that acts on this one.
     from: Vec<(usize, [[f64; M]; M])>,
     /// The path that the force at each node leaves behind.
     left: [Path; M],
@@ -236,11 +244,12 @@ impl<const M: usize> Kernel for Window<'_, M> {
         let ring = links.ring && bonds.len() > 1;
         let panels = laid_out(frame, bonds, ring);
         let rows = rows(frame, bonds, &panels, ring);
-        let mut force = vec![[[0.0; LANES]; M]; rows.len()];
+        let mut memory =
+            Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
         for bond in columns {
-            settle(&rows, bond, &mut force)?;
+            f64::run_vector(System { rows: &rows, path: bond, memory: &mut memory })?;
             bond.fill([[0.0; LANES]; 4]);
-            for (row, force) in rows.iter().zip(&force) {
+            for (row, force) in rows.iter().zip(&memory.force) {
                 for (left, force) in row.left.iter().zip(force) {
                     for (sum, &left) in bond[row.bond].iter_mut().zip(left) {
                         add(sum, left, force);
@@ -368,82 +377,167 @@ fn rows<'a, const M: usize>(
         }
         rows[q].left = source.list[0].left;
     }
+    for (p, row) in rows.iter_mut().enumerate() {
+        let Some(own) = row.from.iter().position(|&(q, _)| q == p) else { continue };
+        let answer = answer(row.from.swap_remove(own).1);
+        for column in row.path.iter_mut().chain(row.from.iter_mut().flat_map(|(_, matrix)| matrix)) {
+            *column = product(&answer, column);
+        }
+    }
     rows
 }
 
-/// Adds rows `first..first + R` of a matrix times what is there.
+/// `(I - A)^{-1}`, by elimination with pivots.
 #[inline(always)]
-fn act<const R: usize, const M: usize>(matrix: &[[f64; M]; M], there: &[Lanes; M], out: &mut [Lanes; M], first: usize) {
-    let mut sums = [[0.0; LANES]; R];
-    for l in 0..M {
-        for j in 0..R {
-            add(&mut sums[j], matrix[l][first + j], &there[l]);
+fn answer<const M: usize>(a: [[f64; M]; M]) -> [[f64; M]; M] {
+    let unit = |k: usize| std::array::from_fn(|j| f64::from(u8::from(j == k)));
+    let mut inverse: [[f64; M]; M] = std::array::from_fn(unit);
+    let mut rest: [[f64; M]; M] = std::array::from_fn(|k| std::array::from_fn(|j| inverse[k][j] - a[k][j]));
+    // Rows are those of the transpose: operations on columns of the matrix give the same inverse.
+    for k in 0..M {
+        let larger = |i: &usize, j: &usize| rest[*i][k].abs().total_cmp(&rest[*j][k].abs());
+        let pivot = (k..M).max_by(larger).unwrap_or(k);
+        rest.swap(k, pivot);
+        inverse.swap(k, pivot);
+        let scale = 1.0 / rest[k][k];
+        for column in [&mut rest[k], &mut inverse[k]] {
+            column.iter_mut().for_each(|entry| *entry *= scale);
+        }
+        let (rest_k, inverse_k) = (rest[k], inverse[k]);
+        for i in (0..M).filter(|&i| i != k) {
+            let by = rest[i][k];
+            for j in 0..M {
+                rest[i][j] -= by * rest_k[j];
+                inverse[i][j] -= by * inverse_k[j];
+            }
         }
     }
-    for j in 0..R {
-        for lane in 0..LANES {
-            out[first + j][lane] += sums[j][lane];
+    inverse
+}
+
+/// What a [`System`] is solved in: for each panel, forces without those of others, and forces.
+struct Memory<const M: usize> {
+    driven: Vec<[Lanes; M]>,
+    force: Vec<[Lanes; M]>,
+}
+
+/// Numbers of some columns from `at` on.
+#[inline(always)]
+fn part<V: Vector<f64>>(columns: &Lanes, at: usize) -> V {
+    let columns = &columns[at..at + V::LANES];
+    // SAFETY: the slice has so many.
+    unsafe { V::load(columns.as_ptr()) }
+}
+
+#[inline(always)]
+fn put<V: Vector<f64>>(columns: &mut Lanes, at: usize, values: V) {
+    let columns = &mut columns[at..at + V::LANES];
+    // SAFETY: the slice has so many.
+    unsafe { values.store(columns.as_mut_ptr()) }
+}
+
+/// What a sweep changes, and the size of what it finds, column by column.
+struct Progress {
+    change: Lanes,
+    size: Lanes,
+}
+
+/// `df = D (dg_lin + T df)` for some columns.
+struct System<'a, const M: usize> {
+    rows: &'a [Row<'a, M>],
+    path: &'a [[Lanes; 4]],
+    memory: &'a mut Memory<M>,
+}
+
+impl<const M: usize> System<'_, M> {
+    /// The forces of a panel without those of others.
+    #[inline(always)]
+    fn drive<V: Vector<f64>>(&mut self, p: usize) {
+        let (row, driven) = (&self.rows[p], &mut self.memory.driven[p]);
+        for at in (0..LANES).step_by(V::LANES) {
+            for j in 0..M {
+                let mut sum = V::all(0.0);
+                for (function, path) in row.path.iter().zip(&self.path[row.bond]) {
+                    sum = V::all(function[j]).fused(part(path, at), sum);
+                }
+                put(&mut driven[j], at, sum);
+            }
+        }
+    }
+
+    /// Sweeps over a panel.
+    #[inline(always)]
+    fn sweep<V: Vector<f64>>(&mut self, p: usize, progress: &mut Progress) {
+        let Memory { driven, force } = &mut *self.memory;
+        for at in (0..LANES).step_by(V::LANES) {
+            // No closures here: the instruction set would not reach into them.
+            let mut sums = [V::one(); M];
+            for j in 0..M {
+                sums[j] = part(&driven[p][j], at);
+            }
+            for (q, matrix) in &self.rows[p].from {
+                for (column, there) in matrix.iter().zip(&force[*q]) {
+                    let there = part::<V>(there, at);
+                    for j in 0..M {
+                        sums[j] = V::all(column[j]).fused(there, sums[j]);
+                    }
+                }
+            }
+            let (mut change, mut size): (V, V) = (part(&progress.change, at), part(&progress.size, at));
+            for j in 0..M {
+                // Not a number counts as large.
+                change = (sums[j] - part(&force[p][j], at)).size().larger(change);
+                size = size.larger(sums[j].size());
+                put(&mut force[p][j], at, sums[j]);
+            }
+            put(&mut progress.change, at, change);
+            put(&mut progress.size, at, size);
         }
     }
 }
 
-/// Solves `df = D (dg_lin + T df)` by sweeps; or bond and residual where it does not settle.
-#[inline(always)]
-fn settle<const M: usize>(
-    rows: &[Row<'_, M>],
-    path: &[[Lanes; 4]],
-    force: &mut [[Lanes; M]],
-) -> Result<(), (usize, f64)> {
-    force.fill([[0.0; LANES]; M]);
-    let (mut worst, mut last) = ((0, 0.0), [f64::INFINITY; LANES]);
-    for _ in 0..MOST_SWEEPS {
-        let (mut change, mut size) = ([0.0; LANES], [0.0; LANES]);
-        worst = (0, 0.0);
-        for (p, row) in rows.iter().enumerate() {
-            let mut next = [[0.0; LANES]; M];
-            for (path, column) in path[row.bond].iter().zip(&row.path) {
-                for (next, &by) in next.iter_mut().zip(column) {
-                    add(next, by, path);
-                }
+impl<const M: usize> VectorKernel<f64> for System<'_, M> {
+    /// Or bond and residual where it does not settle.
+    type Output = Result<(), (usize, f64)>;
+
+    /// Solves it by sweeps.
+    #[inline(always)]
+    fn run<V: Vector<f64>>(mut self) -> Self::Output {
+        let none = || Progress { change: [0.0; LANES], size: [0.0; LANES] };
+        for p in 0..self.rows.len() {
+            self.drive::<V>(p);
+        }
+        self.memory.force.copy_from_slice(&self.memory.driven);
+        let mut last = [f64::INFINITY; LANES];
+        for _ in 0..MOST_SWEEPS {
+            let mut progress = none();
+            for p in 0..self.rows.len() {
+                self.sweep::<V>(p, &mut progress);
             }
-            for (q, matrix) in &row.from {
-                // Four rows of sums fit the registers; M is even.
-                let mut j = 0;
-                while j + 4 <= M {
-                    act::<4, M>(matrix, &force[*q], &mut next, j);
-                    j += 4;
-                }
-                if j < M {
-                    act::<2, M>(matrix, &force[*q], &mut next, j);
-                }
+            let Progress { change, size } = progress;
+            // By the next change, as sweeps contract at least as fast as they did.
+            let settled = |lane: usize| {
+                let (by, before) = (change[lane], last[lane]);
+                let rounding = f64::EPSILON * size[lane];
+                by <= rounding || by * (by / before) <= 0.1 * rounding && before < f64::INFINITY
+            };
+            if (0..LANES).all(settled) {
+                return Ok(());
             }
-            for j in 0..M {
-                for lane in 0..LANES {
-                    let by = (next[j][lane] - force[p][j][lane]).abs();
-                    // Not a number counts as large.
-                    change[lane] = if by <= change[lane] { change[lane] } else { by };
-                    let value = next[j][lane].abs();
-                    size[lane] = if value > size[lane] { value } else { size[lane] };
-                }
-            }
-            let most = change.iter().fold(0.0, |most: f64, &by| if by <= most { most } else { by });
+            last = change;
+        }
+        // Once more, to tell where.
+        let mut worst = (0, 0.0);
+        for p in 0..self.rows.len() {
+            let mut progress = none();
+            self.sweep::<V>(p, &mut progress);
+            let most = progress.change.iter().fold(0.0, |most: f64, &by| if by <= most { most } else { by });
             if most > worst.1 || most.is_nan() {
-                worst = (row.bond, most);
+                worst = (self.rows[p].bond, most);
             }
-            force[p] = next;
         }
-        // By the next change, as sweeps contract at least as fast as they did.
-        let settled = |lane: usize| {
-            let (by, before) = (change[lane], last[lane]);
-            let rounding = f64::EPSILON * size[lane];
-            by <= rounding || by * (by / before) <= 0.1 * rounding && before < f64::INFINITY
-        };
-        if (0..LANES).all(settled) {
-            return Ok(());
-        }
-        last = change;
+        Err(worst)
     }
-    Err(worst)
 }
 
 /// The derivative of what [`State::advance`](super::State) does.
