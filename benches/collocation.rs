@@ -170,25 +170,6 @@ fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
     best
 }
 
-/// Nanoseconds of a bond and state inside a window.
-fn look(scene: &Scene, tol: f64) -> f64 {
-    let mut run = scene.run().method(Method::Collocation).setting(Setting::Tolerance(tol)).stepper().unwrap();
-    let mut y = vec![0.0; run.dim()];
-    let (mut before, mut best) = (0.0, f64::INFINITY);
-    for _ in 0..WINDOWS {
-        run.step().unwrap();
-        let middle = 0.5 * (before + run.time());
-        // The first look makes the memory of all.
-        for _ in 0..2 {
-            let start = Instant::now();
-            run.sample(middle, black_box(&mut y));
-            best = f64::min(best, 1e9 * start.elapsed().as_secs_f64() / scene.chain().touching().len() as f64);
-        }
-        before = run.time();
-    }
-    best
-}
-
 /// What the parts of a window cost a bond: the difference between an open bond and a closed one,
 /// and between windows of two lengths, which take more sweeps and are the same otherwise.
 fn parts() {
@@ -219,7 +200,6 @@ fn parts() {
             1e9 * start.elapsed().as_secs_f64() / (windows * bonds) as f64
         });
         println!("tw-q15 at {tol:e}, with contacts that begin and end: {:.0}", best.fold(f64::INFINITY, f64::min));
-        println!("    a look into such a window: {:.0}", look(&scene, tol));
     }
 }
 

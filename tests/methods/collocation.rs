@@ -267,32 +267,6 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
 }
 
 #[test]
-fn a_look_into_a_window_tells_the_same_in_one_block_and_in_several() {
-    // Truth: a ring that repeats another six times moves as that does. The short one integrates the
-    // panels of its window up to the time, the long one solves a window that ends there. Each is
-    // within the tolerance.
-    let scene = Scene::load("tw-q15").unwrap();
-    let (short, n, tol) = (scene.chain(), scene.chain().sites(), 1e-10);
-    let long = Chain::<f64>::new(short.params(), Boundary::StrainRing, 6 * n).unwrap();
-    let times: Vec<f64> = (1..25).map(|k| 0.137 * f64::from(k)).collect();
-    let states = |chain: &Chain<f64>, y0: &[f64]| {
-        let mut observer = At { times: &times, states: Vec::new() };
-        let mut run = chain.collocation(y0, (0.0, 3.5), Pace::Tolerance(tol)).unwrap();
-        drive(&mut run, &mut observer, &mut y0.to_vec()).unwrap();
-        observer.states
-    };
-    let repeated = |y: &[f64]| y.chunks(n).flat_map(|array| array.repeat(6)).collect::<Vec<f64>>();
-    let y0 = scene.initial().as_slice();
-    let worst = states(short, y0)
-        .iter()
-        .zip(states(&long, &repeated(y0)))
-        .map(|(one, six)| distance(&repeated(one), &six) / largest(one.iter().copied()))
-        .fold(0.0, f64::max);
-    println!("{worst:e}");
-    assert!(worst < 2.0 * tol, "{worst:e}");
-}
-
-#[test]
 fn contacts_are_those_that_a_search_of_every_step_finds() {
     // Truth: the regularised run, sampled and searched for events.
     let scene = generic_scene("random", 0.5, "fixed", 20.0);

@@ -9,7 +9,7 @@
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
     goal::Goal,
-    panel::{Frame, Panel, sin_cos},
+    panel::{Frame, sin_cos},
     panels::Panels,
     sites::Bonds,
     system::{Links, Path, beside},
@@ -121,12 +121,6 @@ impl<const M: usize> Workspace<M> {
         Self { bonds: Vec::new(), old: Panels::new(), pieces: Vec::new() }
     }
 
-    /// What the bonds of a chain of one block leave behind by a time inside the last window.
-    pub(crate) fn look(&mut self, frame: &Frame<'_, M>, ring: bool, t: f64, left: &mut [Left]) {
-        let stretch = Stretch { bonds: &mut self.bonds[..left.len()], ring };
-        f64::run(Look { stretch, frame, part: Panel::new(), t, left });
-    }
-
     /// Solves for the bonds of `own` and leaves what they leave behind in `left`.
     pub(crate) fn solve(
         &mut self,
@@ -219,28 +213,6 @@ impl<const M: usize> Stretch<'_, M> {
         let left = head.last().or(if self.ring { tail.last() } else { None });
         let right = tail.first().or(if self.ring { head.first() } else { None });
         (me, [left, right])
-    }
-}
-
-/// See [`Workspace::look`].
-struct Look<'a, const M: usize> {
-    stretch: Stretch<'a, M>,
-    frame: &'a Frame<'a, M>,
-    part: Panel<M>,
-    t: f64,
-    left: &'a mut [Left],
-}
-
-impl<const M: usize> Kernel for Look<'_, M> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self) {
-        for b in 0..self.left.len() {
-            let (me, beside) = self.stretch.at(b);
-            let path = me.left_at(self.frame, beside, self.t, &mut self.part);
-            self.left[b] = Left { path, ongoing: None };
-        }
     }
 }
 

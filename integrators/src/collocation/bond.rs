@@ -2,7 +2,7 @@
 
 use super::{
     detect::Crossing,
-    panel::{Frame, Panel, along, dot},
+    panel::{Frame, along, dot},
     panels::Panels,
     sites::Free,
     system::Path,
@@ -252,34 +252,6 @@ impl<const M: usize> Bond<M> {
         }
         let stopped = (speed * speed * power / (2.0 * recoil) + now.max(0.0).powf(power)).powf(1.0 / power);
         frame.law.stiffness(reached.min(stopped)) * lasts * lasts
-    }
-
-    /// The path that the forces up to a time inside a solved window leave behind.
-    ///
-    /// The panel that the time is in is integrated up to there anew, with forces from the overlaps
-    /// of the solution: what these are off between nodes is an integral taken twice, and counts
-    /// `f'(g) h^2` times.
-    #[inline(always)]
-    pub(crate) fn left_at(&self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64, part: &mut Panel<M>) -> Path {
-        let after = self.panels.as_slice().iter().position(|panel| panel.end > t);
-        let Some(k) = after else { return self.panels.total };
-        let whole = &self.panels.list[k];
-        if whole.start >= t {
-            return whole.before;
-        }
-        part.cut_off(whole, t, frame);
-        let at = (&part.tau, &part.cos, &part.sin);
-        let Initial { path, recoil, .. } = self.initial;
-        let mut g = [0.0; M];
-        for j in 0..M {
-            g[j] = along(&path, part.tau[j], part.cos[j], part.sin[j]);
-        }
-        self.panels.influence(at, -recoil, &mut g);
-        for bond in beside.into_iter().flatten() {
-            bond.panels.influence(at, 1.0, &mut g);
-        }
-        part.force = frame.law.forces(&g);
-        part.leave()
     }
 
     /// The contact that outlasts the window, in the time of the next one.

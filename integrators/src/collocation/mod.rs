@@ -333,9 +333,8 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
         }
     }
 
-    /// The state inside the last window: the panels that the time is in are integrated up to there,
-    /// with the overlaps that the window was solved for. In a chain of several blocks, of which the
-    /// last only is still there, a window that ends at that time is solved.
+    /// The state inside the last window is that of a window that ends there: as accurate as at its
+    /// end.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let time = self.time();
         let inside = self.inside.get_or_insert_with(|| Inside {
@@ -349,11 +348,6 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
         if self.h > 0.0 && (t >= time || by >= self.h) {
             inside.state.advance(&self.chain, &self.left, self.h);
         } else if by > 0.0 && self.h > 0.0 {
-            let cuts = self.control.goal(self.h).cuts;
-            if self.solver.look(&self.links, (self.h, by), cuts, &mut inside.left) {
-                inside.state.advance(&self.chain, &inside.left, by);
-                return inside.state.store(&self.chain, y);
-            }
             let mut parts = 1;
             while !inside.advance((&self.chain, &self.links), &self.control, by, parts) {
                 inside.state.copy_from(&self.state);

@@ -172,26 +172,9 @@ impl<const M: usize> Panel<M> {
         }
     }
 
-    /// Makes this the part of another panel before a time inside it, and places its nodes.
-    #[inline(always)]
-    pub(crate) fn cut_off(&mut self, whole: &Self, end: f64, frame: &Frame<'_, M>) {
-        (self.start, self.end) = (whole.start, end);
-        (self.origin, self.sign, self.q) = (whole.origin, whole.sign, whole.q);
-        self.before = whole.before;
-        self.place_nodes(frame);
-        self.left = self.remains(frame);
-    }
-
-    /// Places the nodes, and makes what depends on them.
+    /// Places the nodes.
     #[inline(always)]
     pub(super) fn place(&mut self, frame: &Frame<'_, M>) {
-        self.place_nodes(frame);
-        self.left = self.remains(frame);
-        self.weigh(frame);
-    }
-
-    #[inline(always)]
-    fn place_nodes(&mut self, frame: &Frame<'_, M>) {
         let Self { start, end, origin, sign, q, .. } = *self;
         let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -219,43 +202,27 @@ impl<const M: usize> Panel<M> {
                 self.cos[j] = cos;
             }
         }
+        self.weigh(frame);
     }
 
-    /// `K(t - s)` for a force at node `k`, per unit of `x`, as a path.
-    #[inline(always)]
-    fn kernel(&self, frame: &Frame<'_, M>, k: usize) -> Path {
-        let (m, mu, rate) = (frame.m, frame.mu_per_omega, self.rate[k]);
-        [-(m * rate * self.tau[k]), m * rate, -(mu * rate * self.sin[k]), mu * rate * self.cos[k]]
-    }
-
-    /// See [`left`](Self::left).
-    #[inline(always)]
-    fn remains(&self, frame: &Frame<'_, M>) -> [Path; M] {
-        let mut left = [[0.0; 4]; M];
-        for k in 0..M {
-            let kernel = self.kernel(frame, k);
-            for i in 0..4 {
-                left[k][i] = frame.rule.weights[k] * kernel[i];
-            }
-        }
-        left
-    }
-
-    /// Makes [`reaction`](Self::reaction): `K(t - s)` at the nodes, times the weights of the
-    /// integrals over `s`.
+    /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
+    /// the weights of the integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M>) {
-        let (rule, mu) = (frame.rule, frame.mu_per_omega);
+        let Self { tau, cos, sin, rate, reaction, left, .. } = self;
+        let rule = frame.rule;
+        let (m, mu) = (frame.m, frame.mu_per_omega);
         for k in 0..M {
-            let [moved, free, s, c] = self.kernel(frame, k);
-            let Self { tau, cos, sin, reaction, .. } = &mut *self;
+            let rate = rate[k];
+            let [free, moved, c, s] = [m * rate, m * rate * tau[k], mu * rate * cos[k], mu * rate * sin[k]];
+            left[k] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
             let mut kernel = [0.0; M];
             for j in 0..M {
-                kernel[j] = free.mul_add(tau[j], moved);
+                kernel[j] = free.mul_add(tau[j], -moved);
             }
             if mu != 0.0 {
                 for j in 0..M {
-                    kernel[j] = c.mul_add(sin[j], s.mul_add(cos[j], kernel[j]));
+                    kernel[j] = c.mul_add(sin[j], (-s).mul_add(cos[j], kernel[j]));
                 }
             }
             reaction[k] = times(&rule.integral[k], &kernel);
@@ -341,12 +308,6 @@ impl<const M: usize> Panel<M> {
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
         self.local = product(&self.reaction, &self.force);
         self.series = product(&frame.rule.series, &self.local);
-        self.leave()
-    }
-
-    /// The path that the forces up to the end leave behind.
-    #[inline(always)]
-    pub(crate) fn leave(&self) -> Path {
         let (mut even, mut odd) = (self.before, [0.0; 4]);
         for k in (0..M).step_by(2) {
             for i in 0..4 {

@@ -19,10 +19,6 @@ const ORDER: u32 = 8;
 pub(crate) trait Solver: Send {
     /// Solves one window from `start` and writes what bonds leave behind.
     fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
-    /// Writes what bonds leave behind by a time inside the window that was solved last; `times` are
-    /// the length of the window and that time. For a chain of more than one block, of which the
-    /// last one only is still there, it writes nothing and returns `false`.
-    fn look(&mut self, links: &Links, times: (f64, f64), cuts: Cuts, left: &mut [Left]) -> bool;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
     /// Another one of its kind.
@@ -128,15 +124,6 @@ impl<const M: usize> Solver for Nodes<M> {
         }
         #[cfg(not(feature = "parallel"))]
         parts.map(work).fold(Verdict::default(), Verdict::and)
-    }
-
-    fn look(&mut self, links: &Links, (h, t): (f64, f64), cuts: Cuts, left: &mut [Left]) -> bool {
-        let alone = blocks(links.bonds) == 1;
-        if alone && links.bonds > 0 {
-            let ring = links.ring && links.bonds > 1;
-            self.workspaces[0].look(&frame(self.rule, links, cuts, h), ring, t, left);
-        }
-        alone
     }
 
     fn nodes(&self) -> usize {
