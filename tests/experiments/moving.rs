@@ -140,20 +140,21 @@ fn tails_do_not_fall_with_the_ring() {
 
 #[test]
 fn refusals_of_moving_breathers_name_value_and_rule() {
-    let of = |change: &dyn Fn(&mut Moving)| {
+    let of = |change: fn(&mut Moving)| {
         let mut options = Moving { omega_b: vec![2.05], ..Moving::default() };
         change(&mut options);
         options.study(&|_, _| {}).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Moving), &str); 8] = [
-        (&|o| o.omega_b = vec![1.9], "a dark breather has a frequency above omega"),
-        (&|o| o.turns = vec![0], "from 1 to 100 whole periods"),
-        (&|o| o.turns = vec![], "at least one number of turns"),
-        (&|o| o.sites = 40, "an odd number"),
-        (&|o| o.sites = 7, "at least 9"),
-        (&|o| o.until = 1.0, "from one period of the background"),
-        (&|o| o.kick = f64::NAN, "a share of the amplitude"),
-        (&|o| o.tol = 0.0, "from 1e-15 to 0.1"),
+    type Change = fn(&mut Moving);
+    let cases: [(Change, &str); 8] = [
+        (|o| o.omega_b = vec![1.9], "a dark breather has a frequency above omega"),
+        (|o| o.turns = vec![0], "from 1 to 100 whole periods"),
+        (|o| o.turns = vec![], "at least one number of turns"),
+        (|o| o.sites = 40, "an odd number"),
+        (|o| o.sites = 7, "at least 9"),
+        (|o| o.until = 1.0, "from one period of the background"),
+        (|o| o.kick = f64::NAN, "a share of the amplitude"),
+        (|o| o.tol = 0.0, "from 1e-15 to 0.1"),
     ];
     for (change, words) in cases {
         let text = of(change);
