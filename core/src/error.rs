@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Largest number of characters of foreign text in a message.
 const MOST_SHOWN: usize = 300;
 /// Largest number of known names that the message about an unknown name lists.
-const MOST_LISTED: usize = 30;
+const MOST_LISTED: usize = 32;
 
 /// What can go wrong. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]

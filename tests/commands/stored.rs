@@ -33,7 +33,6 @@ const SET: [(&str, &str); 26] = [
     ("trivial", "breather trivial --until 20"),
     ("continue", "breather continue --sites 9 --from 2.01 --to 2.03"),
     ("barrier", "breather barrier --sites 9 --from 2.02 --to 2.04 --frequencies 2"),
-    ("moving", "breather moving --sites 21 --omega-b 2.094 --turns 11 --until 60"),
     ("theorem", "study theorem --epsilons 0.1,0.05"),
     ("lifetimes", "study lifetimes --epsilons 0.05,0.1 --rhos 10,100 --sites 20 --until 300"),
     ("drift", "study drift bright-breather-16 --periods 20 --samples 5"),

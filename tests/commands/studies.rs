@@ -579,6 +579,36 @@ fn solitary_waves_and_barriers_write_their_files_and_fail_where_an_orbit_is_miss
     assert!(!cfg!(feature = "plot") || pictures.iter().all(|name| folder.path().join(name).exists()));
 }
 
+// Truth: the names that the help gives, and what the numbers are: the velocity is 1/T_m, half a
+// period and 11 whole ones. A kick that is not asked for leaves no file of an earlier one.
+#[test]
+fn moving_breathers_write_their_files_and_fail_where_none_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let run = |args: &[&str]| {
+        let args = [&["breather", "moving", "--sites", "15", "--json", "--out", out], args].concat();
+        Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(args).output().unwrap()
+    };
+    let output = run(&["--omega-b", "2.1", "--turns", "8", "--until", "100"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let point = &json["points"][0];
+    let passage = 8.5 * 2.0 * std::f64::consts::PI / 2.1;
+    assert!((point["passage"].as_f64().unwrap() - passage).abs() < 1e-12);
+    assert!((point["velocity"].as_f64().unwrap() * passage - 1.0).abs() < 1e-12);
+    assert!(point["residual"].as_f64().unwrap() < 1e-12 && point["return_error"].as_f64().unwrap() < 1e-10);
+    assert!(!json["kicked"]["position"].as_array().unwrap().is_empty());
+    let exists = |name: &str| folder.path().join(name).exists();
+    assert!(["moving.json", "moving.csv", "envelope.csv", "passages.csv"].iter().all(|name| exists(name)));
+    assert!(!cfg!(feature = "plot") || exists("moving.png"));
+    let output = run(&["--omega-b", "2.1", "--turns", "8,1", "--until", "0"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && text.contains("2.1 with 1 turns"), "{text}");
+    assert!(!exists("passages.csv") && exists("moving.csv"));
+    let output = run(&["--omega-b", "1.9"]);
+    assert!(output.status.code() == Some(2) && String::from_utf8_lossy(&output.stderr).contains("above omega"));
+}
+
 // Truth: the message and the file of the best iterate; an earlier result does not stay beside it.
 #[test]
 fn a_search_for_an_exact_wave_that_stalls_keeps_its_best_iterate() {

@@ -136,6 +136,9 @@ pub struct MovingStudy {
     pub kicked: Option<KickedRun>,
 }
 
+/// An orbit with its local amplitudes.
+type Measured = (MovingOrbit, Envelope);
+
 impl Study for Moving {
     const FILES: &'static str =
         "Files: moving.json, moving.csv, envelope.csv and moving.png; passages.csv with a kicked run.";
@@ -187,17 +190,23 @@ impl Moving {
         let rests: Vec<Orbit> = breathers.iter().step_by(self.turns.len()).map(rest).collect::<Result<_>>()?;
         let kicked = (self.until != 0.0).then(|| KickedRun::of(&rests[0], self)).transpose()?;
         let done = AtomicUsize::new(0);
-        let numbered: Vec<(usize, MovingBreather)> = breathers.iter().copied().enumerate().collect();
-        let point = |(k, breather): &(usize, MovingBreather)| {
-            let found = self.point(breather, &rests[k / self.turns.len()]);
-            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / breathers.len() as f64;
+        // Half of the work is orbits, the other half is multipliers.
+        let tell = || {
+            let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / (2 * breathers.len()) as f64;
             progress(KICKED + (1.0 - KICKED) * share, "");
-            found
         };
-        let (mut points, mut missing, mut why) = (Vec::new(), Vec::new(), None);
-        for (breather, found) in breathers.iter().zip(map(&numbered, point)) {
+        let numbered: Vec<(usize, MovingBreather)> = breathers.iter().copied().enumerate().collect();
+        let mut found = map(&numbered, |(k, breather)| {
+            let found =
+                breather.from_rest(&rests[k / self.turns.len()], self.tol).and_then(|orbit| self.measured(orbit));
+            tell();
+            found
+        });
+        self.follow(&breathers, &mut found);
+        let (mut orbits, mut missing, mut why) = (Vec::new(), Vec::new(), None);
+        for (breather, found) in breathers.iter().zip(found) {
             match found {
-                Ok(point) => points.push(point),
+                Ok(measured) => orbits.push(measured),
                 Err(error @ Error::Stalled { .. }) => {
                     missing.push((breather.omega_b, breather.turns, error.to_string()));
                     why = Some(error);
@@ -205,20 +214,44 @@ impl Moving {
                 Err(error) => return Err(error),
             }
         }
+        let points = map(&orbits, |(orbit, envelope)| {
+            tell();
+            Ok(MovingPoint {
+                return_error: orbit.return_error(self.tol)?,
+                spectrum: orbit.spectrum(self.tol)?,
+                envelope: envelope.clone(),
+                orbit: orbit.clone(),
+            })
+        });
+        let points: Vec<MovingPoint> = points.into_iter().collect::<Result<_>>()?;
         match why {
             Some(error) if points.is_empty() => Err(error),
             _ => Ok(MovingStudy { options: self.clone(), points, missing, kicked }),
         }
     }
 
-    fn point(&self, breather: &MovingBreather, rest: &Orbit) -> Result<MovingPoint> {
-        let orbit = breather.from_rest(rest, self.tol)?;
-        Ok(MovingPoint {
-            return_error: orbit.return_error(self.tol)?,
-            envelope: orbit.envelope(self.tol)?,
-            spectrum: orbit.spectrum(self.tol)?,
-            orbit,
-        })
+    fn measured(&self, orbit: MovingOrbit) -> Result<Measured> {
+        let envelope = orbit.envelope(self.tol)?;
+        Ok((orbit, envelope))
+    }
+
+    /// Looks for each breather from its neighbour in the list of frequencies, with the same turns, upwards and
+    /// downwards, and keeps what has the smaller tail.
+    fn follow(&self, breathers: &[MovingBreather], found: &mut [Result<Measured>]) {
+        let mut pairs: Vec<(usize, usize)> =
+            (self.turns.len()..breathers.len()).map(|k| (k - self.turns.len(), k)).collect();
+        pairs.extend(pairs.clone().into_iter().rev().map(|(a, b)| (b, a)));
+        for (from, to) in pairs {
+            let Ok((neighbour, envelope)) = &found[from] else { continue };
+            let least = found[to].as_ref().map_or(f64::INFINITY, |(_, envelope)| envelope.tail);
+            if least <= envelope.tail {
+                continue;
+            }
+            let other = breathers[to].solve(&neighbour.z, self.tol).and_then(|orbit| self.measured(orbit));
+            if other.as_ref().is_ok_and(|(_, envelope)| envelope.tail < least) {
+                found[to] = other;
+            }
+        }
     }
 }
 
