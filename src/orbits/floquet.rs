@@ -320,8 +320,7 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
 pub(crate) struct Frame {
     /// `G`: `G P` is conjugate to `Q`.
     metric: DMatrix<f64>,
-    /// Unit vectors that are left out of the symplectic form: on a strain ring uniform strains and
-    /// rates.
+    /// Vectors that are left out of the symplectic form: on a strain ring uniform strains and rates.
     uniform: Vec<DVector<f64>>,
 }
 
@@ -330,12 +329,10 @@ impl Frame {
     pub(crate) fn at_rest(chain: &Chain<f64>) -> Self {
         let (metric, sites) = (metric(chain), chain.sites());
         let n = 2 * metric.nrows();
-        let unit = |first: usize| {
-            let inside = |i: usize| (first..first + sites).contains(&i);
-            DVector::from_fn(n, |i, _| if inside(i) { (sites as f64).sqrt().recip() } else { 0.0 })
-        };
+        // Not of unit length: the mean of a column is more accurate than its product with such a vector.
+        let ones = |first: usize| DVector::from_fn(n, |i, _| f64::from((first..first + sites).contains(&i)));
         let uniform = match chain.boundary() {
-            Boundary::StrainRing => (0..n).step_by(sites).map(unit).collect(),
+            Boundary::StrainRing => (0..n).step_by(sites).map(ones).collect(),
             _ => Vec::new(),
         };
         Self { metric, uniform }
@@ -367,7 +364,7 @@ impl Frame {
         let j = self.form();
         let mut m = monodromy.clone();
         for uniform in &self.uniform {
-            m -= (&m * uniform) * uniform.transpose();
+            m -= (&m * uniform) / uniform.norm_squared() * uniform.transpose();
         }
         (m.transpose() * &j * &m - &j).amax() / j.amax()
     }

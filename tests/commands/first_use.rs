@@ -65,7 +65,7 @@ const PRINTING: [&str; 39] = [
     "study lifetimes --epsilons 0.3 --rhos 5 --sites 20 --until 12",
     "study dimer --from 0.3 --to 0.4 --ratios 3 --cells 4",
     "study impurity --from 0.3 --to 0.4 --ratios 3",
-    "study taper --from 0.99 --to 1 --ratios 2 --spheres 10",
+    "study taper --from 0.99 --to 1 --tapers 2 --spheres 10",
     "study disorder --strengths 0.2 --seeds 2 --beads 20",
     "wave tw-q15 --until 3",
     "wave modulation --sites 10",

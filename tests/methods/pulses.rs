@@ -163,7 +163,7 @@ fn options_of_studies_of_pulses_outside_their_rules_are_refused() {
     refused(ImpurityOptions { points: 2, ..own() }, "ratios = 2");
     let own = TaperOptions::default;
     refused(TaperOptions { from: 0.7, ..own() }, "from = 0.7");
-    refused(TaperOptions { points: 1, ..own() }, "ratios = 1");
+    refused(TaperOptions { points: 1, ..own() }, "tapers = 1");
     refused(TaperOptions { spheres: 9, ..own() }, "spheres = 9");
     refused(TaperOptions { from: 0.8, spheres: 60, ..own() }, "radii stay");
     let own = DisorderOptions::default;

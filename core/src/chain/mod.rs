@@ -274,3 +274,10 @@ impl<R: Real> Chain<R> {
         }
     }
 }
+
+/// For tests that choose instruction sets, which are those of all threads.
+#[cfg(test)]
+fn one_set_at_a_time() -> std::sync::MutexGuard<'static, ()> {
+    static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

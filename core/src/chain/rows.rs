@@ -283,6 +283,7 @@ mod tests {
     fn kicks_in_rows_have_the_bits_of_one_after_the_other() {
         // Truth: one kick at a time; all lengths around a few registers, and more kicks than there
         // are between two anchors.
+        let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {

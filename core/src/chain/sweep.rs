@@ -317,6 +317,7 @@ mod tests {
     fn a_pass_is_the_topology_site_by_site() {
         // Truth: overlaps and pushes as `topology` has them, one number at a time, to the bit; all
         // lengths around one register and two, all boundaries, and every way to compute a power.
+        let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
             for (n, alpha) in (1..20).flat_map(|n| [0.5, 1.2, 1.5, 2.0, 3.5, 5.0].map(|alpha| (n, alpha))) {
@@ -353,6 +354,7 @@ mod tests {
     fn kicks_that_follow_each_other_have_the_bits_of_one_after_the_other() {
         // Truth: one kick at a time; a chain that ends within a register and within a piece, more
         // kicks than follow each other or than there are between two anchors.
+        let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), Twofold::new(0.02))).collect();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {

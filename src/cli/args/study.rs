@@ -93,7 +93,7 @@ Example:
     ///
     /// Spheres of one material whose radii are a geometric sequence, from growing to shrinking ones:
     /// growth of the velocity from sphere to sphere, and what the pulse keeps of its energy.
-    #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --ratios 11 --out out/taper")]
+    #[command(after_long_help = "Example:\n  hertzchain study taper --from 0.95 --to 1 --tapers 11 --out out/taper")]
     Taper(Told<TaperOptions>),
     /// Measure how a pulse decays in chains with masses drawn at random.
     ///

@@ -50,7 +50,7 @@ pub struct TaperOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "1.08"))]
     pub to: f64,
     /// Number of ratios of radii, evenly spaced.
-    #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 33))]
+    #[cfg_attr(feature = "cli", arg(long = "tapers", value_name = "K", default_value_t = 33))]
     pub points: usize,
     /// Spheres that are measured.
     ///
@@ -100,7 +100,7 @@ impl TaperOptions {
             return Err(Error::parameter("from", self.from, "below the largest ratio of radii"));
         }
         if !POINTS.contains(&self.points) {
-            return Err(Error::parameter("ratios", self.points, "from 2 to 1000"));
+            return Err(Error::parameter("tapers", self.points, "from 2 to 1000"));
         }
         if !SPHERES.contains(&self.spheres) {
             return Err(Error::parameter("spheres", self.spheres, "from 10 to 200"));

@@ -596,6 +596,7 @@ mod tests {
     #[test]
     fn a_kick_that_surveys_has_the_bits_of_one_thing_after_the_other() {
         // Truth: kick, drift and survey, each in a pass of its own.
+        let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
             for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {

@@ -415,6 +415,7 @@ mod tests {
 
     #[test]
     fn all_instruction_sets_and_single_laws_give_the_same_bits() {
+        let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring] {
             let chain = mixed(boundary, Vec::new());
