@@ -154,8 +154,8 @@ mod tests {
         let start = solitary_wave(&chain, &line);
         let energy = pulse_energy(&chain, start.as_slice(), CREST);
         let mut crests = Crests::new(24);
-        let mut energies = vec![0.0; 24];
-        let mut times = vec![0.0; 24];
+        let mut energies = [0.0; 24];
+        let mut times = [0.0; 24];
         follow(&chain, start, (STEP, 40.0), &mut |t, y| {
             let overlaps = chain.overlaps(chain.layout().u(y));
             crests.look(overlaps[CREST + 1..CREST + 25].iter().copied(), |k| {
