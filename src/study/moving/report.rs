@@ -7,7 +7,7 @@ use crate::{
     number::shown,
     output::csv,
     present::table,
-    study::{File, Report, named, params_words},
+    study::{File, Report, params_words},
 };
 use serde_json::{Value, json};
 
@@ -152,7 +152,7 @@ impl Report for MovingStudy {
         use crate::figures::{Panels, panels};
         let caption = format!("{} hertzchain {}.", caption(self), env!("CARGO_PKG_VERSION"));
         let title = "Moving dark breathers".to_owned();
-        Ok(named([("moving.png", panels(&Panels { title, columns: columns(self), caption })?)]))
+        Ok(crate::study::named([("moving.png", panels(&Panels { title, columns: columns(self), caption })?)]))
     }
 
     fn remark(&self) -> Option<String> {
