@@ -302,7 +302,9 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
         .map(|d| match chain.boundary() {
             Boundary::StrainRing => {
                 let wave = |k: usize| 2.0 * PI * k as f64 / n as f64;
-                (1..n).map(|k| (wave(k) * d as f64).cos() / (2.0 - 2.0 * wave(k).cos())).sum::<f64>() / n as f64
+                // The same number for d and n - d, so that `G` is symmetric to the last digit.
+                let apart = d.min(n - d) as f64;
+                (1..n).map(|k| (wave(k) * apart).cos() / (2.0 - 2.0 * wave(k).cos())).sum::<f64>() / n as f64
             }
             _ => f64::from(u8::from(d == 0)),
         })

@@ -400,7 +400,7 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["study", "dimer"], &["--from", "--to"], &["--ratios", "--cells"]),
         (&["study", "impurity"], &["--from", "--to"], &["--ratios"]),
         (&["study", "taper"], &["--from", "--to"], &["--tapers", "--spheres"]),
-        (&["study", "disorder"], &[], &["--seeds", "--beads"]),
+        (&["study", "disorder"], &[], &["--chains", "--drawn"]),
         (&["wave", "tw-q15"], &["--until", "--tol"], &["--samples-per-period", "--seeds"]),
         (
             &["breather", "bright"],

@@ -66,7 +66,7 @@ const PRINTING: [&str; 39] = [
     "study dimer --from 0.3 --to 0.4 --ratios 3 --cells 4",
     "study impurity --from 0.3 --to 0.4 --ratios 3",
     "study taper --from 0.99 --to 1 --tapers 2 --spheres 10",
-    "study disorder --strengths 0.2 --seeds 2 --beads 20",
+    "study disorder --strengths 0.2 --chains 2 --drawn 20",
     "wave tw-q15 --until 3",
     "wave modulation --sites 10",
     "breather bright --sites 10 --until 3",

@@ -169,6 +169,6 @@ fn options_of_studies_of_pulses_outside_their_rules_are_refused() {
     let own = DisorderOptions::default;
     refused(DisorderOptions { strengths: vec![0.1, 0.95], ..own() }, "strengths = 0.95");
     refused(DisorderOptions { strengths: Vec::new(), ..own() }, "at least one");
-    refused(DisorderOptions { seeds: 1, ..own() }, "seeds = 1");
-    refused(DisorderOptions { beads: 5, ..own() }, "beads = 5");
+    refused(DisorderOptions { chains: 1, ..own() }, "chains = 1");
+    refused(DisorderOptions { drawn: 5, ..own() }, "drawn = 5");
 }

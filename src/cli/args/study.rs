@@ -103,7 +103,7 @@ Example:
     /// With --out every chain is kept as soon as it was run, in disorder.store: a run that was killed
     /// goes on where it was.
     #[command(
-        after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --seeds 50 --out out/disorder"
+        after_long_help = "Example:\n  hertzchain study disorder --strengths 0.2,0.4 --chains 50 --out out/disorder"
     )]
     Disorder(Told<DisorderOptions>),
     /// Search for dark breathers in damped chains driven at both ends.

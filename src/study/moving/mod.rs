@@ -64,14 +64,14 @@ pub struct Moving {
     /// Finite.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
     pub rho: f64,
-    /// End time of the kicked run, in units of time; 0 for none.
+    /// End time, in units of time.
     ///
-    /// It starts from the bond-centred breather at rest of the first frequency.
+    /// Of the kicked run; 0 for none. It starts from the bond-centred breather at rest of the first frequency.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
     pub until: f64,
-    /// Largest change of its start along the mode that grows most.
+    /// Largest change of the start along a mode.
     ///
-    /// In units of the orbit's amplitude, of either sign.
+    /// Of the kicked run, along the mode that grows most; in units of the orbit's amplitude, of either sign.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE", default_value = "1e-2"))]
     pub kick: f64,
     /// Tolerance, from 1e-15 to 0.1.

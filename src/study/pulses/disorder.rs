@@ -29,8 +29,8 @@ use serde_json::{Value, json};
 const STORE: &str = "disorder.store";
 /// Above, a mass could be so small that its contacts need shorter steps.
 const STRENGTHS: std::ops::RangeInclusive<f64> = 0.0..=0.9;
-const SEEDS: std::ops::RangeInclusive<u64> = 2..=100_000;
-const BEADS: std::ops::RangeInclusive<usize> = 20..=2000;
+const CHAINS: std::ops::RangeInclusive<u64> = 2..=100_000;
+const DRAWN: std::ops::RangeInclusive<usize> = 20..=2000;
 /// Bonds that the line of the rate leaves out.
 const FIRST: usize = 10;
 /// Beads after the last that is measured, so that the free end is not felt.
@@ -50,21 +50,21 @@ pub struct DisorderOptions {
         arg(long, value_name = "E,..", value_delimiter = ',', default_values = ["0.1", "0.2", "0.4", "0.8"])
     )]
     pub strengths: Vec<f64>,
-    /// Number of chains for each strength, with seeds from 1 on.
+    /// Number of chains for each strength.
     ///
-    /// From 2 to 10^5.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 100))]
-    pub seeds: u64,
-    /// Beads that are drawn.
+    /// With seeds from 1 on; from 2 to 10^5.
+    #[cfg_attr(feature = "cli", arg(long = "chains", value_name = "K", default_value_t = 100))]
+    pub chains: u64,
+    /// Number of beads whose masses are drawn.
     ///
     /// From 20 to 2000.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 100))]
-    pub beads: usize,
+    #[cfg_attr(feature = "cli", arg(long = "drawn", value_name = "N", default_value_t = 100))]
+    pub drawn: usize,
 }
 
 impl Default for DisorderOptions {
     fn default() -> Self {
-        Self { strengths: vec![0.1, 0.2, 0.4, 0.8], seeds: 100, beads: 100 }
+        Self { strengths: vec![0.1, 0.2, 0.4, 0.8], chains: 100, drawn: 100 }
     }
 }
 
@@ -102,11 +102,11 @@ impl DisorderOptions {
         if let Some(strength) = self.strengths.iter().find(|strength| !STRENGTHS.contains(*strength)) {
             return Err(Error::parameter("strengths", strength, "a strength from 0 to 0.9"));
         }
-        if !SEEDS.contains(&self.seeds) {
-            return Err(Error::parameter("seeds", self.seeds, "from 2 to 10^5"));
+        if !CHAINS.contains(&self.chains) {
+            return Err(Error::parameter("chains", self.chains, "from 2 to 10^5"));
         }
-        if !BEADS.contains(&self.beads) {
-            return Err(Error::parameter("beads", self.beads, "from 20 to 2000"));
+        if !DRAWN.contains(&self.drawn) {
+            return Err(Error::parameter("drawn", self.drawn, "from 20 to 2000"));
         }
         Ok(())
     }
@@ -131,7 +131,7 @@ chain as soon as it was run; the same command goes on from there.";
 /// An option outside its rule; a run that fails; a signal.
 pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'_>) -> Result<DisorderStudy> {
     options.check()?;
-    let DisorderOptions { strengths, seeds, beads } = options;
+    let DisorderOptions { strengths, chains: seeds, drawn: beads } = options;
     let line = LinePulse::new(ALPHA);
     let chains: Vec<(f64, u64)> =
         strengths.iter().flat_map(|&strength| (1..=*seeds).map(move |seed| (strength, seed))).collect();
