@@ -376,7 +376,7 @@ mod processes {
     fn more_than_fifty_kills_at_random_moments_lose_nothing_that_was_kept() {
         let mut random = random();
         for (line, kills, intervals) in [
-            ("--until 12 --checkpoint 2 --integrator strang-linear --steps-per-period 600000", 12, Some(6.0)),
+            ("--until 12 --checkpoint 2 --integrator strang-linear --steps-per-period 2400000", 12, Some(6.0)),
             ("--until 12 --checkpoint 0.75 --integrator dop853 --tol 1e-11", 9, None),
             ("--until 12 --checkpoint 0.75 --tol 1e-9", 9, None),
         ] {
