@@ -83,8 +83,8 @@ Example:
     Dimer(Told<DimerOptions>),
     /// Measure how one bead of another mass scatters a solitary wave.
     ///
-    /// Shares of its energy behind the bead, before it and in it when all is over, over the mass; and
-    /// the frequency with which a light bead rings between its neighbours.
+    /// Shares of its energy behind the bead, before it and in it, long after it has passed, over the
+    /// mass; and the frequency with which a light bead rings between its neighbours.
     #[command(
         after_long_help = "Example:\n  hertzchain study impurity --from 0.1 --to 10 --ratios 20 --out out/impurity"
     )]

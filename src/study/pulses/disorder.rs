@@ -12,7 +12,7 @@
 //! `4 m m'/(m + m')^2` of the energy each time, whose mean logarithm is `-eps^2/6` to leading order.
 //! The wave is wider than a bead and loses less.
 
-use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
+use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, follow, plain, pulse_energy, solitary_wave};
 use crate::{
     error::{Error, Result},
     output::csv,
@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 const STORE: &str = "disorder.store";
 /// Above, a mass could be so small that its contacts need shorter steps.
 const STRENGTHS: std::ops::RangeInclusive<f64> = 0.0..=0.9;
-const CHAINS: std::ops::RangeInclusive<u64> = 2..=100_000;
+const CHAINS: std::ops::RangeInclusive<usize> = 2..=100_000;
 const DRAWN: std::ops::RangeInclusive<usize> = 20..=2000;
 /// Bonds that the line of the rate leaves out.
 const FIRST: usize = 10;
@@ -102,13 +102,8 @@ impl DisorderOptions {
         if let Some(strength) = self.strengths.iter().find(|strength| !STRENGTHS.contains(*strength)) {
             return Err(Error::parameter("strengths", strength, "a strength from 0 to 0.9"));
         }
-        if !CHAINS.contains(&self.chains) {
-            return Err(Error::parameter("chains", self.chains, "from 2 to 10^5"));
-        }
-        if !DRAWN.contains(&self.drawn) {
-            return Err(Error::parameter("drawn", self.drawn, "from 20 to 2000"));
-        }
-        Ok(())
+        check_count("chains", self.chains as usize, &CHAINS, "from 2 to 10^5")?;
+        check_count("drawn", self.drawn, &DRAWN, "from 20 to 2000")
     }
 }
 

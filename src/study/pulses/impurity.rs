@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `M` | mass of the bead over that of the others |
-//! | `T, R, L` | shares of the energy behind the bead, before it, and its own, when all is over |
+//! | `T, R, L` | shares of the energy behind the bead, before it, and its own, at the end of the run |
 //! | `w` | `u - (u_- + u_+)/2`, the place of the bead between its neighbours |
 //! | `G` | `u_- - u_+`, the overlap that its two contacts share |
 //! | `Omega` | frequency of `w''` while both contacts are closed |
@@ -14,8 +14,11 @@
 //! `w`, so that `Omega = (f'(G/2) (2/M + 1))^{1/2}`. A heavy bead is a wall that throws the wave back,
 //! takes up twice its momentum `p`, and passes its energy on: `T = 2 p^2/(M E)`. If the wave were a
 //! collision of two beads after the other, `T` would be `(4 M/(1 + M)^2)^2`.
+//!
+//! A run ends at `t = 200 + 20 (M - 1)_+`. Beads still touch each other then, gently; by how much
+//! the shares still changed in the last quarter of the run stands with them.
 
-use super::{ALPHA, LEAD, METHOD, STEP, follow, geometric, plain, solitary_wave};
+use super::{ALPHA, LEAD, METHOD, STEP, check_count, check_range, follow, geometric, plain, solitary_wave};
 use crate::{
     error::{Error, Result},
     output::csv,
@@ -32,9 +35,11 @@ const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
 /// Beads behind the bead: some, and more for each unit of its mass, as it drives a train of pulses.
 const BEYOND: f64 = 16.0;
 const BEYOND_A_MASS: f64 = 8.0;
-/// End of a run that is not over before, in units of time, and for each unit of mass.
+/// Length of a run, and what each unit of mass adds.
 const END: f64 = 200.0;
 const END_A_MASS: f64 = 20.0;
+/// Share of the run after which shares of the energy are first taken.
+const LATE: f64 = 0.75;
 /// Least number of sign changes of `w''` from which a frequency is taken.
 const CHANGES: usize = 4;
 
@@ -74,6 +79,8 @@ pub struct ImpurityRow {
     pub reflected: f64,
     /// `L`.
     pub localised: f64,
+    /// The most by which one of these shares changed in the last quarter of the run.
+    pub late_change: f64,
     /// `(4 M/(1 + M)^2)^2`.
     pub binary: f64,
     /// `2 p^2/(M E)`.
@@ -95,18 +102,8 @@ pub struct ImpurityStudy {
 
 impl ImpurityOptions {
     fn check(&self) -> Result<()> {
-        for (name, value) in [("from", self.from), ("to", self.to)] {
-            if !RATIOS.contains(&value) {
-                return Err(Error::parameter(name, value, "a mass ratio from 0.001 to 20"));
-            }
-        }
-        if self.from >= self.to {
-            return Err(Error::parameter("from", self.from, "below the largest mass ratio"));
-        }
-        if !POINTS.contains(&self.points) {
-            return Err(Error::parameter("ratios", self.points, "from 3 to 10000"));
-        }
-        Ok(())
+        check_range(self.from, self.to, &RATIOS, "a mass ratio from 0.001 to 20")?;
+        check_count("ratios", self.points, &POINTS, "from 3 to 10000")
     }
 }
 
@@ -137,8 +134,7 @@ pub fn impurity(options: &ImpurityOptions, progress: Progress<'_>) -> Result<Imp
 
 /// The solitary wave of speed 1 at a bead of this mass amid beads of mass 1.
 ///
-/// It is over when the beads lie apart and drift further apart: each is as fast as the one before
-/// it, or faster.
+/// The run ends at `t = 200 + 20 (M - 1)_+`; see `late_change`.
 ///
 /// ```
 /// use hertzchain::{study::scattered, waves::LinePulse};
@@ -162,25 +158,26 @@ pub fn scattered(ratio: f64, line: &LinePulse) -> Result<ImpurityRow> {
     let momentum: f64 = layout.u_dot(start.as_slice()).iter().sum();
     let energy: f64 = chain.site_energies(start.as_slice()).iter().sum();
     let mut ringing = Ringing::new(ratio);
-    let mut last = Vec::new();
     let end = END + END_A_MASS * heavier;
+    let mut shares: Vec<[f64; 3]> = Vec::new();
     let mut look = |t: f64, y: &[f64]| {
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-        ringing.look(t, &u[LEAD - 2..=LEAD + 2]);
-        let over = t > LEAD as f64 && u.is_sorted() && u_dot.is_sorted();
-        if over || t > end {
-            last = chain.site_energies(y);
+        ringing.look(t, &layout.u(y)[LEAD - 2..=LEAD + 2]);
+        if t >= [LATE * end, end][shares.len()] {
+            let energies = chain.site_energies(y);
+            let parts = [&energies[LEAD + 1..], &energies[..LEAD], &energies[LEAD..=LEAD]];
+            shares.push(parts.map(|sites| sites.iter().sum::<f64>() / energy));
         }
-        !last.is_empty()
+        shares.len() == 2
     };
     follow(&chain, start, (STEP * ratio.min(1.0).sqrt(), end + 1.0), &mut look)?;
-    let share = |sites: &[f64]| sites.iter().sum::<f64>() / energy;
+    let [transmitted, reflected, localised] = shares[1];
     let (frequency, frequency_law) = ringing.frequencies().unzip();
     Ok(ImpurityRow {
         ratio,
-        transmitted: share(&last[LEAD + 1..]),
-        reflected: share(&last[..LEAD]),
-        localised: share(&last[LEAD..=LEAD]),
+        transmitted,
+        reflected,
+        localised,
+        late_change: (0..3).map(|part| (shares[1][part] - shares[0][part]).abs()).fold(0.0, f64::max),
         binary: (4.0 * ratio / (1.0 + ratio).powi(2)).powi(2),
         heavy: 2.0 * momentum * momentum / (ratio * energy),
         changes: ringing.changes,
@@ -255,14 +252,16 @@ impl Report for ImpurityStudy {
         let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.4}"));
         let cells = |row: &ImpurityRow| {
             let shares = [row.transmitted, row.reflected, row.localised].map(|share| format!("{share:.6}"));
-            let rest = [row.changes.to_string(), number(row.frequency), number(row.frequency_law)];
+            let late = format!("{:.0e}", row.late_change);
+            let rest = [late, row.changes.to_string(), number(row.frequency), number(row.frequency_law)];
             [format!("{:.4}", row.ratio)].into_iter().chain(shares).chain(rest).collect()
         };
         let rows: Vec<_> = self.rows.iter().map(cells).collect();
-        let head = ["mass ratio", "transmitted", "reflected", "localised", "changes", "frequency", "law"];
+        let head =
+            ["mass ratio", "transmitted", "reflected", "localised", "late change", "changes", "frequency", "law"];
         format!(
-            "{}\nShares of the energy of a solitary wave behind an impurity, before it, and its own, when no bead will \
-             touch another again.\nchanges: of the sign of the acceleration of the impurity between its neighbours, until one \
+            "{}\nShares of the energy of a solitary wave behind an impurity, before it, and its own, at t = 200 + 20 (M - 1)_+; \
+             late change: the most by which one of them changed in the last quarter of the run.\nchanges: of the sign of the acceleration of the impurity between its neighbours, until one \
              of its contacts opens; law: (f'(G/2) (2/M + 1))^(1/2).\n",
             table(&head, &rows)
         )
@@ -274,6 +273,7 @@ impl Report for ImpurityStudy {
             "transmitted",
             "reflected",
             "localised",
+            "late_change",
             "binary",
             "heavy",
             "changes",
@@ -283,8 +283,8 @@ impl Report for ImpurityStudy {
         let rows = self.rows.iter().map(|row| {
             let [frequency, law] = [row.frequency, row.frequency_law].map(|value| value.unwrap_or(f64::NAN));
             let changes = row.changes as f64;
-            let ImpurityRow { ratio, transmitted, reflected, localised, binary, heavy, .. } = *row;
-            vec![ratio, transmitted, reflected, localised, binary, heavy, changes, frequency, law]
+            let ImpurityRow { ratio, transmitted, reflected, localised, late_change, binary, heavy, .. } = *row;
+            vec![ratio, transmitted, reflected, localised, late_change, binary, heavy, changes, frequency, law]
         });
         Ok(named([("impurity.csv", csv(&names, rows)), ("impurity.json", json.into())]))
     }
@@ -320,10 +320,11 @@ impl ImpurityStudy {
         if frequencies.iter().all(|line| !line.points.is_empty()) {
             plots.push(Panel::new(Kind::LogLog, [label, "frequency Ω"], frequencies));
         }
+        let late = rows.iter().map(|row| row.late_change).fold(0.0, f64::max);
         let caption = format!(
             "A solitary wave of speed 1 of the plain chain, α = 3/2, without precompression, meets one bead of mass M amid \
-             beads of mass 1. Above: energy behind the bead, before it and its own when no bead will touch another again; \
-             what two collisions of hard beads would pass on; what a heavy bead passes on that was thrown forward with \
+             beads of mass 1. Above: energy behind the bead, before it and its own at t = 200 + 20 (M − 1)₊, \
+             where none of them changed by more than {late:.0e} in the last quarter of the run; what two collisions of hard beads would pass on; what a heavy bead passes on that was thrown forward with \
              twice the momentum p of the wave of energy E. Below: frequency of the bead between its neighbours until a \
              contact opens, where it has at least {CHANGES} changes of sign of the acceleration, and that of small swings. Integrator {METHOD}, steps of {STEP}, shorter for light beads. hertzchain {}.",
             env!("CARGO_PKG_VERSION")

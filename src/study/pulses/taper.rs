@@ -12,7 +12,9 @@
 //! energy, `V_n` would be as `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are `1 - 3 (s - 1)/2`
 //! near `s = 1`.
 
-use super::{ALPHA, CREST, Crests, LEAD, METHOD, STEP, follow, plain, pulse_energy, solitary_wave};
+use super::{
+    ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, check_range, follow, plain, pulse_energy, solitary_wave,
+};
 use crate::{
     error::{Error, Result},
     output::csv,
@@ -91,20 +93,9 @@ pub struct TaperStudy {
 
 impl TaperOptions {
     fn check(&self) -> Result<()> {
-        for (name, value) in [("from", self.from), ("to", self.to)] {
-            if !RADII.contains(&value) {
-                return Err(Error::parameter(name, value, "a ratio of radii from 0.8 to 1.25"));
-            }
-        }
-        if self.from >= self.to {
-            return Err(Error::parameter("from", self.from, "below the largest ratio of radii"));
-        }
-        if !POINTS.contains(&self.points) {
-            return Err(Error::parameter("tapers", self.points, "from 2 to 1000"));
-        }
-        if !SPHERES.contains(&self.spheres) {
-            return Err(Error::parameter("spheres", self.spheres, "from 10 to 200"));
-        }
+        check_range(self.from, self.to, &RADII, "a ratio of radii from 0.8 to 1.25")?;
+        check_count("tapers", self.points, &POINTS, "from 2 to 1000")?;
+        check_count("spheres", self.spheres, &SPHERES, "from 10 to 200")?;
         let last = |ratio: f64| ratio.powi((self.spheres + BEYOND) as i32);
         if last(self.from) < LIMITS.0 || last(self.to) > LIMITS.1 {
             let rule = "so few that all radii stay between 0.001 and 1000";

@@ -13,7 +13,7 @@
 
 mod report;
 
-use super::{Crests, STEP, follow, plain};
+use super::{Crests, STEP, check_count, check_range, follow, plain};
 use crate::{
     chain::State,
     error::{Error, Result},
@@ -110,21 +110,9 @@ pub struct DimerStudy {
 
 impl DimerOptions {
     fn check(&self) -> Result<()> {
-        for (name, value) in [("from", self.from), ("to", self.to)] {
-            if !RATIOS.contains(&value) {
-                return Err(Error::parameter(name, value, "a mass ratio from 0.02 to 1"));
-            }
-        }
-        if self.from >= self.to {
-            return Err(Error::parameter("from", self.from, "below the largest mass ratio"));
-        }
-        if !POINTS.contains(&self.points) {
-            return Err(Error::parameter("ratios", self.points, "from 3 to 10000"));
-        }
-        if !CELLS.contains(&self.cells) {
-            return Err(Error::parameter("cells", self.cells, "from 4 to 1000"));
-        }
-        Ok(())
+        check_range(self.from, self.to, &RATIOS, "a mass ratio from 0.02 to 1")?;
+        check_count("ratios", self.points, &POINTS, "from 3 to 10000")?;
+        check_count("cells", self.cells, &CELLS, "from 4 to 1000")
     }
 }
 
