@@ -15,6 +15,7 @@ A bead strikes a chain of twenty beads with resonators.
 from . import dps
 from ._chain import Chain, Scene
 from ._compare import Comparison, compare
+from ._driven import DrivenBranch, DrivenOrbit, driven_orbit
 from ._errors import (
     ConvergenceError,
     Error,
@@ -39,6 +40,8 @@ __all__ = [
     "Comparison",
     "ConvergenceError",
     "DarkBreather",
+    "DrivenBranch",
+    "DrivenOrbit",
     "Error",
     "FileError",
     "InternalError",
@@ -56,6 +59,7 @@ __all__ = [
     "compare",
     "continue_branch",
     "dps",
+    "driven_orbit",
     "integrators",
     "monodromy",
     "run",

@@ -20,6 +20,8 @@ __all__ = [
     "continue_branch",
     "dark",
     "dark_profile",
+    "driven_branch",
+    "driven_orbit",
     "flow",
     "homoclinic",
     "integrators",
@@ -116,6 +118,20 @@ def continue_branch(
     progress: Callable[[float], Any] | None,
 ) -> tuple[str, bytes]: ...
 def load_branch(path: Any) -> tuple[str, bytes]: ...
+def driven_orbit(
+    scene: Scene, *, turns: int, settle: int, progress: Callable[[float], Any] | None
+) -> str: ...
+def driven_branch(
+    scene: Scene,
+    *,
+    turns: int,
+    settle: int,
+    parameter: str,
+    to: float,
+    step: float | None,
+    points: int,
+    progress: Callable[[float], Any] | None,
+) -> str: ...
 def compare_json(
     scene: Scene, integrators: list[str], max_time: float, progress: Callable[[float], Any] | None
 ) -> str: ...

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from . import _native
 from ._arrays import Vector, number, optional, whole, word
 from ._chain import STRAIN_RING, Chain, Scene
+from ._driven import DrivenBranch, DrivenOrbit, continue_driven
 from ._errors import ParameterError
 from ._progress import Progress, shown
 from ._run import scene_of
@@ -250,35 +251,60 @@ def _point(row: dict[str, Any]) -> BranchPoint:
     return BranchPoint(**{**row, "leading": leading})
 
 
+@overload
 def continue_branch(
     orbit: Orbit | DarkBreather,
     parameter: str = "omega_b",
     *,
     to: float,
     step: float | None = None,
-    points: int = 1000,
+    points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
     progress: Progress = False,
-) -> Branch:
-    """Follow a branch of dark breathers from an orbit.
+) -> Branch: ...
+@overload
+def continue_branch(
+    orbit: DrivenOrbit,
+    parameter: str,
+    *,
+    to: float,
+    step: float | None = None,
+    points: int | None = None,
+    progress: Progress = False,
+) -> DrivenBranch: ...
+def continue_branch(
+    orbit: Orbit | DarkBreather | DrivenOrbit,
+    parameter: str = "omega_b",
+    *,
+    to: float,
+    step: float | None = None,
+    points: int | None = None,
+    natural: bool = False,
+    weak: float = 0.01,
+    progress: Progress = False,
+) -> Branch | DrivenBranch:
+    """Follow a branch from an orbit.
 
     Parameters
     ----------
-    orbit : Orbit or DarkBreather
+    orbit : Orbit, DarkBreather or DrivenOrbit
         Where it begins.
-    parameter : {"omega_b", "rho", "kappa", "alpha", "c_x"}
-        What varies.
+    parameter : str
+        What varies: ``"omega_b", "rho", "kappa", "alpha"`` or ``"c_x"`` of a dark breather;
+        ``"amplitude", "omega"`` or ``"damping"`` (a factor, 1 at the start) of a driven orbit.
     to : float
         Where it ends.
     step : float, optional
-        Largest change from point to point; by default a hundredth of the range.
-    points : int
-        Most points.
+        Largest change from point to point; by default a hundredth of the range, of driven orbits a
+        twentieth.
+    points : int, optional
+        Most points; by default 1000, of driven orbits 200.
     natural : bool
-        Count the way by the parameter and not by the arclength.
+        Count the way by the parameter and not by the arclength; of dark breathers only.
     weak : float
-        Collisions of multipliers that stay below ``1 + weak`` are not located.
+        Collisions of multipliers that stay below ``1 + weak`` are not located; of dark breathers
+        only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -289,9 +315,13 @@ def continue_branch(
     >>> branch.end, bool((branch.column("k_x")[1:] > branch.column("k_x")[:-1]).all())
     ('reached', True)
     """
+    if isinstance(orbit, DrivenOrbit):
+        if natural or weak != 0.01:
+            raise ParameterError("natural and weak are not valid: they are for dark breathers")
+        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, progress)
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
-        raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit or a DarkBreather")
+        raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")
     if parameter not in PARAMETERS:
         raise ParameterError(f"parameter = {parameter!r} is not valid: one of {', '.join(PARAMETERS)}")
     start = getattr(breather, parameter)
@@ -305,7 +335,7 @@ def continue_branch(
                 from_=start,
                 to=number("to", to),
                 step=optional("step", step),
-                points=whole("points", points),
+                points=whole("points", 1000 if points is None else points),
                 natural=natural,
                 weak=number("weak", weak),
                 progress=tell,

@@ -8,9 +8,11 @@ use hertzchain::{
     Result,
     dps::Center,
     figures::Format,
-    orbits::{Formulation, Trail},
+    orbits::{DriveParameter, Formulation, Trail},
     output::Folder,
-    study::{self, CompareOptions, Continue, Dark, Plan, Report, Ring, Study, compare, planned},
+    study::{
+        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, Plan, Report, Ring, Study, compare, planned,
+    },
     sweep::Engine,
 };
 use numpy::{PyArray1, PyArray2, prelude::*};
@@ -127,6 +129,46 @@ pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<BranchBytes
         of_branch(&branch)
     };
     finished(py, None, work).map(|branch| branch_bytes(py, branch))
+}
+
+/// The orbit to which a driven scene leads, as JSON.
+#[pyfunction]
+#[pyo3(signature = (scene, *, turns, settle, progress))]
+pub(crate) fn driven_orbit<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    turns: u32,
+    settle: u32,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<String> {
+    finished(py, progress.as_ref(), |watched| {
+        let search = DrivenSearch { turns, settle };
+        let orbit = study::driven_orbit(scene.0.clone(), &search, &|share, _| watched.tell(share))?;
+        Ok(text(&orbit.json()))
+    })
+}
+
+/// The branch of that orbit in a parameter, as JSON.
+#[pyfunction]
+#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, progress))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn driven_branch<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    turns: u32,
+    settle: u32,
+    parameter: &str,
+    to: f64,
+    step: Option<f64>,
+    points: usize,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<String> {
+    finished(py, progress.as_ref(), |watched| {
+        let search = DrivenSearch { turns, settle };
+        let way = DrivenWay { vary: DriveParameter::named(parameter)?, to, step, max_points: points };
+        let branch = study::driven_branch(scene.0.clone(), &search, &way, &|share, _| watched.tell(share))?;
+        Ok(text(&branch.json()))
+    })
 }
 
 /// Integrators on a scene: error against run time.

@@ -49,6 +49,45 @@ def test_branch_has_the_bits_of_the_program_and_comes_back_from_its_file(program
     assert [point.k_x for point in branch] == branch.column("k_x").tolist()
 
 
+def bead(amplitude: float = 0.3, omega: float = 1.2, drag: float = 0.2) -> hc.Chain:
+    """A damped bead between walls, pushed."""
+    push = {"site": 0, "kind": "pushed", "amplitude": amplitude, "omega": omega}
+    return hc.Chain(1, boundary="fixed", precompression=1.0, beads={"drag": drag}, drive=[push])
+
+
+def test_driven_orbit_and_branch_have_the_bits_of_the_program(program: Any) -> None:
+    scene = hc.Scene.load("end-driven")
+    orbit = hc.driven_orbit(scene)
+    assert orbit.record == program("orbit", "driven", "end-driven")
+    told: list[float] = []
+    branch = hc.continue_branch(orbit, "omega", to=1.32, step=0.01, progress=told.append)
+    printed = program("orbit", "continue", "end-driven", "--vary", "omega", "--to", "1.32", "--step", "0.01")
+    assert branch.record == printed and len(branch) == len(printed["points"])
+
+
+def test_driven_orbit_returns_and_is_where_the_run_settles() -> None:
+    chain = bead()
+    orbit = hc.driven_orbit(chain)
+    run = hc.run(chain, y0=orbit.y0, until=orbit.period, tol=1e-13)
+    assert abs(run.u[-1] - orbit.y0["u"]).max() < 1e-12 and abs(run.pu[-1] - orbit.y0["pu"]).max() < 1e-12
+    # Multipliers of modulus exp(-0.1 * 5.2) let transients fall below 1e-9 in 60 periods.
+    settled = hc.run(chain, y0={}, until=60 * orbit.period, tol=1e-11)
+    assert abs(settled.u[-1] - orbit.y0["u"]).max() < 1e-9
+    assert orbit.stable and abs(np.prod(orbit.multipliers) - np.exp(-0.2 * orbit.period)) < 1e-10
+
+
+def test_driven_branch_turns_at_folds() -> None:
+    branch = hc.continue_branch(hc.driven_orbit(bead(0.5, 2.13, drag=0.1)), "omega", to=1.13)
+    kinds = [one["kind"] for one in branch.bifurcations]
+    assert branch.end == "reached" and kinds == ["fold", "fold"] and not branch.stable.all()
+    with pytest.raises(hc.ParameterError, match="dark breathers"):
+        hc.continue_branch(hc.driven_orbit(bead()), "omega", to=1.3, natural=True)  # type: ignore[call-overload]
+    with pytest.raises(hc.UnknownNameError, match="omega_b"):
+        hc.continue_branch(hc.driven_orbit(bead()), "omega_b", to=1.3)
+    with pytest.raises(hc.ParameterError, match="drive"):
+        hc.driven_orbit(hc.Scene.load("impact"))
+
+
 def test_waves_and_breathers_are_those_of_scenes() -> None:
     scene = hc.Scene.load("tw-q15")
     wave = hc.TravellingWave.of(scene)

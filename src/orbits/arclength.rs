@@ -39,11 +39,15 @@ pub(super) trait Family {
     /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
     /// method from `seed`.
     fn solve(&self, seed: &[f64], p: f64) -> Result<Solution>;
-    /// Largest residual of a solution, in units of the largest unknown.
+    /// Unit of residuals: the largest unknown, unless roundings come from something larger.
+    fn size(&self, z: &[f64]) -> f64 {
+        max_norm(z.iter().copied())
+    }
+    /// Largest residual of a solution, in units of [`size`](Self::size).
     fn solved(&self) -> f64;
 }
 
-/// A solution, with its residual in units of the largest unknown.
+/// A solution, with its residual in units of [`Family::size`].
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
     pub(super) z: Vec<f64>,
@@ -136,8 +140,7 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
         let rows = residual.len();
         let mut bordered = jacobian.insert_row(rows, 0.0);
         bordered.set_row(rows, &t.transpose());
-        let size = z.amax();
-        let relative = residual.amax() / size;
+        let relative = residual.amax() / family.size(z.as_slice());
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
         let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
@@ -146,7 +149,7 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
         z -= by.rows(0, columns) * scales.state;
         p -= by[columns] * scales.parameter;
         if step <= LAST_CORRECTION {
-            let residual = family.equations(z.as_slice(), p, false)?.residual.amax() / z.amax();
+            let residual = family.equations(z.as_slice(), p, false)?.residual.amax() / family.size(z.as_slice());
             let solution = Solution { z: z.as_slice().to_vec(), p, residual, newton };
             return if residual <= family.solved() { Ok(solution) } else { Err(stalled) };
         }

@@ -60,6 +60,16 @@ impl DriveParameter {
         }
     }
 
+    /// The parameter with this name.
+    ///
+    /// # Errors
+    /// Another name.
+    pub fn named(name: &str) -> Result<Self> {
+        let all = [Self::Amplitude, Self::Omega, Self::Damping];
+        let found = all.into_iter().find(|one| one.name() == name);
+        found.ok_or_else(|| Error::unknown("parameter", name, all.map(Self::name)))
+    }
+
     /// The rule for its values.
     fn check(self, value: f64) -> Result<()> {
         let (good, rule) = match self {
@@ -263,6 +273,13 @@ impl DrivenSetting {
         DVector::from_iterator(self.unknowns(), q.chain(q_dot))
     }
 
+    /// Unit of residuals: the largest unknown, or [`ROUNDED`] of the largest static overlap, to
+    /// whose roundings contacts know where beads are.
+    fn size(&self, z: &[f64]) -> f64 {
+        let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
+        max_norm(z.iter().copied()).max(ROUNDED * overlap)
+    }
+
     /// The unknowns at rest.
     pub fn rest(&self) -> Vec<f64> {
         vec![0.0; self.unknowns()]
@@ -293,7 +310,8 @@ pub struct DrivenOrbit {
     pub setting: DrivenSetting,
     /// `z = (q, q'/omega)` at `t = 0`.
     pub z: Vec<f64>,
-    /// `max |P^m(z) - z|` in units of `max |z|`.
+    /// `max |P^m(z) - z|` in units of the largest of: `|z|`, moved beads, a hundredth of the
+    /// largest static overlap.
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
@@ -303,6 +321,8 @@ pub struct DrivenOrbit {
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
+/// Share of a static overlap of which [`SOLVED`] is some 450 roundings of the overlap.
+const ROUNDED: f64 = 1e-2;
 /// Longest step, in units of the largest unknown or drive.
 const LONGEST_STEP: f64 = 0.5;
 /// Change from period to period, in units of the largest unknown, at which a run has settled.
@@ -402,7 +422,7 @@ impl DrivenShooting {
             moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
         });
         // At rest the first residual is the only size that there is.
-        let size = |z: &DVector<f64>, residual: &DVector<f64>| match z.amax().max(drives) {
+        let size = |z: &DVector<f64>, residual: &DVector<f64>| match setting.size(z.as_slice()).max(drives) {
             0.0 => residual.amax().max(f64::MIN_POSITIVE),
             size => size,
         };
@@ -581,6 +601,10 @@ impl Family for DrivenFamily<'_> {
         let shooting = DrivenShooting { most_steps: MOST_CORRECTIONS, ..*self.shooting };
         let DrivenOrbit { z, residual, newton, .. } = shooting.solve(&self.setting.with(self.parameter, p), seed)?;
         Ok(Solution { z, p, residual, newton })
+    }
+
+    fn size(&self, z: &[f64]) -> f64 {
+        self.setting.size(z)
     }
 
     fn solved(&self) -> f64 {

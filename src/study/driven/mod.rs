@@ -14,7 +14,7 @@ use crate::{
 #[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
 
-/// A driven scene and the search for its orbit.
+/// A driven scene, by name, and the search for its orbit.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct DrivenScene {
@@ -27,6 +27,21 @@ pub struct DrivenScene {
     /// Changes to the scene.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub changes: Changes,
+    /// The search.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub search: DrivenSearch,
+}
+
+impl DrivenScene {
+    fn load(&self) -> Result<Scene> {
+        Scene::load_with(&self.scene, &self.changes.set)
+    }
+}
+
+/// The search for the orbit to which a driven scene leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DrivenSearch {
     /// Periods of the drive in a period of the orbit.
     ///
     /// From 1 to 64; 2 for orbits of doubled period.
@@ -40,20 +55,22 @@ pub struct DrivenScene {
     pub settle: u32,
 }
 
+impl Default for DrivenSearch {
+    fn default() -> Self {
+        Self { turns: 1, settle: 300 }
+    }
+}
+
 const MOST_PERIODS: u32 = 1_000_000;
 
-impl DrivenScene {
-    /// The scene, and the setting of its orbit.
-    fn checked(&self) -> Result<(Scene, DrivenSetting)> {
+impl DrivenSearch {
+    fn setting(&self, scene: &Scene) -> Result<DrivenSetting> {
         if self.settle > MOST_PERIODS {
             return Err(Error::parameter("settle", self.settle, "at most 10^6 periods"));
         }
-        let scene = Scene::load_with(&self.scene, &self.changes.set)?;
-        let setting = DrivenSetting::new(scene.chain(), self.turns)?;
-        Ok((scene, setting))
+        DrivenSetting::new(scene.chain(), self.turns)
     }
 
-    /// The orbit that the scene leads to.
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");
@@ -91,12 +108,19 @@ impl Study for Driven {
     const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (scene, setting) = self.told.checked()?;
-        Ok(Box::new(move |_, progress| {
-            let orbit = self.told.orbit(&scene, &setting, progress)?;
-            Ok(Box::new(DrivenStudy::new(scene, orbit)?))
-        }))
+        let scene = self.told.load()?;
+        self.told.search.setting(&scene)?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.told.search, progress)?))))
     }
+}
+
+/// The orbit to which a driven scene leads. `progress` is told the share done.
+///
+/// # Errors
+/// A scene without a periodic drive; an orbit that is not found; a signal.
+pub fn driven_orbit(scene: Scene, search: &DrivenSearch, progress: Progress<'_>) -> Result<DrivenStudy> {
+    let orbit = search.orbit(&scene, &search.setting(&scene)?, progress)?;
+    DrivenStudy::new(scene, orbit)
 }
 
 impl DrivenStudy {
@@ -120,6 +144,15 @@ pub struct DrivenContinue {
     /// The scene.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub told: DrivenScene,
+    /// The way.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub way: DrivenWay,
+}
+
+/// The way of a branch of driven orbits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DrivenWay {
     /// What varies along the branch.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value_t = DriveParameter::Amplitude))]
     pub vary: DriveParameter,
@@ -152,24 +185,47 @@ impl Study for DrivenContinue {
     const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        let (scene, setting) = self.told.checked()?;
-        let from = setting.get(self.vary);
-        let step = self.step.unwrap_or(0.05 * (self.to - from).abs());
-        let shooting = DrivenShooting::default();
-        let continuation =
-            DrivenContinuation { parameter: self.vary, to: self.to, step, most_points: self.max_points, shooting };
-        continuation.check(from)?;
-        setting.with(self.vary, self.to).chain()?;
-        Ok(Box::new(move |_, progress| {
-            let orbit = self.told.orbit(&scene, &setting, &|share, what| progress(0.2 * share, what))?;
-            let mut count = 0;
-            let seen = |point: &DrivenPoint| {
-                count += 1;
-                let p = point.orbit.setting.get(self.vary);
-                let share = ((p - from) / (self.to - from)).clamp(0.0, 1.0);
-                progress(0.2 + 0.8 * share, &format!("point {count}, {} = {p:.6}", self.vary.name()));
-            };
-            Ok(Box::new(DrivenBranchStudy { branch: continuation.follow(orbit, seen)?, scene }))
-        }))
+        let scene = self.told.load()?;
+        self.way.continuation(&self.told.search.setting(&scene)?)?;
+        Ok(Box::new(move |_, progress| Ok(Box::new(driven_branch(scene, &self.told.search, &self.way, progress)?))))
     }
+}
+
+impl DrivenWay {
+    /// The continuation from the scene's own value.
+    fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
+        let &Self { vary: parameter, to, step, max_points: most_points } = self;
+        let from = setting.get(parameter);
+        let step = step.unwrap_or(0.05 * (to - from).abs());
+        let continuation = DrivenContinuation { parameter, to, step, most_points, shooting: DrivenShooting::default() };
+        continuation.check(from)?;
+        setting.with(parameter, to).chain()?;
+        Ok(continuation)
+    }
+}
+
+/// The branch of the orbit to which a driven scene leads, in one parameter. `progress` is told the
+/// share done.
+///
+/// # Errors
+/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; a
+/// signal.
+pub fn driven_branch(
+    scene: Scene,
+    search: &DrivenSearch,
+    way: &DrivenWay,
+    progress: Progress<'_>,
+) -> Result<DrivenBranchStudy> {
+    let setting = search.setting(&scene)?;
+    let continuation = way.continuation(&setting)?;
+    let (name, from) = (way.vary.name(), setting.get(way.vary));
+    let orbit = search.orbit(&scene, &setting, &|share, what| progress(0.2 * share, what))?;
+    let mut count = 0;
+    let seen = |point: &DrivenPoint| {
+        count += 1;
+        let p = point.orbit.setting.get(way.vary);
+        let share = ((p - from) / (way.to - from)).clamp(0.0, 1.0);
+        progress(0.2 + 0.8 * share, &format!("point {count}, {name} = {p:.6}"));
+    };
+    Ok(DrivenBranchStudy { branch: continuation.follow(orbit, seen)?, scene })
 }

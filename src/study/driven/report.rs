@@ -64,7 +64,7 @@ impl Report for DrivenStudy {
             ("period of the orbit", format!("{:.12} ({} of the drive)", setting.period(), setting.turns())),
             ("largest half range of a free bead", format!("{:.9e}", point.amplitude)),
             ("driven, dissipated over the orbit", format!("{driven:.9e}, {dissipated:.9e}")),
-            ("residual max |P(z) - z| / max |z|", format!("{:.1e}", point.orbit.residual)),
+            ("residual of P(z) = z", format!("{:.1e}", point.orbit.residual)),
             ("steps of Newton's method", point.orbit.newton.len().to_string()),
             ("|ln |det M| + gamma T|", format!("{:.1e}", point.spectrum.liouville)),
             ("multipliers outside the circle", point.spectrum.unstable().to_string()),

@@ -105,7 +105,11 @@ impl<R: Real> Variations<R> {
         let y: Vec<R> = start.iter().chain(columns).copied().collect();
         let largest = start.iter().fold(R::zero(), |largest: R, y| largest.max(y.abs()));
         let size = largest.max(R::of(chain.details().map_or(0.0, super::Details::scale)));
-        let options = Options { atol: if size > R::zero() { tol * size } else { tol }, ..Options::new(tol) };
+        let atol = if size > R::zero() { tol * size } else { tol };
+        // Contacts know displacements to the roundings of their static overlaps.
+        let overlaps = chain.overlaps(&vec![R::zero(); chain.sites()]);
+        let overlap = overlaps.into_iter().fold(R::zero(), |largest: R, overlap| largest.max(overlap));
+        let options = Options { atol: atol.max(R::epsilon() * overlap), ..Options::new(tol) };
         let powers = parts(&chain).powers();
         // Without columns only the force matters.
         let down = if columns.is_empty() { 0.0 } else { 1.0 };

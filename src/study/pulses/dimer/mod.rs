@@ -16,7 +16,7 @@ mod report;
 use super::{Crests, STEP, check_count, check_range, follow, plain};
 use crate::{
     chain::State,
-    error::{Error, Result},
+    error::Result,
     study::{Progress, Study, Work},
 };
 

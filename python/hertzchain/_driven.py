@@ -1,0 +1,196 @@
+"""Periodic orbits of driven chains under the stroboscopic map, with multipliers and branches."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._arrays import Vector, number, optional, whole, word
+from ._chain import Chain, Scene
+from ._errors import ParameterError
+from ._progress import Progress, shown
+from ._run import scene_of
+
+
+class DrivenOrbit:
+    """A periodic orbit of a driven chain with its Floquet multipliers; :func:`driven_orbit` finds it.
+
+    Attributes
+    ----------
+    y0 : dict of ndarray
+        Displacements and momenta ``u, v, pu, pv`` at ``t = 0``, for :func:`run`; of a drive with a
+        ramp, those at its full height.
+    period, response, residual : float
+        Period of the orbit; largest half range of a bead that no drive moves; residual of Newton's
+        method.
+    bead_ranges, strain_ranges : ndarray, shape (sites,), (sites - 1,)
+        Half ranges of displacements and of strains between neighbours.
+    multipliers : complex ndarray
+        The multipliers, the largest modulus first.
+    stable : bool
+        Whether no multiplier is outside the unit circle.
+    driven, dissipated : float
+        Energies that the drives put in and that is dissipated over the orbit.
+    record : dict
+        All that ``hertzchain orbit driven --json`` prints.
+    """
+
+    def __init__(self, scene: Scene, turns: int, settle: int, record: dict[str, Any]) -> None:
+        self.scene = scene
+        self.record = record
+        self._search = (turns, settle)
+        masses = scene._scene.masses()
+        self.y0: dict[str, Vector] = {}
+        for name, mass in zip("uv", masses):
+            if record[name]:
+                self.y0[name] = np.array(record[name], dtype=np.float64)
+                self.y0[f"p{name}"] = mass * np.array(record[f"{name}_dot"], dtype=np.float64)
+        self.period: float = record["drive"]["period"]
+        self.response: float = record["response"]
+        self.residual: float = record["residual"]
+        self.bead_ranges: Vector = np.array(record["bead_ranges"], dtype=np.float64)
+        self.strain_ranges: Vector = np.array(record["strain_ranges"], dtype=np.float64)
+        self.multipliers: NDArray[np.complex128] = np.array([complex(one["re"], one["im"]) for one in record["multipliers"]])
+        self.stable: bool = record["unstable"] == 0
+        self.driven: float = record["driven"]
+        self.dissipated: float = record["dissipated"]
+
+    def __repr__(self) -> str:
+        what = "stable" if self.stable else "unstable"
+        return f"DrivenOrbit(period={self.period:g}, response={self.response:g}, {what})"
+
+
+class DrivenBranch:
+    """A branch of driven orbits in one parameter.
+
+    Attributes
+    ----------
+    parameter : {"amplitude", "omega", "damping"}
+        What varies.
+    values, response, max_modulus : ndarray, shape (points,)
+        The parameter, the largest half range of a bead that no drive moves, and the largest modulus
+        of a multiplier.
+    stable : bool ndarray, shape (points,)
+        Whether no multiplier is outside the unit circle.
+    bifurcations : list of dict
+        ``kind`` (fold, plus-one, period-doubling, torus), ``parameter``, ``response``,
+        ``multiplier`` of each.
+    end : str
+        Why the branch ended.
+    record : dict
+        All that ``hertzchain orbit continue --json`` prints.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.record: dict[str, Any] = json.loads(text)
+        points = self.record["points"]
+        self.parameter: str = self.record["parameter"]
+        self.end: str = self.record["end"]
+        self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
+        self.values: Vector = np.array([point[self.parameter] for point in points], dtype=np.float64)
+        self.response: Vector = np.array([point["response"] for point in points], dtype=np.float64)
+        self.max_modulus: Vector = np.array([point["max_modulus"] for point in points], dtype=np.float64)
+        self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __repr__(self) -> str:
+        return f"DrivenBranch({self.parameter}, {len(self)} points, {len(self.bifurcations)} bifurcations, {self.end})"
+
+    def plot(self, ax: Any = None, color: str = "C0", label: str | None = None) -> Any:
+        """The response over the parameter, dashed where orbits are unstable, with bifurcations."""
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
+        for which, line, name in ((self.stable, "-", label), (~self.stable, ":", None)):
+            # A stretch ends at the first point of the next one.
+            near = which | np.append(which[1:], False) | np.insert(which[:-1], 0, False) if line == ":" else which
+            ax.plot(self.values, np.where(near, self.response, np.nan), line, color=color, label=name)
+        for kind, marker in (("fold", "v"), ("period-doubling", "s"), ("torus", "o"), ("plus-one", "x")):
+            here = [(one["parameter"], one["response"]) for one in self.bifurcations if one["kind"] == kind]
+            if here:
+                ax.plot(*zip(*here), marker, color=color, markersize=5)
+        ax.set(xlabel=self.parameter, ylabel="largest half range of a bead")
+        return ax
+
+
+def driven_orbit(
+    scene: Scene | Chain,
+    *,
+    y0: Any = None,
+    turns: int = 1,
+    settle: int = 300,
+    progress: Progress = False,
+) -> DrivenOrbit:
+    """The periodic orbit to which a driven chain leads.
+
+    It runs for a while and starts Newton's method on the stroboscopic map from there.
+
+    Parameters
+    ----------
+    scene : Scene or Chain
+        With a drive: harmonics of one frequency, with or without a ramp.
+    y0
+        As in :func:`run`; for a chain, rest by default.
+    turns : int
+        Periods of the drive in a period of the orbit, from 1 to 64.
+    settle : int
+        Periods of the orbit for which it runs before, fewer if it has become periodic.
+    progress : bool or callable
+        As in :func:`run`.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method does not converge.
+
+    Examples
+    --------
+    A bead on its spring alone: the amplitude of a linear oscillator, ``1/|1 - w^2 + i c w|``.
+
+    >>> import hertzchain as hc
+    >>> push = {"site": 0, "kind": "pushed", "amplitude": 1.0, "omega": 1.3}
+    >>> chain = hc.Chain(sites=1, kappa=1.0, rho=float("inf"), beads={"drag": 0.2}, drive=[push])
+    >>> orbit = hc.driven_orbit(chain)
+    >>> bool(abs(orbit.response * abs(1 - 1.3**2 + 0.26j) - 1) < 2e-3), orbit.stable
+    (True, True)
+    """
+    if isinstance(scene, Chain):
+        # The time is that of a run; an orbit has its own.
+        scene = scene_of(scene, {} if y0 is None else y0, 1.0)
+    else:
+        scene = scene_of(scene, y0, None)
+    turns, settle = whole("turns", turns), whole("settle", settle)
+    with shown(progress, "orbit") as tell:
+        text = _native.driven_orbit(scene._scene, turns=turns, settle=settle, progress=tell)
+    return DrivenOrbit(scene, turns, settle, json.loads(text))
+
+
+def continue_driven(
+    orbit: DrivenOrbit,
+    parameter: str,
+    to: float,
+    step: float | None,
+    points: int,
+    progress: Progress,
+) -> DrivenBranch:
+    """The branch of a driven orbit; :func:`continue_branch` has the words."""
+    turns, settle = orbit._search
+    with shown(progress, "branch") as tell:
+        return DrivenBranch(
+            _native.driven_branch(
+                orbit.scene._scene,
+                turns=turns,
+                settle=settle,
+                parameter=word("parameter", parameter),
+                to=number("to", to),
+                step=optional("step", step),
+                points=whole("points", points),
+                progress=tell,
+            )
+        )
