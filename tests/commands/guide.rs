@@ -204,3 +204,41 @@ fn every_chapter_is_in_the_book() {
         assert!(!name.ends_with(".md") || name == "SUMMARY.md" || listed.contains(&name), "{name}");
     }
 }
+
+#[test]
+fn the_table_of_formats_has_the_versions_that_are_written() {
+    // Truth: what the program writes.
+    use hertzchain::output::{Archive, Folder};
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("guide-formats");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let run = |words: &str| {
+        let done = Command::new(env!("CARGO_BIN_EXE_hertzchain")).args(words.split(' ')).current_dir(&folder).output();
+        let done = done.unwrap();
+        assert!(done.status.success(), "{words}: {}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stdout).unwrap()
+    };
+    run("run impact --until 2 --checkpoint 1 --out a");
+    run("breather continue --from 2.01 --to 2.011 --step 0.001 --sites 5 --out a");
+    run("wave continue --sites 10 --to 2.002 --out a");
+    run("breather dark --sites 5 --out a");
+    fs::write(folder.join("plan.toml"), run("sweep --template")).unwrap();
+    run("sweep plan.toml --out a");
+    let page = include_str!("../../docs/files.md");
+    let row = |file: &str, format: &str, version: &serde_json::Value| {
+        let found = page.lines().find(|line| line.starts_with(&format!("| {file}")) && line.ends_with(" |")).unwrap();
+        assert!(found.ends_with(&format!("| {format} | {version} |")), "{file}: {format}, {version}: {found}");
+    };
+    let of = Folder::create(folder.join("a")).unwrap();
+    for file in ["checkpoint.npz", "branch.npz", "states.npz"] {
+        let archive = Archive::read(&of.path().join(file)).unwrap();
+        let settings: serde_json::Value = serde_json::from_str(archive.text("settings.json").unwrap()).unwrap();
+        row(&format!("`{file}`"), &format!("`{}`", settings["format"].as_str().unwrap()), &settings["version"]);
+    }
+    let read = |file: &str| fs::read_to_string(of.path().join(file)).unwrap();
+    let orbit: serde_json::Value = serde_json::from_str(&read("dark-breather.json")).unwrap();
+    row("`dark-breather.json`", &format!("`{}`", orbit["format"].as_str().unwrap()), &orbit["format_version"]);
+    let first = read("sweep.store").lines().next().unwrap().split_once(' ').unwrap().1.to_owned();
+    row("stores", "", &serde_json::from_str::<serde_json::Value>(&first).unwrap()["sweep"]);
+    fs::remove_dir_all(&folder).unwrap();
+}
