@@ -43,6 +43,11 @@ pub(super) trait Family {
     fn size(&self, z: &[f64]) -> f64 {
         max_norm(z.iter().copied())
     }
+    /// Longest chord to the next point, in units of the predictor: a branch that seems to turn by
+    /// more may be another one.
+    fn longest_chord(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Largest residual of a solution, in units of [`size`](Self::size).
     fn solved(&self) -> f64;
 }
@@ -189,7 +194,9 @@ pub(super) fn next(
         } else {
             correct(family, spot, scales, ds)
         };
+        let chord = |to: &Solution| scales.chord((spot.z, spot.p), (&to.z, to.p)).norm();
         match next {
+            Ok(solution) if ds > shortest && !lands && chord(&solution) > family.longest_chord() * ds => ds *= 0.5,
             Ok(solution) => {
                 let factor = match solution.newton.len() {
                     ..GOOD_CORRECTIONS => 1.5,

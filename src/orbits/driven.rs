@@ -323,6 +323,9 @@ const LAST_STEP: f64 = 1e-9;
 const SOLVED: f64 = 1e-11;
 /// Share of a static overlap of which [`SOLVED`] is some 450 roundings of the overlap.
 const ROUNDED: f64 = 1e-2;
+/// Longest chord along a branch, for turns of 25 degrees: strongly driven branches have pairs of
+/// folds close to each other, at which longer steps can land on the way back.
+const TURN: f64 = 1.1;
 /// Longest step, in units of the largest unknown or drive.
 const LONGEST_STEP: f64 = 0.5;
 /// Change from period to period, in units of the largest unknown, at which a run has settled.
@@ -605,6 +608,10 @@ impl Family for DrivenFamily<'_> {
 
     fn size(&self, z: &[f64]) -> f64 {
         self.setting.size(z)
+    }
+
+    fn longest_chord(&self) -> f64 {
+        TURN
     }
 
     fn solved(&self) -> f64 {

@@ -64,9 +64,15 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
 #[test]
 fn a_weak_branch_is_the_linear_response_through_all_resonances() {
     // Truth: (K - omega^2 M + i c omega) u = a e_0 with springs of stiffness 3/2 (G = 1). What
-    // contacts add is of the relative order a^2. Steps of 1e-13 at most change displacements of 1e-4
-    // by 1e-9 of them; they are known to roundings of the static overlap.
-    let (n, drag, a, from, to) = (4, 0.1, 1e-4, 0.3, 2.5);
+    // contacts add is of the relative order a: 3/8 x^2 for overlaps 1 + x, x up to 4 a.
+    let errors = [4e-4, 1e-4].map(weak_branch);
+    assert!(errors[1] < 4.0 * 1e-4 && (errors[0] / errors[1] - 4.0).abs() < 0.2, "{errors:?}");
+}
+
+/// The largest distance from the linear response on a branch over three resonances, in units of
+/// that.
+fn weak_branch(a: f64) -> f64 {
+    let (n, drag, from, to) = (4, 0.1, 0.3, 2.5);
     let mass: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { 0.5 }).collect();
     let details = Details {
         mass: mass.clone(),
@@ -85,7 +91,7 @@ fn a_weak_branch_is_the_linear_response_through_all_resonances() {
     };
     let branch = continuation.follow(orbit(&chain, 1), |_| {}).unwrap();
     assert_eq!((branch.end, branch.bifurcations.len()), (End::Reached, 0));
-    for point in &branch.points {
+    let errors = branch.points.iter().map(|point| {
         let omega = point.orbit.setting.omega();
         let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 => Complex::new(3.0 - omega * omega * mass[i], drag * omega),
@@ -95,9 +101,9 @@ fn a_weak_branch_is_the_linear_response_through_all_resonances() {
         let push = nalgebra::DVector::from_fn(n, |i, _| Complex::new(if i == 0 { a } else { 0.0 }, 0.0));
         let want = matrix.lu().solve(&push).unwrap();
         let off = (0..n).map(|i| (point.orbit.z[i] - want[i].im).hypot(point.orbit.z[n + i] - want[i].re));
-        let off = off.fold(0.0, f64::max) / want.iter().map(|u| u.norm()).fold(0.0, f64::max);
-        assert!(off < 1e-6, "{omega}: {off:e}");
-    }
+        off.fold(0.0, f64::max) / want.iter().map(|u| u.norm()).fold(0.0, f64::max)
+    });
+    errors.fold(0.0, f64::max)
 }
 
 /// The frequencies of the two folds of the resonance curve.
