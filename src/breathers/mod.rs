@@ -4,10 +4,12 @@
 mod bright;
 mod dark;
 mod moving;
+mod tail;
 mod trivial;
 
 pub use bright::{BrightBreather, Norms};
 pub use dark::DarkBreather;
 pub(crate) use moving::centre;
 pub use moving::{Envelope, MovingBreather, MovingOrbit};
+pub use tail::{Band, LinearWave, LinearWaves, Tail, background_energy};
 pub use trivial::{ClosedForm, TrivialBreather};

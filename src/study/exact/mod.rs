@@ -3,7 +3,7 @@
 
 mod report;
 
-pub(super) use report::nearness;
+pub(super) use report::{bounds, nearness};
 pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as exact_tables};
 #[cfg(feature = "plot")]
 pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
@@ -392,6 +392,8 @@ pub struct BranchWave {
     pub modulation: Option<f64>,
     /// Share of the period in which a contact is closed.
     pub closed: f64,
+    /// How near an exact wave is.
+    pub kantorovich: Option<Kantorovich>,
 }
 
 /// A branch of exact waves.
@@ -451,6 +453,7 @@ fn branch_wave(wave: &ExactWave, sites: usize, search: &Search) -> Result<Branch
         errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
         modulation,
         closed: profile.closed(),
+        kantorovich: search.kantorovich(wave)?,
         wave: wave.clone(),
     })
 }

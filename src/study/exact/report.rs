@@ -183,6 +183,15 @@ pub(crate) fn nearness(found: Option<Kantorovich>) -> String {
     }
 }
 
+/// What the theorem says of a branch, in a line.
+pub(crate) fn bounds(found: impl Iterator<Item = Option<Kantorovich>>) -> String {
+    let radii: Vec<Option<f64>> = found.map(|one| one?.radius).collect();
+    let known = radii.iter().flatten().count();
+    let largest = radii.iter().flatten().fold(0.0, |most: f64, radius| most.max(*radius));
+    let within = if known > 0 { format!(", within {largest:.1e} of the amplitude") } else { String::new() };
+    format!("Newton-Kantorovich: a solution is near {known} of {} points{within}.", radii.len())
+}
+
 #[cfg(feature = "plot")]
 fn program() -> String {
     format!("hertzchain {}.", env!("CARGO_PKG_VERSION"))
@@ -292,6 +301,7 @@ impl Report for WaveBranchStudy {
             value["e_y_ansatz"] = json!(one.errors.map(|errors| errors[1]));
             value["closed"] = json!(one.closed);
             value["quality"] = json!(one.spectrum.quality);
+            value["kantorovich"] = json!(one.kantorovich);
             value
         };
         json!({
@@ -327,7 +337,7 @@ impl Report for WaveBranchStudy {
             })
             .collect();
         let head = [name.as_str(), "omega_tw", "amplitude", "mean", "growth", "DpS", "E_x", "closed"];
-        format!("{}\n{}\n", table(&head, &rows), self.words())
+        format!("{}\n{}\n{}\n", table(&head, &rows), self.words(), bounds(self.waves.iter().map(|one| one.kantorovich)))
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
@@ -387,6 +397,7 @@ pub(crate) fn branch_csv(study: &WaveBranchStudy) -> Vec<u8> {
         "e_x_ansatz",
         "e_y_ansatz",
         "closed",
+        "radius",
     ];
     let row = |one: &BranchWave| {
         let fastest = one.spectrum.fastest();
@@ -404,6 +415,7 @@ pub(crate) fn branch_csv(study: &WaveBranchStudy) -> Vec<u8> {
             e_x,
             e_y,
             one.closed,
+            one.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
         ]
     };
     csv(&names, study.waves.iter().map(row))

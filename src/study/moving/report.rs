@@ -7,13 +7,14 @@ use crate::{
     number::shown,
     output::csv,
     present::table,
-    study::{File, Report, params_words},
+    study::{File, Report, exact::nearness, params_words},
 };
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 impl MovingPoint {
     /// Its numbers, in the order of [`NAMES`].
-    fn numbers(&self) -> [f64; 11] {
+    fn numbers(&self) -> [f64; 17] {
         let (breather, envelope) = (&self.orbit.breather, &self.envelope);
         [
             breather.omega_b,
@@ -27,11 +28,17 @@ impl MovingPoint {
             envelope.tail,
             self.spectrum.largest(),
             self.real(),
+            self.tail.twist,
+            self.tail.wave_number,
+            self.tail.share,
+            self.resonant_wave(),
+            self.energy,
+            self.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
         ]
     }
 }
 
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 17] = [
     "omega_b",
     "turns",
     "passage",
@@ -43,6 +50,12 @@ const NAMES: [&str; 11] = [
     "tail",
     "max_modulus",
     "real",
+    "twist",
+    "tail_wave",
+    "tail_share",
+    "resonant_wave",
+    "energy",
+    "radius",
 ];
 
 impl MovingStudy {
@@ -84,6 +97,9 @@ impl Report for MovingStudy {
             row.insert("growth".to_owned(), json!(point.growth()));
             row.insert("quality".to_owned(), json!(point.spectrum.quality));
             row.insert("newton".to_owned(), json!(point.orbit.newton));
+            row.insert("tail_amplitude".to_owned(), json!(point.tail.amplitude));
+            row.insert("resonant".to_owned(), json!(point.resonant));
+            row.insert("kantorovich".to_owned(), json!(point.kantorovich));
             Value::Object(row)
         };
         let kicked = self.kicked.as_ref().map(|run| {
@@ -126,15 +142,46 @@ impl Report for MovingStudy {
                 format!("{:.6}", envelope.background),
                 format!("{:.5}", envelope.depth),
                 format!("{:.5}", envelope.tail),
+                format!("{:.3}", point.tail.wave_number / PI),
+                format!("{:.3}", point.resonant_wave() / PI),
+                format!("{:.5e}", point.energy),
                 format!("{:.6}", point.spectrum.largest()),
                 format!("{:.2e}", point.growth()),
             ]
         };
         let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
-        let head =
-            ["omega_b", "turns", "velocity", "residual", "return", "background", "depth", "tail", "max |l|", "growth"];
+        let head = [
+            "omega_b",
+            "turns",
+            "velocity",
+            "residual",
+            "return",
+            "background",
+            "depth",
+            "tail",
+            "p/pi",
+            "resonant",
+            "energy",
+            "max |l|",
+            "growth",
+        ];
+        let bounds: String = if self.options.bound {
+            let line = |point: &MovingPoint| {
+                format!(
+                    "{} turns at {}: {}\n",
+                    point.orbit.breather.turns,
+                    point.orbit.breather.omega_b,
+                    nearness(point.kantorovich)
+                )
+            };
+            self.points.iter().map(line).collect()
+        } else {
+            String::new()
+        };
         format!(
-            "Moving dark breathers on {} sites; depth and tail in units of the background, growth per unit of time\n\n{}\n{}\n",
+            "Moving dark breathers on {} sites; depth and tail in units of the background, growth per unit of time.\n\
+             Wave number p of the tail, and of the modulation of the background that keeps its phase in the frame of the kink; energy of the kink.\n\n\
+             {}\n{}\n{bounds}",
             self.options.sites,
             table(&head, &rows),
             self.words()
@@ -245,6 +292,13 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
         let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
         depths.push(Line::new("kicked", passages));
     }
+    let mut waves = Vec::new();
+    let both: [(&str, fn(&MovingPoint) -> f64); 2] =
+        [("tail", |point| point.tail.wave_number), ("resonant", MovingPoint::resonant_wave)];
+    for (what, of) in both {
+        let lines = families(&|point| of(point) / PI).into_iter();
+        waves.extend(lines.map(|line| Line { name: format!("{what}, {}", line.name), ..line }));
+    }
     let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
     vec![
         Column::new(
@@ -252,6 +306,7 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
             [
                 Panel::new(Kind::Sites, ["site n", "amplitude / background"], amplitudes),
                 Panel::new(Kind::Sites, ["site n", "phase / π"], phases),
+                Panel::new(Kind::Parameter, [over, "wave number of the tail / π"], waves),
             ],
         ),
         Column::new(
@@ -259,6 +314,7 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
             [
                 Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
                 Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
+                Panel::new(Kind::Parameter, [over, "energy of the kink"], families(&|point| point.energy)),
             ],
         ),
     ]

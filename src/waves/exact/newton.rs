@@ -114,6 +114,7 @@ impl Search {
             pick,
             residual: residual / size,
             jacobian,
+            varied: None,
             tol: self.tol,
         };
         Ok(shot.kantorovich())
