@@ -42,7 +42,7 @@
 //! from those that fit the ring. Where one fits, the tail is large and Newton's method finds no
 //! solution near the seed.
 
-use super::{DarkBreather, background_energy};
+use super::DarkBreather;
 use crate::{
     chain::{Boundary, Chain, Params, max_norm},
     dps::Center,
@@ -480,18 +480,6 @@ impl MovingOrbit {
             tol,
         };
         Ok(shot.kantorovich())
-    }
-
-    /// Energy of the kink: that of the ring less that of as many sites of a background at rest, of
-    /// the frequency `omega_b + delta/T_m` that the twist `delta` leaves it. The energy of the twist
-    /// itself, of the order of `1/N`, is left in.
-    ///
-    /// # Errors
-    /// Those of the background.
-    pub fn kink_energy(&self, twist: f64) -> Result<f64> {
-        let MovingBreather { params, sites, omega_b, .. } = self.breather;
-        let background = background_energy(params, omega_b + twist / self.breather.passage())?;
-        Ok(self.breather.chain()?.energy(&self.z).total() - sites as f64 * background)
     }
 
     /// The relative multipliers: eigenvalues of the derivative of `S^{-1} Phi_{T_m}`. Besides those

@@ -25,13 +25,14 @@
 //! `(-1)^n a_n = e^{i delta s} (c + A cos(p s) + i B sin(p s))`,
 //!
 //! where `s` counts sites from the one opposite to the kink: by the symmetry of the orbit the other
-//! parts vanish.
+//! parts vanish. Waves of which less than two are in that half are left out, since they cannot be
+//! told from a twist.
 
-use super::Envelope;
+use super::{Envelope, energy::background};
 use crate::{
-    chain::{Boundary, Chain, Params, Site, State},
+    chain::Params,
     error::Result,
-    waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
+    waves::{Given, Search},
 };
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -72,32 +73,6 @@ pub struct LinearWave {
 pub struct LinearWaves {
     /// `p`, and the four frequencies there from the lowest to the highest.
     bands: Vec<(f64, [f64; 4])>,
-}
-
-/// The setting of the background of this frequency.
-fn background(params: Params, omega_b: f64) -> Result<WaveSetting> {
-    Ok(WaveSetting { params, q: WaveNumber::on_ring(1.0, 4)?, omega_tw: omega_b, mean: MeanStrain::Value(0.0) })
-}
-
-/// Energy of a site of the background.
-///
-/// # Errors
-/// As [`Search::wave`].
-///
-/// ```
-/// use hertzchain::{Params, breathers::background_energy};
-/// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
-/// // Small oscillations: beads have the energy of (1 + 1/rho) omega^2 A^2/2 without contacts.
-/// let small = background_energy(params, 2.0 + 1e-5)?;
-/// assert!(small > 0.0 && small < 1e-9);
-/// # Ok::<(), hertzchain::Error>(())
-/// ```
-pub fn background_energy(params: Params, omega_b: f64) -> Result<f64> {
-    let (wave, _) = Search::default().wave(&background(params, omega_b)?, Given::Frequency)?;
-    let chain = Chain::new(params, Boundary::StrainRing, 4)?;
-    let [x, y, vx, vy] = wave.on_ring(4);
-    let state = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: vx[n], v_dot: vy[n] })?;
-    Ok(chain.energy(state.as_slice()).total() / 4.0)
 }
 
 impl LinearWaves {
@@ -161,6 +136,9 @@ struct Far(Vec<(f64, Complex<f64>)>);
 #[derive(Clone, Copy)]
 struct Fit {
     amplitude: f64,
+    /// What is left of the twist.
+    slope: f64,
+    /// Sum of squares.
     left: f64,
 }
 
@@ -200,18 +178,18 @@ impl Envelope {
         let far = Far::new(self);
         let mut twist = far.twist();
         let turned = far.turned(twist);
-        let waves = (1..).map(|k| f64::from(k) * WAVE).skip_while(|p| p * turned.len() as f64 <= 2.0 * PI);
+        let waves = (1..).map(|k| f64::from(k) * WAVE).skip_while(|p| p * turned.len() as f64 <= 4.0 * PI);
         let fits = waves.take_while(|p| *p < PI).map(|p| (p, fit(&turned, p).left));
         let mut wave_number = fits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(f64::NAN, |(p, _)| p);
         for _ in 0..ROUNDS {
-            twist = least(twist, TWIST, |twist| fit(&far.turned(twist), wave_number).left);
             let turned = far.turned(twist);
             wave_number = least(wave_number, WAVE, |p| fit(&turned, p).left);
+            twist += fit(&turned, wave_number).slope;
         }
         let turned = far.turned(twist);
         let mean = turned.iter().map(|(_, a)| a.re).sum::<f64>() / turned.len() as f64;
         let whole: f64 = turned.iter().map(|(_, a)| (a - mean).norm_sqr()).sum();
-        let Fit { amplitude, left } = fit(&turned, wave_number);
+        let Fit { amplitude, left, .. } = fit(&turned, wave_number);
         Tail { twist, wave_number, amplitude: amplitude / mean, share: 1.0 - left / whole }
     }
 }
@@ -227,19 +205,24 @@ fn least(x: f64, reach: f64, of: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The least squares of `c + A cos(p s) + i B sin(p s)`.
+/// The least squares of `c (1 + i slope s) + A cos(p s) + i B sin(p s)`.
 fn fit(far: &[(f64, Complex<f64>)], p: f64) -> Fit {
+    let sum = |of: &dyn Fn(f64, Complex<f64>) -> f64| far.iter().map(|(s, a)| of(*s, *a)).sum::<f64>();
     let count = far.len() as f64;
-    let mean = |of: &dyn Fn(&(f64, Complex<f64>)) -> f64| far.iter().map(of).sum::<f64>() / count;
-    let (cos, re) = (mean(&|(s, _)| (p * s).cos()), mean(&|(_, a)| a.re));
-    let spread = mean(&|(s, _)| ((p * s).cos() - cos).powi(2));
-    let amplitude = mean(&|(s, a)| ((p * s).cos() - cos) * (a.re - re)) / spread;
-    let sines = mean(&|(s, _)| (p * s).sin().powi(2));
-    let odd = if sines > 0.0 { mean(&|(s, a)| (p * s).sin() * a.im) / sines } else { 0.0 };
-    let left = |(s, a): &(f64, Complex<f64>)| {
-        (a.re - re - amplitude * ((p * s).cos() - cos)).powi(2) + (a.im - odd * (p * s).sin()).powi(2)
-    };
-    Fit { amplitude, left: count * mean(&left) }
+    let [cos, mean] = [sum(&|s, _| (p * s).cos()) / count, sum(&|_, a| a.re) / count];
+    let spread = sum(&|s, _| ((p * s).cos() - cos).powi(2));
+    let amplitude = sum(&|s, a| ((p * s).cos() - cos) * a.re) / spread;
+    // The imaginary part: rows s and sin(p s).
+    let [ss, sw, ww] = [sum(&|s, _| s * s), sum(&|s, _| s * (p * s).sin()), sum(&|s, _| (p * s).sin().powi(2))];
+    let [sa, wa] = [sum(&|s, a| s * a.im), sum(&|s, a| (p * s).sin() * a.im)];
+    let determinant = ss * ww - sw * sw;
+    let [slope, odd] = [(sa * ww - wa * sw) / determinant, (wa * ss - sa * sw) / determinant];
+    let left = sum(&|s, a| {
+        let re = a.re - mean - amplitude * ((p * s).cos() - cos);
+        let im = a.im - slope * s - odd * (p * s).sin();
+        re * re + im * im
+    });
+    Fit { amplitude, slope: slope / mean, left }
 }
 
 #[cfg(test)]

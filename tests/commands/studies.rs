@@ -645,7 +645,7 @@ fn a_search_for_an_exact_wave_that_stalls_keeps_its_best_iterate() {
     };
     assert!(run(&[]).status.success());
     assert!(names().iter().any(|name| name == "exact.json"), "{:?}", names());
-    let stalled = run(&["--omega-tw", "3"]);
+    let stalled = run(&["--omega-tw", "1.5"]);
     let text = String::from_utf8_lossy(&stalled.stderr).into_owned();
     assert!(stalled.status.code() == Some(1) && text.contains("no periodic orbit after"), "{text}");
     assert_eq!(names(), ["stalled.json"]);

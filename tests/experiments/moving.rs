@@ -9,7 +9,7 @@ use hertzchain::{
         collocation::{Pace, Tangent},
     },
     orbits::Kind,
-    study::Moving,
+    study::{Barrier, Moving},
 };
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
@@ -143,15 +143,24 @@ fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kin
     assert!(tail.share > 0.7 && tail.amplitude.abs() > 1e-3, "{tail:?}");
 }
 
-// Truth: the breather at rest, by the barrier's own background (docs/orbits.md: -6.0000e-2 about a
-// site and 9.7729e-3 more about a bond). The background is an exact wave here, an orbit there.
+// Truth: the breather at rest in the study of the barrier, whose background is an orbit of a ring
+// and whose action is an integral over half a period.
 #[test]
-fn the_energy_of_a_kink_at_rest_is_that_of_the_barrier() {
-    let breather = breather(41, 2.05, 22);
-    let rest = breather.at_rest().orbit(&Default::default()).unwrap();
-    let still = MovingOrbit { breather, z: rest.start(), residual: 0.0, newton: Vec::new() };
-    let energy = still.kink_energy(0.0).unwrap();
-    assert!((energy + 6.0000e-2 - 9.7729e-3).abs() < 2e-6, "{energy}");
+fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
+    let mut barrier = Barrier::of(1.0 / 3.0, [2.05, 2.06], 2);
+    barrier.ring.sites = 15;
+    let study = barrier.study(&|_, _| {}).unwrap();
+    // About a site: the kinetic energy is then even about a quarter of a period as well.
+    let kink = &study.points[0].kinks[0];
+    let z = kink.orbit.start();
+    let still = MovingOrbit { breather: breather(15, 2.05, 22), z, residual: 0.0, newton: Vec::new() };
+    let found = still.kink_energy(0.0, 1e-13).unwrap();
+    let free = kink.kink_energy - 2.05 * kink.kink_action;
+    println!("{found:?} {} {free}", kink.kink_energy);
+    assert!(
+        (found.energy / kink.kink_energy - 1.0).abs() < 1e-8 && (found.free / free - 1.0).abs() < 1e-5,
+        "{found:?}"
+    );
 }
 
 // Truth: the same orbit at a tolerance a hundred times as small. A symmetric state has two entries

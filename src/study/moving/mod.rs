@@ -20,7 +20,7 @@ pub(crate) use report::{caption as moving_caption, tables as moving_tables};
 
 use super::{Progress, Study, Work};
 use crate::{
-    breathers::{Band, Envelope, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
+    breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     chain::Params,
     error::{Error, Result},
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
@@ -120,8 +120,8 @@ pub struct MovingPoint {
     /// Linear waves that keep their phase in the frame of the kink; none where the background was
     /// not found.
     pub resonant: Vec<LinearWave>,
-    /// Energy of the kink ([`MovingOrbit::kink_energy`]); NaN where the background was not found.
-    pub energy: f64,
+    /// Energies of the kink ([`MovingOrbit::kink_energy`]); NaN where the background was not found.
+    pub energy: KinkEnergy,
     /// How near an exact orbit is, if that was asked for.
     pub kantorovich: Option<Kantorovich>,
 }
@@ -261,7 +261,7 @@ impl Moving {
             return_error: orbit.return_error(self.tol)?,
             spectrum: orbit.spectrum(self.tol)?,
             resonant: waves.map_or(Vec::new(), |waves| waves.resonant(breather.passage())),
-            energy: orbit.kink_energy(tail.twist).unwrap_or(f64::NAN),
+            energy: orbit.kink_energy(tail.twist, self.tol).unwrap_or(KinkEnergy { energy: f64::NAN, free: f64::NAN }),
             kantorovich: if self.bound { orbit.kantorovich(self.tol)? } else { None },
             tail,
             envelope,

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 impl MovingPoint {
     /// Its numbers, in the order of [`NAMES`].
-    fn numbers(&self) -> [f64; 17] {
+    fn numbers(&self) -> [f64; 18] {
         let (breather, envelope) = (&self.orbit.breather, &self.envelope);
         [
             breather.omega_b,
@@ -32,13 +32,14 @@ impl MovingPoint {
             self.tail.wave_number,
             self.tail.share,
             self.resonant_wave(),
-            self.energy,
+            self.energy.energy,
+            self.energy.free,
             self.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
         ]
     }
 }
 
-const NAMES: [&str; 17] = [
+const NAMES: [&str; 18] = [
     "omega_b",
     "turns",
     "passage",
@@ -55,6 +56,7 @@ const NAMES: [&str; 17] = [
     "tail_share",
     "resonant_wave",
     "energy",
+    "free_energy",
     "radius",
 ];
 
@@ -144,7 +146,8 @@ impl Report for MovingStudy {
                 format!("{:.5}", envelope.tail),
                 format!("{:.3}", point.tail.wave_number / PI),
                 format!("{:.3}", point.resonant_wave() / PI),
-                format!("{:.5e}", point.energy),
+                format!("{:.3e}", point.energy.energy),
+                format!("{:.4e}", point.energy.free),
                 format!("{:.6}", point.spectrum.largest()),
                 format!("{:.2e}", point.growth()),
             ]
@@ -162,6 +165,7 @@ impl Report for MovingStudy {
             "p/pi",
             "resonant",
             "energy",
+            "E-wJ-vP",
             "max |l|",
             "growth",
         ];
@@ -314,7 +318,7 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
             [
                 Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
                 Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
-                Panel::new(Kind::Parameter, [over, "energy of the kink"], families(&|point| point.energy)),
+                Panel::new(Kind::Parameter, [over, "E − ωJ − vP of the kink"], families(&|point| point.energy.free)),
             ],
         ),
     ]
