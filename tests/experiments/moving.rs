@@ -129,10 +129,9 @@ fn seeds_of_other_velocities_lead_to_the_same_orbit_which_moves_to_the_right() {
 fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kink() {
     let orbit = breather(21, 2.05, 22).orbit(1e-13).unwrap();
     let tail = orbit.envelope(1e-12).unwrap().tail_wave();
+    let waves = LinearWaves::new(orbit.breather.params, 2.05 + tail.twist / orbit.breather.passage()).unwrap();
     let at = |turns: u32| {
-        let other = breather(21, 2.05, turns);
-        let waves = LinearWaves::new(other.params, 2.05 + tail.twist / orbit.breather.passage()).unwrap();
-        let found = waves.resonant(other.passage());
+        let found = waves.resonant(breather(21, 2.05, turns).passage());
         let found: Vec<f64> =
             found.iter().filter(|wave| wave.band == Band::Modulation).map(|wave| wave.wave_number).collect();
         assert_eq!(found.len(), 1, "{found:?}");

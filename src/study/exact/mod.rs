@@ -348,11 +348,12 @@ impl ContinueWave {
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
-        if self.wanted.mean.is_none() && self.vary != WaveParameter::Mean {
-            if let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz() {
-                let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
-                numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
-            }
+        if self.wanted.mean.is_none()
+            && self.vary != WaveParameter::Mean
+            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
+        {
+            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
+            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
         }
         let continuation = WaveContinuation {
             parameter: self.vary,

@@ -296,13 +296,14 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
         let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
         depths.push(Line::new("kicked", passages));
     }
-    let mut waves = Vec::new();
-    let both: [(&str, fn(&MovingPoint) -> f64); 2] =
-        [("tail", |point| point.tail.wave_number), ("resonant", MovingPoint::resonant_wave)];
-    for (what, of) in both {
-        let lines = families(&|point| of(point) / PI).into_iter();
-        waves.extend(lines.map(|line| Line { name: format!("{what}, {}", line.name), ..line }));
-    }
+    let named = |what: &str, lines: Vec<Line>| -> Vec<Line> {
+        lines.into_iter().map(|line| Line { name: format!("{what}, {}", line.name), ..line }).collect()
+    };
+    let waves = [
+        named("tail", families(&|point| point.tail.wave_number / PI)),
+        named("resonant", families(&|point| point.resonant_wave() / PI)),
+    ]
+    .concat();
     let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
     vec![
         Column::new(
