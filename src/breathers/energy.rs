@@ -48,12 +48,12 @@ pub(super) fn background(params: Params, omega_b: f64) -> Result<WaveSetting> {
 /// As [`Search::wave`].
 ///
 /// ```
-/// use hertzchain::{Params, breathers::background_energy};
+/// use hertzchain::{Params, breathers::{KinkEnergy, background_energy}};
 /// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
 /// let at = |omega: f64| background_energy(params, omega);
 /// let (low, high) = (at(2.049)?, at(2.051)?);
 /// // de = omega dj with omega j = e - free.
-/// let action = |omega: f64, one: hertzchain::breathers::KinkEnergy| (one.energy - one.free) / omega;
+/// let action = |omega: f64, one: KinkEnergy| (one.energy - one.free) / omega;
 /// let slope = (high.energy - low.energy) / (action(2.051, high) - action(2.049, low));
 /// assert!((slope - 2.05).abs() < 1e-4);
 /// # Ok::<(), hertzchain::Error>(())

@@ -454,7 +454,8 @@ impl MovingOrbit {
         let (shot, size) = (breather.shot(tol)?, max_norm(self.z[..n].iter().copied()));
         let at = shot.start.transpose() * DVector::from_column_slice(&self.z);
         let Equations { residual, mut jacobian } = shot.equations(&at, true)?;
-        // Coordinates of rates and the rates of the end are in units of the amplitude times omega_b.
+        // Coordinates of rates and the rates of the end are in units of the amplitude times
+        // omega_b.
         let rate = |column: &DVector<f64>| column.rows(2 * n, 2 * n).amax() > 0.0;
         for j in 0..jacobian.ncols() {
             if rate(&shot.start.column(j).into_owned()) {

@@ -246,7 +246,8 @@ mod tests {
         }
     }
 
-    // Truth: the definition. The linear limit at p = pi is a wave without contacts, of frequency omega.
+    // Truth: the definition. The linear limit at p = pi is a wave without contacts, of frequency
+    // omega.
     #[test]
     fn resonant_waves_keep_their_phase_in_the_frame() {
         let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();

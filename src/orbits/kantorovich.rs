@@ -39,8 +39,8 @@
 //! The theorem is, and the step from its numbers to the radii: for given `F(z)`, `F'(z)` and
 //! `kappa`, the norm of `A`, `eta` and `d` are upper bounds, from sums that are rounded up and from
 //! a bound of the roundings of each product, and both inequalities are checked with results rounded
-//! up. (For `p` other than 1/2 and 1 the power is taken to be right to 4 roundings.) So `A` need not
-//! be the inverse.
+//! up. (For `p` other than 1/2 and 1 the power is taken to be right to 4 roundings.) So `A` need
+//! not be the inverse.
 //!
 //! Not rigorous are the three numbers that come from the flow: `F(z)` and `F'(z)`, where the error
 //! of the first is taken to be the tolerance and that of the second to be none; and `kappa`, for
@@ -82,11 +82,12 @@ impl Kantorovich {
     ///
     /// ```
     /// // r = 1e-6 + kappa r^{3/2}/(3/2) with kappa = 1: r is about eta + (2/3) eta^{3/2}.
-    /// let found = hertzchain::orbits::Kantorovich::new([1e-7, 10.0, 1e-6, 0.0], 0.5, 1.0);
+    /// use hertzchain::orbits::Kantorovich;
+    /// let found = Kantorovich::new([1e-7, 10.0, 1e-6, 0.0], 0.5, 1.0);
     /// assert!((found.radius.unwrap() - 1e-6 - 2.0 / 3.0 * 1e-9).abs() < 1e-11);
-    /// assert_eq!(hertzchain::orbits::Kantorovich::new([0.1, 10.0, 1.0, 0.0], 0.5, 1.0).radius, None);
-    /// // An inverse that leaves more than 1 says nothing.
-    /// assert_eq!(hertzchain::orbits::Kantorovich::new([1e-7, 10.0, 1e-6, 1.0], 0.5, 1.0).radius, None);
+    /// assert_eq!(Kantorovich::new([0.1, 10.0, 1.0, 0.0], 0.5, 1.0).radius, None);
+    /// // An inverse that leaves 1 or more says nothing.
+    /// assert_eq!(Kantorovich::new([1e-7, 10.0, 1e-6, 1.0], 0.5, 1.0).radius, None);
     /// ```
     pub fn new([residual, inverse, correction, defect]: [f64; 4], exponent: f64, hoelder: f64) -> Self {
         // Upper bounds.
@@ -251,8 +252,9 @@ fn row_sums(matrix: &DMatrix<f64>) -> DVector<f64> {
 
 /// Upper bounds of the moduli of the entries of `a b`, or of `1 - a b`.
 fn product(a: &DMatrix<f64>, b: &DMatrix<f64>, from_one: bool) -> DMatrix<f64> {
-    // A sum of n products is off by at most n/(1 - n u) roundings u of the sum of their moduli; half
-    // of the factor is for the roundings of that sum. The last term is for products that underflow.
+    // A sum of n products is off by at most n/(1 - n u) roundings u of the sum of their moduli;
+    // half of the factor is for the roundings of that sum. The last term is for products that
+    // underflow.
     let share = a.ncols() as f64 * 2.0 * f64::EPSILON;
     let [large, sizes] = [a.abs(), b.abs()];
     let (sum, size) = (a * b, large * sizes);

@@ -12,11 +12,11 @@ mod perturbed;
 mod solitary;
 mod stability;
 
+pub(crate) use exact::Start;
 pub use exact::{
     ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier,
     WaveNumber, WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,
 };
-pub(crate) use exact::Start;
 pub use modes::Mode;
 pub(crate) use modes::strains;
 pub use perturbed::PerturbedWave;

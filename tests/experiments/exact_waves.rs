@@ -367,8 +367,8 @@ fn the_shortest_waves_of_the_plain_chain_and_of_the_cradle_have_their_closed_for
     }
 }
 
-// Truth: without resonators lengths times l and times times l^{-(alpha-1)/2} are the same chain; and
-// a wave with a gap on the way opens its contacts.
+// Truth: without resonators lengths times l and times times l^{-(alpha-1)/2} are the same chain;
+// and a wave with a gap on the way opens its contacts.
 #[test]
 fn waves_of_the_plain_chain_have_no_length_of_their_own() {
     let of = |amplitude: f64| {

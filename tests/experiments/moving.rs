@@ -123,8 +123,8 @@ fn seeds_of_other_velocities_lead_to_the_same_orbit_which_moves_to_the_right() {
 }
 
 // Truth: the dispersion of linear waves about the background alone, computed on a ring without a
-// kink. The number of far sites resolves wave numbers to about 0.1 pi; measured: 0.003 pi apart. The
-// resonances of kinks of other velocities are 0.05 pi away.
+// kink. The number of far sites resolves wave numbers to about 0.1 pi; measured: 0.003 pi apart.
+// The resonances of kinks of other velocities are 0.05 pi away.
 #[test]
 fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kink() {
     let orbit = breather(21, 2.05, 22).orbit(1e-13).unwrap();

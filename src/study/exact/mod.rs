@@ -77,9 +77,9 @@ pub struct Wanted {
     pub mean: Option<f64>,
     /// Mass ratio resonator to bead, positive.
     ///
-    /// In place of the scene's; here also 0, no resonators, and inf, fixed ones (Newton's cradle). The
-    /// wave has the amplitude of the scene's unless a frequency is given; with fixed resonators its
-    /// mean strain is 0.
+    /// In place of the scene's; here also 0, no resonators, and inf, fixed ones (Newton's cradle).
+    /// The wave has the amplitude of the scene's unless a frequency is given; with fixed resonators
+    /// its mean strain is 0.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
     pub rho: Option<f64>,
     /// Number of sites.

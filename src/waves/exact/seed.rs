@@ -323,8 +323,8 @@ impl Search {
         Ok((wave?, start.ansatz()))
     }
 
-    /// The wave of a chain without resonators: by its amplitude, and then scaled. Of all waves it is
-    /// the one that is connected to the linear wave under a precompression.
+    /// The wave of a chain without resonators: by its amplitude, and then scaled. It is the one that
+    /// is connected to the linear wave under a precompression, unless that way fails.
     fn plain(&self, setting: &WaveSetting, given: Given, harmonic: &Harmonic) -> Option<ExactWave> {
         // More steps of Newton's method lead to other waves.
         let near = Self { most_steps: NEAR_STEPS.min(self.most_steps), ..*self };
