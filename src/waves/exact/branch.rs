@@ -87,7 +87,7 @@ impl WaveParameter {
             Self::Alpha => (1.0, "above 1: tangent maps need alpha > 1"),
             Self::OmegaTw => (0.0, "a frequency is positive"),
             Self::Amplitude => (0.0, "an amplitude is positive"),
-            Self::Rho => (0.0, "a mass ratio is positive"),
+            Self::Rho => (0.0, "a mass ratio is positive; a wave without resonators has a branch of its own"),
             Self::Kappa => (0.0, "a spring constant is positive"),
         }
     }
