@@ -3,11 +3,15 @@
 
 mod bright;
 mod dark;
+mod energy;
 mod moving;
+mod tail;
 mod trivial;
 
 pub use bright::{BrightBreather, Norms};
 pub use dark::DarkBreather;
+pub use energy::{KinkEnergy, background_energy};
 pub(crate) use moving::centre;
 pub use moving::{Envelope, MovingBreather, MovingOrbit};
+pub use tail::{Band, LinearWave, LinearWaves, Tail};
 pub use trivial::{ClosedForm, TrivialBreather};

@@ -104,6 +104,28 @@ impl Scales {
     }
 }
 
+/// Refuses numbers of a continuation outside their rules, from one value of the parameter to
+/// another.
+pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
+    if !to.is_finite() || to == from {
+        return Err(Error::parameter("to", to, "a finite number, not where the branch begins"));
+    }
+    if !(step.is_finite() && step > 0.0) {
+        return Err(Error::parameter("step", step, "finite and positive"));
+    }
+    if most_points < 2 {
+        return Err(Error::parameter("points", most_points, "at least two"));
+    }
+    Ok(())
+}
+
+/// The direction of the parameter at the first point of a branch with so many unknowns.
+pub(super) fn along(unknowns: usize, direction: f64) -> DVector<f64> {
+    let mut along = DVector::zeros(unknowns + 1);
+    along[unknowns] = direction;
+    along
+}
+
 /// `F` and `[F_z s, F_p P]`.
 fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
     let Equations { residual, jacobian } = family.equations(z, p, true)?;

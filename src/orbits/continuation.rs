@@ -216,11 +216,7 @@ impl Trail {
         // the parameter.
         let before = match &self.orbits[..] {
             [.., a, b] => self.continuation.chord(a, b, scales).normalize(),
-            _ => {
-                let mut along = DVector::zeros(orbit.z.len() + 1);
-                along[orbit.z.len()] = direction;
-                along
-            }
+            _ => arclength::along(orbit.z.len(), direction),
         };
         let tangent = self.continuation.tangent(orbit, scales, &before).ok()?;
         self.continuation.next(&Place { orbit: orbit.clone(), tangent }, scales, direction, self.ds)
@@ -229,16 +225,7 @@ impl Trail {
 
 impl Continuation {
     pub(super) fn validate(&self, from: f64) -> Result<()> {
-        if !self.to.is_finite() || self.to == from {
-            return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
-        }
-        if !(self.step.is_finite() && self.step > 0.0) {
-            return Err(Error::parameter("step", self.step, "finite and positive"));
-        }
-        if self.most_points < 2 {
-            return Err(Error::parameter("points", self.most_points, "at least two"));
-        }
-        Ok(())
+        arclength::check([from, self.to], self.step, self.most_points)
     }
 
     /// Follows the branch from `start` to the final value of the parameter; `seen` is called with

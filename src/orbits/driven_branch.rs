@@ -104,16 +104,7 @@ impl DrivenPoint {
 
 impl DrivenContinuation {
     pub(crate) fn check(&self, from: f64) -> Result<()> {
-        if !self.to.is_finite() || self.to == from {
-            return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
-        }
-        if !(self.step.is_finite() && self.step > 0.0) {
-            return Err(Error::parameter("step", self.step, "finite and positive"));
-        }
-        if self.most_points < 2 {
-            return Err(Error::parameter("points", self.most_points, "at least two"));
-        }
-        Ok(())
+        arclength::check([from, self.to], self.step, self.most_points)
     }
 
     /// Follows the branch from `start`, past folds, until the parameter has its final value or, back
@@ -142,11 +133,7 @@ impl DrivenContinuation {
             let scales = Scales::new(z, range);
             let before = match &points[..] {
                 [.., a, b] => scales.chord(self.place(&a.orbit), self.place(&b.orbit)).normalize(),
-                _ => {
-                    let mut along = DVector::zeros(z.len() + 1);
-                    along[z.len()] = direction;
-                    along
-                }
+                _ => arclength::along(z.len(), direction),
             };
             let Ok(tangent) = arclength::tangent(&family, (z, p), scales, &before) else { break End::Lost };
             let way = Way { to: self.to, step: self.step, natural: false, direction };

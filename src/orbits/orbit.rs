@@ -129,7 +129,19 @@ impl Orbit {
         }
         let overlap = self.x().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let (params, omega, sites) = (setting.params, setting.omega_b, setting.sites);
-        let shot = Shot { params, size, omega, sites, overlap, history, pick, residual, jacobian, tol: shooting.tol };
+        let shot = Shot {
+            params,
+            size,
+            omega,
+            sites,
+            overlap,
+            history,
+            pick,
+            residual,
+            jacobian,
+            varied: None,
+            tol: shooting.tol,
+        };
         Ok(shot.kantorovich())
     }
 

@@ -12,6 +12,7 @@ mod perturbed;
 mod solitary;
 mod stability;
 
+pub(crate) use exact::Start;
 pub use exact::{
     ExactWave, Given, MeanStrain, Profile, Search, WaveBranch, WaveContinuation, WaveEnd, WaveKind, WaveMultiplier,
     WaveNumber, WaveParameter, WaveQuality, WaveSetting, WaveSpectrum, ansatz,

@@ -6,7 +6,7 @@ use hertzchain::{
     chain::{Chain, Params, Site},
     integrators::collocation::{Pace, monodromy},
     run::Method,
-    study::{ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
+    study::{BranchWave, ContinueWave, ExactStudy, Wanted, WaveBranchStudy},
     waves::{ExactWave, Given, MeanStrain, Search, WaveEnd, WaveKind, WaveNumber, WaveParameter, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
@@ -141,7 +141,8 @@ fn by_fourier(wave: &WaveSetting, mean: f64, first: f64, points: usize) -> Vec<f
 fn an_exact_wave_solves_the_equation_of_its_profile() {
     for study in companions() {
         let wave = &study.wave;
-        let of = |points: usize| by_fourier(&wave.setting, wave.mean(), 0.99 * study.ansatz.amplitude(), points);
+        let of =
+            |points: usize| by_fourier(&wave.setting, wave.mean(), 0.99 * study.ansatz.unwrap().amplitude(), points);
         let (coarse, fine) = (of(1 << 14), of(1 << 17));
         let value = |x: &[f64], n: usize| -> f64 {
             x.iter().enumerate().map(|(k, x)| x * (k as f64 * wave.setting.q.q() * n as f64).cos()).sum()
@@ -180,7 +181,8 @@ fn the_ansatz_and_its_growth_become_exact_like_the_root_of_the_size() {
             wanted.set.set = vec![format!("chain.rho={rho}"), format!("initial.epsilon={epsilon}")];
             let study = wanted.study().unwrap();
             let last = study.growth.last().unwrap();
-            [study.errors[0], study.errors[1], last.exact / last.modulation - 1.0]
+            let errors = study.errors.unwrap();
+            [errors[0], errors[1], last.exact / last.modulation.unwrap() - 1.0]
         };
         let [small, large] = ["1e-6", "1e-4"].map(of);
         for (small, large) in small.iter().zip(large) {
@@ -209,6 +211,10 @@ fn small_waves_under_precompression_are_those_of_the_linear_chain() {
     let lowest = study.waves.iter().map(|one| one.wave.setting.omega_tw).fold(f64::INFINITY, f64::min);
     assert!((2.0071..2.0073).contains(&lowest) && lowest < omega, "{lowest}");
     assert!(study.waves.iter().all(|one| one.wave.residual < 1e-13), "all of the branch is solved");
+    // Near the linear chain the frequency hardly depends on the amplitude, and |A| is its inverse.
+    let bounded = |one: &&BranchWave| one.kantorovich.is_some_and(|found| found.radius.is_some_and(|r| r < 1e-7));
+    let bounded = study.waves.iter().filter(bounded).count();
+    assert!(2 * bounded > study.waves.len(), "{bounded} of {}", study.waves.len());
 }
 
 // Truth: multipliers of the whole period are eigenvalues of the monodromy matrix of the ring, so
@@ -253,8 +259,9 @@ fn modulations_grow_where_the_modulation_equations_say() {
     let fastest = long.spectrum.fastest().unwrap();
     assert!(fastest.bloch == PI && fastest.frequency.abs() < 1e-13, "{fastest:?}");
     for row in &long.growth {
-        assert_eq!(row.exact > 0.0, row.modulation > 0.0, "{row:?}");
-        assert!((row.exact - row.modulation).abs() < 0.08 * row.exact.max(1e-300), "{row:?}");
+        let modulation = row.modulation.unwrap();
+        assert_eq!(row.exact > 0.0, modulation > 0.0, "{row:?}");
+        assert!((row.exact - modulation).abs() < 0.08 * row.exact.max(1e-300), "{row:?}");
     }
 }
 
@@ -332,6 +339,87 @@ fn the_shortest_wave_has_a_cell_of_two_sites() {
     assert!((wave.mean() / wave.amplitude() - 0.5).abs() < 1e-12);
 }
 
+/// The mean of Gauss of `a` and `b`.
+fn agm(mut a: f64, mut b: f64) -> f64 {
+    for _ in 0..40 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    a
+}
+
+// Truth: closed form. With q = pi and no mean strain x'' = -kappa x - 2 |x|^{alpha-1} x; at alpha =
+// 3 this is Duffing's equation, omega = (kappa + 2 A^2)^{1/2} agm(1, ((kappa + A^2)/(kappa + 2
+// A^2))^{1/2}).
+#[test]
+fn the_shortest_waves_of_the_plain_chain_and_of_the_cradle_have_their_closed_form() {
+    for (rho, kappa, amplitude) in
+        [(0.0, 0.0, 1.0), (0.0, 0.0, 0.03), (f64::INFINITY, 1.0, 0.1), (f64::INFINITY, 1.0, 1.0)]
+    {
+        let mut wanted = Wanted { rho: Some(rho), q_over_pi: Some(1.0), sites: Some(4), ..Wanted::of("tw-q15") };
+        wanted.set.set = vec!["chain.alpha=3".to_owned()];
+        let study = Wanted { amplitude: Some(amplitude), mean: Some(0.0), ..wanted }.study().unwrap();
+        let square = kappa + 2.0 * amplitude * amplitude;
+        let omega = square.sqrt() * agm(1.0, ((kappa + amplitude * amplitude) / square).sqrt());
+        let found = study.wave.setting.omega_tw;
+        assert!((found / omega - 1.0).abs() < 1e-12, "{rho} {amplitude}: {found} {omega}");
+        assert!(study.ansatz.is_none() && study.errors.is_none() && study.wave.residual < 1e-13);
+        assert!((study.profile.closed() - 0.5).abs() < 1e-12 && study.profile.y.is_empty());
+    }
+}
+
+// Truth: without resonators lengths times l and times times l^{-(alpha-1)/2} are the same chain;
+// and a wave with a gap on the way opens its contacts.
+#[test]
+fn waves_of_the_plain_chain_have_no_length_of_their_own() {
+    let of = |amplitude: f64| {
+        let wanted = Wanted { rho: Some(0.0), amplitude: Some(amplitude), sites: Some(10), ..Wanted::of("tw-q15") };
+        wanted.study().unwrap()
+    };
+    let [small, large] = [1e-3, 10.0].map(of);
+    let power = (large.wave.setting.omega_tw / small.wave.setting.omega_tw).ln() / 1e4_f64.ln();
+    assert!((power - 0.25).abs() < 1e-13, "{power}");
+    assert!((small.profile.closed() - large.profile.closed()).abs() < 1e-12 && large.profile.closed() < 0.25);
+    let by_frequency = Wanted {
+        amplitude: None,
+        omega_tw: Some(large.wave.setting.omega_tw),
+        rho: Some(0.0),
+        sites: Some(10),
+        ..Wanted::of("tw-q15")
+    };
+    let same = by_frequency.study().unwrap();
+    assert!((same.wave.amplitude() / 10.0 - 1.0).abs() < 1e-11, "{}", same.wave.amplitude());
+}
+
+// Truth: the limits, which the chain has in code of its own: differences fall like rho and 1/rho.
+#[test]
+fn waves_of_light_and_of_heavy_resonators_have_the_plain_chain_and_the_cradle_as_limits() {
+    let wanted = |rho: f64| Wanted { rho: Some(rho), sites: Some(10), ..Wanted::of("tw-q15") };
+    let light = |rho: f64| Wanted { omega_tw: Some(0.2), ..wanted(rho) }.study().unwrap().wave.amplitude();
+    let plain = light(0.0);
+    let [a, b, c] = [1e-2, 1e-3, 1e-4].map(|rho| light(rho) / plain - 1.0);
+    assert!((a / b - 10.0).abs() < 0.2 && (b / c - 10.0).abs() < 0.1 && c < 1e-3, "{a} {b} {c}");
+    let heavy = |rho: f64| {
+        let wanted = Wanted { amplitude: Some(0.1), mean: Some(0.0), ..wanted(rho) };
+        wanted.study().unwrap().wave.setting.omega_tw
+    };
+    let cradle = heavy(f64::INFINITY);
+    let [a, b] = [1e3, 1e4].map(|rho| heavy(rho) - cradle);
+    assert!((a / b - 10.0).abs() < 0.1 && b.abs() < 1e-3, "{a} {b}");
+}
+
+// Truth: the advance-delay equation by Fourier series, without any integration.
+#[test]
+fn a_wave_of_the_cradle_solves_the_equation_of_its_profile() {
+    let wanted = Wanted { rho: Some(f64::INFINITY), amplitude: Some(0.1), sites: Some(10), ..Wanted::of("tw-q15") };
+    let wave = wanted.study().unwrap().wave;
+    let fine = by_fourier(&wave.setting, 0.0, 0.1, 1 << 16);
+    let value = |n: usize| {
+        fine.iter().enumerate().map(|(k, x)| x * (k as f64 * wave.setting.q.q() * n as f64).cos()).sum::<f64>()
+    };
+    let off = largest((0..10).map(|n| wave.z[n] - value(n))) / wave.amplitude();
+    assert!(off < 1e-10, "{off:e}");
+}
+
 #[test]
 fn refusals_name_value_and_rule() {
     for (wanted, message) in [
@@ -342,10 +430,30 @@ fn refusals_name_value_and_rule() {
         (Wanted { amplitude: Some(0.0), ..Wanted::of("tw-q15") }, "amplitude = 0 is not valid"),
         (Wanted { mean: Some(f64::NAN), ..Wanted::of("tw-q15") }, "is not valid"),
         (Wanted { tol: 1e-3, ..Wanted::of("tw-q15") }, "tol = 0.001 is not valid: from 1e-15 to 1e-12"),
+        (Wanted { omega_tw: Some(1.9), ..Wanted::of("tw-q15") }, "or below (kappa/rho)^(1/2)"),
+        (Wanted { rho: Some(-1.0), ..Wanted::of("tw-q15") }, "rho = -1 is not valid: the mass ratio is in [0, inf]"),
+        (
+            Wanted { rho: Some(f64::INFINITY), mean: Some(0.1), ..Wanted::of("tw-q15") },
+            "hold the mean strain of a wave at 0",
+        ),
+        (
+            Wanted { rho: Some(f64::INFINITY), omega_tw: Some(0.9), ..Wanted::of("tw-q15") },
+            "omega_tw = 0.9, where omega = 1",
+        ),
         (Wanted::of("cradle"), "travelling-wave"),
     ] {
         let text = wanted.study().unwrap_err().to_string();
         assert!(text.contains(message), "{message}: {text}");
+    }
+    for (rho, vary, words) in [
+        (0.0, WaveParameter::Rho, "rho varies where resonators move"),
+        (0.0, WaveParameter::Kappa, "kappa varies where there are resonators"),
+        (f64::INFINITY, WaveParameter::Mean, "hold the mean strain of a wave at 0"),
+    ] {
+        let wanted = Wanted { rho: Some(rho), ..Wanted::of("tw-q15") };
+        let one = ContinueWave { wanted, vary, to: Some(0.5), step: None, waves: 200 };
+        let text = one.branch(&|_, _| {}).unwrap_err().to_string();
+        assert!(text.contains(words), "{text}");
     }
     // A search that may take no step.
     let setting = setting(1.0 / 3.0, 0.2, 10, 2.001, MeanStrain::Value(0.057));

@@ -2,14 +2,14 @@
 
 use hertzchain::{
     Chain, Method, Run, State,
-    breathers::{MovingBreather, MovingOrbit},
+    breathers::{Band, LinearWaves, MovingBreather, MovingOrbit},
     chain::{Params, Site},
     integrators::{
         Stepper,
         collocation::{Pace, Tangent},
     },
     orbits::Kind,
-    study::Moving,
+    study::{Barrier, Moving},
 };
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
@@ -122,6 +122,70 @@ fn seeds_of_other_velocities_lead_to_the_same_orbit_which_moves_to_the_right() {
     assert!(envelope.tail < 0.02 && (0.3..0.7).contains(&envelope.depth), "{envelope:?}");
 }
 
+// Truth: the dispersion of linear waves about the background alone, computed on a ring without a
+// kink. The number of far sites resolves wave numbers to about 0.1 pi; measured: 0.003 pi apart.
+// The resonances of kinks of other velocities are 0.05 pi away.
+#[test]
+fn the_tail_is_the_modulation_of_the_background_that_has_the_velocity_of_the_kink() {
+    let orbit = breather(21, 2.05, 22).orbit(1e-13).unwrap();
+    let tail = orbit.envelope(1e-12).unwrap().tail_wave();
+    let waves = LinearWaves::new(orbit.breather.params, 2.05 + tail.twist / orbit.breather.passage()).unwrap();
+    let at = |turns: u32| {
+        let found = waves.resonant(breather(21, 2.05, turns).passage());
+        let found: Vec<f64> =
+            found.iter().filter(|wave| wave.band == Band::Modulation).map(|wave| wave.wave_number).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        (found[0] - tail.wave_number).abs() / std::f64::consts::PI
+    };
+    println!("{tail:?} {} {}", at(22), at(24));
+    assert!(at(22) < 0.02 && at(24) > 0.04, "{tail:?}: {} {}", at(22), at(24));
+    assert!(tail.share > 0.7 && tail.amplitude.abs() > 1e-3, "{tail:?}");
+}
+
+// Truth: the breather at rest in the study of the barrier, whose background is an orbit of a ring
+// and whose action is an integral over half a period.
+#[test]
+fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
+    let mut barrier = Barrier::of(1.0 / 3.0, [2.05, 2.06], 2);
+    barrier.ring.sites = 15;
+    let study = barrier.study(&|_, _| {}).unwrap();
+    // About a site: the kinetic energy is then even about a quarter of a period as well.
+    let kink = &study.points[0].kinks[0];
+    let z = kink.orbit.start();
+    let still = MovingOrbit { breather: breather(15, 2.05, 22), z, residual: 0.0, newton: Vec::new() };
+    let found = still.kink_energy(0.0, 1e-13).unwrap();
+    let free = kink.kink_energy - 2.05 * kink.kink_action;
+    println!("{found:?} {} {free}", kink.kink_energy);
+    assert!(
+        (found.energy / kink.kink_energy - 1.0).abs() < 1e-8 && (found.free / free - 1.0).abs() < 1e-5,
+        "{found:?}"
+    );
+}
+
+// Truth: the same orbit at a tolerance a hundred times as small. A symmetric state has two entries
+// for a coordinate, each its 2^{-1/2}.
+#[test]
+fn the_bound_of_a_moving_breather_holds_the_distance_to_a_better_one() {
+    let breather = breather(15, 2.1, 8);
+    let coarse = breather.orbit(1e-13).unwrap();
+    let better = breather.solve(&coarse.z, 1e-15).unwrap();
+    let found = coarse.kantorovich(1e-13).unwrap().unwrap();
+    let size = coarse.z[..15].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let unit = |i: usize| if i < 30 { size } else { size * 2.1 };
+    let apart = (0..60).map(|i| (coarse.z[i] - better.z[i]).abs() / unit(i)).fold(0.0, f64::max);
+    let distance = 2_f64.sqrt() * apart;
+    println!("{distance:e} {found:?}");
+    assert!(distance <= found.radius.unwrap() && found.defect < 1e-6, "{distance:e} {found:?}");
+    assert!(found.radius.unwrap() < 1e-9 && found.unique_within.unwrap() > 2.0 * found.radius.unwrap(), "{found:?}");
+    // A state that is no orbit has no bound, and a long ring none at all.
+    let mut far = coarse.clone();
+    far.z.iter_mut().for_each(|z| *z *= 1.1);
+    assert!(far.kantorovich(1e-13).unwrap().is_none_or(|found| found.radius.is_none()));
+    far.breather.sites = 63;
+    far.z.resize(4 * 63, 0.0);
+    assert!(far.kantorovich(1e-13).unwrap_err().to_string().contains("at most 61"));
+}
+
 // Truth: a tail that radiation makes does not become smaller on a longer ring.
 #[test]
 #[ignore = "a minute: rings of 41 sites"]
@@ -146,7 +210,8 @@ fn refusals_of_moving_breathers_name_value_and_rule() {
         options.study(&|_, _| {}).unwrap_err().to_string()
     };
     type Change = fn(&mut Moving);
-    let cases: [(Change, &str); 8] = [
+    let cases: [(Change, &str); 9] = [
+        (|o| (o.bound, o.sites) = (true, 63), "sites = 63 is not valid: at most 61 with --bound"),
         (|o| o.omega_b = vec![1.9], "a dark breather has a frequency above omega"),
         (|o| o.turns = vec![0], "from 1 to 100 whole periods"),
         (|o| o.turns = vec![], "at least one number of turns"),

@@ -99,8 +99,9 @@ pub(in super::super) fn limit_wave(rho: f64, epsilon: f64) -> Result<LimitWave> 
     let (exact, ansatz) = search.wave(&setting, Given::Frequency)?;
     let study = exact_study("", exact, ansatz, SITES, &search)?;
     let last = study.growth.last().copied();
-    let (growth, modulation) = last.map_or((f64::NAN, f64::NAN), |row| (row.exact, row.modulation));
-    Ok(LimitWave { rho, epsilon, errors: study.errors, growth, modulation })
+    let growth = last.map_or(f64::NAN, |row| row.exact);
+    let modulation = last.and_then(|row| row.modulation).unwrap_or(f64::NAN);
+    Ok(LimitWave { rho, epsilon, errors: study.errors.unwrap_or([f64::NAN; 2]), growth, modulation })
 }
 
 impl ExactRecipe {

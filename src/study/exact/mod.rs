@@ -3,19 +3,20 @@
 
 mod report;
 
-pub(super) use report::nearness;
+pub(super) use report::{bounds, nearness};
 pub(crate) use report::{branch_csv as wave_branch_csv, exact_caption, tables as exact_tables};
 #[cfg(feature = "plot")]
 pub(crate) use report::{branch_plots as wave_branch_plots, exact_columns};
 
 use super::{Changes, Progress, Study, Work};
 use crate::{
+    chain::{Params, Resonators},
     error::{Error, Iterate, Result},
     orbits::Kantorovich,
     output::{Folder, to_json},
     scene::Scene,
     waves::{
-        ExactWave, Given, MeanStrain, Modulation, Profile, Search, TravellingWave, WaveContinuation, WaveEnd,
+        ExactWave, Given, MeanStrain, Modulation, Profile, Search, Start, TravellingWave, WaveContinuation, WaveEnd,
         WaveNumber, WaveParameter, WaveSetting, WaveSpectrum, ansatz,
     },
 };
@@ -74,6 +75,13 @@ pub struct Wanted {
     /// Mean strain [default: in proportion to the amplitude, as in the scene].
     #[cfg_attr(feature = "cli", arg(long, value_name = "M"))]
     pub mean: Option<f64>,
+    /// Mass ratio resonator to bead, positive.
+    ///
+    /// In place of the scene's; here also 0, no resonators, and inf, fixed ones (Newton's cradle).
+    /// The wave has the amplitude of the scene's unless a frequency is given; with fixed resonators
+    /// its mean strain is 0.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
+    pub rho: Option<f64>,
     /// Number of sites.
     ///
     /// Of the ring on which the multipliers are computed, from 3 to 256 [default: the scene's].
@@ -106,6 +114,7 @@ impl Wanted {
             omega_tw: None,
             amplitude: None,
             mean: None,
+            rho: None,
             sites: None,
             tol: Search::default().tol,
         }
@@ -123,19 +132,28 @@ impl Wanted {
         let name = self.scene.as_deref().unwrap_or(SCENE);
         let scene = Scene::load_with(name, &self.set.set)?;
         let wave = scene.wave()?;
-        let (params, shape) = (wave.params(), wave.shape());
+        let shape = wave.shape();
+        let params = Params { rho: self.rho.unwrap_or(wave.params().rho), ..wave.params() };
+        params.validate()?;
         let (least, most) = TOLERANCES;
         if !(least..=most).contains(&self.tol) {
             return Err(Error::parameter("tol", self.tol, "from 1e-15 to 1e-12 for an exact wave"));
         }
         let sites = self.sites.unwrap_or(scene.chain().sites());
         let q = WaveNumber::on_ring(self.q_over_pi.unwrap_or(shape.q.abs() / PI), sites)?;
-        let share = MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a));
+        let share = match params.resonators() {
+            Resonators::Fixed => MeanStrain::Value(0.0),
+            _ => MeanStrain::OfAmplitude(0.5 * shape.b / (params.kappa * shape.a)),
+        };
         if let Some(mean) = self.mean.filter(|mean| !mean.is_finite()) {
             return Err(Error::parameter("mean", mean, "a finite number"));
         }
         let mean = self.mean.map_or(share, MeanStrain::Value);
-        let given = self.amplitude.map_or(Given::Frequency, Given::Amplitude);
+        let given = match (self.amplitude, self.omega_tw, self.rho) {
+            (Some(amplitude), ..) => Given::Amplitude(amplitude),
+            (None, None, Some(_)) => Given::Amplitude(wave.amplitude()),
+            _ => Given::Frequency,
+        };
         let setting = WaveSetting { params, q, omega_tw: self.omega_tw.unwrap_or(wave.omega_tw()), mean };
         let search = Search { tol: self.tol, ..Search::default() };
         let numbers = Numbers { scene: name.to_owned(), setting: companion(setting, given)?, given, sites, search };
@@ -145,6 +163,11 @@ impl Wanted {
 }
 
 impl Numbers {
+    /// Whether resonators move.
+    fn moving(&self) -> bool {
+        self.setting.params.resonators() == Resonators::Moving
+    }
+
     fn study(&self) -> Result<ExactStudy> {
         let (wave, ansatz) = self.search.wave(&self.setting, self.given)?;
         exact_study(&self.scene, wave, ansatz, self.sites, &self.search)
@@ -155,7 +178,8 @@ impl Numbers {
 /// ansatz with the same frequency and the same mean strain. With the amplitude given, a share of
 /// the amplitude is the same for both.
 fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
-    let ansatz = ansatz(&setting, given)?;
+    // One harmonic has another mean strain than the exact wave of the same shape.
+    let Some(ansatz) = Start::new(&setting, given)?.ansatz() else { return Ok(setting) };
     let mean = MeanStrain::Value(ansatz.epsilon() * ansatz.shape().b);
     Ok(WaveSetting { mean, ..setting })
 }
@@ -180,18 +204,21 @@ impl Study for Exact {
     fn begin(&self) -> Result<Work<'_>> {
         let numbers = self.wanted.numbers()?;
         Ok(Box::new(move |engine, _| {
-            Ok(Box::new(numbers.study().inspect_err(|why| keep_iterate(engine.folder(), why))?))
+            let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
+            Ok(Box::new(numbers.study().inspect_err(keep)?))
         }))
     }
 }
 
 /// Writes the best iterate of a search that did not converge, in place of what an earlier run has
 /// left.
-fn keep_iterate(folder: Option<&Folder>, why: &Error) {
+fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let (Some(folder), Error::Stalled { steps, best: Some(best) }) = (folder, why) else { return };
     let Iterate { z, residual, place } = &**best;
-    let m = z.len() / 4;
-    let [x, y, vx, vy] = [0, 1, 2, 3].map(|k| &z[k * m..(k + 1) * m]);
+    let half = z.len() / 2;
+    let arrays = if resonators { 2 } else { 1 };
+    let [x, vx] = [0, half].map(|from| &z[from..from + half / arrays]);
+    let [y, vy] = [0, half].map(|from| &z[from + half / arrays..from + half]);
     let kept = json!({ "steps": steps, "residual": residual, "place": place, "x": x, "y": y, "vx": vx, "vy": vy });
     // The error that is told is that of the search.
     let _ = folder.remove(RESULTS);
@@ -205,8 +232,9 @@ pub struct ExactStudy {
     pub scene: String,
     /// The wave.
     pub wave: ExactWave,
-    /// The ansatz of the same frequency or amplitude, and of the same mean strain.
-    pub ansatz: TravellingWave,
+    /// The ansatz of the same frequency or amplitude, and of the same mean strain; `None` where
+    /// resonators do not move, and below `(kappa/rho)^{1/2}`.
+    pub ansatz: Option<TravellingWave>,
     /// `X` and `Y`.
     pub profile: Profile,
     /// Fourier coefficients of `X` and `Y`.
@@ -214,7 +242,7 @@ pub struct ExactStudy {
     /// Largest coefficient of a sine.
     pub odd: f64,
     /// `E_x` and `E_y` of the ansatz, over all phases.
-    pub errors: [f64; 2],
+    pub errors: Option<[f64; 2]>,
     /// Multipliers.
     pub spectrum: WaveSpectrum,
     /// How near an exact wave is.
@@ -230,8 +258,8 @@ pub struct BlochGrowth {
     pub bloch: f64,
     /// Of the exact wave.
     pub exact: f64,
-    /// Of the ansatz, by the linearised modulation equations.
-    pub modulation: f64,
+    /// Of the ansatz, by the linearised modulation equations; `None` without an ansatz.
+    pub modulation: Option<f64>,
 }
 
 /// All that is asked of an exact wave.
@@ -241,21 +269,24 @@ pub struct BlochGrowth {
 pub fn exact_study(
     scene: &str,
     wave: ExactWave,
-    ansatz: TravellingWave,
+    ansatz: Option<TravellingWave>,
     sites: usize,
     search: &Search,
 ) -> Result<ExactStudy> {
     let profile = wave.profile(SAMPLES, search)?;
     let (fourier, odd) = profile.fourier();
     let spectrum = wave.spectrum(sites, search)?;
-    let modulation = Modulation::new(ansatz.params(), ansatz.shape())?;
-    let slow = ansatz.slow_time(1.0);
+    let slow = |ansatz: TravellingWave| {
+        Ok::<_, Error>((Modulation::new(ansatz.params(), ansatz.shape())?, ansatz.slow_time(1.0)))
+    };
+    let modulation = ansatz.map(slow).transpose()?;
     let at = |j: usize| {
         let bloch = 2.0 * PI * j as f64 / sites as f64;
-        BlochGrowth { bloch, exact: spectrum.growth(bloch), modulation: slow * modulation.growth(bloch) }
+        let modulation = modulation.as_ref().map(|(modulation, slow)| slow * modulation.growth(bloch));
+        BlochGrowth { bloch, exact: spectrum.growth(bloch), modulation }
     };
     let growth = (0..=sites / 2).map(at).collect();
-    let errors = profile.errors(&ansatz);
+    let errors = ansatz.map(|ansatz| profile.errors(&ansatz));
     let kantorovich = search.kantorovich(&wave)?;
     let scene = scene.to_owned();
     Ok(ExactStudy { scene, wave, ansatz, profile, fourier, odd, errors, spectrum, kantorovich, growth })
@@ -317,10 +348,12 @@ impl ContinueWave {
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
-        if self.wanted.mean.is_none() && self.vary != WaveParameter::Mean {
-            let shape = ansatz(&numbers.setting, numbers.given)?.shape();
-            let share = 0.5 * shape.b / (numbers.setting.params.kappa * shape.a);
-            numbers.setting.mean = MeanStrain::OfAmplitude(share);
+        if self.wanted.mean.is_none()
+            && self.vary != WaveParameter::Mean
+            && let Some(ansatz) = Start::new(&numbers.setting, numbers.given)?.ansatz()
+        {
+            let (shape, kappa) = (ansatz.shape(), numbers.setting.params.kappa);
+            numbers.setting.mean = MeanStrain::OfAmplitude(0.5 * shape.b / (kappa * shape.a));
         }
         let continuation = WaveContinuation {
             parameter: self.vary,
@@ -330,7 +363,7 @@ impl ContinueWave {
             search: numbers.search,
         };
         // The value at the first wave is not known yet.
-        continuation.check(f64::NAN)?;
+        continuation.check(f64::NAN, &numbers.setting)?;
         Ok((numbers, continuation))
     }
 }
@@ -342,7 +375,7 @@ fn branch_from(
     progress: Progress<'_>,
 ) -> Result<WaveBranchStudy> {
     let found = numbers.search.wave(&numbers.setting, numbers.given);
-    let (wave, _) = found.inspect_err(|why| keep_iterate(folder, why))?;
+    let (wave, _) = found.inspect_err(|why| keep_iterate(folder, numbers.moving(), why))?;
     wave_branch(&numbers.scene, wave, continuation, numbers.sites, folder, progress)
 }
 
@@ -360,6 +393,8 @@ pub struct BranchWave {
     pub modulation: Option<f64>,
     /// Share of the period in which a contact is closed.
     pub closed: f64,
+    /// How near an exact wave is.
+    pub kantorovich: Option<Kantorovich>,
 }
 
 /// A branch of exact waves.
@@ -419,6 +454,7 @@ fn branch_wave(wave: &ExactWave, sites: usize, search: &Search) -> Result<Branch
         errors: ansatz.map(|ansatz| profile.errors(&ansatz)),
         modulation,
         closed: profile.closed(),
+        kantorovich: search.kantorovich(wave)?,
         wave: wave.clone(),
     })
 }

@@ -18,6 +18,11 @@ use std::f64::consts::PI;
 /// States of a cell along a branch.
 pub(super) const STATES: &str = "states.npz";
 
+/// A mass ratio; JSON has no number for infinite ones.
+fn rho_json(rho: f64) -> Value {
+    if rho.is_finite() { json!(rho) } else { json!("inf") }
+}
+
 /// What determines a wave, and how well it is solved.
 fn wave_json(wave: &ExactWave) -> Value {
     let setting = &wave.setting;
@@ -25,13 +30,27 @@ fn wave_json(wave: &ExactWave) -> Value {
         "q_over_pi": setting.q.q() / PI,
         "alpha": setting.params.alpha,
         "kappa": setting.params.kappa,
-        "rho": setting.params.rho,
+        "rho": rho_json(setting.params.rho),
         "omega_tw": setting.omega_tw,
         "period": setting.period(),
         "amplitude": wave.amplitude(),
         "mean_strain": wave.mean(),
         "residual": wave.residual,
     })
+}
+
+impl ExactStudy {
+    /// The ansatz, in words.
+    fn beside(&self) -> String {
+        match (self.ansatz, self.errors) {
+            (Some(ansatz), Some([e_x, e_y])) => format!(
+                "ansatz {:.12e}, {:.12e}: E_x = {e_x:.4e}, E_y = {e_y:.4e}",
+                ansatz.amplitude(),
+                ansatz.epsilon() * ansatz.shape().b
+            ),
+            _ => "no first-order ansatz".to_owned(),
+        }
+    }
 }
 
 impl Report for ExactStudy {
@@ -56,14 +75,14 @@ impl Report for ExactStudy {
             "fastest": fastest,
             "growth": self.growth,
             "kantorovich": self.kantorovich,
-            "e_x_ansatz": self.errors[0],
-            "e_y_ansatz": self.errors[1],
-            "ansatz": {
-                "epsilon": self.ansatz.epsilon(),
-                "amplitude": self.ansatz.amplitude(),
-                "omega_tw": self.ansatz.omega_tw(),
-                "mean_strain": self.ansatz.epsilon() * self.ansatz.shape().b,
-            },
+            "e_x_ansatz": self.errors.map(|errors| errors[0]),
+            "e_y_ansatz": self.errors.map(|errors| errors[1]),
+            "ansatz": self.ansatz.map(|ansatz| json!({
+                "epsilon": ansatz.epsilon(),
+                "amplitude": ansatz.amplitude(),
+                "omega_tw": ansatz.omega_tw(),
+                "mean_strain": ansatz.epsilon() * ansatz.shape().b,
+            })),
             "version": env!("CARGO_PKG_VERSION"),
         });
         if let (Some(value), Value::Object(more)) = (value.as_object_mut(), more) {
@@ -73,17 +92,17 @@ impl Report for ExactStudy {
     }
 
     fn text(&self) -> String {
-        let (wave, ansatz, quality) = (&self.wave, &self.ansatz, &self.spectrum.quality);
+        let (wave, quality) = (&self.wave, &self.spectrum.quality);
         let setting = &wave.setting;
         let rows: Vec<Vec<String>> = self
             .growth
             .iter()
-            .filter(|row| row.exact > 0.0 || row.modulation > 0.0)
+            .filter(|row| row.exact > 0.0 || row.modulation.is_some_and(|growth| growth > 0.0))
             .map(|row| {
                 let per_period = (row.exact * setting.period()).exp();
-                let numbers = [row.exact, row.modulation].map(|growth| format!("{growth:.6e}"));
+                let numbers = [Some(row.exact), row.modulation];
                 let mut cells = vec![format!("{:.4}", row.bloch / PI)];
-                cells.extend(numbers);
+                cells.extend(numbers.map(|growth| growth.map_or("-".to_owned(), |growth| format!("{growth:.6e}"))));
                 cells.push(format!("{per_period:.6}"));
                 cells
             })
@@ -93,7 +112,7 @@ impl Report for ExactStudy {
             if rows.is_empty() { "No multiplier is off the circle.\n".to_owned() } else { table(&head, &rows) };
         format!(
             "x_n(t) = X(q n - omega_tw t), q = {}, omega_tw = {}, {}\n\
-             amplitude {:.12e}, mean strain {:.12e}; ansatz {:.12e}, {:.12e}: E_x = {:.4e}, E_y = {:.4e}\n\
+             amplitude {:.12e}, mean strain {:.12e}; {}\n\
              residual {:.1e} of the amplitude after {} steps of Newton's method; contacts closed for {:.4} of the period\n{}\n\n\
              Relative multipliers on {} sites, by Bloch wave number:\n{spectrum}\n\
              {} of {} grow. Symplectic defect {:.1e}, eigenvectors {:.1e}, phase shift {:.1e}, linear {:.1e}, pairs {:.1e}.\n",
@@ -102,10 +121,7 @@ impl Report for ExactStudy {
             params_words(setting.params),
             wave.amplitude(),
             wave.mean(),
-            ansatz.amplitude(),
-            ansatz.epsilon() * ansatz.shape().b,
-            self.errors[0],
-            self.errors[1],
+            self.beside(),
             wave.residual,
             wave.newton.len(),
             self.profile.closed(),
@@ -139,9 +155,11 @@ impl Report for ExactStudy {
 /// `profile.csv`, `fourier.csv` and `multipliers.csv`.
 pub(crate) fn tables(study: &ExactStudy) -> Vec<(&'static str, Vec<u8>)> {
     let profile = &study.profile;
-    let rows = profile.phases().zip(profile.x.iter().zip(&profile.y)).map(|(phi, (x, y))| vec![phi, *x, *y]);
+    // Without moving resonators there is no y.
+    let at = |values: &[f64], k: usize| values.get(k).copied().unwrap_or(f64::NAN);
+    let rows = profile.phases().enumerate().map(|(k, phi)| vec![phi, profile.x[k], at(&profile.y, k)]);
     let [fx, fy] = &study.fourier;
-    let harmonics = fx.iter().zip(fy).enumerate().map(|(k, (x, y))| vec![k as f64, *x, *y]);
+    let harmonics = fx.iter().enumerate().map(|(k, x)| vec![k as f64, *x, at(fy, k)]);
     let multiplier =
         |m: &WaveMultiplier| vec![m.bloch, m.re, m.im, m.modulus, m.error, f64::from(m.krein), m.growth, m.frequency];
     let names = ["bloch", "re", "im", "modulus", "error", "krein", "growth", "frequency"];
@@ -165,6 +183,15 @@ pub(crate) fn nearness(found: Option<Kantorovich>) -> String {
     }
 }
 
+/// What the theorem says of a branch, in a line.
+pub(crate) fn bounds(found: impl Iterator<Item = Option<Kantorovich>>) -> String {
+    let radii: Vec<Option<f64>> = found.map(|one| one?.radius).collect();
+    let known = radii.iter().flatten().count();
+    let largest = radii.iter().flatten().fold(0.0, |most: f64, radius| most.max(*radius));
+    let within = if known > 0 { format!(", within {largest:.1e} of the amplitude") } else { String::new() };
+    format!("Newton-Kantorovich: a solution is near {known} of {} points{within}.", radii.len())
+}
+
 #[cfg(feature = "plot")]
 fn program() -> String {
     format!("hertzchain {}.", env!("CARGO_PKG_VERSION"))
@@ -180,17 +207,21 @@ pub(crate) fn exact_caption(study: &ExactStudy) -> String {
             shown(fastest.bloch / PI)
         )
     });
+    let beside = match (study.ansatz, study.errors) {
+        (Some(ansatz), Some([e_x, e_y])) => {
+            let [amplitude, e_x, e_y] = [ansatz.amplitude(), e_x, e_y].map(shown);
+            format!(", that of the ansatz {amplitude}, E_x = {e_x}, E_y = {e_y}")
+        }
+        _ => String::new(),
+    };
     format!(
-        "{}, q = {}, ω_tw = {}, mean strain {}, N = {}: amplitude {}, that of the ansatz {}, E_x = {}, E_y = {}, residual {:.0e}; {fastest}.",
+        "{}, q = {}, ω_tw = {}, mean strain {}, N = {}: amplitude {}{beside}, residual {:.0e}; {fastest}.",
         params_words(wave.setting.params),
         of_pi(wave.setting.q.q()),
         wave.setting.omega_tw,
         shown(wave.mean()),
         study.spectrum.sites,
         shown(wave.amplitude()),
-        shown(study.ansatz.amplitude()),
-        shown(study.errors[0]),
-        shown(study.errors[1]),
         wave.residual,
     )
 }
@@ -199,21 +230,24 @@ pub(crate) fn exact_caption(study: &ExactStudy) -> String {
 #[cfg(feature = "plot")]
 pub(crate) fn exact_columns(study: &ExactStudy) -> Vec<crate::figures::Column> {
     use crate::figures::{Column, Kind, Line, Panel};
-    let (ansatz, rho) = (&study.ansatz, study.ansatz.params().rho);
-    let (mean, height) = (ansatz.epsilon() * ansatz.shape().b, ansatz.amplitude());
     let over = |values: Vec<f64>| study.profile.phases().map(|phi| phi / PI).zip(values).collect::<Vec<_>>();
-    let first = |height: f64| study.profile.phases().map(|phi| mean + height * phi.cos()).collect::<Vec<_>>();
-    let apart = |values: &[f64], height: f64| -> Vec<f64> {
-        values.iter().zip(first(height)).map(|(exact, first)| 100.0 * (exact - first) / height.abs()).collect()
-    };
     let (x, y) = (&study.profile.x, &study.profile.y);
     let phase = "phase φ/π";
-    let strains = vec![Line::new("X exact", over(x.clone())), Line::new("Y exact", over(y.clone()))];
-    let differences = vec![Line::new("X", over(apart(x, height))), Line::new("Y", over(apart(y, -height / rho)))];
-    let profiles = [
-        Panel::new(Kind::Time, [phase, "strain"], strains),
-        Panel::new(Kind::Time, [phase, "exact − ansatz, % of amplitude"], differences),
-    ];
+    let lines = |names: [&str; 2], x: Vec<f64>, y: Vec<f64>| -> Vec<Line> {
+        let both = names.into_iter().zip([x, y]).filter(|(_, values)| !values.is_empty());
+        both.map(|(name, values)| Line::new(name, over(values))).collect()
+    };
+    let mut profiles =
+        vec![Panel::new(Kind::Time, [phase, "strain"], lines(["X exact", "Y exact"], x.clone(), y.clone()))];
+    if let Some(ansatz) = study.ansatz {
+        let (mean, height) = (ansatz.epsilon() * ansatz.shape().b, ansatz.amplitude());
+        let first = |height: f64| study.profile.phases().map(move |phi| mean + height * phi.cos());
+        let apart = |values: &[f64], height: f64| -> Vec<f64> {
+            values.iter().zip(first(height)).map(|(exact, first)| 100.0 * (exact - first) / height.abs()).collect()
+        };
+        let differences = lines(["X", "Y"], apart(x, height), apart(y, -height / ansatz.params().rho));
+        profiles.push(Panel::new(Kind::Time, [phase, "exact − ansatz, % of amplitude"], differences));
+    }
     vec![Column::new("", profiles), Column::new("", [fourier_panel(study), growth_panel(&study.growth)])]
 }
 
@@ -234,9 +268,11 @@ fn fourier_panel(study: &ExactStudy) -> crate::figures::Panel {
 #[cfg(feature = "plot")]
 fn growth_panel(growth: &[BlochGrowth]) -> crate::figures::Panel {
     use crate::figures::{Kind, Line, Panel};
-    let line =
-        |name: &str, of: fn(&BlochGrowth) -> f64| Line::new(name, growth.iter().map(|row| (row.bloch / PI, of(row))));
-    let lines = vec![line("exact", |row| row.exact), line("DpS", |row| row.modulation)];
+    let line = |name: &str, of: fn(&BlochGrowth) -> Option<f64>| {
+        Line::new(name, growth.iter().filter_map(|row| Some((row.bloch / PI, of(row)?))))
+    };
+    let lines = vec![line("exact", |row| Some(row.exact)), line("DpS", |row| row.modulation)];
+    let lines = lines.into_iter().filter(|line| !line.points.is_empty()).collect();
     Panel::new(Kind::Parameter, ["Bloch wave number p/π", "growth per unit of time"], lines)
 }
 
@@ -265,6 +301,7 @@ impl Report for WaveBranchStudy {
             value["e_y_ansatz"] = json!(one.errors.map(|errors| errors[1]));
             value["closed"] = json!(one.closed);
             value["quality"] = json!(one.spectrum.quality);
+            value["kantorovich"] = json!(one.kantorovich);
             value
         };
         json!({
@@ -300,7 +337,7 @@ impl Report for WaveBranchStudy {
             })
             .collect();
         let head = [name.as_str(), "omega_tw", "amplitude", "mean", "growth", "DpS", "E_x", "closed"];
-        format!("{}\n{}\n", table(&head, &rows), self.words())
+        format!("{}\n{}\n{}\n", table(&head, &rows), self.words(), bounds(self.waves.iter().map(|one| one.kantorovich)))
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
@@ -360,6 +397,7 @@ pub(crate) fn branch_csv(study: &WaveBranchStudy) -> Vec<u8> {
         "e_x_ansatz",
         "e_y_ansatz",
         "closed",
+        "radius",
     ];
     let row = |one: &BranchWave| {
         let fastest = one.spectrum.fastest();
@@ -377,6 +415,7 @@ pub(crate) fn branch_csv(study: &WaveBranchStudy) -> Vec<u8> {
             e_x,
             e_y,
             one.closed,
+            one.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
         ]
     };
     csv(&names, study.waves.iter().map(row))
@@ -395,6 +434,8 @@ pub(super) fn states_npz(waves: &[&ExactWave]) -> Result<Vec<u8>> {
     ];
     let cell = waves.first().map_or(0, |wave| wave.setting.q.cell());
     let turns = waves.first().map_or(0, |wave| wave.setting.q.turns());
-    let what = json!({ "format": "hertzchain waves", "version": 1, "cell": cell, "turns": turns, "z": "x, y, vx, vy" });
+    let moving = waves.first().is_none_or(|wave| wave.z.len() == 4 * cell);
+    let order = if moving { "x, y, vx, vy" } else { "x, vx" };
+    let what = json!({ "format": "hertzchain waves", "version": 1, "cell": cell, "turns": turns, "z": order });
     npz_with(crate::output::SETTINGS, &to_json(&what), &arrays)
 }

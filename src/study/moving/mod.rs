@@ -5,6 +5,7 @@
 //! | `k, T_m, v` | turns; time in which the kink moves on by a site; velocity `1/T_m` |
 //! | depth | local amplitude of the two sites of a kink on a bond, over that of the background |
 //! | tail | largest less smallest local amplitude far from the kink, over that of the background |
+//! | resonant | linear wave of the background that keeps its phase in the frame of the kink |
 //!
 //! Moving breathers of one background are a family, in which depth and velocity belong to each
 //! other. A kicked breather that moves as one of them has the depth that belongs to its velocity.
@@ -19,10 +20,10 @@ pub(crate) use report::{caption as moving_caption, tables as moving_tables};
 
 use super::{Progress, Study, Work};
 use crate::{
-    breathers::{Envelope, MovingBreather, MovingOrbit},
+    breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     chain::Params,
     error::{Error, Result},
-    orbits::{Kind, Orbit, Shooting, Spectrum},
+    orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
     sweep::map,
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -74,6 +75,11 @@ pub struct Moving {
     /// Of the kicked run, along the mode that grows most; in units of the orbit's amplitude, of either sign.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE", default_value = "1e-2"))]
     pub kick: f64,
+    /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
+    ///
+    /// On rings of at most 61 sites.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub bound: bool,
     /// Tolerance, from 1e-15 to 0.1.
     ///
     /// Of the flow, relative to the size of the state.
@@ -92,6 +98,7 @@ impl Default for Moving {
             rho: 1.0 / 3.0,
             until: 1200.0,
             kick: 1e-2,
+            bound: false,
             tol: 1e-14,
         }
     }
@@ -108,12 +115,29 @@ pub struct MovingPoint {
     pub envelope: Envelope,
     /// Relative multipliers.
     pub spectrum: Spectrum,
+    /// The wave that fits the tail best.
+    pub tail: Tail,
+    /// Linear waves that keep their phase in the frame of the kink; none where the background was
+    /// not found.
+    pub resonant: Vec<LinearWave>,
+    /// Energies of the kink ([`MovingOrbit::kink_energy`]); NaN where the background was not found.
+    pub energy: KinkEnergy,
+    /// How near an exact orbit is, if that was asked for.
+    pub kantorovich: Option<Kantorovich>,
 }
 
 impl MovingPoint {
     /// Growth per unit of time of the largest multiplier.
     pub fn growth(&self) -> f64 {
         self.spectrum.largest().ln() * self.orbit.breather.velocity()
+    }
+
+    /// Wave number of the resonant modulation of the background that is nearest to that of the
+    /// tail; NaN if there is none.
+    pub fn resonant_wave(&self) -> f64 {
+        let apart = |wave: &f64| (wave - self.tail.wave_number).abs();
+        let waves = self.resonant.iter().filter(|wave| wave.band == Band::Modulation).map(|wave| wave.wave_number);
+        waves.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(f64::NAN)
     }
 
     /// The largest real multiplier above 1; 1 if there is none.
@@ -170,6 +194,9 @@ impl Moving {
         let sites = self.sites;
         let of = |omega_b: f64| self.turns.iter().map(move |&turns| MovingBreather { params, sites, omega_b, turns });
         let breathers: Vec<MovingBreather> = frequencies.into_iter().flat_map(of).collect();
+        if self.bound && sites > MovingOrbit::MOST_BOUNDED {
+            return Err(Error::parameter("sites", sites, "at most 61 with --bound"));
+        }
         for breather in &breathers {
             breather.chain()?;
             breather.at_rest().seed()?;
@@ -216,18 +243,30 @@ impl Moving {
         }
         let points = map(&orbits, |(orbit, envelope)| {
             tell();
-            Ok(MovingPoint {
-                return_error: orbit.return_error(self.tol)?,
-                spectrum: orbit.spectrum(self.tol)?,
-                envelope: envelope.clone(),
-                orbit: orbit.clone(),
-            })
+            self.point(orbit.clone(), envelope.clone())
         });
         let points: Vec<MovingPoint> = points.into_iter().collect::<Result<_>>()?;
         match why {
             Some(error) if points.is_empty() => Err(error),
             _ => Ok(MovingStudy { options: self.clone(), points, missing, kicked }),
         }
+    }
+
+    fn point(&self, orbit: MovingOrbit, envelope: Envelope) -> Result<MovingPoint> {
+        let (breather, tail) = (&orbit.breather, envelope.tail_wave());
+        // The background of the ring has this frequency. It is looked for by a search of its own,
+        // which the orbit does not need.
+        let waves = LinearWaves::new(breather.params, breather.omega_b + tail.twist / breather.passage());
+        Ok(MovingPoint {
+            return_error: orbit.return_error(self.tol)?,
+            spectrum: orbit.spectrum(self.tol)?,
+            resonant: waves.map_or(Vec::new(), |waves| waves.resonant(breather.passage())),
+            energy: orbit.kink_energy(tail.twist, self.tol).unwrap_or(KinkEnergy { energy: f64::NAN, free: f64::NAN }),
+            kantorovich: if self.bound { orbit.kantorovich(self.tol)? } else { None },
+            tail,
+            envelope,
+            orbit,
+        })
     }
 
     fn measured(&self, orbit: MovingOrbit) -> Result<Measured> {

@@ -7,13 +7,14 @@ use crate::{
     number::shown,
     output::csv,
     present::table,
-    study::{File, Report, params_words},
+    study::{File, Report, exact::nearness, params_words},
 };
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 impl MovingPoint {
     /// Its numbers, in the order of [`NAMES`].
-    fn numbers(&self) -> [f64; 11] {
+    fn numbers(&self) -> [f64; 18] {
         let (breather, envelope) = (&self.orbit.breather, &self.envelope);
         [
             breather.omega_b,
@@ -27,11 +28,18 @@ impl MovingPoint {
             envelope.tail,
             self.spectrum.largest(),
             self.real(),
+            self.tail.twist,
+            self.tail.wave_number,
+            self.tail.share,
+            self.resonant_wave(),
+            self.energy.energy,
+            self.energy.free,
+            self.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN),
         ]
     }
 }
 
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 18] = [
     "omega_b",
     "turns",
     "passage",
@@ -43,6 +51,13 @@ const NAMES: [&str; 11] = [
     "tail",
     "max_modulus",
     "real",
+    "twist",
+    "tail_wave",
+    "tail_share",
+    "resonant_wave",
+    "energy",
+    "free_energy",
+    "radius",
 ];
 
 impl MovingStudy {
@@ -84,6 +99,9 @@ impl Report for MovingStudy {
             row.insert("growth".to_owned(), json!(point.growth()));
             row.insert("quality".to_owned(), json!(point.spectrum.quality));
             row.insert("newton".to_owned(), json!(point.orbit.newton));
+            row.insert("tail_amplitude".to_owned(), json!(point.tail.amplitude));
+            row.insert("resonant".to_owned(), json!(point.resonant));
+            row.insert("kantorovich".to_owned(), json!(point.kantorovich));
             Value::Object(row)
         };
         let kicked = self.kicked.as_ref().map(|run| {
@@ -126,15 +144,48 @@ impl Report for MovingStudy {
                 format!("{:.6}", envelope.background),
                 format!("{:.5}", envelope.depth),
                 format!("{:.5}", envelope.tail),
+                format!("{:.3}", point.tail.wave_number / PI),
+                format!("{:.3}", point.resonant_wave() / PI),
+                format!("{:.3e}", point.energy.energy),
+                format!("{:.4e}", point.energy.free),
                 format!("{:.6}", point.spectrum.largest()),
                 format!("{:.2e}", point.growth()),
             ]
         };
         let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
-        let head =
-            ["omega_b", "turns", "velocity", "residual", "return", "background", "depth", "tail", "max |l|", "growth"];
+        let head = [
+            "omega_b",
+            "turns",
+            "velocity",
+            "residual",
+            "return",
+            "background",
+            "depth",
+            "tail",
+            "p/pi",
+            "resonant",
+            "energy",
+            "E-wJ-vP",
+            "max |l|",
+            "growth",
+        ];
+        let bounds: String = if self.options.bound {
+            let line = |point: &MovingPoint| {
+                format!(
+                    "{} turns at {}: {}\n",
+                    point.orbit.breather.turns,
+                    point.orbit.breather.omega_b,
+                    nearness(point.kantorovich)
+                )
+            };
+            self.points.iter().map(line).collect()
+        } else {
+            String::new()
+        };
         format!(
-            "Moving dark breathers on {} sites; depth and tail in units of the background, growth per unit of time\n\n{}\n{}\n",
+            "Moving dark breathers on {} sites; depth and tail in units of the background, growth per unit of time.\n\
+             Wave number p of the tail, and of the modulation of the background that keeps its phase in the frame of the kink; energy of the kink.\n\n\
+             {}\n{}\n{bounds}",
             self.options.sites,
             table(&head, &rows),
             self.words()
@@ -245,6 +296,14 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
         let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
         depths.push(Line::new("kicked", passages));
     }
+    let named = |what: &str, lines: Vec<Line>| -> Vec<Line> {
+        lines.into_iter().map(|line| Line { name: format!("{what}, {}", line.name), ..line }).collect()
+    };
+    let waves = [
+        named("tail", families(&|point| point.tail.wave_number / PI)),
+        named("resonant", families(&|point| point.resonant_wave() / PI)),
+    ]
+    .concat();
     let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
     vec![
         Column::new(
@@ -252,6 +311,7 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
             [
                 Panel::new(Kind::Sites, ["site n", "amplitude / background"], amplitudes),
                 Panel::new(Kind::Sites, ["site n", "phase / π"], phases),
+                Panel::new(Kind::Parameter, [over, "wave number of the tail / π"], waves),
             ],
         ),
         Column::new(
@@ -259,6 +319,7 @@ pub(crate) fn columns(study: &MovingStudy) -> Vec<crate::figures::Column> {
             [
                 Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
                 Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
+                Panel::new(Kind::Parameter, [over, "E − ωJ − vP of the kink"], families(&|point| point.energy.free)),
             ],
         ),
     ]

@@ -200,6 +200,11 @@ pub struct Continue {
         )
     )]
     pub resume: Option<PathBuf>,
+    /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
+    ///
+    /// Of each point.
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub bound: bool,
     /// The ring.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub ring: Ring,
@@ -249,7 +254,10 @@ impl Study for Continue {
             }
             None => self.first()?,
         };
-        Ok(Box::new(move |engine, progress| Ok(Box::new(go_on(trail, &mut keeper(engine.folder()), progress)?))))
+        Ok(Box::new(move |engine, progress| {
+            let branch = go_on(trail, &mut keeper(engine.folder()), progress)?;
+            Ok(Box::new(if self.bound { branch.bound()? } else { branch }))
+        }))
     }
 
     fn beside(&self) -> Option<PathBuf> {
@@ -405,6 +413,8 @@ pub struct BranchPoint {
     pub spectrum: Spectrum,
     /// Centres and amplitudes of the first bond.
     pub extent: Extent,
+    /// How near an exact orbit is, if that was asked for.
+    pub kantorovich: Option<Kantorovich>,
 }
 
 /// A branch of orbits.
@@ -420,12 +430,28 @@ pub struct Branch {
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
     pub end: End,
+    /// Whether the distance of points to exact orbits was bounded.
+    pub bounded: bool,
     /// All of its orbits, with what it takes to go on; more than points, where one has no
     /// multipliers.
     pub trail: Trail,
 }
 
 impl Branch {
+    /// The branch with the distance of each point to an exact orbit, after Newton and Kantorovich.
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn bound(mut self) -> Result<Self> {
+        let shooting = self.continuation.shooting;
+        let found = map(&self.points, |point| point.orbit.kantorovich(&shooting));
+        for (point, found) in self.points.iter_mut().zip(found) {
+            point.kantorovich = found?;
+        }
+        self.bounded = true;
+        Ok(self)
+    }
+
     /// The branch, if it reached its end.
     ///
     /// # Errors
@@ -548,8 +574,9 @@ pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
     progress(0.5 * (1.0 + ORBITS), "bifurcations");
     let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
     let points = orbits.into_iter().zip(spectra).zip(extents);
-    let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent }).collect();
-    Ok(Branch { continuation, points, gaps, bifurcations, end, trail })
+    let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent, kantorovich: None });
+    let points = points.collect();
+    Ok(Branch { continuation, points, gaps, bifurcations, end, bounded: false, trail })
 }
 
 /// The branch of doubled period: where it is born, and its points.

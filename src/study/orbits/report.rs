@@ -221,6 +221,7 @@ fn branch_value(branch: &Branch) -> Value {
                 "max_modulus": point.spectrum.largest(),
                 "leading": leading,
                 "symplectic_defect": point.spectrum.quality.symplectic_defect,
+                "kantorovich": point.kantorovich,
             })
         })
         .collect();
@@ -288,6 +289,7 @@ fn branch_table(branch: &Branch) -> String {
         + &bifurcations
         + &format!("\n{} points; the branch ended: {}\n", rows.len(), branch.end.words())
         + &gaps(branch)
+        + &bounds(branch)
 }
 
 /// The orbits without multipliers, in a line; empty if there is none.
@@ -301,14 +303,21 @@ fn gaps(branch: &Branch) -> String {
     }
 }
 
+/// How near exact orbits are, in a line; empty if that was not asked for.
+fn bounds(branch: &Branch) -> String {
+    let found = branch.points.iter().map(|point| point.kantorovich);
+    if branch.bounded { crate::study::exact::bounds(found) + "\n" } else { String::new() }
+}
+
 /// `branch.csv`: every point with its leading moduli.
 pub(crate) fn branch_csv(branch: &Branch) -> Vec<u8> {
     let parameter = branch.continuation.parameter;
     let rows = branch.points.iter().map(|point| {
         let Extent { k_x, k_y, c_x, c_y } = point.extent;
-        vec![point.orbit.setting.get(parameter), k_x, k_y, c_x, c_y, point.spectrum.largest()]
+        let radius = point.kantorovich.and_then(|found| found.radius).unwrap_or(f64::NAN);
+        vec![point.orbit.setting.get(parameter), k_x, k_y, c_x, c_y, point.spectrum.largest(), radius]
     });
-    csv(&[parameter.name(), "k_x", "k_y", "c_x", "c_y", "max_modulus"], rows)
+    csv(&[parameter.name(), "k_x", "k_y", "c_x", "c_y", "max_modulus", "radius"], rows)
 }
 
 /// `branch.npz`: what [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers

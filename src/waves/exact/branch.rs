@@ -13,7 +13,7 @@ use super::{
     swing,
 };
 use crate::{
-    chain::Params,
+    chain::{Params, Resonators},
     error::{Error, Result},
     interrupt,
     orbits::{NewtonStep, least_squares},
@@ -87,7 +87,7 @@ impl WaveParameter {
             Self::Alpha => (1.0, "above 1: tangent maps need alpha > 1"),
             Self::OmegaTw => (0.0, "a frequency is positive"),
             Self::Amplitude => (0.0, "an amplitude is positive"),
-            Self::Rho => (0.0, "a mass ratio is positive"),
+            Self::Rho => (0.0, "a mass ratio is positive; a wave without resonators has a branch of its own"),
             Self::Kappa => (0.0, "a spring constant is positive"),
         }
     }
@@ -203,7 +203,7 @@ impl WaveContinuation {
     /// fewer than two waves. A branch that ends early is no error.
     pub fn follow(&self, start: ExactWave, mut seen: impl FnMut(&ExactWave)) -> Result<WaveBranch> {
         let from = self.parameter.of(&start);
-        self.check(from)?;
+        self.check(from, &start.setting)?;
         if let (WaveParameter::Mean, MeanStrain::OfAmplitude(share)) = (self.parameter, start.setting.mean) {
             return Err(Error::parameter("mean", share, "a share of the amplitude does not vary: give a value"));
         }
@@ -229,11 +229,28 @@ impl WaveContinuation {
         Ok(WaveBranch { waves, end })
     }
 
-    /// Refuses numbers outside their rules, for a branch that begins at `from`.
+    /// Refuses numbers outside their rules, for a branch from a wave of this setting, with the
+    /// parameter at `from`.
     ///
     /// # Errors
     /// As [`follow`](Self::follow).
-    pub fn check(&self, from: f64) -> Result<()> {
+    pub fn check(&self, from: f64, setting: &WaveSetting) -> Result<()> {
+        let resonators = setting.params.resonators();
+        match self.parameter {
+            WaveParameter::Rho if resonators != Resonators::Moving => {
+                let rule = "rho varies where resonators move: 0 < rho < inf";
+                return Err(Error::parameter("rho", setting.params.rho, rule));
+            }
+            WaveParameter::Kappa if resonators == Resonators::None => {
+                let rule = "kappa varies where there are resonators: rho > 0";
+                return Err(Error::parameter("rho", setting.params.rho, rule));
+            }
+            WaveParameter::Mean if resonators == Resonators::Fixed => {
+                let rule = "fixed resonators (rho = inf) hold the mean strain of a wave at 0";
+                return Err(Error::parameter("vary", "mean", rule));
+            }
+            _ => {}
+        }
         if !self.to.is_finite() || self.to == from {
             return Err(Error::parameter("to", self.to, "a finite number, not where the branch begins"));
         }
@@ -279,9 +296,11 @@ impl WaveContinuation {
         let setting = &wave.setting;
         let size = swing(&wave.z, setting);
         let parameter = match self.parameter {
-            // About what changes the wave by its size. Waves without contacts have no detuning.
+            // About what changes the wave by its size. Waves without contacts have no detuning, and
+            // those below omega are not near it.
             WaveParameter::OmegaTw | WaveParameter::Amplitude => {
-                (setting.omega_tw - setting.params.omega()).abs().max(LEAST_DETUNING * setting.omega_tw)
+                let detuning = (setting.omega_tw - setting.params.omega()).abs();
+                detuning.clamp(LEAST_DETUNING * setting.omega_tw, setting.omega_tw)
             }
             WaveParameter::Mean => size,
             _ => self.parameter.free(setting),

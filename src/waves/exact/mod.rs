@@ -32,6 +32,7 @@ mod spectrum;
 pub use branch::{WaveBranch, WaveContinuation, WaveEnd, WaveParameter};
 pub use newton::{Given, Search};
 pub use profile::Profile;
+pub(crate) use seed::Start;
 pub use seed::ansatz;
 pub use spectrum::{WaveKind, WaveMultiplier, WaveQuality, WaveSpectrum};
 
@@ -129,6 +130,14 @@ impl MeanStrain {
     fn value(self) -> f64 {
         match self {
             Self::Value(value) | Self::OfAmplitude(value) | Self::Background(value) => value,
+        }
+    }
+
+    /// The mean strain of a wave of this amplitude.
+    fn at(self, amplitude: f64) -> f64 {
+        match self {
+            Self::Value(value) | Self::Background(value) => value,
+            Self::OfAmplitude(share) => share * amplitude,
         }
     }
 

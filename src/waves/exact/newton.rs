@@ -14,6 +14,10 @@ const LAST_STEP: f64 = 1e-9;
 const SOLVED: f64 = 1e-12;
 /// Longest step, in units of the amplitude.
 const LONGEST_STEP: f64 = 0.5;
+/// Largest amplitude on the way, in units of that of the seed.
+const FARTHEST: f64 = 100.0;
+/// Largest period on the way, in units of that of the seed.
+const SLOWEST: f64 = 10.0;
 /// Relative change of a parameter for difference quotients.
 const DIFFERENCE: f64 = 1e-6;
 
@@ -110,6 +114,7 @@ impl Search {
             pick,
             residual: residual / size,
             jacobian,
+            varied: None,
             tol: self.tol,
         };
         Ok(shot.kantorovich())
@@ -153,7 +158,12 @@ impl Search {
             }
             let Some(by) = by else { break };
             let size = swing(&wave.z, &wave.setting);
-            let step = by.rows(0, wave.z.len()).amax() / size;
+            // A longer period costs more, and is no longer near the seed.
+            if size > FARTHEST * swing(seed, setting) || wave.setting.omega_tw * SLOWEST < setting.omega_tw {
+                break;
+            }
+            let faster = by.get(wave.z.len()).map_or(0.0, |by| (by / wave.setting.omega_tw).abs());
+            let step = (by.rows(0, wave.z.len()).amax() / size).max(faster);
             wave.newton.push(NewtonStep { residual, step });
             wave.apply(&by, (LONGEST_STEP / step).min(1.0));
         }

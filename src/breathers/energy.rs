@@ -1,0 +1,106 @@
+//! The energy of the kink of a moving dark breather, relative to its background.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `E, K` | energy; kinetic energy, averaged over the time in which the kink moves on by a site |
+//! | `omega', delta` | frequency `omega_b + delta/T_m` and twist of the background on the ring |
+//! | `J, P` | action of the oscillation, and momentum of the kink: `2 K = omega' J + v P` |
+//! | `L` | averaged Lagrangian; `E - 2 K = -L` |
+//!
+//! `E` less that of `N` sites of the background depends on `omega'` like `N de/domega`, which is
+//! large: a small error of the twist is a large one of the energy. `E - 2 K = E - omega' J - v P`
+//! depends on it like `N j`, where `j` is the action of a site, since `de = omega dj` along the
+//! background. It is the energy of the kink at a given action and momentum up to `omega' J + v P`,
+//! and its derivative by `v` is `-P`.
+
+use super::MovingOrbit;
+use crate::{
+    chain::{Boundary, Chain, Energy, Params, Site, State},
+    error::Result,
+    waves::{Given, MeanStrain, Search, WaveNumber, WaveSetting},
+};
+use hertzchain_integrators::{Stepper, collocation::Pace};
+use std::f64::consts::PI;
+
+/// Samples of a quarter of a period.
+const PARTS: usize = 32;
+/// Sites of the ring of a background.
+const SITES: usize = 4;
+
+/// Energies of a kink or of a site of a background.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KinkEnergy {
+    /// `E`.
+    pub energy: f64,
+    /// `E - 2 K = E - omega' J - v P`.
+    pub free: f64,
+}
+
+/// The setting of the background of this frequency, `x_n = X(pi n - omega_b t)`.
+pub(super) fn background(params: Params, omega_b: f64) -> Result<WaveSetting> {
+    let q = WaveNumber::on_ring(1.0, SITES)?;
+    Ok(WaveSetting { params, q, omega_tw: omega_b, mean: MeanStrain::Value(0.0) })
+}
+
+/// Energies of a site of the background of this frequency.
+///
+/// # Errors
+/// As [`Search::wave`].
+///
+/// ```
+/// use hertzchain::{Params, breathers::{KinkEnergy, background_energy}};
+/// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
+/// let at = |omega: f64| background_energy(params, omega);
+/// let (low, high) = (at(2.049)?, at(2.051)?);
+/// // de = omega dj with omega j = e - free.
+/// let action = |omega: f64, one: KinkEnergy| (one.energy - one.free) / omega;
+/// let slope = (high.energy - low.energy) / (action(2.051, high) - action(2.049, low));
+/// assert!((slope - 2.05).abs() < 1e-4);
+/// # Ok::<(), hertzchain::Error>(())
+/// ```
+pub fn background_energy(params: Params, omega_b: f64) -> Result<KinkEnergy> {
+    let search = Search::default();
+    let (wave, _) = search.wave(&background(params, omega_b)?, Given::Frequency)?;
+    let chain = Chain::new(params, Boundary::StrainRing, SITES)?;
+    let [x, y, vx, vy] = wave.on_ring(SITES);
+    let state = State::from_fn(&chain, |n| Site { u: x[n], v: y[n], u_dot: vx[n], v_dot: vy[n] })?;
+    let whole = averaged(&chain, state.as_slice(), 0.5 * PI / omega_b, PARTS, search.tol)?;
+    Ok(KinkEnergy { energy: whole.energy / SITES as f64, free: whole.free / SITES as f64 })
+}
+
+/// Energies over a time at whose ends the kinetic energy is even.
+fn averaged(chain: &Chain<f64>, start: &[f64], time: f64, parts: usize, tol: f64) -> Result<KinkEnergy> {
+    let mut run = chain.collocation(start, (0.0, time), Pace::Tolerance(tol))?;
+    let (mut state, mut kinetic) = (start.to_vec(), 0.0);
+    for k in 0..=parts {
+        let t = time * k as f64 / parts as f64;
+        while run.time() < t && !run.done() {
+            run.step()?;
+        }
+        if k > 0 {
+            run.sample(t, &mut state);
+        }
+        let Energy { beads, resonators, .. } = chain.energy(&state);
+        kinetic += (beads + resonators) * if k == 0 || k == parts { 0.5 } else { 1.0 } / parts as f64;
+    }
+    let energy = chain.energy(start).total();
+    Ok(KinkEnergy { energy, free: energy - 2.0 * kinetic })
+}
+
+impl MovingOrbit {
+    /// Energies of the kink: those of the ring less those of as many sites of a background without
+    /// a twist, of the frequency `omega_b + delta/T_m` that the twist `delta` leaves it. The energy
+    /// of the twist itself, of the order of `1/N`, is left in.
+    ///
+    /// # Errors
+    /// Those of [`background_energy`], and an integration that fails.
+    pub fn kink_energy(&self, twist: f64, tol: f64) -> Result<KinkEnergy> {
+        let breather = &self.breather;
+        let site = background_energy(breather.params, breather.omega_b + twist / breather.passage())?;
+        // By symmetry the kinetic energy is even about both ends of half a passage.
+        let parts = PARTS * (2 * breather.turns as usize + 1);
+        let ring = averaged(&breather.chain()?, &self.z, 0.5 * breather.passage(), parts, tol)?;
+        let sites = breather.sites as f64;
+        Ok(KinkEnergy { energy: ring.energy - sites * site.energy, free: ring.free - sites * site.free })
+    }
+}
