@@ -12,6 +12,11 @@ pub trait Power<R: Real>: Copy {
     fn raise<V: Vector<R>>(self, g: V) -> V;
     /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V);
+    /// The same above `band >= 0`, two zeros elsewhere.
+    #[inline(always)]
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
+        self.raise_with_slope(g.above(band, g))
+    }
 }
 
 /// `g sqrt(g)`.
@@ -40,6 +45,13 @@ impl<R: Real> Power<R> for ThreeHalves {
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
         let root = g.root();
         (g * root, V::all(R::of(1.5)) * root)
+    }
+
+    #[inline(always)]
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
+        // The root does not wait for the comparison.
+        let (power, slope) = self.raise_with_slope(g);
+        (g.above(band, power), g.above(band, slope))
     }
 }
 
@@ -240,6 +252,12 @@ impl<R: Real> ContactLaw<R> {
     #[inline(always)]
     pub fn positive_part<V: Vector<R>>(&self, g: V) -> V {
         g.above(self.dead_band, g)
+    }
+
+    /// Forces and their derivatives, by the power of this law.
+    #[inline(always)]
+    pub fn force_and_slope<V: Vector<R>>(&self, power: impl Power<R>, g: V) -> (V, V) {
+        power.raise_above(self.dead_band, g)
     }
 
     /// The force `(g)_+^alpha`.

@@ -46,6 +46,8 @@ pub trait Vector<R>:
     fn above(self, bound: R, then: Self) -> Self;
     /// Which lanes are above zero, a bit each, the first lane's lowest.
     fn positive(self) -> u64;
+    /// Which lanes exceed those of another.
+    fn exceeds(self, other: Self) -> u64;
     /// Absolute values.
     fn size(self) -> Self;
     /// The lanes moved by one towards the first; the first of `next` comes last.
@@ -106,6 +108,11 @@ impl<R: Real> Vector<R> for R {
     #[inline(always)]
     fn positive(self) -> u64 {
         u64::from(self > R::zero())
+    }
+
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> u64 {
+        u64::from(self > other)
     }
 
     #[inline(always)]
@@ -300,6 +307,11 @@ impl Vector<f64> for Pair {
     }
 
     #[inline(always)]
+    fn exceeds(self, other: Self) -> u64 {
+        u64::from(self.0[0] > other.0[0]) | u64::from(self.0[1] > other.0[1]) << 1
+    }
+
+    #[inline(always)]
     fn size(self) -> Self {
         Self([self.0[0].abs(), self.0[1].abs()])
     }
@@ -385,6 +397,11 @@ mod wide {
         }
 
         #[inline(always)]
+        fn exceeds(self, other: Self) -> u64 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64 }
+        }
+
+        #[inline(always)]
         fn size(self) -> Self {
             unsafe { Self(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
         }
@@ -461,6 +478,11 @@ mod wide {
         #[inline(always)]
         fn positive(self) -> u64 {
             unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
+        }
+
+        #[inline(always)]
+        fn exceeds(self, other: Self) -> u64 {
+            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
         }
 
         #[inline(always)]

@@ -42,6 +42,11 @@ impl<T: Copy + Zero> Aligned<T> {
         std::array::from_fn(|k| Self::starting(len, k * APART + APART / 2 / LINE * LINE, PAGE))
     }
 
+    /// The same for up to eight arrays beside four that are together: two in each gap.
+    pub(crate) fn among<const K: usize>(len: usize) -> [Self; K] {
+        std::array::from_fn(|k| Self::starting(len, k / 2 * APART + (1 + k % 2) * APART / 3 / LINE * LINE, PAGE))
+    }
+
     /// Zeros that begin at an address that is `offset` modulo `modulus`.
     fn starting(len: usize, offset: usize, modulus: usize) -> Self {
         if len == 0 {
@@ -64,14 +69,16 @@ impl<T> Deref for Aligned<T> {
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
-        &self.numbers[self.start..][..self.len]
+        // SAFETY: `starting` has made room for so many numbers, and they never move.
+        unsafe { std::slice::from_raw_parts(self.numbers.as_ptr().add(self.start), self.len) }
     }
 }
 
 impl<T> DerefMut for Aligned<T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.numbers[self.start..][..self.len]
+        // SAFETY: as above.
+        unsafe { std::slice::from_raw_parts_mut(self.numbers.as_mut_ptr().add(self.start), self.len) }
     }
 }
 

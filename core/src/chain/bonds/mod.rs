@@ -20,7 +20,7 @@ use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
 use hertzchain_integrators::{
-    Column, Error, SplitFlow, Stepper, Twofold,
+    Error, SplitFlow, Stepper, Twofold,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -61,8 +61,8 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// `-kappa (d + c d'')`, with the accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
     /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs do not
-    /// kick.
-    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>);
+    /// kick; as many times as there are durations of kicks and drifts, or fewer. Returns how many.
+    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize;
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
@@ -85,8 +85,6 @@ pub struct Bonded<F> {
     /// Those at the survey before.
     force_before: Box<Aligned<f64>>,
     slope_before: Box<Aligned<f64>>,
-    /// Modified forces, from `PAD` on, for kicks that survey.
-    modified: Aligned<f64>,
     /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
     closed: Vec<u64>,
     told: Vec<u64>,
@@ -98,8 +96,6 @@ pub struct Bonded<F> {
     reach: f64,
     /// Accelerations of sites, for springs that kick.
     a: Aligned<f64>,
-    /// Site at which the next kick that surveys begins.
-    start: usize,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
 }
@@ -111,18 +107,19 @@ impl<F: SiteFlow> Bonded<F> {
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
         let zeros = |len| Box::new(Aligned::zeros(len));
-        let padded = || zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
+        let length = PAD + (sites + 1).next_multiple_of(LANES) + LANES;
+        let padded = || zeros(length);
+        let [overlap, force, overlap1, slope, overlap2, force_before, q, slope_before] = Aligned::among(length);
         Self {
             flow,
             sites,
-            q: *padded(),
-            overlap: zeros(sites + 1),
-            overlaps_before: [zeros(sites + 1), zeros(sites + 1)],
-            force: padded(),
-            slope: padded(),
-            force_before: padded(),
-            slope_before: padded(),
-            modified: *padded(),
+            q,
+            overlap: Box::new(overlap),
+            overlaps_before: [Box::new(overlap1), Box::new(overlap2)],
+            force: Box::new(force),
+            slope: Box::new(slope),
+            force_before: Box::new(force_before),
+            slope_before: Box::new(slope_before),
             closed: vec![0; (sites + 1).div_ceil(WORD)],
             told: vec![0; (sites + 1).div_ceil(WORD)],
             spring: if springs { padded() } else { zeros(0) },
@@ -130,7 +127,6 @@ impl<F: SiteFlow> Bonded<F> {
             turning: vec![0; (sites + 1).div_ceil(WORD)],
             reach: 0.0,
             a: Aligned::zeros(sites),
-            start: 0,
             swung: (0.0, 1.0),
         }
     }
@@ -150,33 +146,18 @@ impl<F: SiteFlow> Bonded<F> {
         self.chain().topology().ring()
     }
 
-    /// Moves what is kept of surveys on by one.
+    /// Moves what is kept of surveys on by so many.
     #[inline]
-    fn keep(&mut self) {
-        self.overlaps_before.swap(0, 1);
-        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
-        std::mem::swap(&mut self.force, &mut self.force_before);
-        std::mem::swap(&mut self.slope, &mut self.slope_before);
-        std::mem::swap(&mut self.spring, &mut self.spring_before);
-    }
-
-    /// The flow, what a survey writes, forces and derivatives of the survey before, and room for
-    /// modified forces.
-    #[inline(always)]
-    fn parts(&mut self) -> (&mut F, Forces<'_>, [Column<'_, f64>; 3]) {
-        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
-            self;
-        let forces = Forces {
-            reach: *reach,
-            q: q.column(),
-            overlap: overlap.column(),
-            force: force.column(),
-            slope: slope.column(),
-            before: [latest.column(), first.column()],
-            closed,
-            turning,
-        };
-        (flow, forces, [&mut *self.force_before, &mut self.slope_before, &mut self.modified].map(Aligned::column))
+    fn keep(&mut self, surveys: usize) {
+        for _ in 0..surveys % 3 {
+            self.overlaps_before.swap(0, 1);
+            std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
+        }
+        if surveys % 2 == 1 {
+            std::mem::swap(&mut self.force, &mut self.force_before);
+            std::mem::swap(&mut self.slope, &mut self.slope_before);
+            std::mem::swap(&mut self.spring, &mut self.spring_before);
+        }
     }
 
     /// What a survey leaves beyond the ends.
@@ -190,6 +171,18 @@ impl<F: SiteFlow> Bonded<F> {
             }
         }
         self.close();
+    }
+
+    /// Copies what lies beyond the ends of a ring.
+    #[inline]
+    fn join(&mut self) {
+        if !self.ring() {
+            return;
+        }
+        let n = self.sites;
+        (self.q[PAD - 1], self.q[PAD + n]) = (self.q[PAD + n - 1], self.q[PAD]);
+        self.overlap[n] = self.overlap[0];
+        (self.force[PAD + n], self.slope[PAD + n]) = (self.force[PAD], self.slope[PAD]);
     }
 
     /// The bond that number `index` among those that can touch is.
@@ -208,6 +201,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 
     /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    #[inline(always)]
     fn refresh(&mut self, b: usize) {
         let n = self.sites;
         if b <= 3 || b + 3 >= n {
@@ -235,7 +229,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
-    #[inline]
+    #[inline(always)]
     fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
         let [left, right] = self.chain().topology().beside(b);
         let contacts = left.map_or(0.0, |b| force[PAD + b]) + right.map_or(0.0, |b| force[PAD + b]);
@@ -247,7 +241,7 @@ impl<F: SiteFlow> Bonded<F> {
     ///
     /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
-    #[inline]
+    #[inline(always)]
     fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
         let motion = self.chain().topology().across(b, |i| self.flow.motion(i));
         self.path_of((self.overlap[b], motion), pulls, h)
@@ -255,7 +249,7 @@ impl<F: SiteFlow> Bonded<F> {
 
     /// The same from overlap and [motion](SiteFlow::motion) of the bond: linear in these and in
     /// pulls.
-    #[inline]
+    #[inline(always)]
     fn path_of(&self, (g, [rate, p, p_dot]): (f64, [f64; 3]), [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
         let change = if h > 0.0 { (now - before) / h } else { 0.0 };
@@ -413,7 +407,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
-        self.keep();
+        self.keep(1);
         let n = self.sites;
         if !self.spring.is_empty() {
             for i in 0..n {
@@ -423,28 +417,50 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
             }
         }
-        let (flow, forces, _) = self.parts();
-        flow.survey(forces);
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
+            self;
+        flow.survey(Forces {
+            reach: *reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed,
+            turning,
+        });
         self.finish();
     }
 
     #[inline]
-    fn kick_and_survey(&mut self, kick: f64, c: f64, drift: Twofold<f64>) {
+    fn kicks_and_surveys(&mut self, pairs: &[(f64, Twofold<f64>)], c: f64, watched: bool) -> usize {
         if !self.spring.is_empty() {
+            let (kick, drift) = pairs[0];
             self.kick(kick, c);
             self.drift(drift);
             self.survey();
-            return;
+            return 1;
         }
-        self.keep();
-        let start = self.start;
-        let (flow, forces, [force, slope, modified]) = self.parts();
-        flow.push_and_survey(kick, drift, Fused { c, force, slope, modified, forces, start });
-        // The next pass on a ring begins elsewhere, see `rows`.
-        if self.ring() {
-            self.start = (start + 2 * LANES) % self.sites.next_multiple_of(LANES);
-        }
+        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, .. } = self;
+        let made = flow.push_and_survey(
+            pairs,
+            Fused {
+                c,
+                reach: self.reach,
+                watched,
+                q: q.column(),
+                overlaps: [overlap.column(), latest.column(), first.column()],
+                forces: [self.force.column(), self.force_before.column()],
+                slopes: [self.slope.column(), self.slope_before.column()],
+                closed,
+                turning,
+                told,
+            },
+        );
+        self.keep(made);
+        self.join();
         self.finish();
+        made
     }
 
     #[inline]
@@ -489,7 +505,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.along(b, [pull; 2], 0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn view(&self, bond: usize, h: f64) -> BondView {
         let b = self.bond(bond);
         let now = self.pull(b, &self.force, &self.spring);
@@ -498,7 +514,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         BondView { path, mobility, pull: [before, now] }
     }
 
-    #[inline]
+    #[inline(always)]
     fn correct(&mut self, bond: usize, correction: &Correction) {
         let b = self.bond(bond);
         let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
@@ -575,7 +591,7 @@ mod tests {
         for k in 0..70 {
             let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, Twofold::new(0.02));
             if fused {
-                flow.kick_and_survey(kick, c, drift);
+                flow.kicks_and_surveys(&[(kick, drift)], c, false);
             } else {
                 flow.kick(kick, c);
                 flow.drift(drift);

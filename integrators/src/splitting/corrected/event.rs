@@ -8,8 +8,9 @@ use super::{
 };
 use crate::real::{Kernel, Real};
 
-/// Events that are worked on side by side.
+/// Events that are worked on side by side, if there are some or many.
 const SOME: usize = 4;
+const MANY: usize = 8;
 
 /// A bond that has changed its side.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +65,10 @@ impl Corrector {
     pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
         if events.len() == 1 {
             f64::run(Events::<1> { corrector: self, events, out });
-        } else {
+        } else if events.len() <= SOME {
             f64::run(Events::<SOME> { corrector: self, events, out });
+        } else {
+            f64::run(Events::<MANY> { corrector: self, events, out });
         }
     }
 
