@@ -45,17 +45,15 @@ impl SiteFlow for LinearFlow<f64> {
     #[inline(always)]
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let [by_r0, by_v, by_c, by_s] = self.shares(correction);
-        if let [r0, v] = &mut self.centre
-            && !v.is_empty()
-        {
+        let [r0, v] = self.centre.each_mut().map(|column| &mut column[..]);
+        if !v.is_empty() {
             for &(site, weight) in beads {
                 r0[site] += weight * by_r0;
                 v[site] += weight * by_v;
             }
         }
-        if let [c, s] = &mut self.oscillation
-            && !s.is_empty()
-        {
+        let [c, s] = self.oscillation.each_mut().map(|column| &mut column[..]);
+        if !s.is_empty() {
             for &(site, weight) in beads {
                 c[site] += weight * by_c;
                 s[site] += weight * by_s;

@@ -91,7 +91,7 @@ pub struct Bonded<F> {
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
     spring: Box<Aligned<f64>>,
     spring_before: Box<Aligned<f64>>,
-    /// Which bonds may have turned near zero, a bit each, and how near they count.
+    /// Which bonds have turned near zero, a bit each, and how near they count.
     turning: Vec<u64>,
     reach: f64,
     /// Accelerations of sites, for springs that kick.
@@ -204,28 +204,32 @@ impl<F: SiteFlow> Bonded<F> {
     #[inline(always)]
     fn refresh(&mut self, b: usize) {
         let n = self.sites;
-        if b <= 3 || b + 3 >= n {
+        let ends = b <= 3 || b + 3 >= n;
+        if ends {
             (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
             // A ring's first bond is its last.
-            for b in [0, 1, n - 1, n] {
-                self.refresh_bond(b);
-            }
+            self.refresh_bonds([0, 1, n - 1, n]);
         }
-        for b in b.saturating_sub(1)..(b + 2).min(n + 1) {
-            self.refresh_bond(b);
-        }
-        if b <= 3 || b + 3 >= n {
+        self.refresh_bonds(b.saturating_sub(1)..(b + 2).min(n + 1));
+        if ends {
             self.close();
         }
     }
 
     #[inline(always)]
-    fn refresh_bond(&mut self, b: usize) {
-        let (law, q) = (self.chain().law(), &self.q[PAD - 1..]);
-        let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
-        self.overlap[b] = g;
-        (self.force[PAD + b], self.slope[PAD + b]) = law.force_with_slope(g);
-        self.turning[b / WORD] |= 1 << (b % WORD);
+    fn refresh_bonds(&mut self, bonds: impl IntoIterator<Item = usize>) {
+        let Self { flow, q, overlap, overlaps_before, force, slope, turning: turns, reach, .. } = self;
+        let (chain, q, overlap) = (flow.chain(), &q[PAD - 1..], &mut overlap[..]);
+        let [latest, first] = overlaps_before.each_ref().map(|column| &column[..]);
+        let (force, slope) = (&mut force[PAD..], &mut slope[PAD..]);
+        let (law, strain, rest) = (chain.law(), chain.topology().strains(), chain.precompression());
+        for b in bonds {
+            let g = if strain { -q[b + 1] } else { rest + (q[b] - q[b + 1]) };
+            overlap[b] = g;
+            (force[b], slope[b]) = law.force_with_slope(g);
+            let (bits, bit) = (&mut turns[b / WORD], b % WORD);
+            *bits = *bits & !(1 << bit) | turning(*reach, [first[b], latest[b], g]) << bit;
+        }
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
@@ -479,14 +483,13 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     #[inline]
     fn turned(&self, out: &mut Vec<(usize, bool)>) {
-        let (touching, [latest, first]) = (self.chain().touching(), &self.overlaps_before);
+        let (touching, latest) = (self.chain().touching(), &self.overlaps_before[0]);
         for (word, &bits) in self.turning.iter().enumerate() {
             let mut bits = bits;
             while bits != 0 {
                 let b = word * WORD + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                // Bonds that were corrected since the survey are looked at again.
-                if touching.contains(&b) && turning(self.reach, [first[b], latest[b], self.overlap[b]]) > 0 {
+                if touching.contains(&b) {
                     out.push((b - touching.start, latest[b] > 0.0));
                 }
             }
@@ -519,8 +522,9 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         let b = self.bond(bond);
         let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
         self.flow.give(&beads, correction);
+        let q = &mut self.q[PAD..];
         for &(site, weight) in beads.iter() {
-            self.q[PAD + site] += weight * shift;
+            q[site] += weight * shift;
         }
         self.refresh(b);
     }
