@@ -5,10 +5,11 @@
 //! elsewhere. Then it runs criterion's groups.
 
 use criterion::{Criterion, Throughput};
-use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
+use hertzchain::Scene;
+use hertzchain::chain::{Bonded, Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
     Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
-    splitting::{First, tables::STRANG},
+    splitting::{Corrected, First, Parts, tables::STRANG},
 };
 use std::{
     hint::black_box,
@@ -143,6 +144,68 @@ fn contact_logs() -> Vec<Work> {
     ]
 }
 
+/// Periods of `tw-q15` that are run, and kicks a period.
+const PERIODS: usize = 100;
+const KICKS: usize = 64;
+
+/// Whole runs of `tw-q15`: plain kicks, those of corrected splitting without events, and with them.
+fn corrected() -> Vec<Work> {
+    let scene = Scene::load("tw-q15").expect("a built-in scene");
+    let (chain, y) = (scene.chain().clone(), scene.initial().as_slice().to_vec());
+    let (end, steps) = (PERIODS as f64 * scene.period(), PERIODS * KICKS);
+    let start = {
+        let (chain, y) = (chain.clone(), y.clone());
+        move |parts: Option<Parts>| -> Box<dyn Stepper<f64>> {
+            let mut flow = LinearFlow::new(chain.clone());
+            flow.load(&y);
+            let (span, count) = ((0.0, end), steps as u64);
+            match parts {
+                None => Box::new(Splitting::new(&STRANG, First::Drift, flow, span, count).unwrap()),
+                Some(parts) => Box::new(Corrected::new(Bonded::new(flow), span, count, parts).unwrap()),
+            }
+        }
+    };
+    let work = |name: &str, parts: Option<Parts>| {
+        let (chain, y, start) = (chain.clone(), y.clone(), start.clone());
+        let run = move || {
+            let mut run = start(parts);
+            while !run.done() {
+                run.steps(None).unwrap();
+            }
+            run
+        };
+        let again = run.clone();
+        let check = move || {
+            let mut end_state = y.clone();
+            let mut run = again();
+            run.sample(run.time(), &mut end_state);
+            let error = (chain.energy(&end_state).total() / chain.energy(&y).total() - 1.0).abs();
+            assert!(error < 1e-3, "the energy is off by {error:e}");
+        };
+        let once = move || drop(black_box(run()));
+        Work { name: name.into(), sites: scene.chain().sites(), steps, once: Box::new(once), check: Box::new(check) }
+    };
+    vec![
+        work("strang-linear, tw-q15", None),
+        work("takahashi-imada-linear", Some(Parts::PROCESSED)),
+        work("corrected", Some(Parts::ALL)),
+    ]
+}
+
+/// The price of a corrected step without events, and of an event: each bond closes and opens once a
+/// period.
+fn print_corrected() {
+    let mut works = corrected();
+    let times = medians(&mut works);
+    let sites = works[0].sites as f64;
+    for (work, &time) in works.iter().zip(&times) {
+        let (step, ratio) = (sites * time, time / times[0]);
+        println!("{:>9}  {:24} {step:>10.1} ns a step   x plain kicks {ratio:.2}", work.sites, work.name);
+    }
+    let event = (times[2] - times[1]) * KICKS as f64 / 2.0;
+    println!("{:>9}  {:24} {event:>10.1} ns", works[0].sites, "an event");
+}
+
 /// Median nanoseconds per site and step of each operation. Operations take turns, so that the load
 /// of the machine affects all of them equally.
 fn medians(works: &mut [Work]) -> Vec<f64> {
@@ -181,6 +244,7 @@ fn table() {
     for (work, &time) in works.iter().zip(&times) {
         println!("{:>9}  {:24} {time:>10.3}   x the first {:.2}", work.sites, work.name, time / times[0]);
     }
+    print_corrected();
     let mut works = subnormals();
     let times = medians(&mut works);
     for (i, (work, &time)) in works.iter().zip(&times).enumerate() {
@@ -214,6 +278,7 @@ fn main() {
         bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
     }
     bench(&mut criterion, "contact log", contact_logs());
+    bench(&mut criterion, "corrected", corrected());
     bench(&mut criterion, "subnormals", subnormals());
     criterion.final_summary();
 }

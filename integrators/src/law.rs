@@ -6,6 +6,43 @@
 
 use crate::{Real, Twofold, Vector};
 
+/// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
+#[macro_export]
+macro_rules! with_power {
+    ($law:expr, $power:ident => $body:expr) => {
+        match $law.exponent() {
+            $crate::law::Exponent::ThreeHalves => {
+                let $power = $crate::law::ThreeHalves;
+                $body
+            }
+            $crate::law::Exponent::Integer(1) => {
+                let $power = $crate::law::Monomial::<1>;
+                $body
+            }
+            $crate::law::Exponent::Integer(2) => {
+                let $power = $crate::law::Monomial::<2>;
+                $body
+            }
+            $crate::law::Exponent::Integer(3) => {
+                let $power = $crate::law::Monomial::<3>;
+                $body
+            }
+            $crate::law::Exponent::Integer(k) => {
+                let $power = $crate::law::Integer::new(k);
+                $body
+            }
+            $crate::law::Exponent::HalfInteger(k) => {
+                let $power = $crate::law::HalfInteger::new(k);
+                $body
+            }
+            $crate::law::Exponent::General => {
+                let $power = $crate::law::General::new($law.alpha());
+                $body
+            }
+        }
+    };
+}
+
 /// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.
@@ -34,6 +71,38 @@ pub struct HalfInteger(u32);
 /// Any other power.
 #[derive(Clone, Copy)]
 pub struct General<R>(R);
+
+/// The power of any law, told apart for each register: for loops that are too large to be compiled
+/// for every power.
+#[derive(Clone, Copy)]
+pub struct Any<R> {
+    exponent: Exponent,
+    alpha: R,
+}
+
+impl<R: Copy> Any<R> {
+    #[inline(always)]
+    fn exponent(self) -> Exponent {
+        self.exponent
+    }
+
+    #[inline(always)]
+    fn alpha(self) -> R {
+        self.alpha
+    }
+}
+
+impl<R: Real> Power<R> for Any<R> {
+    #[inline(always)]
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        with_power!(self, power => power.raise(g))
+    }
+
+    #[inline(always)]
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
+        with_power!(self, power => power.raise_with_slope(g))
+    }
+}
 
 impl<R: Real> Power<R> for ThreeHalves {
     #[inline(always)]
@@ -161,43 +230,6 @@ pub struct ContactLaw<R> {
     dead_band: R,
 }
 
-/// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
-#[macro_export]
-macro_rules! with_power {
-    ($law:expr, $power:ident => $body:expr) => {
-        match $law.exponent() {
-            $crate::law::Exponent::ThreeHalves => {
-                let $power = $crate::law::ThreeHalves;
-                $body
-            }
-            $crate::law::Exponent::Integer(1) => {
-                let $power = $crate::law::Monomial::<1>;
-                $body
-            }
-            $crate::law::Exponent::Integer(2) => {
-                let $power = $crate::law::Monomial::<2>;
-                $body
-            }
-            $crate::law::Exponent::Integer(3) => {
-                let $power = $crate::law::Monomial::<3>;
-                $body
-            }
-            $crate::law::Exponent::Integer(k) => {
-                let $power = $crate::law::Integer::new(k);
-                $body
-            }
-            $crate::law::Exponent::HalfInteger(k) => {
-                let $power = $crate::law::HalfInteger::new(k);
-                $body
-            }
-            $crate::law::Exponent::General => {
-                let $power = $crate::law::General::new($law.alpha());
-                $body
-            }
-        }
-    };
-}
-
 impl Integer {
     /// The power `k`.
     pub fn new(k: u32) -> Self {
@@ -240,6 +272,11 @@ impl<R: Real> ContactLaw<R> {
     /// The exponent.
     pub fn alpha(&self) -> R {
         self.alpha
+    }
+
+    /// The power, whatever it is.
+    pub fn any_power(&self) -> Any<R> {
+        Any { exponent: self.exponent, alpha: self.alpha }
     }
 
     /// The way in which the power is computed.
@@ -349,6 +386,11 @@ mod tests {
             for g in [0.0, -1.0, f64::NEG_INFINITY, law.dead_band] {
                 assert_eq!((law.force(g), law.potential(g), law.stiffness(g)), (0.0, 0.0, 0.0));
                 assert_eq!(law.force_with_slope(g), (0.0, 0.0));
+            }
+            // Loops for one power and for any give the same bits, with masks before or after roots.
+            for g in [-1.0, 0.0, law.dead_band, 1e-100, 0.3, 2.7] {
+                assert_eq!(law.force_and_slope(law.any_power(), g), law.force_with_slope(g));
+                assert_eq!(with_power!(law, power => law.force_and_slope(power, g)), law.force_with_slope(g));
             }
         }
     }

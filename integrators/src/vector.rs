@@ -669,7 +669,7 @@ mod tests {
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
                 let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                let operations: [&dyn Fn(f64, f64) -> f64; 13] = [
+                let operations: [&dyn Fn(f64, f64) -> f64; 17] = [
                     &|a, b| a + b,
                     &|a, b| a - b,
                     &|a, b| a * b,
@@ -677,10 +677,14 @@ mod tests {
                     &|a, b| a.mul_add(b, a - b),
                     &|a, b| if b > a { b } else { a },
                     &|a, _| a.sqrt(),
+                    &|a, _| (a * 7.3).floor(),
                     &|a, _| 1.0 / a,
                     &|a, b| if a > 0.25 { b } else { 0.0 },
                     &|a, b| (a - b).abs(),
                     &|_, _| positive as f64,
+                    &|_, _| positive as f64,
+                    &|_, _| ((1u64 << lanes) - 1 - positive) as f64,
+                    &|a, b| if a <= b { a } else { b * b },
                     &|a, _| a.powf(1.3),
                     &|_, _| 0.618,
                 ];

@@ -42,11 +42,6 @@ impl<T: Copy + Zero> Aligned<T> {
         std::array::from_fn(|k| Self::starting(len, k * APART + APART / 2 / LINE * LINE, PAGE))
     }
 
-    /// The same for up to eight arrays beside four that are together: two in each gap.
-    pub(crate) fn among<const K: usize>(len: usize) -> [Self; K] {
-        std::array::from_fn(|k| Self::starting(len, k / 2 * APART + (1 + k % 2) * APART / 3 / LINE * LINE, PAGE))
-    }
-
     /// Zeros that begin at an address that is `offset` modulo `modulus`.
     fn starting(len: usize, offset: usize, modulus: usize) -> Self {
         if len == 0 {

@@ -12,14 +12,17 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{LANES, Power, with_power},
+        law::{LANES, Power},
         rows::{Clock, InRow, Moving},
         sweep::{overlaps, push},
     },
     PAD, WORD,
     forces::mark,
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{
+    Column, Real, Vector, VectorKernel,
+    law::{Exponent, ThreeHalves},
+};
 
 /// The reach of a pass is wider than asked for, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
@@ -75,13 +78,14 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<
 
     #[inline(always)]
     fn run<V: Vector<f64>>(self) -> usize {
-        with_power!(self.chain.law(), power => {
-            if self.chain.topology().strains() {
-                self.lanes::<V, _, true>(power)
-            } else {
-                self.lanes::<V, _, false>(power)
-            }
-        })
+        // The kernel is large: it is compiled for the power 3/2, and once more for all others.
+        let law = self.chain.law();
+        match (law.exponent(), self.chain.topology().strains()) {
+            (Exponent::ThreeHalves, true) => self.lanes::<V, _, true>(ThreeHalves),
+            (Exponent::ThreeHalves, false) => self.lanes::<V, _, false>(ThreeHalves),
+            (_, true) => self.lanes::<V, _, true>(law.any_power()),
+            (_, false) => self.lanes::<V, _, false>(law.any_power()),
+        }
     }
 }
 

@@ -107,19 +107,17 @@ impl<F: SiteFlow> Bonded<F> {
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
         let zeros = |len| Box::new(Aligned::zeros(len));
-        let length = PAD + (sites + 1).next_multiple_of(LANES) + LANES;
-        let padded = || zeros(length);
-        let [overlap, force, overlap1, slope, overlap2, force_before, q, slope_before] = Aligned::among(length);
+        let padded = || zeros(PAD + (sites + 1).next_multiple_of(LANES) + LANES);
         Self {
             flow,
             sites,
-            q,
-            overlap: Box::new(overlap),
-            overlaps_before: [Box::new(overlap1), Box::new(overlap2)],
-            force: Box::new(force),
-            slope: Box::new(slope),
-            force_before: Box::new(force_before),
-            slope_before: Box::new(slope_before),
+            q: *padded(),
+            overlap: zeros(sites + 1),
+            overlaps_before: [zeros(sites + 1), zeros(sites + 1)],
+            force: padded(),
+            slope: padded(),
+            force_before: padded(),
+            slope_before: padded(),
             closed: vec![0; (sites + 1).div_ceil(WORD)],
             told: vec![0; (sites + 1).div_ceil(WORD)],
             spring: if springs { padded() } else { zeros(0) },
@@ -247,8 +245,15 @@ impl<F: SiteFlow> Bonded<F> {
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline(always)]
     fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
-        let motion = self.chain().topology().across(b, |i| self.flow.motion(i));
+        let [before, behind] = self.chain().topology().ends(b).map(|site| self.motion_of(site));
+        let motion = std::array::from_fn(|k| before[k] - behind[k]);
         self.path_of((self.overlap[b], motion), pulls, h)
+    }
+
+    /// The [motion](SiteFlow::motion) of a site; walls have none.
+    #[inline(always)]
+    fn motion_of(&self, site: Option<usize>) -> [f64; 3] {
+        site.map_or([0.0; 3], |i| self.flow.motion(i))
     }
 
     /// The same from overlap and [motion](SiteFlow::motion) of the bond: linear in these and in
@@ -584,7 +589,10 @@ impl<F: SiteFlow> Bonded<F> {
 mod tests {
     use super::super::{Boundary, KineticFlow, LinearFlow, Params};
     use super::*;
-    use hertzchain_integrators::Instructions;
+    use hertzchain_integrators::{
+        Instructions,
+        splitting::corrected::{Corrected, Parts},
+    };
 
     /// All that a few steps leave behind, made in one pass each or one thing after the other.
     fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
@@ -632,5 +640,107 @@ mod tests {
             }
         }
         assert!(used.select());
+    }
+
+    /// A ring of beads in motion whose contacts open and close, on the linear split.
+    fn ring(n: usize, alpha: f64, boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
+        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, 1.0 / 3.0).unwrap(), boundary, n).unwrap();
+        let y = (0..chain.layout().dim()).map(|i| 0.3 * (0.7 * (i * i) as f64 + 0.3).sin()).collect();
+        (chain, y)
+    }
+
+    #[test]
+    fn kicks_in_a_row_end_at_the_first_survey_that_has_something_to_tell() {
+        // Truth: one kick at a time, and what it tells of bonds; the state at the end of each row.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+                for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
+                    let (chain, y) = ring(n, alpha, boundary);
+                    let run = || {
+                        let mut flow = Bonded::new(LinearFlow::new(chain.clone()));
+                        flow.load(&y);
+                        flow.prepare(0.02, 3.0);
+                        flow.survey();
+                        flow.changed(&mut Vec::new());
+                        flow
+                    };
+                    let (mut row, mut one) = (run(), run());
+                    let pairs = vec![(0.02, Twofold::new(0.02)); 40];
+                    let tell = |flow: &mut Bonded<LinearFlow<f64>>| {
+                        let (mut changed, mut turned) = (Vec::new(), Vec::new());
+                        flow.changed(&mut changed);
+                        flow.turned(&mut turned);
+                        (changed, turned)
+                    };
+                    let (mut taken, mut ends) = (0, 0);
+                    while taken < 400 {
+                        let made = row.kicks_and_surveys(&pairs, 1e-4, true);
+                        for k in 0..made {
+                            one.kick(0.02, 1e-4);
+                            one.drift(Twofold::new(0.02));
+                            one.survey();
+                            if k + 1 < made {
+                                let quiet = tell(&mut one);
+                                assert!(quiet.0.is_empty() && quiet.1.is_empty(), "{boundary:?} {n} {set} {quiet:?}");
+                            }
+                        }
+                        let told = tell(&mut row);
+                        assert_eq!(told, tell(&mut one), "{boundary:?} {n} {set}");
+                        assert!(
+                            row.overlap[..=n] == one.overlap[..=n] && row.force[..=PAD + n] == one.force[..=PAD + n]
+                        );
+                        ends += usize::from(!told.0.is_empty());
+                        taken += made;
+                    }
+                    assert!(ends > 3, "{boundary:?} {n}: {ends} steps with events");
+                }
+            }
+        }
+        assert!(used.select());
+    }
+
+    #[test]
+    fn corrected_steps_in_a_row_are_steps_on_every_instruction_set() {
+        // Truth: one step at a time, to the bit; times that somebody wants, and none.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        for (n, boundary, parts) in [
+            (50, Boundary::StrainRing, Parts::ALL),
+            (23, Boundary::Ring, Parts::ALL),
+            (13, Boundary::Free, Parts::PROCESSED),
+            (9, Boundary::Fixed, Parts::CORRECTED),
+        ] {
+            let (chain, y) = ring(n, 1.5, boundary);
+            let run = |in_rows: bool| {
+                let mut flow = LinearFlow::new(chain.clone());
+                flow.load(&y);
+                let mut run = Corrected::new(Bonded::new(flow), (0.0, 12.0), 300, parts).unwrap();
+                let mut states = Vec::new();
+                for wanted in [Some(0.01), Some(1.0), Some(1.02), None] {
+                    let until = wanted.unwrap_or(12.0);
+                    while run.time() < until - 1e-9 {
+                        let before = run.time();
+                        if in_rows {
+                            run.steps(wanted).unwrap()
+                        } else {
+                            run.step().unwrap()
+                        }
+                        assert!(before < until && (run.time() < until + 0.04 || wanted.is_none()));
+                    }
+                    let mut state = y.clone();
+                    run.sample(run.time(), &mut state);
+                    states.extend(state.into_iter().map(f64::to_bits));
+                }
+                assert!(run.done());
+                states
+            };
+            let want = run(false);
+            for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+                assert!(run(true) == want, "{boundary:?} {set}");
+            }
+            assert!(used.select());
+        }
     }
 }
