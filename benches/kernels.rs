@@ -5,12 +5,12 @@
 //! elsewhere. Then it runs criterion's groups.
 
 use criterion::{Criterion, Throughput};
-use hertzchain::Scene;
-use hertzchain::chain::{Bonded, Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
+use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
     Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
-    splitting::{Corrected, First, Parts, tables::STRANG},
+    splitting::{First, tables::STRANG},
 };
+use hertzchain::{Method, Run, Scene, run::Setting};
 use std::{
     hint::black_box,
     time::{Duration, Instant},
@@ -150,53 +150,29 @@ const KICKS: usize = 64;
 
 /// Whole runs of `tw-q15`: plain kicks, those of corrected splitting without events, and with them.
 fn corrected() -> Vec<Work> {
-    let scene = Scene::load("tw-q15").expect("a built-in scene");
-    let (chain, y) = (scene.chain().clone(), scene.initial().as_slice().to_vec());
-    let (end, steps) = (PERIODS as f64 * scene.period(), PERIODS * KICKS);
-    let start = {
-        let (chain, y) = (chain.clone(), y.clone());
-        move |parts: Option<Parts>| -> Box<dyn Stepper<f64>> {
-            let mut flow = LinearFlow::new(chain.clone());
-            flow.load(&y);
-            let (span, count) = ((0.0, end), steps as u64);
-            match parts {
-                None => Box::new(Splitting::new(&STRANG, First::Drift, flow, span, count).unwrap()),
-                Some(parts) => Box::new(Corrected::new(Bonded::new(flow), span, count, parts).unwrap()),
-            }
-        }
-    };
-    let work = |name: &str, parts: Option<Parts>| {
-        let (chain, y, start) = (chain.clone(), y.clone(), start.clone());
+    let steps = PERIODS * KICKS;
+    let work = |name: &str| {
+        let scene = Scene::load("tw-q15").expect("a built-in scene");
+        let (sites, method) = (scene.chain().sites(), Method::named(name).expect("a method"));
         let run = move || {
-            let mut run = start(parts);
-            while !run.done() {
-                run.steps(None).unwrap();
-            }
-            run
+            let run: Run = scene.run().method(method).setting(Setting::Steps(steps as u64)).samples(0).unwrap();
+            run.start().unwrap().complete().unwrap().energy_error.unwrap()
         };
         let again = run.clone();
-        let check = move || {
-            let mut end_state = y.clone();
-            let mut run = again();
-            run.sample(run.time(), &mut end_state);
-            let error = (chain.energy(&end_state).total() / chain.energy(&y).total() - 1.0).abs();
-            assert!(error < 1e-3, "the energy is off by {error:e}");
+        let check = move || assert!(again() < 1e-3, "the energy is off by {:e}", again());
+        let once = move || {
+            black_box(run());
         };
-        let once = move || drop(black_box(run()));
-        Work { name: name.into(), sites: scene.chain().sites(), steps, once: Box::new(once), check: Box::new(check) }
+        Work { name: name.into(), sites, steps, once: Box::new(once), check: Box::new(check) }
     };
-    vec![
-        work("strang-linear, tw-q15", None),
-        work("takahashi-imada-linear", Some(Parts::PROCESSED)),
-        work("corrected", Some(Parts::ALL)),
-    ]
+    ["strang-linear", "takahashi-imada-linear", "corrected"].map(work).into()
 }
 
 /// The price of a corrected step without events, and of an event: each bond closes and opens once a
-/// period.
+/// period. The least times: these runs are so long that others interrupt many of them.
 fn print_corrected() {
     let mut works = corrected();
-    let times = medians(&mut works);
+    let times = sampled(&mut works, |_| 0);
     let sites = works[0].sites as f64;
     for (work, &time) in works.iter().zip(&times) {
         let (step, ratio) = (sites * time, time / times[0]);
@@ -209,6 +185,11 @@ fn print_corrected() {
 /// Median nanoseconds per site and step of each operation. Operations take turns, so that the load
 /// of the machine affects all of them equally.
 fn medians(works: &mut [Work]) -> Vec<f64> {
+    sampled(works, |count| count / 2)
+}
+
+/// Of so many samples of each operation the one of a rank, counted from the least.
+fn sampled(works: &mut [Work], rank: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut samples = vec![Vec::new(); works.len()];
     for round in 0..31 {
         for (work, samples) in works.iter_mut().zip(&mut samples) {
@@ -222,11 +203,11 @@ fn medians(works: &mut [Work]) -> Vec<f64> {
         }
     }
     works.iter().for_each(|work| (work.check)());
-    let median = |samples: &mut Vec<f64>| {
+    let ranked = |samples: &mut Vec<f64>| {
         samples.sort_by(f64::total_cmp);
-        samples[samples.len() / 2]
+        samples[rank(samples.len())]
     };
-    samples.iter_mut().map(median).collect()
+    samples.iter_mut().map(ranked).collect()
 }
 
 fn table() {
