@@ -10,6 +10,7 @@ use hertzchain::integrators::{
     Kernel, Real, SplitFlow, Splitting, Stepper, Watch,
     splitting::{First, tables::STRANG},
 };
+use hertzchain::{Method, Run, Scene, run::Setting};
 use std::{
     hint::black_box,
     time::{Duration, Instant},
@@ -143,9 +144,52 @@ fn contact_logs() -> Vec<Work> {
     ]
 }
 
+/// Periods of `tw-q15` that are run, and kicks a period.
+const PERIODS: usize = 100;
+const KICKS: usize = 64;
+
+/// Whole runs of `tw-q15`: plain kicks, those of corrected splitting without events, and with them.
+fn corrected() -> Vec<Work> {
+    let steps = PERIODS * KICKS;
+    let work = |name: &str| {
+        let scene = Scene::load("tw-q15").expect("a built-in scene");
+        let (sites, method) = (scene.chain().sites(), Method::named(name).expect("a method"));
+        let run = move || {
+            let run: Run = scene.run().method(method).setting(Setting::Steps(steps as u64)).samples(0).unwrap();
+            run.start().unwrap().complete().unwrap().energy_error.unwrap()
+        };
+        let again = run.clone();
+        let check = move || assert!(again() < 1e-3, "the energy is off by {:e}", again());
+        let once = move || {
+            black_box(run());
+        };
+        Work { name: name.into(), sites, steps, once: Box::new(once), check: Box::new(check) }
+    };
+    ["strang-linear", "takahashi-imada-linear", "corrected"].map(work).into()
+}
+
+/// The price of a corrected step without events, and of an event: each bond closes and opens once a
+/// period. The least times: these runs are so long that others interrupt many of them.
+fn print_corrected() {
+    let mut works = corrected();
+    let times = sampled(&mut works, |_| 0);
+    let sites = works[0].sites as f64;
+    for (work, &time) in works.iter().zip(&times) {
+        let (step, ratio) = (sites * time, time / times[0]);
+        println!("{:>9}  {:24} {step:>10.1} ns a step   x plain kicks {ratio:.2}", work.sites, work.name);
+    }
+    let event = (times[2] - times[1]) * KICKS as f64 / 2.0;
+    println!("{:>9}  {:24} {event:>10.1} ns", works[0].sites, "an event");
+}
+
 /// Median nanoseconds per site and step of each operation. Operations take turns, so that the load
 /// of the machine affects all of them equally.
 fn medians(works: &mut [Work]) -> Vec<f64> {
+    sampled(works, |count| count / 2)
+}
+
+/// Of so many samples of each operation the one of a rank, counted from the least.
+fn sampled(works: &mut [Work], rank: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut samples = vec![Vec::new(); works.len()];
     for round in 0..31 {
         for (work, samples) in works.iter_mut().zip(&mut samples) {
@@ -159,11 +203,11 @@ fn medians(works: &mut [Work]) -> Vec<f64> {
         }
     }
     works.iter().for_each(|work| (work.check)());
-    let median = |samples: &mut Vec<f64>| {
+    let ranked = |samples: &mut Vec<f64>| {
         samples.sort_by(f64::total_cmp);
-        samples[samples.len() / 2]
+        samples[rank(samples.len())]
     };
-    samples.iter_mut().map(median).collect()
+    samples.iter_mut().map(ranked).collect()
 }
 
 fn table() {
@@ -181,6 +225,7 @@ fn table() {
     for (work, &time) in works.iter().zip(&times) {
         println!("{:>9}  {:24} {time:>10.3}   x the first {:.2}", work.sites, work.name, time / times[0]);
     }
+    print_corrected();
     let mut works = subnormals();
     let times = medians(&mut works);
     for (i, (work, &time)) in works.iter().zip(&times).enumerate() {
@@ -214,6 +259,7 @@ fn main() {
         bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
     }
     bench(&mut criterion, "contact log", contact_logs());
+    bench(&mut criterion, "corrected", corrected());
     bench(&mut criterion, "subnormals", subnormals());
     criterion.final_summary();
 }

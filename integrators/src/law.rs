@@ -6,12 +6,54 @@
 
 use crate::{Real, Twofold, Vector};
 
+/// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
+#[macro_export]
+macro_rules! with_power {
+    ($law:expr, $power:ident => $body:expr) => {
+        match $law.exponent() {
+            $crate::law::Exponent::ThreeHalves => {
+                let $power = $crate::law::ThreeHalves;
+                $body
+            }
+            $crate::law::Exponent::Integer(1) => {
+                let $power = $crate::law::Monomial::<1>;
+                $body
+            }
+            $crate::law::Exponent::Integer(2) => {
+                let $power = $crate::law::Monomial::<2>;
+                $body
+            }
+            $crate::law::Exponent::Integer(3) => {
+                let $power = $crate::law::Monomial::<3>;
+                $body
+            }
+            $crate::law::Exponent::Integer(k) => {
+                let $power = $crate::law::Integer::new(k);
+                $body
+            }
+            $crate::law::Exponent::HalfInteger(k) => {
+                let $power = $crate::law::HalfInteger::new(k);
+                $body
+            }
+            $crate::law::Exponent::General => {
+                let $power = $crate::law::General::new($law.alpha());
+                $body
+            }
+        }
+    };
+}
+
 /// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.
     fn raise<V: Vector<R>>(self, g: V) -> V;
     /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V);
+    /// The same above `band >= 0`, two zeros elsewhere.
+    #[inline(always)]
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
+        self.raise_with_slope(g.above(band, g))
+    }
 }
 
 /// `g sqrt(g)`.
@@ -30,6 +72,38 @@ pub struct HalfInteger(u32);
 #[derive(Clone, Copy)]
 pub struct General<R>(R);
 
+/// The power of any law, told apart for each register: for loops that are too large to be compiled
+/// for every power.
+#[derive(Clone, Copy)]
+pub struct Any<R> {
+    exponent: Exponent,
+    alpha: R,
+}
+
+impl<R: Copy> Any<R> {
+    #[inline(always)]
+    fn exponent(self) -> Exponent {
+        self.exponent
+    }
+
+    #[inline(always)]
+    fn alpha(self) -> R {
+        self.alpha
+    }
+}
+
+impl<R: Real> Power<R> for Any<R> {
+    #[inline(always)]
+    fn raise<V: Vector<R>>(self, g: V) -> V {
+        with_power!(self, power => power.raise(g))
+    }
+
+    #[inline(always)]
+    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
+        with_power!(self, power => power.raise_with_slope(g))
+    }
+}
+
 impl<R: Real> Power<R> for ThreeHalves {
     #[inline(always)]
     fn raise<V: Vector<R>>(self, g: V) -> V {
@@ -40,6 +114,13 @@ impl<R: Real> Power<R> for ThreeHalves {
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
         let root = g.root();
         (g * root, V::all(R::of(1.5)) * root)
+    }
+
+    #[inline(always)]
+    fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
+        // The root does not wait for the comparison.
+        let (power, slope) = self.raise_with_slope(g);
+        (g.above(band, power), g.above(band, slope))
     }
 }
 
@@ -149,43 +230,6 @@ pub struct ContactLaw<R> {
     dead_band: R,
 }
 
-/// Runs `$body` with `$power` bound to the [`Power`](crate::law::Power) of `$law`.
-#[macro_export]
-macro_rules! with_power {
-    ($law:expr, $power:ident => $body:expr) => {
-        match $law.exponent() {
-            $crate::law::Exponent::ThreeHalves => {
-                let $power = $crate::law::ThreeHalves;
-                $body
-            }
-            $crate::law::Exponent::Integer(1) => {
-                let $power = $crate::law::Monomial::<1>;
-                $body
-            }
-            $crate::law::Exponent::Integer(2) => {
-                let $power = $crate::law::Monomial::<2>;
-                $body
-            }
-            $crate::law::Exponent::Integer(3) => {
-                let $power = $crate::law::Monomial::<3>;
-                $body
-            }
-            $crate::law::Exponent::Integer(k) => {
-                let $power = $crate::law::Integer::new(k);
-                $body
-            }
-            $crate::law::Exponent::HalfInteger(k) => {
-                let $power = $crate::law::HalfInteger::new(k);
-                $body
-            }
-            $crate::law::Exponent::General => {
-                let $power = $crate::law::General::new($law.alpha());
-                $body
-            }
-        }
-    };
-}
-
 impl Integer {
     /// The power `k`.
     pub fn new(k: u32) -> Self {
@@ -230,6 +274,11 @@ impl<R: Real> ContactLaw<R> {
         self.alpha
     }
 
+    /// The power, whatever it is.
+    pub fn any_power(&self) -> Any<R> {
+        Any { exponent: self.exponent, alpha: self.alpha }
+    }
+
     /// The way in which the power is computed.
     #[inline]
     pub fn exponent(&self) -> Exponent {
@@ -240,6 +289,12 @@ impl<R: Real> ContactLaw<R> {
     #[inline(always)]
     pub fn positive_part<V: Vector<R>>(&self, g: V) -> V {
         g.above(self.dead_band, g)
+    }
+
+    /// Forces and their derivatives, by the power of this law.
+    #[inline(always)]
+    pub fn force_and_slope<V: Vector<R>>(&self, power: impl Power<R>, g: V) -> (V, V) {
+        power.raise_above(self.dead_band, g)
     }
 
     /// The force `(g)_+^alpha`.
@@ -331,6 +386,11 @@ mod tests {
             for g in [0.0, -1.0, f64::NEG_INFINITY, law.dead_band] {
                 assert_eq!((law.force(g), law.potential(g), law.stiffness(g)), (0.0, 0.0, 0.0));
                 assert_eq!(law.force_with_slope(g), (0.0, 0.0));
+            }
+            // Loops for one power and for any give the same bits, with masks before or after roots.
+            for g in [-1.0, 0.0, law.dead_band, 1e-100, 0.3, 2.7] {
+                assert_eq!(law.force_and_slope(law.any_power(), g), law.force_with_slope(g));
+                assert_eq!(with_power!(law, power => law.force_and_slope(power, g)), law.force_with_slope(g));
             }
         }
     }

@@ -40,12 +40,20 @@ pub trait Vector<R>:
     fn larger(self, other: Self) -> Self;
     /// Square roots.
     fn root(self) -> Self;
+    /// The largest whole numbers that are not above these.
+    fn floor(self) -> Self;
     /// `1/x`.
     fn inverse(self) -> Self;
     /// `then` in lanes above `bound`, zero in others.
     fn above(self, bound: R, then: Self) -> Self;
     /// Which lanes are above zero, a bit each, the first lane's lowest.
     fn positive(self) -> u64;
+    /// Which lanes exceed those of another.
+    fn exceeds(self, other: Self) -> u64;
+    /// Which lanes are at most those of another; NaN is not.
+    fn at_most(self, other: Self) -> u64;
+    /// The lanes whose bit is set, others' elsewhere.
+    fn or(self, bits: u64, others: Self) -> Self;
     /// Absolute values.
     fn size(self) -> Self;
     /// The lanes moved by one towards the first; the first of `next` comes last.
@@ -94,6 +102,11 @@ impl<R: Real> Vector<R> for R {
     }
 
     #[inline(always)]
+    fn floor(self) -> Self {
+        num_traits::Float::floor(self)
+    }
+
+    #[inline(always)]
     fn inverse(self) -> Self {
         self.recip()
     }
@@ -106,6 +119,21 @@ impl<R: Real> Vector<R> for R {
     #[inline(always)]
     fn positive(self) -> u64 {
         u64::from(self > R::zero())
+    }
+
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> u64 {
+        u64::from(self > other)
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u64 {
+        u64::from(self <= other)
+    }
+
+    #[inline(always)]
+    fn or(self, bits: u64, others: Self) -> Self {
+        if bits & 1 > 0 { self } else { others }
     }
 
     #[inline(always)]
@@ -290,6 +318,11 @@ impl Vector<f64> for Pair {
     }
 
     #[inline(always)]
+    fn floor(self) -> Self {
+        Self(self.0.map(f64::floor))
+    }
+
+    #[inline(always)]
     fn above(self, bound: f64, then: Self) -> Self {
         Self(pairwise(self.0, then.0, |x, then| if x > bound { then } else { 0.0 }))
     }
@@ -297,6 +330,21 @@ impl Vector<f64> for Pair {
     #[inline(always)]
     fn positive(self) -> u64 {
         u64::from(self.0[0] > 0.0) | u64::from(self.0[1] > 0.0) << 1
+    }
+
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> u64 {
+        u64::from(self.0[0] > other.0[0]) | u64::from(self.0[1] > other.0[1]) << 1
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u64 {
+        u64::from(self.0[0] <= other.0[0]) | u64::from(self.0[1] <= other.0[1]) << 1
+    }
+
+    #[inline(always)]
+    fn or(self, bits: u64, others: Self) -> Self {
+        Self([self.0[0].or(bits, others.0[0]), self.0[1].or(bits >> 1, others.0[1])])
     }
 
     #[inline(always)]
@@ -375,6 +423,11 @@ mod wide {
         }
 
         #[inline(always)]
+        fn floor(self) -> Self {
+            unsafe { Self(_mm256_floor_pd(self.0)) }
+        }
+
+        #[inline(always)]
         fn above(self, bound: f64, then: Self) -> Self {
             unsafe { Self(_mm256_and_pd(then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(bound)))) }
         }
@@ -382,6 +435,25 @@ mod wide {
         #[inline(always)]
         fn positive(self) -> u64 {
             unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_setzero_pd())) as u64 }
+        }
+
+        #[inline(always)]
+        fn exceeds(self, other: Self) -> u64 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u64 }
+        }
+
+        #[inline(always)]
+        fn at_most(self, other: Self) -> u64 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u64 }
+        }
+
+        #[inline(always)]
+        fn or(self, bits: u64, others: Self) -> Self {
+            unsafe {
+                let lane = _mm256_set_epi64x(8, 4, 2, 1);
+                let mask = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), lane), lane);
+                Self(_mm256_blendv_pd(others.0, self.0, _mm256_castsi256_pd(mask)))
+            }
         }
 
         #[inline(always)]
@@ -451,6 +523,11 @@ mod wide {
         }
 
         #[inline(always)]
+        fn floor(self) -> Self {
+            unsafe { Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)) }
+        }
+
+        #[inline(always)]
         fn above(self, bound: f64, then: Self) -> Self {
             unsafe {
                 let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(bound));
@@ -461,6 +538,21 @@ mod wide {
         #[inline(always)]
         fn positive(self) -> u64 {
             unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_setzero_pd())) }
+        }
+
+        #[inline(always)]
+        fn exceeds(self, other: Self) -> u64 {
+            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+        }
+
+        #[inline(always)]
+        fn at_most(self, other: Self) -> u64 {
+            unsafe { u64::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)) }
+        }
+
+        #[inline(always)]
+        fn or(self, bits: u64, others: Self) -> Self {
+            unsafe { Self(_mm512_mask_mov_pd(others.0, bits as u8, self.0)) }
         }
 
         #[inline(always)]
@@ -519,10 +611,14 @@ mod tests {
                     a.fused(b, a - b),
                     a.larger(b),
                     a.root(),
+                    (a * V::all(7.3)).floor(),
                     a.inverse(),
                     a.above(0.25, b),
                     (a - b).size(),
                     V::all((a - b).positive() as f64),
+                    V::all(a.exceeds(b) as f64),
+                    V::all(a.at_most(b) as f64),
+                    a.or(a.at_most(b), b * b),
                     a.each(|x| x.powf(1.3)),
                     V::all(x[0]),
                 ] {
@@ -573,7 +669,7 @@ mod tests {
             for at in (0..32).step_by(lanes) {
                 let pairs = || (at..at + lanes).map(|k| (x[k], x[32 + k]));
                 let positive: u64 = pairs().enumerate().map(|(k, (a, b))| u64::from(a > b) << k).sum();
-                let operations: [&dyn Fn(f64, f64) -> f64; 13] = [
+                let operations: [&dyn Fn(f64, f64) -> f64; 17] = [
                     &|a, b| a + b,
                     &|a, b| a - b,
                     &|a, b| a * b,
@@ -581,10 +677,14 @@ mod tests {
                     &|a, b| a.mul_add(b, a - b),
                     &|a, b| if b > a { b } else { a },
                     &|a, _| a.sqrt(),
+                    &|a, _| (a * 7.3).floor(),
                     &|a, _| 1.0 / a,
                     &|a, b| if a > 0.25 { b } else { 0.0 },
                     &|a, b| (a - b).abs(),
                     &|_, _| positive as f64,
+                    &|_, _| positive as f64,
+                    &|_, _| ((1u64 << lanes) - 1 - positive) as f64,
+                    &|a, b| if a <= b { a } else { b * b },
                     &|a, _| a.powf(1.3),
                     &|_, _| 0.618,
                 ];

@@ -64,14 +64,16 @@ impl<T> Deref for Aligned<T> {
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
-        &self.numbers[self.start..][..self.len]
+        // SAFETY: `starting` has made room for so many numbers, and they never move.
+        unsafe { std::slice::from_raw_parts(self.numbers.as_ptr().add(self.start), self.len) }
     }
 }
 
 impl<T> DerefMut for Aligned<T> {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.numbers[self.start..][..self.len]
+        // SAFETY: as above.
+        unsafe { std::slice::from_raw_parts_mut(self.numbers.as_mut_ptr().add(self.start), self.len) }
     }
 }
 

@@ -18,7 +18,7 @@ use super::{
     averaged::Bonds,
     divisible::Divisible,
     phase::Phase,
-    rows::{Clock, Moving, Pairs, Row, RowForces},
+    rows::{Clock, InRow, Moving, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Step, Swept, Visit, follow, long},
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
@@ -37,7 +37,7 @@ pub struct LinearFlow<R> {
     pub(super) mu_over_omega: R,
     pub(super) phase: Phase<R>,
     pub(super) tau: R,
-    kicks: u32,
+    pub(super) kicks: u32,
     /// What averaged kicks work with; empty until there is one.
     pub(super) bonds: Bonds<R>,
     /// What kicks in a row work with.
@@ -104,13 +104,18 @@ impl<R: Real> LinearFlow<R> {
         self.kicks += 1;
     }
 
+    /// How many kicks, with that just counted, have no anchor between them.
+    pub(super) fn kicks_to_anchor(&self) -> usize {
+        (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize
+    }
+
     /// `omega`.
     pub(super) fn omega(&self) -> R {
         self.phase.omega.value()
     }
 
     /// `[R, R', P, P']` of site `i`, now.
-    #[inline]
+    #[inline(always)]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
         let (r, r_dot) = match &self.centre {
             [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
@@ -179,7 +184,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         while (long || short) && rest.len() > 1 {
             self.count_kick();
             // No anchor between kicks that are made together.
-            let most = (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize;
+            let most = self.kicks_to_anchor();
             let (now, later) = rest.split_at(rest.len().min(if short { most } else { most.min(MOST_KICKS) }));
             self.kicks += now.len() as u32 - 1;
             if short {
@@ -300,20 +305,27 @@ impl<R: Real> LinearFlow<R> {
         Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
     }
 
-    /// Kicks of a short chain, each with its drift, and none with an anchor before it but the
-    /// first.
-    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+    /// Kicks, each with its drift, and none with an anchor before it but the first.
+    #[inline(always)]
+    pub(super) fn in_row<W: InRow<R>>(&mut self, pairs: &[(R, Twofold<R>)], work: W) -> W::Output {
         let shares = [self.m(), self.mu_over_omega];
         let now = self.now(R::zero());
-        let Self { chain, centre: [r0, v], oscillation: [c, s], phase, tau, forces, .. } = self;
+        let Self { chain, centre: [r0, v], oscillation: [c, s], phase, tau, .. } = self;
         let (kicks, clock) = (pairs.len(), Phases { phase, tau, shares, pairs: pairs.iter() });
         let centre = Centre { r0: r0.column(), v: v.column(), now };
         let oscillation = Oscillation { c: c.column(), s: s.column(), now };
         match chain.params().resonators() {
-            Resonators::None => Row { chain, forces, sites: centre, clock, kicks }.make(),
-            Resonators::Fixed => Row { chain, forces, sites: oscillation, clock, kicks }.make(),
-            Resonators::Moving => Row { chain, forces, sites: Both { centre, oscillation }, clock, kicks }.make(),
+            Resonators::None => work.run(chain, centre, clock, kicks),
+            Resonators::Fixed => work.run(chain, oscillation, clock, kicks),
+            Resonators::Moving => work.run(chain, Both { centre, oscillation }, clock, kicks),
         }
+    }
+
+    /// Kicks of a short chain.
+    fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
+        let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
+        self.in_row(pairs, &mut forces);
+        self.forces = forces;
     }
 }
 
@@ -335,6 +347,11 @@ impl<R: Real> Clock for Phases<'_, R> {
         self.phase.advance_inside(drift);
         *self.tau += drift.value();
         now
+    }
+
+    #[inline(always)]
+    fn now(&self) -> Now<R> {
+        Now::new(self.phase.sin_cos(), *self.tau, R::zero(), self.shares)
     }
 }
 

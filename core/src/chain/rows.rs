@@ -43,6 +43,32 @@ pub(crate) trait Clock {
     type Moment: Copy;
     /// That of the next kick, and then the drift. Called once for each kick.
     fn next(&mut self) -> Self::Moment;
+    /// Positions now, with a kick of no duration.
+    fn now(&self) -> Self::Moment;
+}
+
+/// What is done with the sites of a flow, and with the clock of some kicks in a row.
+pub(crate) trait InRow<R: Real> {
+    /// What it returns.
+    type Output;
+    /// Does it, with at most as many `kicks` as the clock has.
+    fn run<S: Moving<R>, C: Clock<Moment = S::Moment>>(
+        self,
+        chain: &Chain<R>,
+        sites: S,
+        clock: C,
+        kicks: usize,
+    ) -> Self::Output;
+}
+
+/// Kicks and no more.
+impl<R: Real> InRow<R> for &mut RowForces<R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Moving<R>, C: Clock<Moment = S::Moment>>(self, chain: &Chain<R>, sites: S, clock: C, kicks: usize) {
+        Row { chain, forces: self, sites, clock, kicks }.make();
+    }
 }
 
 /// Forces of bonds at a kick and the next, from `PAD` on, with a register more on either side.
@@ -54,6 +80,11 @@ impl<R: Real> RowForces<R> {
     pub(crate) fn new(chain: &Chain<R>) -> Self {
         let n = chain.sites();
         Self(if n <= SHORT { Aligned::between(PAD + n + 1 + 2 * LANES) } else { Aligned::between(0) })
+    }
+
+    /// No room.
+    pub(crate) fn none() -> Self {
+        Self(Aligned::between(0))
     }
 
     /// Whether kicks are made in rows.
@@ -135,7 +166,7 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
 }
 
 /// What is done with bonds whose overlaps are known.
-pub(crate) trait Bonds<R: Real> {
+trait Bonds<R: Real> {
     /// Takes the bonds to the left of the sites from `at` on.
     ///
     /// # Safety
@@ -174,10 +205,10 @@ impl<R: Real, P: Power<R>> Bonds<R> for Raised<'_, '_, R, P> {
 }
 
 /// A pass over all registers of a chain.
-pub(crate) struct Pass<'a, R> {
-    pub(crate) chain: &'a Chain<R>,
+struct Pass<'a, R> {
+    chain: &'a Chain<R>,
     /// Where it begins: at 0, but on rings.
-    pub(crate) start: usize,
+    start: usize,
 }
 
 impl<R: Real> Pass<'_, R> {
@@ -187,7 +218,7 @@ impl<R: Real> Pass<'_, R> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    pub(crate) unsafe fn go<V: Vector<R>, S: Moving<R>, B: Bonds<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn go<V: Vector<R>, S: Moving<R>, B: Bonds<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         sites: &mut S,
         next: &S::Moment,

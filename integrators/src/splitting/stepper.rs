@@ -54,7 +54,7 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         let zero = Twofold::zero();
         let seam = if head.0 == zero { (tail.0, tail.1 + head.1) } else { (tail.0 + head.0, head.1) };
         let inner = pairs.len() - 1;
-        let steps = (NUMBERS_A_ROW / (flow.moved() * inner).max(1)).clamp(1, STEPS_A_ROW);
+        let steps = steps_a_row(flow.moved() * inner);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.value(), drift));
         let row = step.cycle().take(steps * inner).collect();
         let start = Twofold::new(start);
@@ -81,6 +81,17 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     fn time_after(&self, steps: u64) -> Twofold<R> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
+}
+
+/// Steps that are made in a row, of so many numbers times kicks each.
+pub(crate) fn steps_a_row(numbers: usize) -> usize {
+    (NUMBERS_A_ROW / numbers.max(1)).clamp(1, STEPS_A_ROW)
+}
+
+/// Whole steps `h` of a row of at most `most` that end before `wanted`.
+pub(crate) fn steps_before<R: Real>(wanted: Option<R>, now: R, h: R, most: u64) -> u64 {
+    // Two steps less than the quotient says, so that no rounding leads beyond.
+    wanted.map_or(most, |t| (((t - now) / h).f64() - 2.0) as u64).min(most)
 }
 
 /// The time so many steps `h` after a start.
@@ -151,9 +162,8 @@ impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
 
     fn steps(&mut self, wanted: Option<R>) -> Result<(), Error> {
         let most = (self.row.len() / self.inner) as u64;
-        // Two steps less than the quotient says, so that no rounding leads beyond.
-        let before = wanted.map_or(most, |t| (((t - self.time()) / self.h.value()).f64() - 2.0) as u64);
-        self.run(before.min(most).min(self.total - self.taken).max(1) as usize);
+        let before = steps_before(wanted, self.time(), self.h.value(), most);
+        self.run(before.min(self.total - self.taken).max(1) as usize);
         Ok(())
     }
 

@@ -38,24 +38,27 @@ impl Forces<'_> {
     }
 }
 
-impl Forces<'_> {
-    /// Which of the bonds up to number `n` are closed, and which turn near zero.
-    ///
-    /// # Safety
-    /// The columns of overlaps have whole registers up to there.
-    #[inline(always)]
-    pub(super) unsafe fn mark<V: Vector<f64>>(&mut self, n: usize) {
-        let Self { overlap, before: [latest, first], closed, turning: turns, reach, .. } = self;
-        for (word, (closed, turns)) in closed.iter_mut().zip(turns.iter_mut()).enumerate() {
-            let (from, mut bits) = (word * WORD, [0; 2]);
-            for at in (from..(from + WORD).min(n + 1)).step_by(V::LANES) {
-                // SAFETY: the caller's promise.
-                let [g, g1, g0]: [V; 3] = unsafe { [overlap.load(at), latest.load(at), first.load(at)] };
-                bits[0] |= g.positive() << (at - from);
-                bits[1] |= turning(*reach, [g0, g1, g]) << (at - from);
-            }
-            [*closed, *turns] = bits;
+/// Which of the bonds up to number `n` are closed, and which turn near zero, from their overlaps
+/// now and at the last two surveys before, latest first.
+///
+/// # Safety
+/// The columns have whole registers up to there.
+#[inline(always)]
+pub(super) unsafe fn mark<V: Vector<f64>>(
+    n: usize,
+    reach: f64,
+    overlaps: [&Column<'_, f64>; 3],
+    [closed, turns]: [&mut [u64]; 2],
+) {
+    for (word, (closed, turns)) in closed.iter_mut().zip(turns.iter_mut()).enumerate() {
+        let (from, mut bits) = (word * WORD, [0; 2]);
+        for at in (from..(from + WORD).min(n + 1)).step_by(V::LANES) {
+            // SAFETY: the caller's promise.
+            let [g, g1, g0]: [V; 3] = overlaps.map(|column| unsafe { column.load(at) });
+            bits[0] |= g.positive() << (at - from);
+            bits[1] |= turning(reach, [g0, g1, g]) << (at - from);
         }
+        [*closed, *turns] = bits;
     }
 }
 

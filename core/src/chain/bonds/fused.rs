@@ -1,141 +1,394 @@
-//! A kick with modified forces, the drift and the survey after it, in one call.
+//! Kicks with modified forces, each with its drift and the survey after it, in one pass.
 //!
-//! Three loops: modified forces; the pass that gives them to sites, moves these on and computes the
-//! forces there, as in [`rows`](super::super::rows); which bonds are closed or turn. In one loop
-//! the operations that a processor sees ahead would be those of two registers, which then wait for
-//! each other's square roots.
+//! A pass gives sites their modified forces, moves them on and computes overlaps, forces and
+//! derivatives there, as in [`rows`](super::super::rows). Modified forces are not stored: those of
+//! a register of bonds come from the forces of the survey before in this register and its two
+//! neighbours, which are kept from one register to the next. What lies beyond the ends is asked of
+//! single bonds, so that no register is loaded that was written in parts.
+//!
+//! Of each register it is known at once whether a bond in it has changed its side or turned near
+//! zero. Steps follow each other in one call until one has.
 
 use super::{
     super::{
-        Chain, ContactLaw,
-        law::{Power, with_power},
-        rows::{Bonds, Moving, Pass},
-        sweep::Visit,
+        Chain, ContactLaw, Topology,
+        law::{LANES, Power},
+        rows::{Clock, InRow, Moving},
+        sweep::{overlaps, push},
     },
-    Forces, PAD,
+    PAD, WORD,
+    forces::mark,
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{
+    Column, Real, Vector, VectorKernel,
+    law::{Exponent, ThreeHalves},
+};
 
-/// What a kick that surveys works with.
+/// The reach of a pass is wider than asked for, so that no rounding hides a turn.
+const WIDER: f64 = 1.0 + 1e-9;
+
+/// What kicks that survey work with.
 pub struct Fused<'a> {
     /// The share of the modified force.
     pub(super) c: f64,
-    /// Forces and derivatives of the survey before, from `PAD` on; those of neighbours beyond the
-    /// ends are there.
-    pub(super) force: Column<'a, f64>,
-    pub(super) slope: Column<'a, f64>,
-    /// Room for modified forces, from `PAD` on.
-    pub(super) modified: Column<'a, f64>,
-    /// What the survey writes.
-    pub(super) forces: Forces<'a>,
-    /// Site at which the pass begins: a register of any width does, and it is 0 but on rings.
-    pub(super) start: usize,
+    /// As in [`Forces`](super::Forces).
+    pub(super) reach: f64,
+    /// Whether to end where a bond has changed its side or turned near zero.
+    pub(super) watched: bool,
+    /// Positions, from `PAD` on.
+    pub(super) q: Column<'a, f64>,
+    /// Overlaps, now and at the last two surveys before. They change places at each survey, as
+    /// forces and derivatives do.
+    pub(super) overlaps: [Column<'a, f64>; 3],
+    /// Forces and derivatives, from `PAD` on: those of now, and room for the next.
+    pub(super) forces: [Column<'a, f64>; 2],
+    pub(super) slopes: [Column<'a, f64>; 2],
+    /// A bit for each bond: which are closed and which may have turned, as surveyed last, and which
+    /// were closed when changes were last told.
+    pub(super) closed: &'a mut [u64],
+    pub(super) turning: &'a mut [u64],
+    pub(super) told: &'a [u64],
 }
 
-/// Makes a kick on the sites of a flow, and surveys those at the time of the `next` kick.
-pub(super) struct FusedTo<'a, M> {
-    pub(super) next: M,
-    pub(super) fused: Fused<'a>,
-}
+impl InRow<f64> for Fused<'_> {
+    type Output = usize;
 
-impl<M> Visit<f64, M> for FusedTo<'_, M> {
     #[inline(always)]
-    fn visit<S: Moving<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S) {
-        f64::run_vector(Kernel { chain, sites, next: self.next, fused: self.fused });
+    fn run<S: Moving<f64>, C: Clock<Moment = S::Moment>>(
+        self,
+        chain: &Chain<f64>,
+        sites: S,
+        clock: C,
+        kicks: usize,
+    ) -> usize {
+        f64::run_vector(Kernel { chain, sites, clock, kicks, fused: self })
     }
 }
 
-struct Kernel<'a, S: Moving<f64>> {
+struct Kernel<'a, S, C> {
     chain: &'a Chain<f64>,
     sites: S,
-    next: S::Moment,
+    clock: C,
+    kicks: usize,
     fused: Fused<'a>,
 }
 
-impl<S: Moving<f64>> VectorKernel<f64> for Kernel<'_, S> {
-    type Output = ();
+impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> VectorKernel<f64> for Kernel<'_, S, C> {
+    type Output = usize;
 
     #[inline(always)]
-    fn run<V: Vector<f64>>(self) {
-        with_power!(self.chain.law(), power => {
-            if self.chain.topology().strains() {
-                self.lanes::<V, _, true>(power);
-            } else {
-                self.lanes::<V, _, false>(power);
-            }
-        });
+    fn run<V: Vector<f64>>(self) -> usize {
+        // The kernel is large: it is compiled for the power 3/2, and once more for all others.
+        let law = self.chain.law();
+        match (law.exponent(), self.chain.topology().strains()) {
+            (Exponent::ThreeHalves, true) => self.lanes::<V, _, true>(ThreeHalves),
+            (Exponent::ThreeHalves, false) => self.lanes::<V, _, false>(ThreeHalves),
+            (_, true) => self.lanes::<V, _, true>(law.any_power()),
+            (_, false) => self.lanes::<V, _, false>(law.any_power()),
+        }
     }
 }
 
-impl<S: Moving<f64>> Kernel<'_, S> {
+impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
+    /// Makes the kicks, and returns how many.
     #[inline(always)]
-    fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) {
-        let Self { chain, mut sites, next, fused } = self;
-        let Fused { c, force, slope, mut modified, mut forces, start } = fused;
-        let (n, law) = (chain.sites(), chain.law());
-        let room = (n + 1).next_multiple_of(V::LANES);
-        assert!(sites.room() >= n.next_multiple_of(V::LANES) && start < n);
-        let Forces { q, overlap, before: [latest, first], .. } = &forces;
-        assert!([overlap, latest, first].iter().all(|column| column.len() >= room));
-        let padded = [q, &forces.force, &forces.slope, &force, &slope, &modified];
-        assert!(padded.iter().all(|column| column.len() >= PAD + room + V::LANES));
-        // SAFETY: columns have room, as asserted, for registers that begin at most at the last
-        // bond, and more on either side.
-        unsafe {
-            // In the order in which they are wanted.
-            let end = n / V::LANES * V::LANES;
-            let mut at = start;
-            loop {
-                let [before, f, behind]: [V; 3] =
-                    [force.load(PAD + at - 1), force.load(PAD + at), force.load(PAD + at + 1)];
-                let pull = (before - f) - (f - behind);
-                modified.store(PAD + at, f + V::all(c) * slope.load(PAD + at) * pull);
-                at = if at == end { 0 } else { at + V::LANES };
-                if at == start {
-                    break;
+    fn lanes<V: Vector<f64>, P: Power<f64>, const STRAIN: bool>(self, power: P) -> usize {
+        let Self { chain, mut sites, mut clock, kicks, fused } = self;
+        let (topology, n) = (chain.topology(), chain.sites());
+        fused.check(n, V::LANES, sites.room());
+        let Fused { c, reach, watched, mut q, overlaps, forces, slopes, closed, turning, told } = fused;
+        let ([mut g, mut g1, mut g0], [mut f, mut f1], [mut slope, mut slope1]) = (overlaps, forces, slopes);
+        // SAFETY, here and below: columns have room, as checked.
+        let same = unsafe { sides::<V>(&g, topology, told) };
+        let kicks = if watched && !same { 1 } else { kicks };
+        let (mut start, mut made) = (0, 0);
+        loop {
+            (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
+            sites.turn_to(clock.next());
+            let next = clock.now();
+            let seen = unsafe {
+                let pushes = Pushes::<V, STRAIN>::new(topology, c, &f1, &slope1);
+                let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
+                let survey = Survey { chain, law: chain.law(), power, reach: reach * WIDER, read, write };
+                pass::<V, _, _, STRAIN>(&mut sites, &next, start, pushes, survey)
+            };
+            made += 1;
+            if made == kicks || watched && seen {
+                break;
+            }
+            if topology.ring() {
+                // As far as the next pass needs forces that were computed last.
+                start += if STRAIN { V::LANES } else { 2 * V::LANES };
+                while start >= n {
+                    start -= n.next_multiple_of(V::LANES);
                 }
             }
-            if STRAIN {
-                modified.store::<f64>(PAD - 1, modified.load(PAD + n - 1));
-            }
-            let bonds = Surveyed { law, power, forces: &mut forces };
-            Pass { chain, start }.go::<V, _, _, STRAIN, true>(&mut sites, &next, &modified, bonds);
-            forces.mark::<V>(n);
         }
+        unsafe {
+            if STRAIN {
+                for at in (0..n).step_by(V::LANES) {
+                    q.store(PAD + at, V::all(0.0) - g.load(at));
+                }
+            }
+            mark::<V>(n, reach, [&g, &g1, &g0], [closed, turning]);
+        }
+        made
     }
 }
 
-/// Overlaps, forces and derivatives.
-struct Surveyed<'a, 'b, P> {
+/// One number of a register.
+#[inline(always)]
+fn lane<V: Vector<f64>>(register: V, lane: usize) -> f64 {
+    let mut lanes = [0.0; LANES];
+    // SAFETY: there are at most so many lanes.
+    unsafe { register.store(lanes.as_mut_ptr()) };
+    lanes[lane]
+}
+
+/// Gives sites their forces, moves them on and surveys their bonds, from the register at `start`
+/// on. Returns whether a bond may have changed its side or turned near zero.
+///
+/// # Safety
+/// Columns have room.
+#[inline(always)]
+unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
+    sites: &mut S,
+    next: &S::Moment,
+    start: usize,
+    mut pushes: Pushes<'_, '_, V, STRAIN>,
+    mut survey: Survey<'_, '_, P>,
+) -> bool {
+    let chain = survey.chain;
+    let (n, ring) = (chain.sites(), chain.topology().ring());
+    let last = n.next_multiple_of(V::LANES) - V::LANES;
+    // Overlaps of strains need no neighbour; on a ring the first register waits for the last.
+    let wait = ring && !STRAIN;
+    let (left, right) = chain.topology().ghosts(0.0, 0.0);
+    let (mut q, mut first) = (V::all(left), V::all(left));
+    let (mut seen, mut at) = (0, start);
+    // SAFETY, here and below: the caller's promise.
+    unsafe {
+        pushes.begin(at);
+        // The register that moved last is surveyed when the next has moved: its root does not keep
+        // the next waiting.
+        let (mut moved, mut here) = (at, sites.advance(at, pushes.next(at), next));
+        if wait {
+            first = here;
+        }
+        loop {
+            at += V::LANES;
+            if at > last {
+                at = 0;
+                if start > 0 {
+                    pushes.begin(at);
+                }
+            }
+            if at == start {
+                break;
+            }
+            let there = sites.advance(at, pushes.next(at), next);
+            if !wait || moved != start {
+                seen |= survey.bonds::<V, STRAIN>(moved, q, here);
+            }
+            q = if STRAIN || moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+            (moved, here) = (at, there);
+        }
+        if !wait || moved != start {
+            seen |= survey.bonds::<V, STRAIN>(moved, q, here);
+        }
+        if !STRAIN {
+            q = if moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+        }
+        if wait {
+            seen |= survey.bonds::<V, STRAIN>(start, q, first);
+        } else if !ring {
+            seen |= survey.bonds::<f64, STRAIN>(n, lane(q, 0), right);
+        }
+    }
+    seen != 0
+}
+
+impl Fused<'_> {
+    /// Columns have room for registers that begin at most at the last bond.
+    fn check(&self, n: usize, lanes: usize, sites: usize) {
+        let room = (n + 1).next_multiple_of(lanes);
+        assert!(sites >= n.next_multiple_of(lanes), "columns are whole registers");
+        assert!(self.overlaps.iter().all(|column| column.len() >= room));
+        let padded = self.forces.iter().chain(&self.slopes).chain([&self.q]);
+        assert!(padded.into_iter().all(|column| column.len() >= PAD + room));
+    }
+}
+
+/// Whether bonds that can touch are on the sides that were told.
+///
+/// # Safety
+/// The column has whole registers up to the last bond.
+#[inline(always)]
+unsafe fn sides<V: Vector<f64>>(overlaps: &Column<'_, f64>, topology: Topology, told: &[u64]) -> bool {
+    let end = topology.touching().end;
+    let mut differences = 0;
+    for at in (0..end).step_by(V::LANES) {
+        // SAFETY: the caller's promise.
+        let closed = unsafe { overlaps.load::<V>(at) }.positive();
+        let (word, bit) = (at / WORD, at % WORD);
+        differences |= (closed ^ told[word] >> bit) & low(end - at) & low(V::LANES);
+    }
+    differences == 0
+}
+
+/// The lowest bits, at least one of them.
+#[inline(always)]
+fn low(bits: usize) -> u64 {
+    u64::MAX >> WORD.saturating_sub(bits)
+}
+
+/// What modified forces give to the sites of a pass.
+struct Pushes<'a, 'b, V, const STRAIN: bool> {
+    n: usize,
+    c: f64,
+    force: &'a Column<'b, f64>,
+    slope: &'a Column<'b, f64>,
+    /// Force before the first bond, and that of the bond beyond the last site.
+    left: f64,
+    right: f64,
+    /// The modified force of the bond beyond the last site; that of the last bond of a strain ring.
+    beyond: f64,
+    last: f64,
+    /// Forces of a register of bonds and of the next; modified forces of that before the register,
+    /// and of the register.
+    f: [V; 2],
+    modified: [V; 2],
+}
+
+impl<'a, 'b, V: Vector<f64>, const STRAIN: bool> Pushes<'a, 'b, V, STRAIN> {
+    /// # Safety
+    /// The columns have all bonds.
+    #[inline(always)]
+    unsafe fn new(topology: Topology, c: f64, force: &'a Column<'b, f64>, slope: &'a Column<'b, f64>) -> Self {
+        let (n, ring) = (topology.sites(), topology.ring());
+        // SAFETY: the caller's promise.
+        let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
+        let modified = |f: [f64; 3], b: usize| modified(c, f, unsafe { slope.load::<f64>(PAD + b) });
+        let none = [V::all(0.0); 2];
+        let mut new =
+            Self { n, c, force, slope, left: 0.0, right: 0.0, beyond: 0.0, last: 0.0, f: none, modified: none };
+        if ring {
+            (new.left, new.right) = (of(n - 1), of(0));
+            new.beyond = modified([new.left, new.right, of(if n > 1 { 1 } else { 0 })], 0);
+        } else {
+            (new.left, new.right) = (of(0), of(n));
+            new.beyond = modified([of(n - 1), new.right, new.right], n);
+        }
+        if STRAIN {
+            new.last = modified([of(if n > 1 { n - 2 } else { 0 }), new.left, new.right], n - 1);
+        }
+        new
+    }
+
+    /// The forces of the bonds from `at` on.
+    #[inline(always)]
+    unsafe fn forces(&self, at: usize) -> V {
+        let whole = at + V::LANES <= self.n;
+        if !whole && at >= self.n {
+            return V::all(self.right);
+        }
+        // SAFETY: columns have room for registers that begin at a site.
+        let f: V = unsafe { self.force.load(PAD + at) };
+        if whole { f } else { f.first(self.n - at, V::all(self.right)) }
+    }
+
+    /// The modified forces of the bonds from `at` on, with forces `f` of registers before it, of
+    /// it and after it.
+    #[inline(always)]
+    unsafe fn modified(&self, at: usize, [before, f, next]: [V; 3]) -> V {
+        let whole = at + V::LANES <= self.n;
+        if !whole && at >= self.n {
+            return V::all(self.beyond);
+        }
+        // SAFETY: as above.
+        let slope: V = unsafe { self.slope.load(PAD + at) };
+        let modified = modified(self.c, [f.after(before), f, f.before(next)], slope);
+        if whole { modified } else { modified.first(self.n - at, V::all(self.beyond)) }
+    }
+}
+
+/// `f + c f' s` of bonds with forces `f` between those of their neighbours.
+#[inline(always)]
+fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V {
+    f + V::all(c) * slope * ((before - f) - (f - behind))
+}
+
+impl<V: Vector<f64>, const STRAIN: bool> Pushes<'_, '_, V, STRAIN> {
+    #[inline(always)]
+    unsafe fn begin(&mut self, at: usize) {
+        // SAFETY: the caller's promise, and that of `new`.
+        unsafe {
+            let of = |b: usize| self.force.load::<f64>(PAD + b);
+            let mut before = V::all(if at > 0 { of(at - 1) } else { self.left });
+            self.f = [self.forces(at), self.forces(at + V::LANES)];
+            let here = self.modified(at, [before, self.f[0], self.f[1]]);
+            if STRAIN {
+                // Of the register before, the last bond.
+                before = V::all(if at > 0 {
+                    let f = [if at > 1 { of(at - 2) } else { self.left }, of(at - 1), of(at)];
+                    modified(self.c, f, self.slope.load(PAD + at - 1))
+                } else {
+                    self.last
+                });
+            }
+            self.modified = [before, here];
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn next(&mut self, at: usize) -> V {
+        // SAFETY: the caller's promise.
+        let (f, next) = unsafe {
+            let f = self.forces(at + 2 * V::LANES);
+            (f, self.modified(at + V::LANES, [self.f[0], self.f[1], f]))
+        };
+        let force = push::<f64, V, STRAIN>(self.modified[0], self.modified[1], next);
+        self.f = [self.f[1], f];
+        self.modified = [self.modified[1], next];
+        if at + V::LANES > self.n { force.first(self.n - at, V::all(0.0)) } else { force }
+    }
+}
+
+/// What becomes of overlaps.
+struct Survey<'a, 'b, P> {
+    chain: &'a Chain<f64>,
     law: ContactLaw<f64>,
     power: P,
-    forces: &'a mut Forces<'b>,
+    reach: f64,
+    /// Overlaps at the last two surveys before, latest first.
+    read: [&'a Column<'b, f64>; 2],
+    /// Positions, which are known from the overlaps if they are strains, overlaps, forces and
+    /// derivatives.
+    write: [&'a mut Column<'b, f64>; 4],
 }
 
-impl<P: Power<f64>> Bonds<f64> for Surveyed<'_, '_, P> {
+impl<P: Power<f64>> Survey<'_, '_, P> {
+    /// Surveys the bonds to the left of the sites from `at` on, at positions `q` after those
+    /// `before`. Returns bits, not all zero where a bond has changed its side or may have turned.
     #[inline(always)]
-    unsafe fn take<V: Vector<f64>>(&mut self, at: usize, positions: V, overlaps: V) {
-        let Self { law, power, forces } = self;
-        let (f, slope) = power.raise_with_slope(law.positive_part(overlaps));
+    unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
+        let g = overlaps::<f64, V, STRAIN>(self.chain, before, q);
+        let (f, slope) = self.law.force_and_slope(self.power, g);
+        let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
-        unsafe {
-            forces.q.store(PAD + at, positions);
-            forces.overlap.store(at, overlaps);
-            forces.force.store(PAD + at, f);
-            forces.slope.store(PAD + at, slope);
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn join(&mut self, n: usize) {
-        let Forces { q, overlap, force, slope, .. } = &mut self.forces;
-        // SAFETY: the caller's promise.
-        unsafe {
-            q.store::<f64>(PAD - 1, q.load(PAD + n - 1));
-            overlap.store::<f64>(n, overlap.load(0));
-            for column in [q, force, slope] {
-                column.store::<f64>(PAD + n, column.load(PAD));
+        let [g1, g0]: [V; 2] = unsafe {
+            if !STRAIN {
+                positions.store(PAD + at, q);
             }
-        }
+            overlap.store(at, g);
+            force.store(PAD + at, f);
+            derivative.store(PAD + at, slope);
+            [self.read[0].load(at), self.read[1].load(at)]
+        };
+        // Where it turns near zero, it is near.
+        let bend = ((g - g1) - (g1 - g0)).size();
+        let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * bend).exceeds(g1.size());
+        let n = self.chain.sites();
+        if V::LANES > 1 && at + V::LANES > n { seen & low(n - at) } else { seen }
     }
 }

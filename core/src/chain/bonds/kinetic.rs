@@ -2,9 +2,8 @@
 //! moves them.
 
 use super::{
-    super::{Chain, KineticFlow, sweep::Visit},
+    super::{Chain, KineticFlow, kinetic::Drifts, rows::InRow, sweep::Visit},
     Forces, Fused, Kick, Modified, SiteFlow, Survey,
-    fused::FusedTo,
 };
 use hertzchain_integrators::{Twofold, splitting::corrected::Correction};
 
@@ -60,11 +59,10 @@ impl SiteFlow for KineticFlow<f64> {
         }
     }
 
-    #[inline(always)]
-    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>) {
-        let (chain, beads) = self.beads(kick, drift.value());
-        // Positions at the next kick do not depend on it.
-        FusedTo { next: [0.0; 3], fused }.visit(chain, beads);
+    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize {
+        let (chain, beads) = self.beads(0.0, 0.0);
+        let clock = Drifts { params: chain.params(), pairs: pairs.iter() };
+        fused.run(chain, beads, clock, pairs.len())
     }
 
     #[allow(clippy::needless_range_loop, reason = "a loop over sites reads like the formula")]

@@ -3,9 +3,8 @@
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
     Forces, Fused, Kick, Modified, SiteFlow, Survey,
-    fused::FusedTo,
 };
-use hertzchain_integrators::{SplitFlow, Twofold, splitting::corrected::Correction};
+use hertzchain_integrators::{Twofold, splitting::corrected::Correction};
 
 impl SiteFlow for LinearFlow<f64> {
     fn chain(&self) -> &Chain<f64> {
@@ -21,13 +20,13 @@ impl SiteFlow for LinearFlow<f64> {
         (r + p, r_dot + p_dot)
     }
 
-    #[inline]
+    #[inline(always)]
     fn motion(&self, site: usize) -> [f64; 3] {
         let [_, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
         [r_dot + p_dot, p, p_dot]
     }
 
-    #[inline]
+    #[inline(always)]
     fn response(&self) -> (f64, f64, f64) {
         (self.m(), self.mu(), self.omega())
     }
@@ -36,27 +35,25 @@ impl SiteFlow for LinearFlow<f64> {
         (0.0, 0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn shift(&self, correction: &Correction) -> f64 {
         let &Correction { impulse, displacement, at, turn: [sin, cos], .. } = correction;
         self.m() * (displacement - impulse * at)
             + (self.mu() * (displacement * cos) - self.mu_over_omega * (impulse * sin))
     }
 
-    #[inline]
+    #[inline(always)]
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let [by_r0, by_v, by_c, by_s] = self.shares(correction);
-        if let [r0, v] = &mut self.centre
-            && !v.is_empty()
-        {
+        let [r0, v] = self.centre.each_mut().map(|column| &mut column[..]);
+        if !v.is_empty() {
             for &(site, weight) in beads {
                 r0[site] += weight * by_r0;
                 v[site] += weight * by_v;
             }
         }
-        if let [c, s] = &mut self.oscillation
-            && !s.is_empty()
-        {
+        let [c, s] = self.oscillation.each_mut().map(|column| &mut column[..]);
+        if !s.is_empty() {
             for &(site, weight) in beads {
                 c[site] += weight * by_c;
                 s[site] += weight * by_s;
@@ -71,19 +68,18 @@ impl SiteFlow for LinearFlow<f64> {
         self.visit(self.now(kick), Kick(forces));
     }
 
-    #[inline(always)]
-    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>) {
+    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize {
         self.count_kick();
-        let now = self.now(kick);
-        self.drift(drift);
-        let next = self.now(0.0);
-        self.visit(now, FusedTo { next, fused });
+        let most = self.kicks_to_anchor().min(pairs.len());
+        let made = self.in_row(&pairs[..most], fused);
+        self.kicks += made as u32 - 1;
+        made
     }
 }
 
 impl LinearFlow<f64> {
     /// What a correction adds to `R0, V, C, S` of a bead.
-    #[inline]
+    #[inline(always)]
     pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
         let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;
         let (m, mu, (sin, cos)) = (self.m(), self.mu(), self.phase.sin_cos());

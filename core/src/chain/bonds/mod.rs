@@ -20,7 +20,7 @@ use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
 use hertzchain_integrators::{
-    Column, Error, SplitFlow, Stepper, Twofold,
+    Error, SplitFlow, Stepper, Twofold,
     collocation::Pace,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
@@ -61,8 +61,8 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// `-kappa (d + c d'')`, with the accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
     /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs do not
-    /// kick.
-    fn push_and_survey(&mut self, kick: f64, drift: Twofold<f64>, fused: Fused<'_>);
+    /// kick; as many times as there are durations of kicks and drifts, or fewer. Returns how many.
+    fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize;
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
@@ -85,21 +85,17 @@ pub struct Bonded<F> {
     /// Those at the survey before.
     force_before: Box<Aligned<f64>>,
     slope_before: Box<Aligned<f64>>,
-    /// Modified forces, from `PAD` on, for kicks that survey.
-    modified: Aligned<f64>,
     /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
     closed: Vec<u64>,
     told: Vec<u64>,
     /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
     spring: Box<Aligned<f64>>,
     spring_before: Box<Aligned<f64>>,
-    /// Which bonds may have turned near zero, a bit each, and how near they count.
+    /// Which bonds have turned near zero, a bit each, and how near they count.
     turning: Vec<u64>,
     reach: f64,
     /// Accelerations of sites, for springs that kick.
     a: Aligned<f64>,
-    /// Site at which the next kick that surveys begins.
-    start: usize,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
 }
@@ -122,7 +118,6 @@ impl<F: SiteFlow> Bonded<F> {
             slope: padded(),
             force_before: padded(),
             slope_before: padded(),
-            modified: *padded(),
             closed: vec![0; (sites + 1).div_ceil(WORD)],
             told: vec![0; (sites + 1).div_ceil(WORD)],
             spring: if springs { padded() } else { zeros(0) },
@@ -130,7 +125,6 @@ impl<F: SiteFlow> Bonded<F> {
             turning: vec![0; (sites + 1).div_ceil(WORD)],
             reach: 0.0,
             a: Aligned::zeros(sites),
-            start: 0,
             swung: (0.0, 1.0),
         }
     }
@@ -150,33 +144,18 @@ impl<F: SiteFlow> Bonded<F> {
         self.chain().topology().ring()
     }
 
-    /// Moves what is kept of surveys on by one.
+    /// Moves what is kept of surveys on by so many.
     #[inline]
-    fn keep(&mut self) {
-        self.overlaps_before.swap(0, 1);
-        std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
-        std::mem::swap(&mut self.force, &mut self.force_before);
-        std::mem::swap(&mut self.slope, &mut self.slope_before);
-        std::mem::swap(&mut self.spring, &mut self.spring_before);
-    }
-
-    /// The flow, what a survey writes, forces and derivatives of the survey before, and room for
-    /// modified forces.
-    #[inline(always)]
-    fn parts(&mut self) -> (&mut F, Forces<'_>, [Column<'_, f64>; 3]) {
-        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
-            self;
-        let forces = Forces {
-            reach: *reach,
-            q: q.column(),
-            overlap: overlap.column(),
-            force: force.column(),
-            slope: slope.column(),
-            before: [latest.column(), first.column()],
-            closed,
-            turning,
-        };
-        (flow, forces, [&mut *self.force_before, &mut self.slope_before, &mut self.modified].map(Aligned::column))
+    fn keep(&mut self, surveys: usize) {
+        for _ in 0..surveys % 3 {
+            self.overlaps_before.swap(0, 1);
+            std::mem::swap(&mut self.overlap, &mut self.overlaps_before[0]);
+        }
+        if surveys % 2 == 1 {
+            std::mem::swap(&mut self.force, &mut self.force_before);
+            std::mem::swap(&mut self.slope, &mut self.slope_before);
+            std::mem::swap(&mut self.spring, &mut self.spring_before);
+        }
     }
 
     /// What a survey leaves beyond the ends.
@@ -190,6 +169,18 @@ impl<F: SiteFlow> Bonded<F> {
             }
         }
         self.close();
+    }
+
+    /// Copies what lies beyond the ends of a ring.
+    #[inline]
+    fn join(&mut self) {
+        if !self.ring() {
+            return;
+        }
+        let n = self.sites;
+        (self.q[PAD - 1], self.q[PAD + n]) = (self.q[PAD + n - 1], self.q[PAD]);
+        self.overlap[n] = self.overlap[0];
+        (self.force[PAD + n], self.slope[PAD + n]) = (self.force[PAD], self.slope[PAD]);
     }
 
     /// The bond that number `index` among those that can touch is.
@@ -208,34 +199,39 @@ impl<F: SiteFlow> Bonded<F> {
     }
 
     /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    #[inline(always)]
     fn refresh(&mut self, b: usize) {
         let n = self.sites;
-        if b <= 3 || b + 3 >= n {
+        let ends = b <= 3 || b + 3 >= n;
+        if ends {
             (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
             // A ring's first bond is its last.
-            for b in [0, 1, n - 1, n] {
-                self.refresh_bond(b);
-            }
+            self.refresh_bonds([0, 1, n - 1, n]);
         }
-        for b in b.saturating_sub(1)..(b + 2).min(n + 1) {
-            self.refresh_bond(b);
-        }
-        if b <= 3 || b + 3 >= n {
+        self.refresh_bonds(b.saturating_sub(1)..(b + 2).min(n + 1));
+        if ends {
             self.close();
         }
     }
 
     #[inline(always)]
-    fn refresh_bond(&mut self, b: usize) {
-        let (law, q) = (self.chain().law(), &self.q[PAD - 1..]);
-        let g = if self.strain() { -q[b + 1] } else { self.chain().precompression() + (q[b] - q[b + 1]) };
-        self.overlap[b] = g;
-        (self.force[PAD + b], self.slope[PAD + b]) = law.force_with_slope(g);
-        self.turning[b / WORD] |= 1 << (b % WORD);
+    fn refresh_bonds(&mut self, bonds: impl IntoIterator<Item = usize>) {
+        let Self { flow, q, overlap, overlaps_before, force, slope, turning: turns, reach, .. } = self;
+        let (chain, q, overlap) = (flow.chain(), &q[PAD - 1..], &mut overlap[..]);
+        let [latest, first] = overlaps_before.each_ref().map(|column| &column[..]);
+        let (force, slope) = (&mut force[PAD..], &mut slope[PAD..]);
+        let (law, strain, rest) = (chain.law(), chain.topology().strains(), chain.precompression());
+        for b in bonds {
+            let g = if strain { -q[b + 1] } else { rest + (q[b] - q[b + 1]) };
+            overlap[b] = g;
+            (force[b], slope[b]) = law.force_with_slope(g);
+            let (bits, bit) = (&mut turns[b / WORD], b % WORD);
+            *bits = *bits & !(1 << bit) | turning(*reach, [first[b], latest[b], g]) << bit;
+        }
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
-    #[inline]
+    #[inline(always)]
     fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
         let [left, right] = self.chain().topology().beside(b);
         let contacts = left.map_or(0.0, |b| force[PAD + b]) + right.map_or(0.0, |b| force[PAD + b]);
@@ -247,15 +243,22 @@ impl<F: SiteFlow> Bonded<F> {
     ///
     /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
-    #[inline]
+    #[inline(always)]
     fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
-        let motion = self.chain().topology().across(b, |i| self.flow.motion(i));
+        let [before, behind] = self.chain().topology().ends(b).map(|site| self.motion_of(site));
+        let motion = std::array::from_fn(|k| before[k] - behind[k]);
         self.path_of((self.overlap[b], motion), pulls, h)
+    }
+
+    /// The [motion](SiteFlow::motion) of a site; walls have none.
+    #[inline(always)]
+    fn motion_of(&self, site: Option<usize>) -> [f64; 3] {
+        site.map_or([0.0; 3], |i| self.flow.motion(i))
     }
 
     /// The same from overlap and [motion](SiteFlow::motion) of the bond: linear in these and in
     /// pulls.
-    #[inline]
+    #[inline(always)]
     fn path_of(&self, (g, [rate, p, p_dot]): (f64, [f64; 3]), [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
         let change = if h > 0.0 { (now - before) / h } else { 0.0 };
@@ -413,7 +416,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
-        self.keep();
+        self.keep(1);
         let n = self.sites;
         if !self.spring.is_empty() {
             for i in 0..n {
@@ -423,28 +426,50 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
             }
         }
-        let (flow, forces, _) = self.parts();
-        flow.survey(forces);
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
+            self;
+        flow.survey(Forces {
+            reach: *reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed,
+            turning,
+        });
         self.finish();
     }
 
     #[inline]
-    fn kick_and_survey(&mut self, kick: f64, c: f64, drift: Twofold<f64>) {
+    fn kicks_and_surveys(&mut self, pairs: &[(f64, Twofold<f64>)], c: f64, watched: bool) -> usize {
         if !self.spring.is_empty() {
+            let (kick, drift) = pairs[0];
             self.kick(kick, c);
             self.drift(drift);
             self.survey();
-            return;
+            return 1;
         }
-        self.keep();
-        let start = self.start;
-        let (flow, forces, [force, slope, modified]) = self.parts();
-        flow.push_and_survey(kick, drift, Fused { c, force, slope, modified, forces, start });
-        // The next pass on a ring begins elsewhere, see `rows`.
-        if self.ring() {
-            self.start = (start + 2 * LANES) % self.sites.next_multiple_of(LANES);
-        }
+        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, .. } = self;
+        let made = flow.push_and_survey(
+            pairs,
+            Fused {
+                c,
+                reach: self.reach,
+                watched,
+                q: q.column(),
+                overlaps: [overlap.column(), latest.column(), first.column()],
+                forces: [self.force.column(), self.force_before.column()],
+                slopes: [self.slope.column(), self.slope_before.column()],
+                closed,
+                turning,
+                told,
+            },
+        );
+        self.keep(made);
+        self.join();
         self.finish();
+        made
     }
 
     #[inline]
@@ -463,14 +488,13 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
 
     #[inline]
     fn turned(&self, out: &mut Vec<(usize, bool)>) {
-        let (touching, [latest, first]) = (self.chain().touching(), &self.overlaps_before);
+        let (touching, latest) = (self.chain().touching(), &self.overlaps_before[0]);
         for (word, &bits) in self.turning.iter().enumerate() {
             let mut bits = bits;
             while bits != 0 {
                 let b = word * WORD + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                // Bonds that were corrected since the survey are looked at again.
-                if touching.contains(&b) && turning(self.reach, [first[b], latest[b], self.overlap[b]]) > 0 {
+                if touching.contains(&b) {
                     out.push((b - touching.start, latest[b] > 0.0));
                 }
             }
@@ -489,7 +513,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.along(b, [pull; 2], 0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn view(&self, bond: usize, h: f64) -> BondView {
         let b = self.bond(bond);
         let now = self.pull(b, &self.force, &self.spring);
@@ -498,13 +522,14 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         BondView { path, mobility, pull: [before, now] }
     }
 
-    #[inline]
+    #[inline(always)]
     fn correct(&mut self, bond: usize, correction: &Correction) {
         let b = self.bond(bond);
         let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
         self.flow.give(&beads, correction);
+        let q = &mut self.q[PAD..];
         for &(site, weight) in beads.iter() {
-            self.q[PAD + site] += weight * shift;
+            q[site] += weight * shift;
         }
         self.refresh(b);
     }
@@ -564,7 +589,10 @@ impl<F: SiteFlow> Bonded<F> {
 mod tests {
     use super::super::{Boundary, KineticFlow, LinearFlow, Params};
     use super::*;
-    use hertzchain_integrators::Instructions;
+    use hertzchain_integrators::{
+        Instructions,
+        splitting::corrected::{Corrected, Parts},
+    };
 
     /// All that a few steps leave behind, made in one pass each or one thing after the other.
     fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
@@ -575,7 +603,7 @@ mod tests {
         for k in 0..70 {
             let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, Twofold::new(0.02));
             if fused {
-                flow.kick_and_survey(kick, c, drift);
+                flow.kicks_and_surveys(&[(kick, drift)], c, false);
             } else {
                 flow.kick(kick, c);
                 flow.drift(drift);
@@ -612,5 +640,107 @@ mod tests {
             }
         }
         assert!(used.select());
+    }
+
+    /// A ring of beads in motion whose contacts open and close, on the linear split.
+    fn ring(n: usize, alpha: f64, boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
+        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, 1.0 / 3.0).unwrap(), boundary, n).unwrap();
+        let y = (0..chain.layout().dim()).map(|i| 0.3 * (0.7 * (i * i) as f64 + 0.3).sin()).collect();
+        (chain, y)
+    }
+
+    #[test]
+    fn kicks_in_a_row_end_at_the_first_survey_that_has_something_to_tell() {
+        // Truth: one kick at a time, and what it tells of bonds; the state at the end of each row.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+                for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
+                    let (chain, y) = ring(n, alpha, boundary);
+                    let run = || {
+                        let mut flow = Bonded::new(LinearFlow::new(chain.clone()));
+                        flow.load(&y);
+                        flow.prepare(0.02, 3.0);
+                        flow.survey();
+                        flow.changed(&mut Vec::new());
+                        flow
+                    };
+                    let (mut row, mut one) = (run(), run());
+                    let pairs = vec![(0.02, Twofold::new(0.02)); 40];
+                    let tell = |flow: &mut Bonded<LinearFlow<f64>>| {
+                        let (mut changed, mut turned) = (Vec::new(), Vec::new());
+                        flow.changed(&mut changed);
+                        flow.turned(&mut turned);
+                        (changed, turned)
+                    };
+                    let (mut taken, mut ends) = (0, 0);
+                    while taken < 400 {
+                        let made = row.kicks_and_surveys(&pairs, 1e-4, true);
+                        for k in 0..made {
+                            one.kick(0.02, 1e-4);
+                            one.drift(Twofold::new(0.02));
+                            one.survey();
+                            if k + 1 < made {
+                                let quiet = tell(&mut one);
+                                assert!(quiet.0.is_empty() && quiet.1.is_empty(), "{boundary:?} {n} {set} {quiet:?}");
+                            }
+                        }
+                        let told = tell(&mut row);
+                        assert_eq!(told, tell(&mut one), "{boundary:?} {n} {set}");
+                        assert!(
+                            row.overlap[..=n] == one.overlap[..=n] && row.force[..=PAD + n] == one.force[..=PAD + n]
+                        );
+                        ends += usize::from(!told.0.is_empty());
+                        taken += made;
+                    }
+                    assert!(ends > 3, "{boundary:?} {n}: {ends} steps with events");
+                }
+            }
+        }
+        assert!(used.select());
+    }
+
+    #[test]
+    fn corrected_steps_in_a_row_are_steps_on_every_instruction_set() {
+        // Truth: one step at a time, to the bit; times that somebody wants, and none.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        for (n, boundary, parts) in [
+            (50, Boundary::StrainRing, Parts::ALL),
+            (23, Boundary::Ring, Parts::ALL),
+            (13, Boundary::Free, Parts::PROCESSED),
+            (9, Boundary::Fixed, Parts::CORRECTED),
+        ] {
+            let (chain, y) = ring(n, 1.5, boundary);
+            let run = |in_rows: bool| {
+                let mut flow = LinearFlow::new(chain.clone());
+                flow.load(&y);
+                let mut run = Corrected::new(Bonded::new(flow), (0.0, 12.0), 300, parts).unwrap();
+                let mut states = Vec::new();
+                for wanted in [Some(0.01), Some(1.0), Some(1.02), None] {
+                    let until = wanted.unwrap_or(12.0);
+                    while run.time() < until - 1e-9 {
+                        let before = run.time();
+                        if in_rows {
+                            run.steps(wanted).unwrap()
+                        } else {
+                            run.step().unwrap()
+                        }
+                        assert!(before < until && (run.time() < until + 0.04 || wanted.is_none()));
+                    }
+                    let mut state = y.clone();
+                    run.sample(run.time(), &mut state);
+                    states.extend(state.into_iter().map(f64::to_bits));
+                }
+                assert!(run.done());
+                states
+            };
+            let want = run(false);
+            for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+                assert!(run(true) == want, "{boundary:?} {set}");
+            }
+            assert!(used.select());
+        }
     }
 }

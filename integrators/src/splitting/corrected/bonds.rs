@@ -86,11 +86,16 @@ pub trait BondFlow: SplitFlow<f64> {
     /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by
     /// `F`.
     fn kick(&mut self, kick: f64, c: f64);
-    /// [`kick`](Self::kick), drift and [`survey`](Self::survey), the same bits.
-    fn kick_and_survey(&mut self, kick: f64, c: f64, drift: Twofold<f64>) {
+    /// [`kick`](Self::kick), drift and [`survey`](Self::survey), the same bits, for some kicks and
+    /// drifts one after the other, at least one. If surveys are `watched`, none follows one at
+    /// which [`changed`](Self::changed) or [`turned`](Self::turned) have something to tell. Returns
+    /// how many were made.
+    fn kicks_and_surveys(&mut self, pairs: &[(f64, Twofold<f64>)], c: f64, _watched: bool) -> usize {
+        let (kick, drift) = pairs[0];
         self.kick(kick, c);
         self.drift(drift);
         self.survey();
+        1
     }
     /// The flow of the processor: positions move by `share` times their accelerations by the forces
     /// of the kick, velocities by `-share` times the rates of these; the rates of the forces of

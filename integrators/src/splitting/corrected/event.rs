@@ -6,10 +6,10 @@ use super::{
     path::{Paths, Zero},
     zeta::ZetaTable,
 };
-use crate::real::{Kernel, Real};
-
-/// Events that are worked on side by side.
-const SOME: usize = 4;
+use crate::{
+    real::{Real, VectorKernel},
+    vector::Vector,
+};
 
 /// A bond that has changed its side.
 #[derive(Clone, Copy, Debug)]
@@ -28,26 +28,20 @@ pub(super) struct Corrector {
     h2: f64,
 }
 
-/// Corrections of up to `M` events at a time.
-struct Events<'a, const M: usize> {
+/// Corrections of events, a register at a time.
+struct Events<'a> {
     corrector: &'a Corrector,
     events: &'a [Event],
     out: &'a mut Vec<Option<Correction>>,
 }
 
-impl<const M: usize> Kernel for Events<'_, M> {
+impl VectorKernel<f64> for Events<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        for events in self.events.chunks(M) {
-            // The last is worked on again where there are fewer.
-            let mut some = [events[0]; M];
-            for k in 1..M {
-                some[k] = events[k.min(events.len() - 1)];
-            }
-            let corrections = self.corrector.corrections(&some);
-            self.out.extend_from_slice(&corrections[..events.len()]);
+    fn run<V: Vector<f64>>(self) {
+        for events in self.events.chunks(V::LANES) {
+            self.corrector.corrections::<V>(events, self.out);
         }
     }
 }
@@ -62,48 +56,41 @@ impl Corrector {
     ///
     /// Events have the same bits alone and among others.
     pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
-        if events.len() == 1 {
-            f64::run(Events::<1> { corrector: self, events, out });
-        } else {
-            f64::run(Events::<SOME> { corrector: self, events, out });
-        }
+        f64::run_vector(Events { corrector: self, events, out });
     }
 
+    /// Appends the corrections of some events, at most as many as there are lanes.
     #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
-    fn corrections<const M: usize>(&self, events: &[Event; M]) -> [Option<Correction>; M] {
-        let (mut views, mut onsets) = ([events[0].view.path; M], [false; M]);
-        for k in 0..M {
-            (views[k], onsets[k]) = (events[k].view.path, events[k].onset);
+    fn corrections<V: Vector<f64>>(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
+        // As in `Pack::of`, the first event in lanes that are left.
+        let mut onsets = if events[0].onset { u64::MAX << events.len() } else { 0 };
+        for (k, event) in events.iter().enumerate() {
+            onsets |= u64::from(event.onset) << k;
         }
-        let paths = Paths::new(&views);
-        let zero = paths.zeros(self.h, &onsets);
+        onsets &= u64::MAX >> (u64::BITS as usize - V::LANES);
+        let paths = Paths::<V>::new(events, |event| &event.view.path);
+        let zero = paths.zeros(self.h, onsets);
         let turn = paths.turn(zero.at);
-        let (impulse, displacement) = self.at_zeros(events, &zero);
-        let mut out = [None; M];
-        for k in 0..M {
-            let correction = Correction {
-                impulse: impulse.0[k],
-                displacement: displacement.0[k],
-                at: zero.at.0[k],
-                rate: zero.rate.0[k],
-                turn: [turn[0].0[k], turn[1].0[k]],
-            };
-            if correction.impulse.is_finite() && correction.displacement.is_finite() {
-                out[k] = Some(correction);
-            }
-        }
-        out
+        let (impulse, displacement) = self.at_zeros(events, onsets, &zero);
+        let [sin, cos] = turn.map(Pack::lanes);
+        let [impulse, displacement, at, rate] = [impulse, displacement, zero.at, zero.rate].map(Pack::lanes);
+        out.extend((0..events.len()).map(|k| {
+            let turn = [sin[k], cos[k]];
+            let correction =
+                Correction { impulse: impulse[k], displacement: displacement[k], at: at[k], rate: rate[k], turn };
+            (correction.impulse.is_finite() && correction.displacement.is_finite()).then_some(correction)
+        }));
     }
 
     /// Impulses and displacements at the zeros of paths.
     #[inline(always)]
-    fn at_zeros<const M: usize>(&self, events: &[Event; M], zero: &Zero<M>) -> (Pack<M>, Pack<M>) {
+    fn at_zeros<V: Vector<f64>>(&self, events: &[Event], onsets: u64, zero: &Zero<Pack<V>>) -> (Pack<V>, Pack<V>) {
         let &Zero { at, rate, acceleration } = zero;
-        let sign = Pack::of(events, |event| if event.onset { 1.0 } else { -1.0 });
+        let one = Pack::all(1.0);
+        let sign = one.or(onsets, Pack::all(-1.0));
         // Steps from the event into the contact, to the first kick at which the processed path is
         // closed: -at/h for an onset, 1 + at/h for a release.
-        let theta = (Pack::of(events, |event| if event.onset { 0.0 } else { 1.0 }) - sign * (at / self.h)).fraction();
+        let theta = (Pack::all(0.0).or(onsets, one) - sign * (at / self.h)).fraction();
         // In time that runs into the contact.
         let local = (sign * rate, acceleration);
         let mut z = self.zeta(theta);
@@ -122,20 +109,25 @@ impl Corrector {
     /// it. Farther ones are worth `h e^2 f''/2` less, of which the singular part is of order
     /// `h^{alpha+3}`.
     #[inline(always)]
-    fn kicks<const M: usize>(&self, events: &[Event; M], (at, rate, a): (Pack<M>, Pack<M>, Pack<M>)) -> [Pack<M>; 2] {
-        let Self { alpha, h, .. } = *self;
-        let lack = |g: Pack<M>, shift: Pack<M>| {
-            let (there, here) = (g.positive(), (g - shift).positive());
-            let slope_here = slope(alpha, here);
-            // For alpha = 1 the derivative does not vanish with the overlap.
-            let modified = (here + shift * alpha) * slope_here;
-            (there * slope(alpha, there) - modified.where_positive(here)) * h
-        };
+    fn kicks<V: Vector<f64>>(&self, events: &[Event], (at, rate, a): (Pack<V>, Pack<V>, Pack<V>)) -> [Pack<V>; 2] {
+        let h = self.h;
         let share = h * h / 12.0;
         let shifts = [0, 1].map(|k| Pack::of(events, |event| share * event.view.pull[k]));
         let to_before = -(at + h);
         let before = to_before * (rate + a * 0.5 * to_before);
-        [lack(before, shifts[0]), lack(Pack::of(events, |event| event.view.path.overlap), shifts[1])]
+        let now = Pack::of(events, |event| event.view.path.overlap);
+        [self.lack(before, shifts[0]), self.lack(now, shifts[1])]
+    }
+
+    /// The same of a kick at an overlap whose processed one is `g`.
+    #[inline(always)]
+    fn lack<V: Vector<f64>>(&self, g: Pack<V>, shift: Pack<V>) -> Pack<V> {
+        let Self { alpha, h, .. } = *self;
+        let (there, here) = (g.positive(), (g - shift).positive());
+        let slope_here = slope(alpha, here);
+        // For alpha = 1 the derivative does not vanish with the overlap.
+        let modified = (here + shift * alpha) * slope_here;
+        (there * slope(alpha, there) - modified.where_positive(here)) * h
     }
 
     pub(super) fn step(&self) -> f64 {
@@ -144,27 +136,27 @@ impl Corrector {
 
     /// Impulse and displacement of a bond whose zero is known: when, its rate and acceleration.
     pub(super) fn given(&self, view: &BondView, zero: (f64, f64, f64), onset: bool) -> [f64; 2] {
-        let zero = Zero { at: Pack([zero.0]), rate: Pack([zero.1]), acceleration: Pack([zero.2]) };
-        let (impulse, displacement) = self.at_zeros(&[Event { view: *view, onset }], &zero);
-        [impulse.0[0], displacement.0[0]]
+        let zero = Zero { at: Pack(zero.0), rate: Pack(zero.1), acceleration: Pack(zero.2) };
+        let (impulse, displacement) = self.at_zeros(&[Event { view: *view, onset }], u64::from(onset), &zero);
+        [impulse.0, displacement.0]
     }
 
     /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta
     /// functions `z` there. If overlap and rate at that time are moved, zeros and zeta functions
     /// are moved along.
     #[inline(always)]
-    fn gradient<const M: usize>(
+    fn gradient<V: Vector<f64>>(
         &self,
-        (rate, a): (Pack<M>, Pack<M>),
-        moved: Option<(Pack<M>, Pack<M>)>,
-        z: &mut [Pack<M>; ZetaTable::COUNT],
-    ) -> (Pack<M>, Pack<M>) {
+        (rate, a): (Pack<V>, Pack<V>),
+        moved: Option<(Pack<V>, Pack<V>)>,
+        z: &mut [Pack<V>; ZetaTable::COUNT],
+    ) -> (Pack<V>, Pack<V>) {
         let Self { alpha, h, .. } = *self;
         let (mut c, mut delta) = (rate, Pack::all(0.0));
         if let Some((overlap, change)) = moved {
             let r = rate + change;
             // The zero moves by delta, and c to the rate there.
-            let root = (r * r - a * overlap * 2.0).each(|x| x.max(0.0)).sqrt();
+            let root = (r * r - a * overlap * 2.0).positive().sqrt();
             delta = -(overlap * 2.0) / (r + root);
             c = r + a * delta;
             let steps = -delta / h;
@@ -190,7 +182,7 @@ impl Corrector {
 
     /// `zeta(-alpha - k, theta)` for `k = -1 .. 2`.
     #[inline(always)]
-    fn zeta<const M: usize>(&self, theta: Pack<M>) -> [Pack<M>; ZetaTable::COUNT] {
+    fn zeta<V: Vector<f64>>(&self, theta: Pack<V>) -> [Pack<V>; ZetaTable::COUNT] {
         let mut z = self.table.beyond(theta);
         let mut power = slope(self.alpha, theta);
         for z in &mut z {
@@ -203,7 +195,7 @@ impl Corrector {
 
 /// `x^{alpha-1}`.
 #[inline(always)]
-fn slope<const M: usize>(alpha: f64, x: Pack<M>) -> Pack<M> {
+fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
     if alpha == 1.5 { x.sqrt() } else { x.each(|x| x.powf(alpha - 1.0)) }
 }
 
@@ -301,13 +293,10 @@ mod tests {
         let corrector = Corrector::new(1.5, 0.2);
         for (rate, acceleration, theta) in [(1.0, 0.5, 0.3), (0.4, -0.9, 0.8), (0.1, 2.0, 0.5)] {
             let by = |overlap, change| {
-                let z = &mut corrector.zeta(Pack([theta]));
-                let (by_overlap, by_rate) = corrector.gradient(
-                    (Pack([rate]), Pack([acceleration])),
-                    Some((Pack([overlap]), Pack([change]))),
-                    z,
-                );
-                (by_overlap.0[0], by_rate.0[0])
+                let z = &mut corrector.zeta(Pack(theta));
+                let moved = Some((Pack(overlap), Pack(change)));
+                let (by_overlap, by_rate) = corrector.gradient((Pack(rate), Pack(acceleration)), moved, z);
+                (by_overlap.0, by_rate.0)
             };
             let d = 1e-6;
             let mixed = (by(0.0, d).0 - by(0.0, -d).0) / (2.0 * d);

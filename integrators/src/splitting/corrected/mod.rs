@@ -166,7 +166,7 @@ pub use ends::Side;
 pub use path::BondPath;
 pub use zeta::hurwitz;
 
-use super::stepper::{after, check};
+use super::stepper::{after, check, steps_a_row, steps_before};
 use crate::{
     clock::Twofold,
     collocation::{ContactStepper, Piece},
@@ -229,6 +229,8 @@ pub struct Corrected<S> {
     h: Twofold<f64>,
     /// The kick that the state still lacks: it is made with the drift and the survey after it.
     due: Option<f64>,
+    /// Kicks and drifts of steps that are made in a row.
+    row: Vec<(f64, Twofold<f64>)>,
     taken: u64,
     total: u64,
 }
@@ -266,6 +268,7 @@ impl<S: BondFlow> Corrected<S> {
             span,
             h,
             due: Some(0.5 * h.value()),
+            row: vec![(h.value(), h); steps_a_row(flow.moved())],
             taken: 0,
             total,
             flow,
@@ -328,6 +331,25 @@ impl<S: BondFlow> Corrected<S> {
 
     fn time_after(&self, steps: u64) -> Twofold<f64> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
+    }
+
+    /// What the survey at the end of a step asks for; `inner` if the run began before the step.
+    fn see(&mut self, inner: bool) {
+        if self.parts.corrected || self.log.is_some() {
+            self.changed.clear();
+            self.flow.changed(&mut self.changed);
+            if !self.changed.is_empty() {
+                self.correct();
+            }
+        }
+        // Of the kick before, those on either side must be of this run.
+        if self.parts == Parts::ALL && inner {
+            self.turned.clear();
+            self.flow.turned(&mut self.turned);
+            if !self.turned.is_empty() {
+                self.correct_turns();
+            }
+        }
     }
 
     /// Corrects the bonds that have turned near zero about the kick before: what their events, if
@@ -401,32 +423,34 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
     fn step(&mut self) -> Result<(), Error> {
         let (h, share) = (self.h.value(), self.share());
         if let Some(kick) = self.due.take() {
-            self.flow.kick_and_survey(kick, share, self.h);
+            self.flow.kicks_and_surveys(&[(kick, self.h)], share, false);
         } else {
             self.flow.drift(self.h);
             self.flow.survey();
         }
-        if self.parts.corrected || self.log.is_some() {
-            self.changed.clear();
-            self.flow.changed(&mut self.changed);
-            if !self.changed.is_empty() {
-                self.correct();
-            }
-        }
-        // Of the kick before, those on either side must be of this run.
-        if self.parts == Parts::ALL && self.taken > 0 {
-            self.turned.clear();
-            self.flow.turned(&mut self.turned);
-            if !self.turned.is_empty() {
-                self.correct_turns();
-            }
-        }
+        self.see(self.taken > 0);
         self.due = Some(h);
         self.taken += 1;
         if self.log.is_some() {
             self.kick_now();
             let time = self.time();
             self.log.iter_mut().for_each(|log| log.step(&self.flow, time));
+        }
+        Ok(())
+    }
+
+    fn steps(&mut self, wanted: Option<f64>) -> Result<(), Error> {
+        if self.log.is_some() || self.taken == 0 {
+            return self.step();
+        }
+        let before = steps_before(wanted, self.time(), self.h.value(), self.row.len() as u64);
+        let mut left = before.min(self.total - self.taken).max(1) as usize;
+        let (share, watched) = (self.share(), self.parts.corrected);
+        while left > 0 {
+            let made = self.flow.kicks_and_surveys(&self.row[..left], share, watched);
+            self.see(true);
+            self.taken += made as u64;
+            left -= made;
         }
         Ok(())
     }

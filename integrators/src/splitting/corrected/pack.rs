@@ -1,91 +1,88 @@
-//! Some numbers side by side, with the operations of one: events are worked on several at a time.
+//! Some numbers side by side, with the operations of one: events are worked on a register at a time.
 
+use crate::vector::{MOST_LANES, Vector};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// `M` numbers, or `M` answers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pack<const M: usize, T = f64>(pub(super) [T; M]);
+/// A register of numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Pack<V>(pub(super) V);
 
-// Loops, not maps of arrays: those are calls, out of the vector code.
-impl<const M: usize> Pack<M> {
-    /// The same number `M` times.
+impl<V: Vector<f64>> Pack<V> {
+    /// The same number in all lanes.
     #[inline(always)]
     pub(super) fn all(x: f64) -> Self {
-        Self([x; M])
+        Self(V::all(x))
     }
 
-    /// One number for each of `M` things.
+    /// One number for each of some things, at most as many as there are lanes; that of the first
+    /// in lanes that are left.
     #[inline(always)]
-    pub(super) fn of<S>(things: &[S; M], number: impl Fn(&S) -> f64) -> Self {
-        let mut out = [0.0; M];
-        for k in 0..M {
-            out[k] = number(&things[k]);
+    pub(super) fn of<S>(things: &[S], number: impl Fn(&S) -> f64) -> Self {
+        let mut lanes = [number(&things[0]); MOST_LANES];
+        for (lane, thing) in lanes[..V::LANES].iter_mut().zip(things).skip(1) {
+            *lane = number(thing);
         }
-        Self(out)
-    }
-
-    #[inline(always)]
-    pub(super) fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
-        for x in &mut self.0 {
-            *x = f(*x);
-        }
-        self
+        Self::from_lanes(&lanes)
     }
 
     #[inline(always)]
-    fn both(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        for (x, y) in self.0.iter_mut().zip(other.0) {
-            *x = f(*x, y);
-        }
-        self
+    pub(super) fn from_lanes(lanes: &[f64; MOST_LANES]) -> Self {
+        // SAFETY: there are at most so many lanes.
+        Self(unsafe { V::load(lanes.as_ptr()) })
+    }
+
+    /// The numbers; zeros behind the last lane.
+    #[inline(always)]
+    pub(super) fn lanes(self) -> [f64; MOST_LANES] {
+        let mut lanes = [0.0; MOST_LANES];
+        // SAFETY: as above.
+        unsafe { self.0.store(lanes.as_mut_ptr()) };
+        lanes
+    }
+
+    #[inline(always)]
+    pub(super) fn each(self, f: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.each(f))
     }
 
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
-        self.each(f64::sqrt)
+        Self(self.0.root())
     }
 
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        self.each(f64::abs)
+        Self(self.0.size())
     }
 
     /// What is above the next lower whole number.
     #[inline(always)]
     pub(super) fn fraction(self) -> Self {
-        self.each(|x| x - x.floor())
+        self - Self(self.0.floor())
     }
 
     /// These numbers, or zero where they are below it.
     #[inline(always)]
     pub(super) fn positive(self) -> Self {
-        self.each(|x| if x > 0.0 { x } else { 0.0 })
+        self.where_positive(self)
     }
 
     /// These numbers where others are above zero, zero elsewhere.
     #[inline(always)]
     pub(super) fn where_positive(self, others: Self) -> Self {
-        self.both(others, |x, y| if y > 0.0 { x } else { 0.0 })
+        Self(others.0.above(0.0, self.0))
     }
 
-    /// Where numbers are at most `bound`; NaN is not.
+    /// Where numbers are at most `bound`, a bit each; NaN is not.
     #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
-    pub(super) fn at_most(self, bound: f64) -> Pack<M, bool> {
-        let mut out = [false; M];
-        for k in 0..M {
-            out[k] = self.0[k] <= bound;
-        }
-        Pack(out)
+    pub(super) fn at_most(self, bound: f64) -> u64 {
+        self.0.at_most(V::all(bound))
     }
 
-    /// These numbers where `which`, others elsewhere.
+    /// These numbers in lanes whose bit is set, others elsewhere.
     #[inline(always)]
-    pub(super) fn or(mut self, which: Pack<M, bool>, others: Self) -> Self {
-        for k in 0..M {
-            self.0[k] = if which.0[k] { self.0[k] } else { others.0[k] };
-        }
-        self
+    pub(super) fn or(self, bits: u64, others: Self) -> Self {
+        Self(self.0.or(bits, others.0))
     }
 
     /// The polynomial with these coefficients, lowest first: even and odd powers are two sums that
@@ -105,19 +102,19 @@ impl<const M: usize> Pack<M> {
 
 macro_rules! operation {
     ($trait:ident, $method:ident) => {
-        impl<const M: usize> $trait for Pack<M> {
+        impl<V: Vector<f64>> $trait for Pack<V> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.both(other, |x, y| x.$method(y))
+                Self(self.0.$method(other.0))
             }
         }
 
-        impl<const M: usize> $trait<f64> for Pack<M> {
+        impl<V: Vector<f64>> $trait<f64> for Pack<V> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                self.each(|x| x.$method(other))
+                self.$method(Self::all(other))
             }
         }
     };
@@ -128,10 +125,10 @@ operation!(Sub, sub);
 operation!(Mul, mul);
 operation!(Div, div);
 
-impl<const M: usize> Neg for Pack<M> {
+impl<V: Vector<f64>> Neg for Pack<V> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.each(|x| -x)
+        self * -1.0
     }
 }

@@ -1,6 +1,7 @@
 //! The path of one overlap near a kick.
 
 use super::pack::Pack;
+use crate::vector::{MOST_LANES, Vector};
 
 /// Turns `omega h` up to which the functions of the path are summed as series.
 const SERIES: f64 = 0.5;
@@ -44,23 +45,24 @@ pub(super) struct Jet<T = f64> {
 
 /// Where a path is zero.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Zero<const M: usize> {
+pub(super) struct Zero<P> {
     /// When; NaN where there is none.
-    pub(super) at: Pack<M>,
-    pub(super) rate: Pack<M>,
-    pub(super) acceleration: Pack<M>,
+    pub(super) at: P,
+    pub(super) rate: P,
+    pub(super) acceleration: P,
 }
 
 impl BondPath {
     /// Sine and cosine of the phase at `t`.
     pub(super) fn turn(&self, t: f64) -> [f64; 2] {
-        Paths::new(&[*self]).turn(Pack([t])).map(|turn| turn.0[0])
+        let [sin, cos] = Paths::<f64>::new(&[*self], |path| path).turn(Pack(t));
+        [sin.0, cos.0]
     }
 
     /// Value and derivatives at `t`.
     pub(super) fn at(&self, t: f64) -> Jet {
-        let jet = Paths::new(&[*self]).at(Pack([t]));
-        Jet { value: jet.value.0[0], rate: jet.rate.0[0], acceleration: jet.acceleration.0[0] }
+        let jet = Paths::<f64>::new(&[*self], |path| path).at(Pack(t));
+        Jet { value: jet.value.0, rate: jet.rate.0, acceleration: jet.acceleration.0 }
     }
 
     /// The zero in `[-h, 0]` with rate and acceleration there, by bisection.
@@ -81,31 +83,44 @@ impl BondPath {
 }
 
 /// Some paths side by side.
-pub(super) struct Paths<'a, const M: usize> {
-    paths: &'a [BondPath; M],
-    overlap: Pack<M>,
-    rate: Pack<M>,
-    acceleration: [Pack<M>; 2],
-    jerk: [Pack<M>; 2],
-    omega: Pack<M>,
+pub(super) struct Paths<V> {
+    overlap: Pack<V>,
+    rate: Pack<V>,
+    acceleration: [Pack<V>; 2],
+    jerk: [Pack<V>; 2],
+    omega: Pack<V>,
 }
 
-impl<'a, const M: usize> Paths<'a, M> {
+impl<V: Vector<f64>> Paths<V> {
+    /// The paths of some things, see [`Pack::of`].
     #[inline(always)]
-    pub(super) fn new(paths: &'a [BondPath; M]) -> Self {
+    pub(super) fn new<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
+        let [a, b] = [0, 1].map(|k| Pack::of(things, |thing| path(thing).acceleration[k]));
         Self {
-            overlap: Pack::of(paths, |path| path.overlap),
-            rate: Pack::of(paths, |path| path.rate),
-            acceleration: [Pack::of(paths, |path| path.acceleration[0]), Pack::of(paths, |path| path.acceleration[1])],
-            jerk: [Pack::of(paths, |path| path.jerk[0]), Pack::of(paths, |path| path.jerk[1])],
-            omega: Pack::of(paths, |path| path.omega),
-            paths,
+            overlap: Pack::of(things, |thing| path(thing).overlap),
+            rate: Pack::of(things, |thing| path(thing).rate),
+            acceleration: [a, b],
+            jerk: [0, 1].map(|k| Pack::of(things, |thing| path(thing).jerk[k])),
+            omega: Pack::of(things, |thing| path(thing).omega),
+        }
+    }
+
+    /// One of the paths.
+    #[inline(always)]
+    fn path(&self, k: usize) -> BondPath {
+        let of = |pack: Pack<V>| pack.lanes()[k];
+        BondPath {
+            overlap: of(self.overlap),
+            rate: of(self.rate),
+            acceleration: self.acceleration.map(of),
+            jerk: self.jerk.map(of),
+            omega: of(self.omega),
         }
     }
 
     /// Values and derivatives at `t`.
     #[inline(always)]
-    pub(super) fn at(&self, t: Pack<M>) -> Jet<Pack<M>> {
+    pub(super) fn at(&self, t: Pack<V>) -> Jet<Pack<V>> {
         let ([a, b], [j, k]) = (self.acceleration, self.jerk);
         let Oscillation { cos, sinc, c2, s3 } = oscillation(self.omega * t);
         Jet {
@@ -117,7 +132,7 @@ impl<'a, const M: usize> Paths<'a, M> {
 
     /// Sine and cosine of the phase at `t`.
     #[inline(always)]
-    pub(super) fn turn(&self, t: Pack<M>) -> [Pack<M>; 2] {
+    pub(super) fn turn(&self, t: Pack<V>) -> [Pack<V>; 2] {
         let x = self.omega * t;
         let Oscillation { cos, sinc, .. } = oscillation(x);
         [x * sinc, cos]
@@ -126,63 +141,75 @@ impl<'a, const M: usize> Paths<'a, M> {
     /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's
     /// method from the zero of the parabola.
     #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a loop over lanes reads like the formula, and vectorises")]
-    pub(super) fn zeros(&self, h: f64, rising: &[bool; M]) -> Zero<M> {
+    pub(super) fn zeros(&self, h: f64, rising: u64) -> Zero<Pack<V>> {
         let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
-        let sign = Pack::of(rising, |&rising| if rising { 1.0 } else { -1.0 });
+        let (one, all) = (Pack::all(1.0), u64::MAX >> (u64::BITS as usize - V::LANES));
+        let sign = one.or(rising, Pack::all(-1.0));
         let root = (r * r - a * g * 2.0).sqrt();
         let mut found = Zero { at: -(g * 2.0) / (r + sign * root), rate: r, acceleration: a };
-        let mut done = Pack([false; M]);
+        let mut done = 0;
         for _ in 0..HALLEY {
             let jet = self.at(found.at);
             // The bend is at hand.
-            let per_rate = Pack::all(1.0) / jet.rate;
+            let per_rate = one / jet.rate;
             let newton = -jet.value * per_rate;
-            let change = newton * (Pack::all(1.0) - newton * 0.5 * (jet.acceleration * per_rate));
+            let change = newton * (one - newton * 0.5 * (jet.acceleration * per_rate));
             found.at = found.at.or(done, found.at + change);
             found.rate = found.rate.or(done, jet.rate + jet.acceleration * change);
             found.acceleration = found.acceleration.or(done, jet.acceleration);
-            let settled = change.abs().at_most(ENOUGH * h);
-            for k in 0..M {
-                done.0[k] |= settled.0[k];
-            }
-            if done.0 == [true; M] {
+            done |= change.abs().at_most(ENOUGH * h);
+            if done == all {
                 break;
             }
         }
-        for k in 0..M {
-            let t = found.at.0[k];
-            let inside = -(1.0 + MOVED) * h <= t && t <= MOVED * h && (found.rate.0[k] > 0.0) == rising[k];
-            if !(done.0[k] && inside) {
-                // Halley's method has led away.
-                let jet = self.paths[k].bracketed(h, rising[k]);
-                let Jet { value, rate, acceleration } =
-                    jet.unwrap_or(Jet { value: f64::NAN, rate: f64::NAN, acceleration: f64::NAN });
-                (found.at.0[k], found.rate.0[k], found.acceleration.0[k]) = (value, rate, acceleration);
-            }
+        let inside = found.at.at_most(MOVED * h) & (-found.at).at_most((1.0 + MOVED) * h);
+        let astray = (found.rate.0.positive() ^ rising) | !inside | !done;
+        if astray & all != 0 {
+            self.bracket(&mut found, astray, h, rising);
         }
         found
+    }
+
+    /// Looks for the zeros from which Halley's method has led away.
+    #[inline(always)]
+    fn bracket(&self, found: &mut Zero<Pack<V>>, astray: u64, h: f64, rising: u64) {
+        let mut lanes = [found.at, found.rate, found.acceleration].map(Pack::lanes);
+        for k in (0..V::LANES).filter(|k| astray >> k & 1 > 0) {
+            let none = Jet { value: f64::NAN, rate: f64::NAN, acceleration: f64::NAN };
+            let jet = self.path(k).bracketed(h, rising >> k & 1 > 0).unwrap_or(none);
+            (lanes[0][k], lanes[1][k], lanes[2][k]) = (jet.value, jet.rate, jet.acceleration);
+        }
+        let [at, rate, acceleration] = lanes;
+        *found = Zero {
+            at: Pack::from_lanes(&at),
+            rate: Pack::from_lanes(&rate),
+            acceleration: Pack::from_lanes(&acceleration),
+        };
     }
 }
 
 /// `cos x, sin x / x, (1 - cos x)/x^2, (x - sin x)/x^3`.
-struct Oscillation<const M: usize> {
-    cos: Pack<M>,
-    sinc: Pack<M>,
-    c2: Pack<M>,
-    s3: Pack<M>,
+struct Oscillation<P> {
+    cos: P,
+    sinc: P,
+    c2: P,
+    s3: P,
 }
 
 #[inline(always)]
-fn oscillation<const M: usize>(x: Pack<M>) -> Oscillation<M> {
+fn oscillation<V: Vector<f64>>(x: Pack<V>) -> Oscillation<Pack<V>> {
     let one = Pack::all(1.0);
     let y = x * x;
     let (mut c2, mut s3) = (y.polynomial(&C2), y.polynomial(&S3));
-    for k in 0..M {
-        let (x, y) = (x.0[k], y.0[k]);
-        if y > SERIES * SERIES {
-            (c2.0[k], s3.0[k]) = ((1.0 - x.cos()) / y, (x - x.sin()) / (x * y));
-        }
+    let far = y.0.exceeds(V::all(SERIES * SERIES));
+    if far != 0 {
+        let [x, y] = [x, y].map(Pack::lanes);
+        let of = |f: fn(f64, f64) -> f64| {
+            let mut lanes = [0.0; MOST_LANES];
+            (0..V::LANES).for_each(|k| lanes[k] = f(x[k], y[k]));
+            Pack::from_lanes(&lanes)
+        };
+        (c2, s3) = (of(|x, y| (1.0 - x.cos()) / y).or(far, c2), of(|x, y| (x - x.sin()) / (x * y)).or(far, s3));
     }
     Oscillation { cos: one - y * c2, sinc: one - y * s3, c2, s3 }
 }

@@ -1,6 +1,7 @@
 //! Hurwitz' zeta function `zeta(-z, theta)` for `z >= 0`, and tables of it for one exponent.
 
 use super::pack::Pack;
+use crate::vector::Vector;
 
 /// `B_2, B_4, ..` over `2!, 4!, ..`: the coefficients of the formula of Euler and Maclaurin.
 const BERNOULLI: [f64; 12] = [
@@ -86,7 +87,7 @@ impl ZetaTable {
 
     /// `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, `theta` in `[0, 1]`.
     #[inline(always)]
-    pub(super) fn beyond<const M: usize>(&self, theta: Pack<M>) -> [Pack<M>; Self::COUNT] {
+    pub(super) fn beyond<V: Vector<f64>>(&self, theta: Pack<V>) -> [Pack<V>; Self::COUNT] {
         let x = theta * 2.0 - 1.0;
         let square = x * x;
         let fourth = square * square;
@@ -171,7 +172,7 @@ mod tests {
             let table = ZetaTable::new(alpha);
             for i in 0..=100 {
                 let theta = f64::from(i) / 100.0;
-                for (k, value) in table.beyond(Pack([theta])).map(|z| z.0[0]).into_iter().enumerate() {
+                for (k, value) in table.beyond(Pack(theta)).map(|z| z.0).into_iter().enumerate() {
                     let want = hurwitz(alpha + k as f64 - 1.0, 1.0 + theta);
                     let z = alpha + k as f64 - 1.0;
                     assert!(
