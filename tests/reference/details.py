@@ -12,8 +12,10 @@ dissipated and driven, must be kept to that size.
 
 import json
 import sys
+from decimal import Decimal, getcontext
 from pathlib import Path
 
+import mpmath
 from mpmath import ldexp, mp, mpf, sin, cos, sqrt
 
 mp.dps = 32
@@ -38,6 +40,16 @@ CASES = {
         "viscoelastic": [0.0, 0.125, 0.0, 0.25, 0.0625, 0.125],
         "moved": [0, 0.5, 1.75, 0.5], "pushed": [3, 0.25, 2.5, 0.0],
     },
+    # Twelve beads and 200 contacts; drawn once, multiples of 1/64. In decimals, see `arithmetic`.
+    "twelve": {
+        "boundary": "fixed", "end": 107.0, "levels": 5,
+        "mass": [0.90625, 1.546875, 1.171875, 1.671875, 1.71875, 0.53125, 0.421875, 2.15625, 0.9375, 0.890625, 2.484375, 1.390625],
+        "kappa": [2.140625, 1.34375, 1.703125, 0.625, 1.703125, 0.0, 1.453125, 1.9375, 1.78125, 0.4375, 1.96875, 1.59375],
+        "rho": [0.75, 0.25, 1.765625, 0.0, 1.5, 1.78125, 1.484375, 1.859375, "inf", 1.640625, 0.0, 1.890625],
+        "contact": [2.703125, 0.75, 0.84375, 1.046875, 2.90625, 1.59375, 2.0625, 1.25, 1.765625, 1.46875, 1.375, 1.96875, 1.953125],
+        "alpha": [1.5, 1.5, 1.5, 1.5, 2.0, 1.5, 1.5, 2.5, 1.5, 1.5, 2.0, 1.5, 1.5],
+        "overlap": [0.15625, 0.0625, 0.171875, 0.140625, 0.203125, 0.046875, -0.171875, 0.140625, 0.1875, 0.15625, 0.0, 0.078125, -0.15625],
+    },
 }
 
 
@@ -49,6 +61,17 @@ def start(case):
     p = [0.25 * ((4 * i + 1) % 5 - 2) for i in range(n)]
     w = [0.125 * ((2 * i + 1) % 3 - 1) for i in range(n)]
     return u, v, p, w
+
+
+def arithmetic(name):
+    """Numbers with 34 digits: of mpmath, or of `decimal`, which is faster and has no sine."""
+    if name == "twelve":
+        getcontext().prec = 34
+        powers = {k: Decimal(2) ** k for k in (-BITS, BITS)}
+        numbers = {"mpf": Decimal, "sqrt": Decimal.sqrt, "ldexp": lambda x, k: x * powers[k]}
+    else:
+        numbers = {"mpf": mpmath.mpf, "sqrt": mpmath.sqrt, "ldexp": mpmath.ldexp}
+    globals().update(numbers)
 
 
 def fixed(x):
@@ -68,7 +91,8 @@ class Motion:
         self.resonator = [
             None if k == 0 or r == 0 else "wall" if r is None else r * m for k, r, m in zip(self.kappa, self.rho, self.mass)
         ]
-        self.closed, self.gauss = set(), gauss(nodes)
+        self.closed, (points, a, b) = set(), gauss(nodes)
+        self.gauss = [x if mpf is mpmath.mpf else mpf(mpmath.nstr(x, 40)) for x in points], a, b
 
     def power(self, g, alpha):
         whole, half = divmod(int(2 * alpha), 2)
@@ -137,14 +161,23 @@ class Motion:
             dw.append(pull / kind if moving else mpf(0))
         return du + dv + dp + dw + [drag, dash, lost, driven]
 
+    def breaks(self, length):
+        """The ends of pieces in s. Where events may be near each other, pieces grow threefold from either end."""
+        levels = self.case.get("levels")
+        if levels is None:
+            pieces = self.pieces + int(3 * length)
+            return [mpf(k) / pieces for k in range(pieces + 1)]
+        grown = [mpf(3) ** -k for k in range(levels, 0, -1)]
+        return [mpf(0)] + grown + [1 - s for s in reversed(grown)] + [mpf(1)]
+
     def over(self, t0, t1, y):
         """From t0 to t1, with square-root singularities allowed at both."""
         length, (c, a, b) = t1 - t0, self.gauss
-        pieces = self.pieces + int(3 * length)
-        for k in range(pieces):
-            s = [(k + x) / pieces for x in c]
+        breaks = self.breaks(length)
+        for start, stop in zip(breaks, breaks[1:]):
+            s = [start + (stop - start) * x for x in c]
             times = [t0 + length * x * x * (3 - 2 * x) for x in s]
-            speeds = [length * 6 * x * (1 - x) / pieces for x in s]
+            speeds = [length * 6 * x * (1 - x) * (stop - start) for x in s]
             whole = [fixed(x) for x in y]
             slope = lambda t, speed, z: [fixed(speed * r) for r in self.rates(t, z)]
             columns = list(zip(*[slope(t, speed, y) for t, speed in zip(times, speeds)]))
@@ -172,10 +205,11 @@ class Motion:
         return y
 
     def end(self, events):
+        """The state at the end; the times of events become exact."""
         y, t = self.begin(), mpf(0)
-        for (b, k), near in events:
+        for i, ((b, k), near) in enumerate(events):
             value = lambda z: self.watched(z, b)[k]
-            t0, t1 = mpf(near), mpf(near) + mpf(10) ** -7
+            t0, t1 = mpf(near), mpf(near) + mpf(10) ** -9
             z0, z1 = self.over(t, t0, y), self.over(t, t1, y)
             while abs(t1 - t0) > mpf(10) ** -14:
                 g0, g1 = value(z0), value(z1)
@@ -184,6 +218,7 @@ class Motion:
                 t0, t1, z0 = t1, t1 - g1 * (t1 - t0) / (g1 - g0), z1
                 z1 = self.over(t, t1, y)
             y, t = z1, t1
+            events[i] = ((b, k), t)
             self.closed ^= {(b, k)}
         return self.over(t, mpf(self.case["end"]), y)
 
@@ -207,8 +242,7 @@ class Motion:
 
 def gauss(m):
     """Nodes, matrix and weights of the rule with m points on [0, 1]."""
-    import mpmath
-
+    mpf = mpmath.mpf
     nodes = sorted((1 + x) / 2 for x in mpmath.polyroots(mpmath.taylor(lambda x: mpmath.legendre(m, x), 0, m)[::-1], maxsteps=500, extraprec=300))
     def integrals(i):
         others = [x for j, x in enumerate(nodes) if j != i]
@@ -222,7 +256,8 @@ def gauss(m):
         lagrange = [integrals(i) for i in range(m)]
         a = [[lagrange[j](nodes[i]) for j in range(m)] for i in range(m)]
         b = [lagrange[j](mpf(1)) for j in range(m)]
-    return nodes, [[fixed(x) for x in row] for row in a], [fixed(x) for x in b]
+    integer = lambda x: int(mpmath.ldexp(x, BITS))
+    return nodes, [[integer(x) for x in row] for row in a], [integer(x) for x in b]
 
 
 def events(case, steps=20_000):
@@ -271,10 +306,11 @@ def doubles(x):
 def main(names):
     for name in names or CASES:
         case = CASES[name]
-        turns = events(case)
+        arithmetic(name)
+        turns = events(case, max(20_000, int(2000 * case["end"])))
         print(name, len(turns), "events", flush=True)
         fine, other = Motion(case, 12, 3), Motion(case, 11, 4)
-        y, z = fine.end(turns), other.end(turns)
+        z, y = other.end(turns), fine.end(turns)
         error = float(max(abs(a - b) for a, b in zip(y, z)))
         drift = float(abs(fine.energy(y) - fine.energy(Motion.begin(fine))))
         print(f"{name}: error {error:.1e}, energy {drift:.1e}", flush=True)
