@@ -1,7 +1,7 @@
 //! All blocks of a chain over one window, with the number of nodes behind it.
 
 use super::{
-    block::{Left, Piece, Start, Verdict, Workspace, blocks, own},
+    block::{Left, Piece, Start, Verdict, Workspace, blocks, own, run},
     goal::Goal,
     layout::Cuts,
     panel::Frames,
@@ -9,7 +9,6 @@ use super::{
     system::Links,
     tangent,
 };
-use crate::real::Real;
 use std::any::Any;
 
 /// What solves windows.
@@ -144,6 +143,6 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
-        f64::run(tangent::Window { frames, bonds, columns })
+        run::<S, _>(tangent::Window { frames, bonds, columns })
     }
 }

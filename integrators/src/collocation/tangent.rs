@@ -213,16 +213,14 @@ fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
 }
 
 /// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `G D` in them.
-struct Row<'a, const M: usize, const S: usize> {
+struct Row<const M: usize> {
     bond: usize,
-    panel: &'a Panel<M, S>,
+    /// `D`.
     stiffness: [f64; M],
     /// `G D` times the four functions of a linear path, on each side.
-    path: [[[f64; M]; 4]; S],
+    path: Vec<[f64; M]>,
     /// `G D T` for each other panel that acts on this one.
     from: Vec<(usize, [[f64; M]; M])>,
-    /// The paths that the force at each node leaves behind.
-    left: [[Path; S]; M],
 }
 
 /// A solved window, and changes of the linear paths of its bonds, which become what they leave
@@ -242,14 +240,15 @@ impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
         let Self { frames, bonds, columns } = self;
         let ring = frames.links.ring && bonds.len() > 1;
         let panels = laid_out(frames, bonds, ring);
-        let rows = rows(frames, bonds, &panels, ring);
+        let (rows, left) = rows(frames, bonds, &panels, ring);
         let mut memory =
             Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
         for bond in columns {
-            f64::run_vector(System { rows: &rows, path: bond, memory: &mut memory })?;
+            let path = bond.as_flattened().as_flattened();
+            solve(System { rows: &rows, path, memory: &mut memory })?;
             bond.fill([[[0.0; LANES]; 4]; S]);
-            for (row, force) in rows.iter().zip(&memory.force) {
-                for (left, force) in row.left.iter().zip(force) {
+            for ((row, left), force) in rows.iter().zip(&left).zip(&memory.force) {
+                for (left, force) in left.iter().zip(force) {
                     for (sum, &left) in bond[row.bond].as_flattened_mut().iter_mut().zip(left.as_flattened()) {
                         add(sum, left, force);
                     }
@@ -340,31 +339,35 @@ fn laid_out<const M: usize, const S: usize>(
     out
 }
 
-/// The linear system of a window, its influences from unit forces.
+/// The paths that unit forces at the nodes of a panel leave behind.
+type Traces<const M: usize, const S: usize> = [[Path; S]; M];
+
+/// The linear system of a window, its influences from unit forces, and what these leave behind.
 #[inline(always)]
-fn rows<'a, const M: usize, const S: usize>(
+fn rows<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
     bonds: &[Bond<M, S>],
-    panels: &'a [Panels<M, S>],
+    panels: &[Panels<M, S>],
     ring: bool,
-) -> Vec<Row<'a, M, S>> {
+) -> (Vec<Row<M>>, Vec<Traces<M, S>>) {
     let n = bonds.len();
-    let (mut rows, mut first) = (Vec::new(), vec![0]);
+    let (mut rows, mut all, mut traces, mut first) = (Vec::new(), Vec::new(), Vec::new(), vec![0]);
     for (b, panels) in panels.iter().enumerate() {
         for panel in panels.as_slice() {
             let link = frames.links.link(b);
             let stiffness = panel.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
             let side = |k| [stiffness, scaled(&panel.tau), scaled(&panel.cos[k]), scaled(&panel.sin[k])];
-            let path = std::array::from_fn(side);
-            rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), left: [[[0.0; 4]; S]; M] });
+            let path = (0..S).flat_map(side).collect();
+            rows.push(Row { bond: b, stiffness, path, from: Vec::new() });
+            all.push(panel);
         }
         first.push(rows.len());
     }
     let mut source = Panels { list: vec![Panel::new()], len: 1, version: 0, total: [[0.0; 4]; S] };
     for q in 0..rows.len() {
         let b = rows[q].bond;
-        source.list[0].clone_from(rows[q].panel);
+        source.list[0].clone_from(all[q]);
         source.list[0].before = [[0.0; 4]; S];
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring);
@@ -374,7 +377,7 @@ fn rows<'a, const M: usize, const S: usize>(
             .into_iter()
             .filter_map(|(b, seen, weight)| Some((b?, seen, weight)))
             .flat_map(|(b, seen, weight)| (first[b]..first[b + 1]).map(move |p| (p, seen, weight)))
-            .filter(|&(p, ..)| rows[p].panel.end > start)
+            .filter(|&(p, ..)| all[p].end > start)
             .collect();
         for &(p, ..) in &targets {
             rows[p].from.push((q, [[0.0; M]; M]));
@@ -384,11 +387,11 @@ fn rows<'a, const M: usize, const S: usize>(
             source.list[0].force[l] = 1.0;
             source.total = source.list[0].integrate(&frames.of(b));
             for &(p, seen, weight) in &targets {
-                let row = &mut rows[p];
+                let (row, times) = (&mut rows[p], all[p].times());
                 let mut out = [0.0; M];
                 match seen {
-                    Some(k) => source.influence(row.panel.times(), Shared::with::<S>(k), weight, &mut out),
-                    None => source.own_influence(row.panel.times(), weight, &mut out),
+                    Some(k) => source.influence(times, Shared::with::<S>(k), weight, &mut out),
+                    None => source.own_influence(times, weight, &mut out),
                 }
                 let Some((_, matrix)) = row.from.last_mut() else { continue };
                 for j in 0..M {
@@ -396,16 +399,16 @@ fn rows<'a, const M: usize, const S: usize>(
                 }
             }
         }
-        rows[q].left = source.list[0].left;
+        traces.push(source.list[0].left);
     }
     for (p, row) in rows.iter_mut().enumerate() {
         let Some(own) = row.from.iter().position(|&(q, _)| q == p) else { continue };
         let answer = answer(row.from.swap_remove(own).1);
-        for column in row.path.as_flattened_mut().iter_mut().chain(row.from.iter_mut().flat_map(|(_, matrix)| matrix)) {
+        for column in row.path.iter_mut().chain(row.from.iter_mut().flat_map(|(_, matrix)| matrix)) {
             *column = product(&answer, column);
         }
     }
-    rows
+    (rows, traces)
 }
 
 /// `(I - A)^{-1}`, by elimination with pivots.
@@ -464,21 +467,30 @@ struct Progress {
 }
 
 /// `df = D (dg_lin + T df)` for some columns.
-struct System<'a, const M: usize, const S: usize> {
-    rows: &'a [Row<'a, M, S>],
-    path: &'a [[[Lanes; 4]; S]],
+struct System<'a, const M: usize> {
+    rows: &'a [Row<M>],
+    /// Of all sides of all bonds.
+    path: &'a [Lanes],
     memory: &'a mut Memory<M>,
 }
 
-impl<const M: usize, const S: usize> System<'_, M, S> {
+/// Compiled once, not once in each kind of window.
+#[inline(never)]
+fn solve<const M: usize>(system: System<'_, M>) -> Result<(), (usize, f64)> {
+    f64::run_vector(system)
+}
+
+impl<const M: usize> System<'_, M> {
     /// The forces of a panel without those of others.
     #[inline(always)]
     fn drive<V: Vector<f64>>(&mut self, p: usize) {
         let (row, driven) = (&self.rows[p], &mut self.memory.driven[p]);
+        let sides = row.path.len();
+        let paths = &self.path[row.bond * sides..][..sides];
         for at in (0..LANES).step_by(V::LANES) {
             for j in 0..M {
                 let mut sum = V::all(0.0);
-                for (function, path) in row.path.as_flattened().iter().zip(self.path[row.bond].as_flattened()) {
+                for (function, path) in row.path.iter().zip(paths) {
                     sum = V::all(function[j]).fused(part(path, at), sum);
                 }
                 put(&mut driven[j], at, sum);
@@ -517,7 +529,7 @@ impl<const M: usize, const S: usize> System<'_, M, S> {
     }
 }
 
-impl<const M: usize, const S: usize> VectorKernel<f64> for System<'_, M, S> {
+impl<const M: usize> VectorKernel<f64> for System<'_, M> {
     /// Or bond and residual where it does not settle.
     type Output = Result<(), (usize, f64)>;
 
