@@ -210,6 +210,13 @@ pub(super) fn run<const S: usize, K: Kernel>(kernel: K) -> K::Output {
     if const { S == 1 } { f64::run(kernel) } else { run_narrow(kernel) }
 }
 
+/// Runs a kernel inside another, of bonds that see two sites, without becoming a part of it: less
+/// to compile.
+#[inline(never)]
+pub(super) fn apart<K: Kernel>(kernel: K) -> K::Output {
+    run_narrow(kernel)
+}
+
 /// Neighbouring bonds; on a whole ring the first and the last are neighbours too.
 struct Stretch<'a, const M: usize, const S: usize> {
     bonds: &'a mut [Bond<M, S>],

@@ -386,7 +386,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let panel = &mut self.panels.list[k];
                 let (mut path, mut g) = (linear, [0.0; M]);
                 if let Some(old) = old {
-                    old.own_influence(panel.times(), -own, &mut g);
+                    old.own_influence_at_nodes(panel.times(), -own, &mut g);
                 } else {
                     for side in 0..S {
                         for i in 0..4 {

@@ -1,11 +1,13 @@
 //! How contacts are cut into panels.
 
 use super::{
+    block::apart,
     bond::{Beside, Bond, Contact},
     panel::{Frame, Origin},
     panels::Panels,
     system::Link,
 };
+use crate::real::Kernel;
 
 /// How contacts are cut into panels, and what is too small for that.
 #[derive(Clone, Copy, Debug)]
@@ -35,10 +37,37 @@ impl Cuts {
     }
 }
 
+/// Cuts the contacts of a bond into panels. Where bonds see two sites this is not compiled into the
+/// kernels that call it, which would have a copy each.
+struct LayOut<'a, const M: usize, const S: usize> {
+    bond: &'a mut Bond<M, S>,
+    frame: &'a Frame<'a, M, S>,
+    beside: [Beside<'a, M, S>; 2],
+    old: &'a mut Panels<M, S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for LayOut<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.bond.cut_all(self.frame, self.beside, self.old);
+    }
+}
+
 impl<const M: usize, const S: usize> Bond<M, S> {
     /// Cuts the contacts into panels.
     #[inline(always)]
     pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], old: &mut Panels<M, S>) {
+        if const { S == 1 } {
+            self.cut_all(frame, beside, old);
+        } else {
+            apart(LayOut { bond: self, frame, beside, old });
+        }
+    }
+
+    #[inline(always)]
+    fn cut_all(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], old: &mut Panels<M, S>) {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;

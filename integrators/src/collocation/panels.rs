@@ -1,9 +1,11 @@
 //! The panels of a bond in a window, and what their forces move in its neighbours.
 
 use super::{
+    block::apart,
     panel::{Origin, Panel, Times, View},
     system::Path,
 };
+use crate::real::Kernel;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Panels<const M: usize, const S: usize> {
@@ -131,7 +133,12 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         let shared = Shared::with::<S>(side);
         let (first, last) = view.span;
         if first != last {
-            return self.act_in_pieces(Times { tau, cos, sin }, view, shared, out);
+            let times = Times { tau, cos, sin };
+            return if const { S == 1 } {
+                self.act_in_pieces(times, view, shared, out)
+            } else {
+                apart(InPieces { panels: self, times, view, shared, out })
+            };
         }
         if first < 0 {
             return 0;
@@ -218,5 +225,65 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         for side in 0..S {
             self.influence(times, Shared::own(side), weight, out);
         }
+    }
+
+    /// [`influence`](Self::influence) at the nodes of a panel.
+    #[inline(always)]
+    pub(crate) fn influence_at_nodes(
+        &self,
+        times: Times<'_, M, S>,
+        shared: Shared,
+        weight: f64,
+        out: &mut [f64; M],
+    ) {
+        if const { S == 1 } {
+            self.influence(times, shared, weight, out);
+        } else {
+            apart(Influence { panels: self, times, shared, weight, out });
+        }
+    }
+
+    /// [`own_influence`](Self::own_influence) at the nodes of a panel.
+    #[inline(always)]
+    pub(crate) fn own_influence_at_nodes(&self, times: Times<'_, M, S>, weight: f64, out: &mut [f64; M]) {
+        for side in 0..S {
+            self.influence_at_nodes(times, Shared::own(side), weight, out);
+        }
+    }
+}
+
+/// Where bonds see two sites, not compiled into the kernels that call it.
+struct Influence<'a, const M: usize, const S: usize> {
+    panels: &'a Panels<M, S>,
+    times: Times<'a, M, S>,
+    shared: Shared,
+    weight: f64,
+    out: &'a mut [f64; M],
+}
+
+impl<const M: usize, const S: usize> Kernel for Influence<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.panels.influence(self.times, self.shared, self.weight, self.out);
+    }
+}
+
+/// As [`Influence`].
+struct InPieces<'a, const M: usize, const S: usize> {
+    panels: &'a Panels<M, S>,
+    times: Times<'a, M, S>,
+    view: &'a View<M>,
+    shared: Shared,
+    out: &'a mut [f64; M],
+}
+
+impl<const M: usize, const S: usize> Kernel for InPieces<'_, M, S> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        self.panels.act_in_pieces(self.times, self.view, self.shared, self.out)
     }
 }

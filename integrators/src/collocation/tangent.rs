@@ -326,10 +326,10 @@ fn laid_out<const M: usize, const S: usize>(
             for (j, g) in g.iter_mut().enumerate() {
                 *g = at.along(&me.initial.path, j);
             }
-            bonds[b].panels.own_influence(at, -me.initial.own(), &mut g);
+            bonds[b].panels.own_influence_at_nodes(at, -me.initial.own(), &mut g);
             for (k, b) in beside.into_iter().enumerate() {
                 if let Some(b) = b {
-                    bonds[b].panels.influence(at, Shared::with::<S>(k), 1.0, &mut g);
+                    bonds[b].panels.influence_at_nodes(at, Shared::with::<S>(k), 1.0, &mut g);
                 }
             }
             panel.overlap = g;
@@ -390,8 +390,8 @@ fn rows<const M: usize, const S: usize>(
                 let (row, times) = (&mut rows[p], all[p].times());
                 let mut out = [0.0; M];
                 match seen {
-                    Some(k) => source.influence(times, Shared::with::<S>(k), weight, &mut out),
-                    None => source.own_influence(times, weight, &mut out),
+                    Some(k) => source.influence_at_nodes(times, Shared::with::<S>(k), weight, &mut out),
+                    None => source.own_influence_at_nodes(times, weight, &mut out),
                 }
                 let Some((_, matrix)) = row.from.last_mut() else { continue };
                 for j in 0..M {
