@@ -8,7 +8,7 @@ use crate::{
     parts::{Parted, Parts},
 };
 use hertzchain_integrators::{
-    Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
+    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
     collocation::{ContactStepper, Pace},
     conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
@@ -71,8 +71,8 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains with details of more sites run by DOP853 without stops at contacts, where no method is
-/// named: each stop costs a step of the whole chain.
+/// Chains of more sites that dissipate or are driven run by DOP853 without stops at contacts, where
+/// no method is named: each stop costs a step of the whole chain.
 const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
@@ -422,11 +422,10 @@ impl Method {
                 Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
-                let pace = pace(setting)?;
-                match chain.details() {
-                    None => Ok(Box::new(chain.collocation(y, span, pace)?)),
-                    Some(_) => Ok(Box::new(chain.differing_collocation(y, span, pace)?)),
+                if chain.details().is_some() {
+                    return Ok(Box::new(chain.differing_collocation(y, span, pace(setting)?)?));
                 }
+                Ok(Box::new(collocation(&chain, y, span, setting)?))
             }
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
@@ -458,10 +457,10 @@ pub fn start_logged(
     method.runs(run.chain())?;
     match (method, setting) {
         (Method::Collocation, _) => {
-            let (chain, pace) = (run.chain(), pace(setting)?);
+            let chain = run.chain();
             Ok(Some(match chain.details() {
-                None => Box::new(chain.collocation(y, span, pace)?.logged()),
-                Some(_) => Box::new(chain.differing_collocation(y, span, pace)?.logged()),
+                None => Box::new(collocation(chain, y, span, setting)?.logged()),
+                Some(_) => Box::new(chain.differing_collocation(y, span, pace(setting)?)?.logged()),
             }))
         }
         (
@@ -491,6 +490,19 @@ fn corrected<F: SiteFlow>(
     parts: splitting::Parts,
 ) -> Result<Corrected<Bonded<F>>> {
     Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
+}
+
+/// The stepper of collocation for a leg of a run of a uniform chain.
+///
+/// # Errors
+/// A setting in steps, or one outside the range that collocation accepts; a chain with details.
+pub fn collocation(
+    chain: &Chain<f64>,
+    y: &[f64],
+    span: (f64, f64),
+    setting: Setting,
+) -> Result<Collocation<Chain<f64>>> {
+    Ok(chain.collocation(y, span, pace(setting)?)?)
 }
 
 /// How finely collocation works under a setting.
