@@ -318,7 +318,8 @@ def main(names):
         error = float(max(abs(a - b) for a, b in zip(y, z)))
         drift = float(abs(fine.energy(y) - fine.energy(Motion.begin(fine))))
         print(f"{name}: error {error:.1e}, energy {drift:.1e}", flush=True)
-        assert error < 1e-17 and drift < 1e-17
+        bound = 1e-14 if "adapted" in case else 1e-17
+        assert error < bound and drift < bound
         u, v, p, w = start(case)
         value = {
             "what": "u, v, u', v', drag, dashpots, contacts, driven as unevaluated sums of two doubles",

@@ -45,7 +45,8 @@ impl Chain<f64> {
 
     /// [`uniform`](Self::uniform) as an error of an integrator.
     fn uniform_sites(&self) -> Result<(), Error> {
-        let (value, rule) = (self.sites() as f64, "this run by contact collocation needs equal beads, without damping or drives");
+        let (value, rule) =
+            (self.sites() as f64, "this run by contact collocation needs equal beads, without damping or drives");
         self.uniform("contact collocation").map_err(|_| Error::Argument { name: "sites with details", value, rule })
     }
 }

@@ -174,7 +174,8 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             };
         }
         let ring = whole && links.ring && all > 1;
-        let mut verdict = Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
+        let mut verdict =
+            Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;

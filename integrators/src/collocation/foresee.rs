@@ -231,9 +231,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [_, _, c, s] = self.initial.path[side];
             let (omega, weight) = (frame.link.sides[side].omega, frame.link.weight(side));
             let square = omega * omega;
-            let by = square * (c.abs() + s.abs())
-                + weight * drive[side][0].abs()
-                + weight * drive[side][1].abs() * frame.h;
+            let by =
+                square * (c.abs() + s.abs()) + weight * drive[side][0].abs() + weight * drive[side][1].abs() * frame.h;
             second += by;
             fourth += square * by;
         }
@@ -329,8 +328,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
         let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
-        let driven =
-            |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
+        let driven = |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
         let on_surface = g(frame.h).abs() <= band;

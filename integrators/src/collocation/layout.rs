@@ -151,7 +151,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let parts = 1 << self.resolution.halvings;
         let mut start = from;
         for i in 1..=parts {
-            let end = if i == parts { to } else { origin.between(frame.link.q, from, to, f64::from(i) / f64::from(parts)) };
+            let end =
+                if i == parts { to } else { origin.between(frame.link.q, from, to, f64::from(i) / f64::from(parts)) };
             self.panels.push(start, end, origin, frame.link.q);
             start = end;
         }

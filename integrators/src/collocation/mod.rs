@@ -20,9 +20,11 @@
 //! g_n(t) = g_n^lin(t) + int_0^t K(t - s) [ f_{n-1}(s) - 2 f_n(s) + f_{n+1}(s) ] ds
 //! ```
 //!
-//! (with 1 for the 2 at a wall). Nothing in it asks for a common mesh: each bond may have its own
-//! panels, placed where its own contacts begin and end. A method that stops the whole chain at
-//! every event does work of order `N^2` a period; this one of order `N`.
+//! (with 1 for the 2 at a wall). Where sites differ each has a kernel of its own, and a bond sees
+//! two, `int K_l (f_{n-1} - f_n) + int K_r (f_{n+1} - f_n)`; see [`ContactChain`]. Nothing in it
+//! asks for a common mesh: each bond may have its own panels, placed where its own contacts begin
+//! and end. A method that stops the whole chain at every event does work of order `N^2` a period;
+//! this one of order `N`.
 //!
 //! # The panels
 //!

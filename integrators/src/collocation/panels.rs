@@ -229,13 +229,7 @@ impl<const M: usize, const S: usize> Panels<M, S> {
 
     /// [`influence`](Self::influence) at the nodes of a panel.
     #[inline(always)]
-    pub(crate) fn influence_at_nodes(
-        &self,
-        times: Times<'_, M, S>,
-        shared: Shared,
-        weight: f64,
-        out: &mut [f64; M],
-    ) {
+    pub(crate) fn influence_at_nodes(&self, times: Times<'_, M, S>, shared: Shared, weight: f64, out: &mut [f64; M]) {
         if const { S == 1 } {
             self.influence(times, shared, weight, out);
         } else {
