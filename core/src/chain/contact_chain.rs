@@ -18,6 +18,22 @@ impl Chain<f64> {
 
     /// The same for a chain whose beads differ.
     ///
+    /// ```
+    /// use hertzchain_core::chain::{Boundary, Chain, Details, Params};
+    /// use hertzchain_core::integrators::{Stepper, collocation::Pace};
+    /// // A heavy bead strikes a light one: (m - M)/(m + M) and 2 m/(m + M).
+    /// let details = Details { mass: vec![2.0, 1.0], ..Details::default() };
+    /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 2)?.with(&details)?;
+    /// let mut y = [0.0, 0.0, 1.0, 0.0];
+    /// let mut run = chain.differing_collocation(&y, (0.0, 20.0), Pace::Tolerance(1e-12))?;
+    /// while !run.done() {
+    ///     run.step()?;
+    /// }
+    /// run.sample(20.0, &mut y);
+    /// assert!((y[2] - 1.0 / 3.0).abs() < 1e-12 && (y[3] - 4.0 / 3.0).abs() < 1e-12);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// A state, a span or a pace outside its rule; a chain without details, or one that dissipates
     /// or is driven.
