@@ -290,7 +290,7 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
         let (dim, n) = (y0.len(), 6);
         let want = variations(&chain, &y0, 5.0);
         let got = chain.monodromy(&y0, (0.0, 5.0), windows(400, 12)).unwrap();
-        let moves = |k: usize| k / n % 2 == 0 || chain.resonator_moves(k % n);
+        let moves = |k: usize| (k / n).is_multiple_of(2) || chain.resonator_moves(k % n);
         let counts = |k: &usize| moves(k / dim) && moves(k % dim);
         let size = largest(want.iter().copied());
         let gap = (0..dim * dim).filter(counts).map(|k| (got[k] - want[k]).abs()).fold(0.0, f64::max) / size;
@@ -311,7 +311,7 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
 fn chains_that_dissipate_or_are_driven_are_refused_with_a_way_out() {
     let damped = Details { drag: vec![0.1; 3], ..Details::default() };
     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap().with(&damped).unwrap();
-    let run = of(&chain, &vec![0.0; 10], 1.0).method(Method::Collocation).tolerance(1e-9).unwrap();
+    let run = of(&chain, &[0.0; 10], 1.0).method(Method::Collocation).tolerance(1e-9).unwrap();
     let message = run.start().unwrap_err().to_string();
     assert!(message.contains("collocation") && message.contains("dop853-regularised"), "{message}");
 }
