@@ -122,6 +122,24 @@ impl Real for f64 {
     }
 }
 
+/// As [`Real::run`], with vectors of four at most: for kernels to which wider ones give next to
+/// nothing, and whose copies cost time to compile.
+#[inline(always)]
+pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2,fma")]
+        fn avx2<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run()
+        }
+        if Instructions::used() != Instructions::Portable {
+            // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2 only.
+            return unsafe { avx2(kernel) };
+        }
+    }
+    kernel.run()
+}
+
 impl Real for twofloat::TwoFloat {
     fn decimal(text: &str) -> Self {
         // The division of the crate `twofloat` is accurate to one double only (version 0.8).

@@ -14,7 +14,7 @@ fn params(alpha: f64, kappa: f64, rho: f64) -> Params {
     Params::new(alpha, kappa, rho).unwrap()
 }
 
-fn run(chain: &Chain<f64>, state: &State<f64>, end: f64, method: &str, setting: Setting) -> Trajectory {
+pub(crate) fn run(chain: &Chain<f64>, state: &State<f64>, end: f64, method: &str, setting: Setting) -> Trajectory {
     let run = Run::new(chain.clone(), state.clone()).until(end).unwrap();
     let run = run.method(Method::named(method).unwrap()).setting(setting);
     run.start().unwrap().complete().unwrap()
@@ -76,7 +76,7 @@ fn beads_that_are_all_equal_are_the_uniform_chain() {
 }
 
 /// A stored case: chain, initial state, end time, end state with its ledger.
-fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
+pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/details-{name}.json"));
     let value: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
     let case = &value["case"];

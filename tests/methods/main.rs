@@ -14,6 +14,7 @@ mod contacts;
 mod corrected;
 mod corrected_tangent;
 mod details;
+mod differing;
 mod main_job;
 mod order;
 mod plain;

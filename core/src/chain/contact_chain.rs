@@ -1,6 +1,6 @@
 //! The chain as contact collocation sees it.
 
-use super::{Chain, ContactLaw, Modes};
+use super::{Chain, ContactLaw, Differing, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
     collocation::{ContactChain, Pace, Path, Response, monodromy},
@@ -16,19 +16,53 @@ impl Chain<f64> {
         Collocation::new(self.clone(), y0, span, pace)
     }
 
+    /// The same for a chain whose beads differ.
+    ///
+    /// ```
+    /// use hertzchain_core::chain::{Boundary, Chain, Details, Params};
+    /// use hertzchain_core::integrators::{Stepper, collocation::Pace};
+    /// // A heavy bead strikes a light one: (m - M)/(m + M) and 2 m/(m + M).
+    /// let details = Details { mass: vec![2.0, 1.0], ..Details::default() };
+    /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 2)?.with(&details)?;
+    /// let mut y = [0.0, 0.0, 1.0, 0.0];
+    /// let mut run = chain.differing_collocation(&y, (0.0, 20.0), Pace::Tolerance(1e-12))?;
+    /// while !run.done() {
+    ///     run.step()?;
+    /// }
+    /// run.sample(20.0, &mut y);
+    /// assert!((y[2] - 1.0 / 3.0).abs() < 1e-12 && (y[3] - 4.0 / 3.0).abs() < 1e-12);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A state, a span or a pace outside its rule; a chain without details, or one that dissipates
+    /// or is driven.
+    pub fn differing_collocation(
+        &self,
+        y0: &[f64],
+        span: (f64, f64),
+        pace: Pace,
+    ) -> Result<Collocation<Differing, 2>, Error> {
+        Collocation::new(Differing::new(self.clone())?, y0, span, pace)
+    }
+
     /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see
     /// [`monodromy`].
     ///
     /// # Errors
-    /// As [`collocation`](Self::collocation); also a chain of more than 256 bonds.
+    /// A state, a span or a pace outside its rule; a chain that dissipates or is driven, or has
+    /// more than 256 bonds.
     pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
-        self.uniform_sites()?;
-        monodromy(self.clone(), y0, span, pace)
+        match self.details() {
+            None => monodromy(self.clone(), y0, span, pace),
+            Some(_) => monodromy(Differing::new(self.clone())?, y0, span, pace),
+        }
     }
 
     /// [`uniform`](Self::uniform) as an error of an integrator.
     fn uniform_sites(&self) -> Result<(), Error> {
-        let (value, rule) = (self.sites() as f64, "contact collocation needs equal beads, without damping or drives");
+        let (value, rule) =
+            (self.sites() as f64, "this run by contact collocation needs equal beads, without damping or drives");
         self.uniform("contact collocation").map_err(|_| Error::Argument { name: "sites with details", value, rule })
     }
 }
@@ -50,28 +84,33 @@ impl ContactChain for Chain<f64> {
         self.topology.ring()
     }
 
-    fn law(&self) -> ContactLaw<f64> {
+    fn law(&self, _bond: usize) -> ContactLaw<f64> {
         self.law
     }
 
-    fn response(&self) -> Response {
+    fn response(&self, _site: usize) -> Response {
         let Modes { m, mu, omega, .. } = self.modes;
         Response { m, mu, omega }
     }
 
-    fn rest(&self) -> f64 {
+    #[inline(always)]
+    fn ends(&self, _bond: usize) -> [Option<usize>; 1] {
+        [Some(0)]
+    }
+
+    fn rest(&self, _bond: usize) -> f64 {
         self.precompression
     }
 
     #[inline(always)]
-    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path {
-        self.topology.across(self.topology.first() + bond, quantity)
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> [Path; 1] {
+        [self.topology.across(self.topology.first() + bond, quantity)]
     }
 
     #[inline(always)]
-    fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path {
+    fn push(&self, site: usize, force: impl Fn(usize) -> [Path; 1]) -> Path {
         let first = self.topology.first();
-        self.topology.push(site, |bond| force(bond - first))
+        self.topology.push(site, |bond| force(bond - first)[0])
     }
 
     fn path(&self, y: &[f64], i: usize) -> Path {

@@ -71,8 +71,8 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains with details of more sites run by DOP853 without stops at contacts, where no method is
-/// named: each stop costs a step of the whole chain.
+/// Chains of more sites that dissipate or are driven run by DOP853 without stops at contacts, where
+/// no method is named: each stop costs a step of the whole chain.
 const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
@@ -299,8 +299,8 @@ impl Method {
         }
     }
 
-    /// Whether the method can run a chain: those that can run one with
-    /// [`Details`] are DOP853, and splittings unless contacts dissipate.
+    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853,
+    /// splittings unless contacts dissipate, and collocation unless anything dissipates or drives.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -315,7 +315,13 @@ impl Method {
                 let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
-            Self::Corrected(..) | Self::Conserving(_) | Self::Collocation => {
+            Self::Collocation if !chain.open() => Ok(()),
+            Self::Collocation => {
+                let rule = "it needs a chain without damping, dissipation and drives: take dop853-regularised, or \
+                            strang-linear for equal steps";
+                Err(Error::parameter("integrator", self.name(), rule))
+            }
+            Self::Corrected(..) | Self::Conserving(_) => {
                 let rule = "it needs equal beads, without damping or drives: take dop853-regularised, or \
                             strang-linear for equal steps";
                 Err(Error::parameter("integrator", self.name(), rule))
@@ -325,10 +331,10 @@ impl Method {
 
     /// The method for a given tolerance, where none is named.
     pub fn by_tolerance(chain: &Chain<f64>) -> Self {
-        match chain.details() {
-            None => Self::Collocation,
-            Some(_) if chain.sites() <= FEW_SITES => Self::Dop853(Contacts::Regularised),
-            Some(_) => Self::Dop853(Contacts::Crossed),
+        match chain.sites() {
+            _ if !chain.open() => Self::Collocation,
+            ..=FEW_SITES => Self::Dop853(Contacts::Regularised),
+            _ => Self::Dop853(Contacts::Crossed),
         }
     }
 
@@ -416,7 +422,10 @@ impl Method {
                 Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
-                Ok(Box::new(collocation(run.chain(), y, span, setting)?))
+                if chain.details().is_some() {
+                    return Ok(Box::new(chain.differing_collocation(y, span, pace(setting)?)?));
+                }
+                Ok(Box::new(collocation(&chain, y, span, setting)?))
             }
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
@@ -447,7 +456,13 @@ pub fn start_logged(
     method.takes(run.parts())?;
     method.runs(run.chain())?;
     match (method, setting) {
-        (Method::Collocation, _) => Ok(Some(Box::new(collocation(run.chain(), y, span, setting)?.logged()))),
+        (Method::Collocation, _) => {
+            let chain = run.chain();
+            Ok(Some(match chain.details() {
+                None => Box::new(collocation(chain, y, span, setting)?.logged()),
+                Some(_) => Box::new(chain.differing_collocation(y, span, pace(setting)?)?.logged()),
+            }))
+        }
         (
             Method::Corrected(parts @ splitting::Parts { corrected: true, .. }, split),
             Setting::Steps(_) | Setting::Tolerance(_),
@@ -477,28 +492,32 @@ fn corrected<F: SiteFlow>(
     Ok(Corrected::new(Bonded::new(loaded(flow, y)), span, steps, parts)?)
 }
 
-/// The stepper of collocation for a leg of a run.
+/// The stepper of collocation for a leg of a run of a uniform chain.
 ///
 /// # Errors
-/// A setting in steps, or one outside the range that collocation accepts.
+/// A setting in steps, or one outside the range that collocation accepts; a chain with details.
 pub fn collocation(
     chain: &Chain<f64>,
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Collocation<Chain<f64>>> {
-    let pace = match setting {
-        Setting::Tolerance(tol) => Pace::Tolerance(tol),
-        Setting::Windows(windows, nodes) => Pace::Windows { windows, nodes, neighbours: true },
+    Ok(chain.collocation(y, span, pace(setting)?)?)
+}
+
+/// How finely collocation works under a setting.
+///
+/// # Errors
+/// A setting in steps.
+fn pace(setting: Setting) -> Result<Pace> {
+    match setting {
+        Setting::Tolerance(tol) => Ok(Pace::Tolerance(tol)),
+        Setting::Windows(windows, nodes) => Ok(Pace::Windows { windows, nodes, neighbours: true }),
         Setting::Steps(steps) => {
-            return Err(Error::parameter(
-                "steps",
-                steps,
-                "collocation takes --tol, or --windows-per-period and --nodes",
-            ));
+            let rule = "collocation takes --tol, or --windows-per-period and --nodes";
+            Err(Error::parameter("steps", steps, rule))
         }
-    };
-    Ok(chain.collocation(y, span, pace)?)
+    }
 }
 
 impl Split {

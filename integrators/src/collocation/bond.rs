@@ -2,7 +2,7 @@
 
 use super::{
     detect::Crossing,
-    panel::{Frame, along, dot},
+    panel::{Frame, dot},
     panels::Panels,
     sites::Free,
     system::Path,
@@ -40,11 +40,11 @@ impl Contact {
 
 /// A bond in a window, from the linear path that it enters with to the panels that it is solved on.
 #[derive(Clone, Debug)]
-pub(crate) struct Bond<const M: usize> {
-    pub(crate) initial: Initial,
+pub(crate) struct Bond<const M: usize, const S: usize> {
+    pub(crate) initial: Initial<S>,
     pub(crate) forecast: Forecast,
     pub(crate) contacts: Contacts,
-    pub(crate) panels: Panels<M>,
+    pub(crate) panels: Panels<M, S>,
     pub(crate) sweeps: Sweeps,
     pub(crate) resolution: Resolution,
     pub(crate) pending: Pending,
@@ -53,13 +53,16 @@ pub(crate) struct Bond<const M: usize> {
 /// What is known of a bond when a window begins.
 ///
 /// The overlap goes on along `path` but for forces. The bond's own force `f` changes the second
-/// derivative of its overlap by `-recoil f`, those of its neighbours by `f`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Initial {
-    /// 2 between two sites, 1 at a wall.
+/// derivative of its overlap by `-recoil f`, those of its neighbours by `f` times the weight of
+/// their side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Initial<const S: usize> {
+    /// Which bond of the chain it is.
+    pub(crate) bond: usize,
+    /// The sum of both weights: 2 between two sites of mass 1, 1 at a wall.
     pub(crate) recoil: f64,
-    /// The overlap along the linear path.
-    pub(crate) path: Path,
+    /// The overlap along the linear path, as the sum of what its sides make.
+    pub(crate) path: [Path; S],
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
     /// Overlap and its rate.
@@ -68,6 +71,19 @@ pub(crate) struct Initial {
     pub(crate) force: [f64; 2],
     /// The contact that the bond is in.
     pub(crate) ongoing: Option<Contact>,
+}
+
+impl<const S: usize> Initial<S> {
+    fn none() -> Self {
+        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None }
+    }
+
+    /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
+    /// are alike one stands for both.
+    #[inline(always)]
+    pub(super) fn own(&self) -> f64 {
+        if S == 1 { self.recoil } else { 1.0 }
+    }
 }
 
 /// What the forces at the start of a window, extrapolated linearly in time, make of the overlap.
@@ -99,8 +115,8 @@ pub(crate) struct Contacts {
 
 /// How the sweeps over a bond converge.
 ///
-/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2` and the number of sweeps
-/// bound, see [`Bond::answer`].
+/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2`, over the mass of the
+/// lighter site, and the number of sweeps bound, see [`Bond::answer`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sweeps {
     /// The largest overlap at a node.
@@ -134,12 +150,12 @@ pub(crate) struct Pending {
 }
 
 /// A neighbour that may not be there.
-pub(crate) type Beside<'a, const M: usize> = Option<&'a Bond<M>>;
+pub(crate) type Beside<'a, const M: usize, const S: usize> = Option<&'a Bond<M, S>>;
 
 /// What a sweep did to a bond.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Change {
-    /// Largest change of an impulse.
+    /// Largest change of an impulse, as a change of velocity.
     pub(crate) impulse: f64,
     /// How far an event moved; panels of this bond must be laid out anew if it did.
     pub(crate) moved: f64,
@@ -156,43 +172,55 @@ pub(crate) const LAYOUT: u64 = 11;
 const SWEEP: u64 = 8;
 const VIEW: u64 = 3;
 
-/// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
+/// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`, on a side.
 #[inline(always)]
-pub(super) fn ramps<const M: usize>(frame: &Frame<'_, M>, t: f64, cos: f64, sin: f64) -> (f64, f64) {
+pub(super) fn ramps<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    side: usize,
+    t: f64,
+    (sin, cos): (f64, f64),
+) -> (f64, f64) {
+    let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));
-    if frame.omega * frame.h < 1e-3 {
-        return (free2, free3);
+    if kernel.omega * frame.h < 1e-3 {
+        return (weight * free2, weight * free3);
     }
-    let per_omega = frame.per_omega;
-    let scale = frame.mu_per_omega * per_omega;
-    (frame.m * free2 + scale * (1.0 - cos), frame.m * free3 + scale * (t - sin * per_omega))
+    let per_omega = kernel.per_omega;
+    let scale = kernel.mu_per_omega * per_omega;
+    (kernel.m * free2 + scale * (1.0 - cos), kernel.m * free3 + scale * (t - sin * per_omega))
 }
 
-/// `path + sum_k rates[k] int_0^t K(t - s) s^k/k! ds`, `k = 0, 1, 2`: a path, and coefficients of
-/// `t^2, t^3, t^4`.
+/// `path + sum_k rates[k] int_0^t K(t - s) s^k/k! ds`, `k = 0, 1, 2`, on a side: a path, and
+/// coefficients of `t^2, t^3, t^4`.
 #[inline(always)]
-fn ramped<const M: usize>(frame: &Frame<'_, M>, mut path: Path, rates: [f64; 3]) -> (Path, [f64; 3]) {
+fn ramped<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    side: usize,
+    mut path: Path,
+    rates: [f64; 3],
+) -> (Path, [f64; 3]) {
+    let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let free = [0.5 * rates[0], rates[1] * (1.0 / 6.0), rates[2] * (1.0 / 24.0)];
-    if frame.omega * frame.h < 1e-2 {
-        return (path, free);
+    if kernel.omega * frame.h < 1e-2 {
+        return (path, free.map(|free| weight * free));
     }
     // int K s^k/k! takes t^{k+2}/(k+2)! with m, and with mu what sin(omega t)/omega makes of it.
-    let per_square = frame.per_omega * frame.per_omega;
-    let swing = frame.mu * per_square * (rates[0] - rates[2] * per_square);
-    let moved = frame.mu * per_square * rates[1];
+    let per_square = kernel.per_omega * kernel.per_omega;
+    let swing = kernel.mu * per_square * (rates[0] - rates[2] * per_square);
+    let moved = kernel.mu * per_square * rates[1];
     path[0] += swing;
     path[2] -= swing;
     path[1] += moved;
-    path[3] -= moved * frame.per_omega;
+    path[3] -= moved * kernel.per_omega;
     let [a, b, c] = free;
-    (path, [frame.m * a + 0.5 * frame.mu * per_square * rates[2], frame.m * b, frame.m * c])
+    (path, [kernel.m * a + 0.5 * kernel.mu * per_square * rates[2], kernel.m * b, kernel.m * c])
 }
 
 /// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not
 /// measured.
 const CONTACTS: usize = 4;
 
-impl<const M: usize> Bond<M> {
+impl<const M: usize, const S: usize> Bond<M, S> {
     pub(crate) fn new() -> Self {
         let contacts = Contacts {
             found: Vec::with_capacity(CONTACTS),
@@ -200,7 +228,7 @@ impl<const M: usize> Bond<M> {
             crossings: Vec::with_capacity(2 * CONTACTS),
         };
         Self {
-            initial: Initial::default(),
+            initial: Initial::none(),
             forecast: Forecast::default(),
             contacts,
             panels: Panels::new(),
@@ -211,17 +239,27 @@ impl<const M: usize> Bond<M> {
     }
 
     /// Takes the linear path of a new window, and the contact that goes on into it.
-    pub(crate) fn begin(&mut self, frame: &Frame<'_, M>, free: Free, ongoing: Option<Contact>, recoil: f64) {
-        let (Free { path, band }, law) = (free, frame.law);
-        let overlap = [path[0] + path[2], path[1] + frame.omega * path[3]];
+    pub(crate) fn begin(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        free: Free<S>,
+        ongoing: Option<Contact>,
+        (bond, recoil): (usize, f64),
+    ) {
+        let (Free { path, band }, link) = (free, frame.link);
+        let mut overlap = [path[0][0], path[0][1]];
+        for side in 0..S {
+            overlap[0] += path[side][2];
+            overlap[1] += link.sides[side].omega * path[side][3];
+        }
         let mut force = [0.0; 2];
         if overlap[0] > 0.0 {
-            let rate = law.stiffness(overlap[0]) * overlap[1];
+            let rate = link.stiffness(overlap[0]) * overlap[1];
             // Right after an onset under alpha < 1 the rate has no bound, and says nothing of the
             // forces that follow.
-            force = [law.force(overlap[0]), if law.alpha() < 1.0 { 0.0 } else { rate }];
+            force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { recoil, path, band, overlap, force, ongoing };
+        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing };
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
@@ -236,22 +274,28 @@ impl<const M: usize> Bond<M> {
     /// The overlap stays below what the free path reaches; and below where the own force has taken
     /// up the speed of approach, `w^2/2 = recoil (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What
     /// neighbours add is of the size of their own overlaps, which count for themselves.
-    pub(crate) fn approach(&self, frame: &Frame<'_, M>, most: f64) -> f64 {
-        let Initial { recoil, path: [r, v, c, s], overlap: [now, rate], .. } = self.initial;
-        let (h, power) = (frame.h, frame.law.alpha() + 1.0);
-        let swing = if frame.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
-        let speed = rate.abs().max(v.abs() + frame.omega * swing);
+    pub(crate) fn approach(&self, frame: &Frame<'_, M, S>, most: f64) -> f64 {
+        let Initial { recoil, path, overlap: [now, rate], .. } = self.initial;
+        let (h, link, power) = (frame.h, frame.link, frame.link.law.alpha() + 1.0);
+        let ([r, v, ..], mut swing, mut swings) = (path[0], 0.0, 0.0);
+        for ([_, _, c, s], kernel) in path.iter().zip(&link.sides) {
+            let size = if kernel.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
+            swing += size;
+            swings += kernel.omega * size;
+        }
+        let speed = rate.abs().max(v.abs() + swings);
         let reached = (r + v.max(0.0) * h + swing).min(now + speed * h);
         if reached <= 0.0 {
             return 0.0;
         }
         let lasts = if now < 0.0 { h + now / speed } else { h };
-        let stiffness = frame.law.stiffness(reached) * lasts * lasts;
+        let stiffness = link.stiffness(reached) * lasts * lasts * link.lightest();
         if stiffness <= most && power >= 2.0 {
             return stiffness;
         }
-        let stopped = (speed * speed * power / (2.0 * recoil) + now.max(0.0).powf(power)).powf(1.0 / power);
-        frame.law.stiffness(reached.min(stopped)) * lasts * lasts
+        let opens = recoil * link.constant();
+        let stopped = (speed * speed * power / (2.0 * opens) + now.max(0.0).powf(power)).powf(1.0 / power);
+        link.stiffness(reached.min(stopped)) * lasts * lasts * link.lightest()
     }
 
     /// The contact that outlasts the window, in the time of the next one.
@@ -262,23 +306,31 @@ impl<const M: usize> Bond<M> {
 
     /// The first forces, from the overlaps that the forces at the start of the window predict.
     #[inline(always)]
-    pub(crate) fn start(&mut self, frame: &Frame<'_, M>, [left, right]: [Beside<M>; 2]) {
-        let drive = self.drive([left, right]);
-        let bend = |bond: Beside<M>| bond.map_or(0.0, |bond| bond.forecast.bend);
-        let bend = bend(left) + bend(right) - self.initial.recoil * self.forecast.bend;
-        let (path, [a, b, c]) = ramped(frame, self.initial.path, [drive[0], drive[1], 2.0 * bend]);
-        let (mut before, mut largest) = ([0.0; 4], 0.0);
+    pub(crate) fn start(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
+        let drive = self.drive(beside);
+        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| bond.forecast.bend);
+        let bend = self.pushes(of(beside[0]), of(beside[1]), self.forecast.bend);
+        let (mut path, [mut a, mut b, mut c]) = (self.initial.path, [0.0; 3]);
+        for side in 0..S {
+            let rates = [drive[side][0], drive[side][1], 2.0 * bend[side]];
+            let (own, by) = ramped(frame, side, path[side], rates);
+            path[side] = own;
+            a += by[0];
+            b += by[1];
+            c += by[2];
+        }
+        let (mut before, mut largest) = ([[0.0; 4]; S], 0.0);
         for panel in &mut self.panels.list[..self.panels.len] {
             let mut g = [0.0; M];
             for j in 0..M {
                 let t = panel.tau[j];
                 let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
-                g[j] = along(&path, t, panel.cos[j], panel.sin[j]) + driven;
+                g[j] = panel.times().along(&path, j) + driven;
             }
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
-            panel.force = frame.law.forces(&g);
+            panel.force = frame.link.forces(&g);
             panel.before = before;
             before = panel.integrate(frame);
         }
@@ -307,13 +359,18 @@ impl<const M: usize> Bond<M> {
     /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and
     /// end. If panels have been laid out since the last one, those before them are `old`.
     #[inline(always)]
-    pub(crate) fn sweep(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: Option<&Panels<M>>) -> Change {
-        let Initial { path: linear, recoil, .. } = self.initial;
+    pub(crate) fn sweep(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        beside: [Beside<M, S>; 2],
+        old: Option<&Panels<M, S>>,
+    ) -> Change {
+        let (linear, own) = (self.initial.path, self.initial.own());
         let anew = old.is_some();
         let panels = self.panels.len as u64;
         let mut change = Change { work: panels * if anew { LAYOUT + SWEEP } else { SWEEP }, ..Change::default() };
         let total = old.map_or(self.panels.total, |old| old.total);
-        let mut before = [0.0; 4];
+        let mut before = [[0.0; 4]; S];
         let mut largest = 0.0;
         for c in 0..self.contacts.found.len() {
             let (first, last) = self.contacts.found[c].panels;
@@ -321,13 +378,20 @@ impl<const M: usize> Bond<M> {
                 let panel = &mut self.panels.list[k];
                 let (mut path, mut g) = (linear, [0.0; M]);
                 if let Some(old) = old {
-                    old.influence((&panel.tau, &panel.cos, &panel.sin), -recoil, &mut g);
+                    old.own_influence_at_nodes(panel.times(), -own, &mut g);
                 } else {
-                    for i in 0..4 {
-                        path[i] -= recoil * before[i];
+                    for side in 0..S {
+                        for i in 0..4 {
+                            path[side][i] -= own * before[side][i];
+                        }
                     }
                     for j in 0..M {
-                        g[j] = -recoil * panel.local[j];
+                        g[j] = -own * panel.local[0][j];
+                    }
+                    for side in 1..S {
+                        for j in 0..M {
+                            g[j] -= own * panel.local[side][j];
+                        }
                     }
                 }
                 for (side, bond) in beside.into_iter().enumerate() {
@@ -336,9 +400,9 @@ impl<const M: usize> Bond<M> {
                     }
                 }
                 for j in 0..M {
-                    g[j] += along(&path, panel.tau[j], panel.cos[j], panel.sin[j]);
+                    g[j] += panel.times().along(&path, j);
                 }
-                let force = frame.law.forces(&g);
+                let force = frame.link.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {
                     by[j] = (force[j] - panel.force[j]).abs();
@@ -368,15 +432,20 @@ impl<const M: usize> Bond<M> {
         }
         if anew {
             // Nodes have moved: what all of them did together tells.
-            change.impulse = (before[1] - total[1]).abs()
-                + frame.omega * ((before[2] - total[2]).abs() + (before[3] - total[3]).abs());
+            for side in 0..S {
+                let ([_, v, c, s], [_, v0, c0, s0]) = (before[side], total[side]);
+                change.impulse += (v - v0).abs() + frame.link.sides[side].omega * ((c - c0).abs() + (s - s0).abs());
+            }
+        } else if S != 1 {
+            change.impulse *= frame.link.lightest();
         }
         let sweeps = &mut self.sweeps;
         // A sweep may open all nodes: what it found before counts too.
         let was = std::mem::replace(&mut sweeps.largest, largest);
-        sweeps.stiffness = frame.law.stiffness(if was > largest { was } else { largest }) * frame.h * frame.h;
+        let stiffness = frame.link.stiffness(if was > largest { was } else { largest });
+        sweeps.stiffness = stiffness * frame.h * frame.h * frame.link.lightest();
         // Where the stiffness has no bound its largest overlap tells little.
-        sweeps.age = if frame.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
+        sweeps.age = if frame.link.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
         sweeps.change = change.impulse;
         self.panels.total = before;
         self.pending.layout |= change.moved > 0.0;
@@ -386,7 +455,7 @@ impl<const M: usize> Bond<M> {
     /// Moves an onset by Newton's method; returns by how much, zero if that is too little to
     /// matter.
     #[inline(always)]
-    fn shift_onset(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
+    fn shift_onset(&mut self, frame: &Frame<'_, M, S>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let contact = &mut self.contacts.found[c];
         if contact.onset < 0.0 {
             return 0.0;
@@ -395,7 +464,7 @@ impl<const M: usize> Bond<M> {
             contact.slopes[0] = slope;
         }
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
-        if frame.cuts.negligible(frame.law, overlap, by) {
+        if frame.cuts.negligible(frame.link, overlap, by) {
             return 0.0;
         }
         contact.onset += by;
@@ -405,7 +474,7 @@ impl<const M: usize> Bond<M> {
 
     /// The same for a release, in the window or ahead of it.
     #[inline(always)]
-    fn shift_release(&mut self, frame: &Frame<'_, M>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
+    fn shift_release(&mut self, frame: &Frame<'_, M, S>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let h = frame.h;
         let contact = &mut self.contacts.found[c];
         if contact.release == f64::INFINITY {
@@ -425,7 +494,7 @@ impl<const M: usize> Bond<M> {
             (self.forecast.at_end - overlap) / contact.slopes[1]
         };
         // The nearer a release, the better it must be known.
-        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.law, contact.slopes[1] * by, by) {
+        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by) {
             return 0.0;
         }
         self.forecast.at_end = overlap;

@@ -5,8 +5,8 @@ use super::{
     block::Piece,
     bond::{Beside, Bond, Contact, Contacts, Initial, ramps},
     detect::{Search, Start},
-    panel::{Frame, along, sin_cos},
-    panels::Panels,
+    panel::{Frame, Times, sin_cos},
+    panels::{Panels, Shared},
     system::Path,
 };
 
@@ -19,66 +19,152 @@ const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
 /// terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Forces on the two sides of a bond and their rates, which make its overlap go on to a second
+/// order in time beyond its path: one pair for both sides where these are alike.
+pub(super) type Drive<const S: usize> = [[f64; 2]; S];
+
+/// Sine and cosine of `omega t` on each side.
+pub(super) type Turn<const S: usize> = [(f64, f64); S];
+
+#[inline(always)]
+pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Turn<S> {
+    let mut turn = [(0.0, 1.0); S];
+    for side in 0..S {
+        let omega = frame.link.sides[side].omega;
+        if omega != 0.0 {
+            turn[side] = sin_cos(omega * t);
+        }
+    }
+    turn
+}
+
+/// The sum of paths at a time.
+#[inline(always)]
+fn along<const S: usize>(path: &[Path; S], t: f64, turn: &Turn<S>) -> f64 {
+    let (mut sin, mut cos) = ([[0.0]; S], [[0.0]; S]);
+    for side in 0..S {
+        ([sin[side][0]], [cos[side][0]]) = ([turn[side].0], [turn[side].1]);
+    }
+    Times { tau: &[t], cos: &cos, sin: &sin }.along(path, 0)
+}
+
 /// The overlap that the forces at the start of the window predict.
 #[inline(always)]
-fn predicted<const M: usize>(frame: &Frame<'_, M>, path: &Path, drive: [f64; 2], t: f64) -> f64 {
-    let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { sin_cos(frame.omega * t) };
-    let (k2, k3) = ramps(frame, t, cos, sin);
-    along(path, t, cos, sin) + drive[0] * k2 + drive[1] * k3
+fn predicted<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    path: &[Path; S],
+    drive: &Drive<S>,
+    t: f64,
+) -> f64 {
+    predicted_at(frame, path, drive, t, &turn(frame, t))
+}
+
+/// The same with sines and cosines.
+#[inline(always)]
+fn predicted_at<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    path: &[Path; S],
+    drive: &Drive<S>,
+    t: f64,
+    turn: &Turn<S>,
+) -> f64 {
+    let mut overlap = along(path, t, turn);
+    for side in 0..S {
+        let (k2, k3) = ramps(frame, side, t, turn[side]);
+        overlap = overlap + drive[side][0] * k2 + drive[side][1] * k3;
+    }
+    overlap
 }
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
-fn overlap_at<const M: usize>(
-    path: &Path,
-    (panels, recoil): (&Panels<M>, f64),
-    frame: &Frame<'_, M>,
-    beside: [Beside<M>; 2],
+fn overlap_at<const M: usize, const S: usize>(
+    path: &[Path; S],
+    (panels, own): (&Panels<M, S>, f64),
+    frame: &Frame<'_, M, S>,
+    beside: [Beside<M, S>; 2],
     t: f64,
 ) -> f64 {
-    let mut own = [0.0];
-    let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
-    panels.influence((&[t], &[cos], &[sin]), -recoil, &mut own);
-    driven_at(path, frame, beside, t) + own[0]
+    let (sin, cos) = exact_turn(frame, t);
+    let mut by_own = [0.0];
+    panels.own_influence(Times { tau: &[t], cos: &cos, sin: &sin }, -own, &mut by_own);
+    driven_at(path, frame, beside, t) + by_own[0]
 }
 
 /// The same without the bond's own forces.
-fn driven_at<const M: usize>(path: &Path, frame: &Frame<'_, M>, beside: [Beside<M>; 2], t: f64) -> f64 {
-    let (sin, cos) = if frame.omega == 0.0 { (0.0, 1.0) } else { (frame.omega * t).sin_cos() };
-    let mut out = [along(path, t, cos, sin)];
-    for bond in beside.into_iter().flatten() {
-        bond.panels.influence((&[t], &[cos], &[sin]), 1.0, &mut out);
+fn driven_at<const M: usize, const S: usize>(
+    path: &[Path; S],
+    frame: &Frame<'_, M, S>,
+    beside: [Beside<M, S>; 2],
+    t: f64,
+) -> f64 {
+    let (sin, cos) = exact_turn(frame, t);
+    let times = Times { tau: &[t], cos: &cos, sin: &sin };
+    let mut out = [times.along(path, 0)];
+    for (k, bond) in beside.into_iter().enumerate() {
+        if let Some(bond) = bond {
+            bond.panels.influence(times, Shared::with::<S>(k), 1.0, &mut out);
+        }
     }
     out[0]
 }
 
-impl<const M: usize> Bond<M> {
-    /// What the forces at the start of the window, kept up to first order, do to this bond's
-    /// overlap: its second and third rate.
+/// Sines and cosines of `omega t` by the library, side by side.
+fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> ([[f64; 1]; S], [[f64; 1]; S]) {
+    let turn = frame.link.sides.map(|side| if side.omega == 0.0 { (0.0, 1.0) } else { (side.omega * t).sin_cos() });
+    (turn.map(|(sin, _)| [sin]), turn.map(|(_, cos)| [cos]))
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// What forces of neighbours and of the bond itself do on its sides.
     #[inline(always)]
-    pub(super) fn drive(&self, [left, right]: [Beside<M>; 2]) -> [f64; 2] {
-        let of = |bond: Beside<M>, k: usize| bond.map_or(0.0, |bond| bond.initial.force[k]);
-        let drive = |k: usize| of(left, k) + of(right, k) - self.initial.recoil * self.initial.force[k];
-        [drive(0), drive(1)]
+    pub(super) fn pushes(&self, left: f64, right: f64, own: f64) -> [f64; S] {
+        let mut pushes = [0.0; S];
+        if S == 1 {
+            pushes[0] = left + right - self.initial.recoil * own;
+        } else {
+            (pushes[0], pushes[S - 1]) = (left - own, right - own);
+        }
+        pushes
+    }
+
+    /// What the forces at the start of the window, kept up to first order, do to this bond's
+    /// overlap.
+    #[inline(always)]
+    pub(super) fn drive(&self, [left, right]: [Beside<M, S>; 2]) -> Drive<S> {
+        let mut drive = [[0.0; 2]; S];
+        for k in 0..2 {
+            let left = left.map_or(0.0, |bond| bond.initial.force[k]);
+            let right = right.map_or(0.0, |bond| bond.initial.force[k]);
+            let pushes = self.pushes(left, right, self.initial.force[k]);
+            for side in 0..S {
+                drive[side][k] = pushes[side];
+            }
+        }
+        drive
+    }
+
+    /// What forces of neighbours, all of them positive, can do to the second derivative of the
+    /// overlap.
+    #[inline(always)]
+    pub(super) fn driven(frame: &Frame<'_, M, S>, left: f64, right: f64) -> f64 {
+        frame.link.weight(0) * left + frame.link.weight(S - 1) * right
     }
 
     /// Finds the contacts of the window from the forces at its start; `false` if there are too many
     /// to be sure.
     #[inline(always)]
-    pub(crate) fn predict(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], (sin, cos): (f64, f64)) -> bool {
-        let (h, law) = (frame.h, frame.law);
+    pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Turn<S>) -> bool {
+        let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
-        let drive = self.drive(beside);
-        let linear = frame.omega * frame.omega * (path[2].abs() + path[3].abs());
-        let (k2, k3) = ramps(frame, h, cos, sin);
-        let end = along(&path, h, cos, sin) + drive[0] * k2 + drive[1] * k3;
-        let rate = self.predicted_rate(frame, drive, sin, cos, k2);
+        let drive = &self.drive(beside);
+        let end = predicted_at(frame, &path, drive, h, turn);
+        let rate = self.predicted_rate(frame, drive, turn);
         self.forecast.at_end = end;
-        let last = if end > 0.0 { law.force(end) } else { 0.0 };
+        let last = if end > 0.0 { frame.link.force(end) } else { 0.0 };
         self.forecast.bend = (last - (force[0] + force[1] * h)) / (h * h);
         // Hermite's cubic, whose error G t^2 (h - t)^2/24 touches only the middle coefficient in
         // Bernstein's basis of degree 4.
-        let square = frame.omega * frame.omega;
-        let fourth = square * (linear + drive[0].abs() + drive[1].abs() * h);
+        let (second, fourth) = self.bounds(frame, drive);
         let error = fourth * (h * h) * (h * h) * (1.0 / 144.0);
         let (b1, b2) = (start + h * start_rate * (1.0 / 3.0), end - h * rate * (1.0 / 3.0));
         let sign = if ongoing.is_some() { 1.0 } else { -1.0 };
@@ -104,7 +190,7 @@ impl<const M: usize> Bond<M> {
         let slack = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
         let once = sign * start > band && slack > band;
         if !once {
-            return self.look(frame, drive, linear, (end, rate));
+            return self.look(frame, drive, (end, rate));
         }
         // A few steps of the Illinois method are better than the prediction deserves.
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
@@ -120,10 +206,10 @@ impl<const M: usize> Bond<M> {
         }
         let t = b.0 - b.1 / slope;
         // Within what is unsure about the overlap, its rate must not turn.
-        let unsure = slope * slope / (linear + drive[0].abs() + drive[1].abs() * h) - error;
+        let unsure = slope * slope / second - error;
         self.forecast.slack = least(slack, unsure);
         if !(sign * slope < 0.0 && t > 0.0 && t < h && unsure > 0.0) {
-            return self.look(frame, drive, linear, (end, rate));
+            return self.look(frame, drive, (end, rate));
         }
         match ongoing {
             Some(contact) => {
@@ -137,19 +223,63 @@ impl<const M: usize> Bond<M> {
         true
     }
 
+    /// Bounds of the second and the fourth derivative of the predicted overlap.
+    #[inline(always)]
+    fn bounds(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
+        let (mut second, mut fourth) = (0.0, 0.0);
+        for side in 0..S {
+            let [_, _, c, s] = self.initial.path[side];
+            let (omega, weight) = (frame.link.sides[side].omega, frame.link.weight(side));
+            let square = omega * omega;
+            let by =
+                square * (c.abs() + s.abs()) + weight * drive[side][0].abs() + weight * drive[side][1].abs() * frame.h;
+            second += by;
+            fourth += square * by;
+        }
+        (second, fourth)
+    }
+
+    /// A bound of the second derivative of the overlap along its path.
+    #[inline(always)]
+    fn linear(&self, frame: &Frame<'_, M, S>) -> f64 {
+        let mut linear = 0.0;
+        for side in 0..S {
+            let ([_, _, c, s], omega) = (self.initial.path[side], frame.link.sides[side].omega);
+            linear += omega * omega * (c.abs() + s.abs());
+        }
+        linear
+    }
+
     /// The rate of the predicted overlap at the end of the window.
     #[inline(always)]
-    fn predicted_rate(&self, frame: &Frame<'_, M>, drive: [f64; 2], sin: f64, cos: f64, k2: f64) -> f64 {
-        let (h, path) = (frame.h, &self.initial.path);
-        let k1 = if frame.omega == 0.0 { h } else { frame.m * h + frame.mu * sin / frame.omega };
-        path[1] + frame.omega * (path[3] * cos - path[2] * sin) + drive[0] * k1 + drive[1] * k2
+    fn predicted_rate(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
+        let h = frame.h;
+        let mut rate = 0.0;
+        for path in &self.initial.path {
+            rate += path[1];
+        }
+        for side in 0..S {
+            let (path, kernel, (sin, cos)) = (&self.initial.path[side], &frame.link.sides[side], turn[side]);
+            let k1 = if kernel.omega == 0.0 {
+                frame.link.weight(side) * h
+            } else {
+                kernel.m * h + kernel.mu * sin / kernel.omega
+            };
+            let (k2, _) = ramps(frame, side, h, turn[side]);
+            rate += kernel.omega * (path[3] * cos - path[2] * sin);
+            rate = rate + drive[side][0] * k1 + drive[side][1] * k2;
+        }
+        rate
     }
 
     /// Searches the prediction.
     #[inline(never)]
-    fn look(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], linear: f64, end: (f64, f64)) -> bool {
-        let path = self.initial.path;
-        let driven = |t: f64| drive[0].abs() + drive[1].abs() * t;
+    fn look(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, end: (f64, f64)) -> bool {
+        let (path, linear) = (self.initial.path, self.linear(frame));
+        let driven = |t: f64| {
+            let by = |side: usize| frame.link.weight(side) * (drive[side][0].abs() + drive[side][1].abs() * t);
+            (1..S).fold(by(0), |sum, side| sum + by(side))
+        };
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let g = |t| predicted(frame, &path, drive, t);
         let found = self.search(frame.h, frame.cuts.least_overlap.max(rounding), |t| linear + driven(t), g);
@@ -161,7 +291,7 @@ impl<const M: usize> Bond<M> {
 
     /// Estimates when a contact that outlasts the window will end.
     #[inline(always)]
-    fn look_ahead(&mut self, frame: &Frame<'_, M>, drive: [f64; 2], (end, rate): (f64, f64)) {
+    fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
         let (h, path) = (frame.h, self.initial.path);
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
@@ -189,16 +319,16 @@ impl<const M: usize> Bond<M> {
 
     /// Finds the contacts of the window from what is known of all forces. Returns whether they
     /// differ from those assumed; `None` if there are too many to be sure.
-    pub(crate) fn verify(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2]) -> Option<bool> {
+    pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
-        let linear = frame.omega * frame.omega * (path[2].abs() + path[3].abs());
+        let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let g = |t: f64| overlap_at(&path, (&panels, recoil), frame, beside, t);
+        let g = |t: f64| overlap_at(&path, (&panels, own), frame, beside, t);
         // Between nodes a force may be a little larger than at any.
-        let largest = |panels: &Panels<M>, t: f64| 1.2 * panels.largest_force(t);
-        let of = |bond: Beside<M>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
-        let driven = |t: f64| (of(beside[0], t) + of(beside[1], t)).max(recoil * largest(&panels, t));
+        let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
+        let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
+        let driven = |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
         let on_surface = g(frame.h).abs() <= band;
@@ -270,10 +400,9 @@ impl<const M: usize> Bond<M> {
     /// What a contact did in this window, panel by panel, appended.
     pub(crate) fn pieces_of(
         &self,
-        frame: &Frame<'_, M>,
+        frame: &Frame<'_, M, S>,
         contact: &Contact,
-        beside: [Beside<M>; 2],
-        bond: usize,
+        beside: [Beside<M, S>; 2],
         out: &mut Vec<Piece>,
     ) {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
@@ -283,9 +412,13 @@ impl<const M: usize> Bond<M> {
         // There is no force at it, so that the overlap goes on along the path on which the panels
         // before it leave the bond, whose values do not hang on any series.
         let event = |mut t: f64, before: usize| {
-            let own = self.panels.before(before);
-            let Initial { path, recoil, .. } = self.initial;
-            let path = std::array::from_fn(|i| path[i] - recoil * own[i]);
+            let (left, own) = (self.panels.before(before), self.initial.own());
+            let mut path = self.initial.path;
+            for side in 0..S {
+                for i in 0..4 {
+                    path[side][i] -= own * left[side][i];
+                }
+            }
             let g = |t: f64| driven_at(&path, frame, beside, t);
             // dg/dt of the parabola through three points nearby.
             let speed = |t: f64| {
@@ -305,6 +438,7 @@ impl<const M: usize> Bond<M> {
             (t, speed(t))
         };
         let first = out.len();
+        let bond = self.initial.bond;
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
         out.extend(panels.iter().map(|panel| piece(panel.impulse(rule), panel.curve(rule))));
         if panels.is_empty() {

@@ -1,11 +1,13 @@
 //! How contacts are cut into panels.
 
 use super::{
+    block::apart,
     bond::{Beside, Bond, Contact},
     panel::{Frame, Origin},
     panels::Panels,
+    system::Link,
 };
-use crate::law::ContactLaw;
+use crate::real::Kernel;
 
 /// How contacts are cut into panels, and what is too small for that.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +21,7 @@ pub(crate) struct Cuts {
     /// away.
     pub(crate) near: f64,
     /// An event stays where it is if moving it changes the impulse of its contact by less than
-    /// this.
+    /// this, as a change of velocity.
     pub(crate) event_impulse: f64,
     /// Overlaps up to this count as none.
     pub(crate) least_overlap: f64,
@@ -30,15 +32,42 @@ pub(crate) struct Cuts {
 impl Cuts {
     /// Whether an event may be off by a time and an overlap.
     #[inline(always)]
-    pub(super) fn negligible(&self, law: &ContactLaw<f64>, overlap: f64, by: f64) -> bool {
-        law.force(overlap.abs()) * by.abs() <= self.event_impulse
+    pub(super) fn negligible<const S: usize>(&self, link: &Link<S>, overlap: f64, by: f64) -> bool {
+        link.force(overlap.abs()) * by.abs() * link.lightest() <= self.event_impulse
     }
 }
 
-impl<const M: usize> Bond<M> {
+/// Cuts the contacts of a bond into panels. Where bonds see two sites this is not compiled into the
+/// kernels that call it, which would have a copy each.
+struct LayOut<'a, const M: usize, const S: usize> {
+    bond: &'a mut Bond<M, S>,
+    frame: &'a Frame<'a, M, S>,
+    beside: [Beside<'a, M, S>; 2],
+    old: &'a mut Panels<M, S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for LayOut<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.bond.cut_all(self.frame, self.beside, self.old);
+    }
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
     /// Cuts the contacts into panels.
     #[inline(always)]
-    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M>, beside: [Beside<M>; 2], old: &mut Panels<M>) {
+    pub(crate) fn lay_out(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], old: &mut Panels<M, S>) {
+        if const { S == 1 } {
+            self.cut_all(frame, beside, old);
+        } else {
+            apart(LayOut { bond: self, frame, beside, old });
+        }
+    }
+
+    #[inline(always)]
+    fn cut_all(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], old: &mut Panels<M, S>) {
         std::mem::swap(&mut self.panels, old);
         self.panels.clear();
         self.panels.version = old.version + 1;
@@ -59,8 +88,8 @@ impl<const M: usize> Bond<M> {
     }
 
     #[inline(always)]
-    fn cut(&mut self, frame: &Frame<'_, M>, contact: Contact, beside: [Beside<M>; 2]) {
-        let cuts = &frame.cuts;
+    fn cut(&mut self, frame: &Frame<'_, M, S>, contact: Contact, beside: [Beside<M, S>; 2]) {
+        let cuts = frame.cuts;
         let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
         // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
         let (mut behind, mut ahead) = (contact.onset, contact.release);
@@ -102,9 +131,9 @@ impl<const M: usize> Bond<M> {
         }
     }
 
-    fn piece(&mut self, frame: &Frame<'_, M>, (from, to): (f64, f64), (onset, release): (f64, f64)) {
+    fn piece(&mut self, frame: &Frame<'_, M, S>, (from, to): (f64, f64), (onset, release): (f64, f64)) {
         let reach = frame.cuts.near * (to - from);
-        let (early, late) = (frame.q > 1 && from - onset < reach, frame.q > 1 && release - to < reach);
+        let (early, late) = (frame.link.q > 1 && from - onset < reach, frame.link.q > 1 && release - to < reach);
         match (early, late) {
             (true, true) => {
                 let middle = 0.5 * (from + to);
@@ -118,12 +147,13 @@ impl<const M: usize> Bond<M> {
     }
 
     /// Lays out one stretch, in equal parts of its variable where one panel is not enough.
-    fn halve(&mut self, frame: &Frame<'_, M>, from: f64, to: f64, origin: Origin) {
+    fn halve(&mut self, frame: &Frame<'_, M, S>, from: f64, to: f64, origin: Origin) {
         let parts = 1 << self.resolution.halvings;
         let mut start = from;
         for i in 1..=parts {
-            let end = if i == parts { to } else { origin.between(frame.q, from, to, f64::from(i) / f64::from(parts)) };
-            self.panels.push(start, end, origin, frame.q);
+            let end =
+                if i == parts { to } else { origin.between(frame.link.q, from, to, f64::from(i) / f64::from(parts)) };
+            self.panels.push(start, end, origin, frame.link.q);
             start = end;
         }
     }

@@ -20,9 +20,11 @@
 //! g_n(t) = g_n^lin(t) + int_0^t K(t - s) [ f_{n-1}(s) - 2 f_n(s) + f_{n+1}(s) ] ds
 //! ```
 //!
-//! (with 1 for the 2 at a wall). Nothing in it asks for a common mesh: each bond may have its own
-//! panels, placed where its own contacts begin and end. A method that stops the whole chain at
-//! every event does work of order `N^2` a period; this one of order `N`.
+//! (with 1 for the 2 at a wall). Where sites differ each has a kernel of its own, and a bond sees
+//! two, `int K_l (f_{n-1} - f_n) + int K_r (f_{n+1} - f_n)`; see [`ContactChain`]. Nothing in it
+//! asks for a common mesh: each bond may have its own panels, placed where its own contacts begin
+//! and end. A method that stops the whole chain at every event does work of order `N^2` a period;
+//! this one of order `N`.
 //!
 //! # The panels
 //!
@@ -138,7 +140,7 @@ use crate::{
 use block::{Left, Start};
 use bond::Contact;
 use control::Control;
-use sites::{Phase, Site, Sites};
+use sites::{Phases, Site, Sites};
 use solver::Solver;
 use system::Links;
 
@@ -152,7 +154,7 @@ pub trait ContactStepper: Stepper<f64> {
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
 }
 
-impl<C: ContactChain> ContactStepper for Collocation<C> {
+impl<C: ContactChain<S>, const S: usize> ContactStepper for Collocation<C, S> {
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
         let (start, pieces) = self.pieces();
         pieces.for_each(|piece| told(piece, start));
@@ -161,90 +163,89 @@ impl<C: ContactChain> ContactStepper for Collocation<C> {
 
 /// What moves: sites, the contacts that bonds are in, and the time.
 #[derive(Clone)]
-struct State {
+struct State<const S: usize> {
     sites: Vec<Site>,
     ongoing: Vec<Option<Contact>>,
-    phase: Phase,
+    phases: Phases<S>,
     t: Twofold<f64>,
 }
 
-impl State {
+impl<const S: usize> State<S> {
     /// Over a window of length `h`, with what bonds have left behind in it.
-    fn advance<C: ContactChain>(&mut self, chain: &C, left: &[Left], h: f64) {
-        let phase = self.phase.sin_cos();
-        f64::run(Advance { chain, sites: &mut self.sites, left, h, phase });
+    fn advance<C: ContactChain<S>>(&mut self, chain: &C, left: &[Left<S>], h: f64) {
+        f64::run(Advance { chain, sites: &mut self.sites, left, h, phases: &self.phases });
         for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
             *ongoing = left.ongoing;
         }
-        self.phase.advance(h);
+        self.phases.advance(h);
         self.t = self.t + Twofold::new(h);
     }
 
-    fn store<C: ContactChain>(&self, chain: &C, y: &mut [f64]) {
-        let phase = self.phase.sin_cos();
-        let omega = chain.response().omega.value();
+    fn store<C: ContactChain<S>>(&self, chain: &C, y: &mut [f64]) {
         for (i, site) in self.sites.iter().enumerate() {
-            let [r, v, c, s] = site.path(phase);
-            chain.place([r, v, c, omega * s], i, y);
+            let [r, v, c, s] = site.path(self.phases.sin_cos(i));
+            chain.place([r, v, c, chain.response(i).omega.value() * s], i, y);
         }
     }
 
     fn copy_from(&mut self, other: &Self) {
         self.sites.copy_from_slice(&other.sites);
         self.ongoing.copy_from_slice(&other.ongoing);
-        (self.phase, self.t) = (other.phase, other.t);
+        self.phases.copy_from(&other.phases);
+        self.t = other.t;
     }
 }
 
 /// Moves sites over a window.
-struct Advance<'a, C> {
+struct Advance<'a, C, const S: usize> {
     chain: &'a C,
     sites: &'a mut [Site],
-    left: &'a [Left],
+    left: &'a [Left<S>],
     h: f64,
-    phase: (f64, f64),
+    phases: &'a Phases<S>,
 }
 
-impl<C: ContactChain> Kernel for Advance<'_, C> {
+impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { chain, sites, left, h, phase } = self;
+        let Self { chain, sites, left, h, phases } = self;
         for (i, site) in sites.iter_mut().enumerate() {
             let push = chain.push(i, |b| left[b].path);
             if !(site.at_rest() && push == [0.0; 4]) {
-                site.advance(&push, h, phase);
+                site.advance(&push, h, phases.sin_cos(i));
             }
         }
     }
 }
 
-/// A run by contact collocation.
-pub struct Collocation<C: ContactChain> {
+/// A run by contact collocation, of a chain whose bonds see `S` different sites, see
+/// [`ContactChain`].
+pub struct Collocation<C: ContactChain<S>, const S: usize = 1> {
     chain: C,
-    links: Links,
+    links: Links<S>,
     /// At the start of the last window.
-    state: State,
-    solver: Box<dyn Solver>,
+    state: State<S>,
+    solver: Box<dyn Solver<S>>,
     control: Control,
     /// What the last window left behind, and its length; zero if there is none.
-    left: Vec<Left>,
+    left: Vec<Left<S>>,
     h: f64,
     end: Twofold<f64>,
     log: bool,
     stats: Stats,
     /// For states inside a window; made when first asked for.
-    inside: Option<Inside>,
+    inside: Option<Inside<S>>,
 }
 
-struct Inside {
-    state: State,
-    solver: Box<dyn Solver>,
-    left: Vec<Left>,
+struct Inside<const S: usize> {
+    state: State<S>,
+    solver: Box<dyn Solver<S>>,
+    left: Vec<Left<S>>,
 }
 
-impl<C: ContactChain> Collocation<C> {
+impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
     /// A run from the state `y0` over `span`.
     ///
     /// # Errors
@@ -252,19 +253,21 @@ impl<C: ContactChain> Collocation<C> {
     pub fn new(chain: C, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
         let sites: Vec<Site> = (0..chain.sites()).map(|i| Site { hi: chain.path(y0, i), lo: [0.0; 4] }).collect();
-        let phase = Phase::new(chain.response().omega);
+        let (phases, links) = (Phases::new(&chain), Links::of(&chain));
+        let at_start = Sites { chain: &chain, sites: &sites, phases: &phases };
         let closed = |b| {
-            let (path, largest) = sites::overlap(&chain, &sites, b, phase.sin_cos(), 0.0);
-            (path[0] + path[2] > chain.dead_band(largest)).then(Contact::from_the_start)
+            let (path, largest) = at_start.overlap(b, 0.0);
+            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c);
+            (overlap > chain.dead_band(largest)).then(Contact::from_the_start)
         };
         let ongoing = (0..chain.bonds()).map(closed).collect();
         let end = Twofold::new(span.1) - Twofold::new(span.0);
-        let control = Control::new(&chain, &sites, pace, end)?;
+        let control = Control::new((&chain, &links), &sites, pace, end)?;
         let solver = solver::with_nodes(control.nodes(), chain.bonds());
         Ok(Self {
-            left: vec![Left::default(); chain.bonds()],
-            links: Links::of(&chain),
-            state: State { sites, ongoing, phase, t: Twofold::new(span.0) },
+            left: vec![Left::NONE; chain.bonds()],
+            links,
+            state: State { sites, ongoing, phases, t: Twofold::new(span.0) },
             solver,
             control,
             h: 0.0,
@@ -289,7 +292,7 @@ impl<C: ContactChain> Collocation<C> {
     }
 }
 
-impl<C: ContactChain> Stepper<f64> for Collocation<C> {
+impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
     fn dim(&self) -> usize {
         self.chain.dim()
     }
@@ -314,8 +317,8 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
         loop {
             let left_to_go = (self.end - self.state.t).value();
             let h = self.control.propose(left_to_go);
-            let State { sites, ongoing, phase, .. } = &self.state;
-            let bonds = &Sites { chain: &self.chain, sites, phase: phase.sin_cos() };
+            let State { sites, ongoing, phases, .. } = &self.state;
+            let bonds = &Sites { chain: &self.chain, sites, phases };
             let start = Start { links: &self.links, bonds, ongoing };
             let goal = self.control.goal(h);
             let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
@@ -366,18 +369,18 @@ impl<C: ContactChain> Stepper<f64> for Collocation<C> {
     }
 }
 
-impl Inside {
-    fn advance<C: ContactChain>(
+impl<const S: usize> Inside<S> {
+    fn advance<C: ContactChain<S>>(
         &mut self,
-        (chain, links): (&C, &Links),
+        (chain, links): (&C, &Links<S>),
         control: &Control,
         by: f64,
         parts: u32,
     ) -> bool {
         let h = by / f64::from(parts);
         (0..parts).all(|_| {
-            let State { sites, ongoing, phase, .. } = &self.state;
-            let bonds = &Sites { chain, sites, phase: phase.sin_cos() };
+            let State { sites, ongoing, phases, .. } = &self.state;
+            let bonds = &Sites { chain, sites, phases };
             let start = Start { links, bonds, ongoing };
             let verdict = self.solver.window(&start, h, &control.goal(h), &mut self.left, false);
             self.state.advance(chain, &self.left, h);

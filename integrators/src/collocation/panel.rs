@@ -7,25 +7,40 @@
 //! | `x` | `sigma` scaled to `[-1, 1]`, ascending in time |
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
-use super::{layout::Cuts, rule::Rule, system::Path};
-use crate::{events::Curve, law::ContactLaw};
+use super::{
+    layout::Cuts,
+    rule::Rule,
+    system::{Link, Links, Path},
+};
+use crate::events::Curve;
 
 /// What all bonds share in a window.
-#[derive(Clone, Debug)]
-pub(crate) struct Frame<'a, const M: usize> {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frames<'a, const M: usize, const S: usize> {
     pub(crate) rule: &'a Rule<M>,
-    pub(crate) law: &'a ContactLaw<f64>,
-    pub(crate) cuts: Cuts,
+    pub(crate) links: &'a Links<S>,
+    pub(crate) cuts: &'a Cuts,
     /// Length of the window.
     pub(crate) h: f64,
-    pub(crate) m: f64,
-    pub(crate) mu: f64,
-    pub(crate) mu_per_omega: f64,
-    pub(crate) omega: f64,
-    /// `1/omega`; zero for `omega = 0`.
-    pub(crate) per_omega: f64,
-    /// Power of the variable near an event.
-    pub(crate) q: u32,
+}
+
+/// What a bond needs to know in a window.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame<'a, const M: usize, const S: usize> {
+    pub(crate) rule: &'a Rule<M>,
+    pub(crate) link: &'a Link<S>,
+    pub(crate) cuts: &'a Cuts,
+    /// Length of the window.
+    pub(crate) h: f64,
+}
+
+impl<'a, const M: usize, const S: usize> Frames<'a, M, S> {
+    /// For bond `b` of the chain.
+    #[inline(always)]
+    pub(crate) fn of(&self, b: usize) -> Frame<'a, M, S> {
+        let Self { rule, links, cuts, h } = *self;
+        Frame { rule, link: links.link(b), cuts, h }
+    }
 }
 
 /// Where a panel's variable has its origin.
@@ -53,7 +68,7 @@ impl Origin {
 }
 
 #[derive(Clone, Debug)]
-pub(crate) struct Panel<const M: usize> {
+pub(crate) struct Panel<const M: usize, const S: usize> {
     pub(crate) start: f64,
     pub(crate) end: f64,
     /// `t = origin + sign sigma^q`.
@@ -64,27 +79,27 @@ pub(crate) struct Panel<const M: usize> {
     middle: f64,
     half: f64,
     per_half: f64,
-    /// Times of the nodes, and cosine and sine of `omega t` there.
+    /// Times of the nodes, and cosine and sine of `omega t` there, on each side of the bond.
     pub(crate) tau: [f64; M],
-    pub(crate) cos: [f64; M],
-    pub(crate) sin: [f64; M],
+    pub(crate) cos: [[f64; M]; S],
+    pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
     pub(crate) rate: [f64; M],
-    /// `reaction[k][j]`: what a unit force at node `k` has moved by node `j`.
-    reaction: [[f64; M]; M],
-    /// The path that a unit force at each node leaves behind.
-    pub(crate) left: [Path; M],
+    /// `reaction[side][k][j]`: what a unit force at node `k` has moved by node `j`.
+    reaction: [[[f64; M]; M]; S],
+    /// The paths that a unit force at each node leaves behind.
+    pub(crate) left: [[Path; S]; M],
     /// Overlap at the nodes.
     pub(crate) overlap: [f64; M],
     /// Force at the nodes.
     pub(crate) force: [f64; M],
     /// What the force of this panel has moved, at its own nodes: `int K(t - s) f(s) ds` from its
     /// start.
-    pub(crate) local: [f64; M],
-    /// The same as a Chebyshev series in `x`.
-    pub(crate) series: [f64; M],
-    /// The path that earlier panels of the bond in this window left behind.
-    pub(crate) before: Path,
+    pub(crate) local: [[f64; M]; S],
+    /// The same as Chebyshev series in `x`.
+    pub(crate) series: [[f64; M]; S],
+    /// The paths that earlier panels of the bond in this window left behind.
+    pub(crate) before: [Path; S],
     /// How the two neighbours are seen from the nodes.
     pub(crate) views: [View<M>; 2],
 }
@@ -105,9 +120,37 @@ pub(crate) struct View<const M: usize> {
     pub(crate) x: [f64; M],
 }
 
-#[inline(always)]
-pub(crate) fn along(path: &Path, t: f64, cos: f64, sin: f64) -> f64 {
-    (path[0] + path[1] * t) + (path[2] * cos + path[3] * sin)
+/// Ascending times, with cosine and sine of `omega t` of each side.
+#[derive(Clone, Copy)]
+pub(crate) struct Times<'a, const L: usize, const S: usize> {
+    pub(crate) tau: &'a [f64; L],
+    pub(crate) cos: &'a [[f64; L]; S],
+    pub(crate) sin: &'a [[f64; L]; S],
+}
+
+impl<const L: usize, const S: usize> Times<'_, L, S> {
+    /// The sum of the paths of all sides at a time.
+    #[inline(always)]
+    pub(crate) fn along(&self, path: &[Path; S], j: usize) -> f64 {
+        let ([mut r, mut v, ..], mut swing) = (path[0], self.swing(&path[0], 0, j));
+        for side in 1..S {
+            r += path[side][0];
+            v += path[side][1];
+            swing += self.swing(&path[side], side, j);
+        }
+        (r + v * self.tau[j]) + swing
+    }
+
+    /// A path of one side at a time.
+    #[inline(always)]
+    pub(crate) fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
+        (path[0] + path[1] * self.tau[j]) + self.swing(path, side, j)
+    }
+
+    #[inline(always)]
+    fn swing(&self, path: &Path, side: usize, j: usize) -> f64 {
+        path[2] * self.cos[side][j] + path[3] * self.sin[side][j]
+    }
 }
 
 /// `distance^{1/q}`.
@@ -131,7 +174,7 @@ fn any_root<const L: usize>(distance: [f64; L], q: u32) -> [f64; L] {
     if q == 4 { distance.map(|d| d.sqrt().sqrt()) } else { distance.map(|d| d.powf(1.0 / f64::from(q))) }
 }
 
-impl<const M: usize> Panel<M> {
+impl<const M: usize, const S: usize> Panel<M, S> {
     pub(crate) fn new() -> Self {
         let zeros = [0.0; M];
         Self {
@@ -144,16 +187,16 @@ impl<const M: usize> Panel<M> {
             half: 0.0,
             per_half: 0.0,
             tau: zeros,
-            cos: zeros,
-            sin: zeros,
+            cos: [zeros; S],
+            sin: [zeros; S],
             rate: zeros,
-            reaction: [zeros; M],
-            left: [[0.0; 4]; M],
+            reaction: [[zeros; M]; S],
+            left: [[[0.0; 4]; S]; M],
             overlap: zeros,
             force: zeros,
-            local: zeros,
-            series: zeros,
-            before: [0.0; 4],
+            local: [zeros; S],
+            series: [zeros; S],
+            before: [[0.0; 4]; S],
             views: std::array::from_fn(|_| View { version: 0, span: (-1, -1), place: zeros, x: zeros }),
         }
     }
@@ -172,9 +215,15 @@ impl<const M: usize> Panel<M> {
         }
     }
 
+    /// The nodes.
+    #[inline(always)]
+    pub(crate) fn times(&self) -> Times<'_, M, S> {
+        Times { tau: &self.tau, cos: &self.cos, sin: &self.sin }
+    }
+
     /// Places the nodes.
     #[inline(always)]
-    pub(super) fn place(&mut self, frame: &Frame<'_, M>) {
+    pub(super) fn place(&mut self, frame: &Frame<'_, M, S>) {
         let Self { start, end, origin, sign, q, .. } = *self;
         let [from, to] = root([sign * (start - origin), sign * (end - origin)], q);
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -195,27 +244,33 @@ impl<const M: usize> Panel<M> {
         for j in 0..M {
             self.tau[j] = origin + sign * tau[j];
         }
-        if frame.omega != 0.0 {
-            for j in 0..M {
-                let (sin, cos) = sin_cos(frame.omega * self.tau[j]);
-                self.sin[j] = sin;
-                self.cos[j] = cos;
+        for side in 0..S {
+            let omega = frame.link.sides[side].omega;
+            if omega != 0.0 {
+                for j in 0..M {
+                    let (sin, cos) = sin_cos(omega * self.tau[j]);
+                    self.sin[side][j] = sin;
+                    self.cos[side][j] = cos;
+                }
             }
         }
-        self.weigh(frame);
+        for side in 0..S {
+            self.weigh(frame, side);
+        }
     }
 
     /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
     /// the weights of the integrals over `s`.
     #[inline(always)]
-    fn weigh(&mut self, frame: &Frame<'_, M>) {
-        let Self { tau, cos, sin, rate, reaction, left, .. } = self;
+    fn weigh(&mut self, frame: &Frame<'_, M, S>, side: usize) {
+        let Self { tau, rate, left, .. } = self;
+        let (cos, sin, reaction) = (&self.cos[side], &self.sin[side], &mut self.reaction[side]);
         let rule = frame.rule;
-        let (m, mu) = (frame.m, frame.mu_per_omega);
+        let (m, mu) = (frame.link.sides[side].m, frame.link.sides[side].mu_per_omega);
         for k in 0..M {
             let rate = rate[k];
             let [free, moved, c, s] = [m * rate, m * rate * tau[k], mu * rate * cos[k], mu * rate * sin[k]];
-            left[k] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
+            left[k][side] = [-moved, free, -s, c].map(|part| rule.weights[k] * part);
             let mut kernel = [0.0; M];
             for j in 0..M {
                 kernel[j] = free.mul_add(tau[j], -moved);
@@ -253,15 +308,15 @@ impl<const M: usize> Panel<M> {
         x
     }
 
-    /// What the force of this panel has moved by times inside it.
+    /// What the force of this panel has moved on a side by times inside it.
     #[inline(always)]
-    pub(crate) fn moved<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
-        self.moved_at(&self.variable(t))
+    pub(crate) fn moved<const L: usize>(&self, side: usize, t: &[f64; L]) -> [f64; L] {
+        self.moved_at(side, &self.variable(t))
     }
 
     #[inline(always)]
-    pub(crate) fn moved_at<const L: usize>(&self, x: &[f64; L]) -> [f64; L] {
-        if M <= MONOMIAL { horner(&self.series, x) } else { clenshaw(&self.series, x) }
+    pub(crate) fn moved_at<const L: usize>(&self, side: usize, x: &[f64; L]) -> [f64; L] {
+        if M <= MONOMIAL { horner(&self.series[side], x) } else { clenshaw(&self.series[side], x) }
     }
 
     /// `int f dt`.
@@ -281,16 +336,18 @@ impl<const M: usize> Panel<M> {
     /// The last terms of the series of the impulses that the free part and the oscillating part
     /// take: how well the nodes resolve the force, and the oscillation. They count `slow` times for
     /// a force that nearly goes out without an event, or does and comes back: its terms fall slowly
-    /// at last. And the largest value at a node.
+    /// at last. And the largest value at a node. Both as changes of velocity.
     #[inline(always)]
-    pub(crate) fn tail(&self, frame: &Frame<'_, M>, slow: f64) -> [f64; 2] {
+    pub(crate) fn tail(&self, frame: &Frame<'_, M, S>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
         let mut tail = last_terms(frame.rule, &w);
-        if frame.mu != 0.0 {
-            let cos = last_terms(frame.rule, &times(&w, &self.cos));
-            let sin = last_terms(frame.rule, &times(&w, &self.sin));
-            tail = if cos > tail { cos } else { tail };
-            tail = if sin > tail { sin } else { tail };
+        for side in 0..S {
+            if frame.link.sides[side].mu != 0.0 {
+                let cos = last_terms(frame.rule, &times(&w, &self.cos[side]));
+                let sin = last_terms(frame.rule, &times(&w, &self.sin[side]));
+                tail = if cos > tail { cos } else { tail };
+                tail = if sin > tail { sin } else { tail };
+            }
         }
         let (mut least, mut most, mut largest) = (self.overlap[0], self.overlap[0], 0.0);
         for j in 0..M {
@@ -299,23 +356,34 @@ impl<const M: usize> Panel<M> {
             most = if g > most { g } else { most };
             largest = if w > largest { w } else { largest };
         }
-        [if self.q < frame.q && least < FADING * most { slow * tail } else { tail }, largest]
+        let lightest = frame.link.lightest();
+        let tail = if self.q < frame.link.q && least < FADING * most { slow * tail } else { tail };
+        [tail * lightest, largest * lightest]
     }
 
     /// From the force at the nodes, what it moves: [`local`](Self::local),
-    /// [`series`](Self::series), and the path that is left behind at the end.
+    /// [`series`](Self::series), and the paths that are left behind at the end.
     #[inline(always)]
-    pub(crate) fn integrate(&mut self, frame: &Frame<'_, M>) -> Path {
-        self.local = product(&self.reaction, &self.force);
-        self.series = product(&frame.rule.series, &self.local);
-        let (mut even, mut odd) = (self.before, [0.0; 4]);
+    pub(crate) fn integrate(&mut self, frame: &Frame<'_, M, S>) -> [Path; S] {
+        let (mut even, mut odd) = (self.before, [[0.0; 4]; S]);
+        for side in 0..S {
+            self.local[side] = product(&self.reaction[side], &self.force);
+            self.series[side] = product(&frame.rule.series, &self.local[side]);
+        }
         for k in (0..M).step_by(2) {
-            for i in 0..4 {
-                even[i] = self.left[k][i].mul_add(self.force[k], even[i]);
-                odd[i] = self.left[k + 1][i].mul_add(self.force[k + 1], odd[i]);
+            for side in 0..S {
+                for i in 0..4 {
+                    even[side][i] = self.left[k][side][i].mul_add(self.force[k], even[side][i]);
+                    odd[side][i] = self.left[k + 1][side][i].mul_add(self.force[k + 1], odd[side][i]);
+                }
             }
         }
-        std::array::from_fn(|i| even[i] + odd[i])
+        for side in 0..S {
+            for i in 0..4 {
+                even[side][i] += odd[side][i];
+            }
+        }
+        even
     }
 }
 

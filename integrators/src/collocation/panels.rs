@@ -1,28 +1,52 @@
 //! The panels of a bond in a window, and what their forces move in its neighbours.
 
 use super::{
-    panel::{Origin, Panel, View, along},
+    block::apart,
+    panel::{Origin, Panel, Times, View},
     system::Path,
 };
+use crate::real::Kernel;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Panels<const M: usize> {
-    pub(crate) list: Vec<Panel<M>>,
+pub(crate) struct Panels<const M: usize, const S: usize> {
+    pub(crate) list: Vec<Panel<M, S>>,
     pub(crate) len: usize,
     /// Changes whenever panels are laid out.
     pub(crate) version: u64,
-    /// The path that the whole window leaves behind.
-    pub(crate) total: Path,
+    /// The paths that the whole window leaves behind, on each side of the bond.
+    pub(crate) total: [Path; S],
 }
 
-impl<const M: usize> Panels<M> {
+/// What a bond sees of a neighbour's forces: the side on which the neighbour has the site that they
+/// share, and the side on which the bond has it.
+#[derive(Clone, Copy)]
+pub(crate) struct Shared {
+    theirs: usize,
+    mine: usize,
+}
+
+impl Shared {
+    /// With the neighbour before a bond (0) or the one behind it (1).
+    #[inline(always)]
+    pub(crate) fn with<const S: usize>(neighbour: usize) -> Self {
+        if neighbour == 0 { Self { theirs: S - 1, mine: 0 } } else { Self { theirs: 0, mine: S - 1 } }
+    }
+
+    /// With itself.
+    #[inline(always)]
+    pub(crate) fn own(side: usize) -> Self {
+        Self { theirs: side, mine: side }
+    }
+}
+
+impl<const M: usize, const S: usize> Panels<M, S> {
     pub(crate) fn new() -> Self {
-        Self { list: Vec::new(), len: 0, version: 0, total: [0.0; 4] }
+        Self { list: Vec::new(), len: 0, version: 0, total: [[0.0; 4]; S] }
     }
 
     #[inline(always)]
     pub(super) fn clear(&mut self) {
-        (self.len, self.total) = (0, [0.0; 4]);
+        (self.len, self.total) = (0, [[0.0; 4]; S]);
     }
 
     /// Adds a panel, see [`Panel::span`].
@@ -40,13 +64,13 @@ impl<const M: usize> Panels<M> {
         panels.flat_map(|panel| panel.force).fold(0.0, f64::max)
     }
 
-    pub(crate) fn as_slice(&self) -> &[Panel<M>] {
+    pub(crate) fn as_slice(&self) -> &[Panel<M, S>] {
         &self.list[..self.len]
     }
 
-    /// The path left behind when panel `k` starts.
+    /// The paths left behind when panel `k` starts.
     #[inline(always)]
-    pub(crate) fn before(&self, k: usize) -> &Path {
+    pub(crate) fn before(&self, k: usize) -> &[Path; S] {
         if k < self.len { &self.list[k].before } else { &self.total }
     }
 
@@ -100,15 +124,21 @@ impl<const M: usize> Panels<M> {
     /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour: to `path` what is a
     /// path at all of them, to `out` the rest. Returns in how many pieces.
     #[inline(always)]
-    pub(super) fn act(&self, panel: &mut Panel<M>, side: usize, path: &mut Path, out: &mut [f64; M]) -> u64 {
+    pub(super) fn act(&self, panel: &mut Panel<M, S>, side: usize, path: &mut [Path; S], out: &mut [f64; M]) -> u64 {
         let Panel { tau, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
             self.look(tau, view);
         }
+        let shared = Shared::with::<S>(side);
         let (first, last) = view.span;
         if first != last {
-            return self.act_in_pieces((tau, cos, sin), view, out);
+            let times = Times { tau, cos, sin };
+            return if const { S == 1 } {
+                self.act_in_pieces(times, view, shared, out)
+            } else {
+                apart(InPieces { panels: self, times, view, shared, out })
+            };
         }
         if first < 0 {
             return 0;
@@ -117,10 +147,10 @@ impl<const M: usize> Panels<M> {
         let inside = first % 2 == 0;
         let before = if inside { &self.list[k].before } else { self.before(k + 1) };
         for i in 0..4 {
-            path[i] += before[i];
+            path[shared.mine][i] += before[shared.theirs][i];
         }
         if inside {
-            let moved = self.list[k].moved_at(&view.x);
+            let moved = self.list[k].moved_at(shared.theirs, &view.x);
             for j in 0..M {
                 out[j] += moved[j];
             }
@@ -129,25 +159,21 @@ impl<const M: usize> Panels<M> {
     }
 
     #[inline(always)]
-    fn act_in_pieces(
-        &self,
-        (tau, cos, sin): (&[f64; M], &[f64; M], &[f64; M]),
-        view: &View<M>,
-        out: &mut [f64; M],
-    ) -> u64 {
+    fn act_in_pieces(&self, times: Times<'_, M, S>, view: &View<M>, shared: Shared, out: &mut [f64; M]) -> u64 {
+        let Shared { theirs, mine } = shared;
         let (first, last) = view.span;
         let mut pieces = 0;
         for place in first.max(0)..=last {
             let k = (place / 2) as usize;
             let (path, moved) = if place % 2 == 0 {
-                (&self.list[k].before, self.list[k].moved_at(&view.x))
+                (&self.list[k].before, self.list[k].moved_at(theirs, &view.x))
             } else if view.place.contains(&f64::from(place)) {
                 (self.before(k + 1), [0.0; M])
             } else {
                 continue;
             };
             for j in 0..M {
-                let value = along(path, tau[j], cos[j], sin[j]) + moved[j];
+                let value = times.along_side(&path[theirs], mine, j) + moved[j];
                 out[j] += if view.place[j] == f64::from(place) { value } else { 0.0 };
             }
             pieces += 1;
@@ -159,11 +185,12 @@ impl<const M: usize> Panels<M> {
     #[inline(always)]
     pub(crate) fn influence<const L: usize>(
         &self,
-        (tau, cos, sin): (&[f64; L], &[f64; L], &[f64; L]),
+        times: Times<'_, L, S>,
+        Shared { theirs, mine }: Shared,
         weight: f64,
         out: &mut [f64; L],
     ) {
-        let (first, last) = (tau[0], tau[L - 1]);
+        let (first, last) = (times.tau[0], times.tau[L - 1]);
         for k in 0..self.len {
             let panel = &self.list[k];
             if last < panel.start {
@@ -173,22 +200,84 @@ impl<const M: usize> Panels<M> {
             if first >= next {
                 continue;
             }
-            let after = self.before(k + 1);
+            let after = &self.before(k + 1)[theirs];
             let mut value = [0.0; L];
             for j in 0..L {
-                value[j] = along(after, tau[j], cos[j], sin[j]);
+                value[j] = times.along_side(after, mine, j);
             }
             if first <= panel.end {
-                let moved = panel.moved(tau);
+                let moved = panel.moved(theirs, times.tau);
                 for j in 0..L {
-                    let inside = along(&panel.before, tau[j], cos[j], sin[j]) + moved[j];
-                    value[j] = if tau[j] <= panel.end { inside } else { value[j] };
+                    let inside = times.along_side(&panel.before[theirs], mine, j) + moved[j];
+                    value[j] = if times.tau[j] <= panel.end { inside } else { value[j] };
                 }
             }
             for j in 0..L {
-                let here = tau[j] >= panel.start && tau[j] < next;
+                let here = times.tau[j] >= panel.start && times.tau[j] < next;
                 out[j] += if here { weight * value[j] } else { 0.0 };
             }
         }
+    }
+
+    /// Adds what the bond's own forces do to its overlap, with a weight, at ascending times.
+    #[inline(always)]
+    pub(crate) fn own_influence<const L: usize>(&self, times: Times<'_, L, S>, weight: f64, out: &mut [f64; L]) {
+        for side in 0..S {
+            self.influence(times, Shared::own(side), weight, out);
+        }
+    }
+
+    /// [`influence`](Self::influence) at the nodes of a panel.
+    #[inline(always)]
+    pub(crate) fn influence_at_nodes(&self, times: Times<'_, M, S>, shared: Shared, weight: f64, out: &mut [f64; M]) {
+        if const { S == 1 } {
+            self.influence(times, shared, weight, out);
+        } else {
+            apart(Influence { panels: self, times, shared, weight, out });
+        }
+    }
+
+    /// [`own_influence`](Self::own_influence) at the nodes of a panel.
+    #[inline(always)]
+    pub(crate) fn own_influence_at_nodes(&self, times: Times<'_, M, S>, weight: f64, out: &mut [f64; M]) {
+        for side in 0..S {
+            self.influence_at_nodes(times, Shared::own(side), weight, out);
+        }
+    }
+}
+
+/// Where bonds see two sites, not compiled into the kernels that call it.
+struct Influence<'a, const M: usize, const S: usize> {
+    panels: &'a Panels<M, S>,
+    times: Times<'a, M, S>,
+    shared: Shared,
+    weight: f64,
+    out: &'a mut [f64; M],
+}
+
+impl<const M: usize, const S: usize> Kernel for Influence<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.panels.influence(self.times, self.shared, self.weight, self.out);
+    }
+}
+
+/// As [`Influence`].
+struct InPieces<'a, const M: usize, const S: usize> {
+    panels: &'a Panels<M, S>,
+    times: Times<'a, M, S>,
+    view: &'a View<M>,
+    shared: Shared,
+    out: &'a mut [f64; M],
+}
+
+impl<const M: usize, const S: usize> Kernel for InPieces<'_, M, S> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        self.panels.act_in_pieces(self.times, self.view, self.shared, self.out)
     }
 }

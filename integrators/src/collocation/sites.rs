@@ -2,7 +2,7 @@
 
 use super::system::{ContactChain, Path};
 use crate::clock::Twofold;
-use std::cell::Cell;
+use std::{cell::Cell, collections::HashMap, sync::Arc};
 
 /// `[R0, V, C, S]` of a site as unevaluated sums: `q(t) = R0 + V t + C cos theta + S sin theta`,
 /// `theta = omega t` since the start of the run, `t` since the start of the window.
@@ -52,87 +52,123 @@ impl Site {
     }
 }
 
-/// The path of an overlap over a window of length `h`, and the largest value that its terms may
-/// have in it: a shift of the whole chain is in neither.
-#[inline(always)]
-pub(crate) fn overlap<C: ContactChain>(
-    chain: &C,
-    sites: &[Site],
-    bond: usize,
-    (sin, cos): (f64, f64),
-    h: f64,
-) -> (Path, f64) {
-    let hi = chain.across(bond, |i| sites[i].hi);
-    let lo = chain.across(bond, |i| sites[i].lo);
-    let [r, v, c, s] = [hi[0] + lo[0], hi[1] + lo[1], hi[2] + lo[2], hi[3] + lo[3]];
-    let largest = chain.rest() + r.abs() + v.abs() * h + c.abs() + s.abs();
-    ([chain.rest() + r, v, c * cos + s * sin, s * cos - c * sin], largest)
+/// Sites of a chain in their phases.
+pub(crate) struct Sites<'a, C, const S: usize> {
+    pub(crate) chain: &'a C,
+    pub(crate) sites: &'a [Site],
+    pub(crate) phases: &'a Phases<S>,
 }
 
-/// Whether the sites of a bond rest at the origin.
-#[inline(always)]
-pub(crate) fn at_rest<C: ContactChain>(chain: &C, sites: &[Site], bond: usize) -> bool {
-    let resting = Cell::new(true);
-    chain.across(bond, |i| {
-        resting.set(resting.get() && sites[i].at_rest());
-        [0.0; 4]
-    });
-    resting.get()
+impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
+    /// The path of an overlap over a window of length `h`, and the largest value that its terms may
+    /// have in it: a shift of the whole chain is in neither. The first side has the free part.
+    #[inline(always)]
+    pub(crate) fn overlap(&self, bond: usize, h: f64) -> ([Path; S], f64) {
+        let Self { chain, sites, phases } = *self;
+        let hi = chain.across(bond, |i| sites[i].hi);
+        let lo = chain.across(bond, |i| sites[i].lo);
+        let ends = chain.ends(bond);
+        let (mut free_hi, mut free_lo) = ([hi[0][0], hi[0][1]], [lo[0][0], lo[0][1]]);
+        for side in 1..S {
+            for k in 0..2 {
+                free_hi[k] += hi[side][k];
+                free_lo[k] += lo[side][k];
+            }
+        }
+        let (r, v) = (free_hi[0] + free_lo[0], free_hi[1] + free_lo[1]);
+        let rest = chain.rest(bond);
+        let mut largest = rest.abs() + r.abs() + v.abs() * h;
+        let mut path = [[0.0; 4]; S];
+        for side in 0..S {
+            let (c, s) = (hi[side][2] + lo[side][2], hi[side][3] + lo[side][3]);
+            let (sin, cos) = ends[side].map_or((0.0, 1.0), |site| phases.sin_cos(site));
+            largest = largest + c.abs() + s.abs();
+            path[side] = [0.0, 0.0, c * cos + s * sin, s * cos - c * sin];
+        }
+        (path[0][0], path[0][1]) = (rest + r, v);
+        (path, largest)
+    }
 }
 
 /// The bonds of a chain as a window begins, for a solver that does not know its type.
-pub(crate) trait Bonds: Sync {
+pub(crate) trait Bonds<const S: usize>: Sync {
     /// Whether the sites of a bond rest at the origin.
     fn at_rest(&self, bond: usize) -> bool;
     /// How a bond moves in a window of length `h` without forces.
-    fn free(&self, bond: usize, h: f64) -> Free;
+    fn free(&self, bond: usize, h: f64) -> Free<S>;
 }
 
 /// How a bond moves in a window without forces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Free {
+pub(crate) struct Free<const S: usize> {
     /// The path of its overlap.
-    pub(crate) path: Path,
+    pub(crate) path: [Path; S],
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
 }
 
-/// Sites of a chain in a phase of this sine and cosine.
-pub(crate) struct Sites<'a, C> {
-    pub(crate) chain: &'a C,
-    pub(crate) sites: &'a [Site],
-    pub(crate) phase: (f64, f64),
-}
-
-impl<C: ContactChain> Bonds for Sites<'_, C> {
+impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
     fn at_rest(&self, bond: usize) -> bool {
-        at_rest(self.chain, self.sites, bond)
+        let resting = Cell::new(true);
+        self.chain.across(bond, |i| {
+            resting.set(resting.get() && self.sites[i].at_rest());
+            [0.0; 4]
+        });
+        resting.get()
     }
 
-    fn free(&self, bond: usize, h: f64) -> Free {
-        let (path, largest) = overlap(self.chain, self.sites, bond, self.phase, h);
+    fn free(&self, bond: usize, h: f64) -> Free<S> {
+        let (path, largest) = self.overlap(bond, h);
         Free { path, band: self.chain.dead_band(largest) }
     }
 }
 
-/// The phase `omega t` kept to twice the working precision.
+/// The phase `omega t` of one or more sites, kept to twice the working precision.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Phase {
+struct Phase {
     omega: Twofold<f64>,
     theta: Twofold<f64>,
+    sin_cos: (f64, f64),
+}
+
+/// The phases `omega t` of all sites: one for each frequency.
+#[derive(Clone, Debug)]
+pub(crate) struct Phases<const S: usize> {
+    list: Vec<Phase>,
+    /// Which one a site has, where they are not all alike.
+    of: Arc<[u32]>,
     two_pi: Twofold<f64>,
 }
 
-impl Phase {
-    pub(crate) fn new(omega: Twofold<f64>) -> Self {
-        Self { omega, theta: Twofold::zero(), two_pi: Twofold::two_pi() }
+impl<const S: usize> Phases<S> {
+    /// Those of a chain at the time zero.
+    pub(crate) fn new<C: ContactChain<S>>(chain: &C) -> Self {
+        let (mut list, mut known) = (Vec::new(), HashMap::new());
+        let mut of = |site: usize| {
+            let omega = chain.response(site).omega;
+            *known.entry([omega.hi, omega.lo].map(f64::to_bits)).or_insert_with(|| {
+                list.push(Phase { omega, theta: Twofold::zero(), sin_cos: (0.0, 1.0) });
+                list.len() as u32 - 1
+            })
+        };
+        let of: Vec<u32> = (0..if S == 1 { 1 } else { chain.sites() }).map(&mut of).collect();
+        Self { list, of: of.into(), two_pi: Twofold::two_pi() }
     }
 
     pub(crate) fn advance(&mut self, h: f64) {
-        self.theta = (self.theta + self.omega * Twofold::new(h)).reduced(self.two_pi);
+        for phase in &mut self.list {
+            phase.theta = (phase.theta + phase.omega * Twofold::new(h)).reduced(self.two_pi);
+            phase.sin_cos = phase.theta.sin_cos();
+        }
     }
 
-    pub(crate) fn sin_cos(&self) -> (f64, f64) {
-        self.theta.sin_cos()
+    /// Sine and cosine of the phase of a site.
+    #[inline(always)]
+    pub(crate) fn sin_cos(&self, site: usize) -> (f64, f64) {
+        self.list[if S == 1 { 0 } else { self.of[site] as usize }].sin_cos
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.list.copy_from_slice(&other.list);
     }
 }

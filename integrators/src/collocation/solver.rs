@@ -1,28 +1,24 @@
 //! All blocks of a chain over one window, with the number of nodes behind it.
 
 use super::{
-    block::{Left, Piece, Start, Verdict, Workspace, blocks, own},
+    block::{Left, Piece, Start, Verdict, Workspace, blocks, own, run},
     goal::Goal,
     layout::Cuts,
-    panel::Frame,
+    panel::Frames,
     rule::Rule,
     system::Links,
     tangent,
 };
-use crate::{real::Real, regularised::power};
-
-/// Order that the variable near an event is chosen for. Chosen;
-/// `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
-const ORDER: u32 = 8;
+use std::any::Any;
 
 /// What solves windows.
-pub(crate) trait Solver: Send {
+pub(crate) trait Solver<const S: usize>: Send {
     /// Solves one window from `start` and writes what bonds leave behind.
-    fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict;
+    fn window(&mut self, start: &Start<S>, h: f64, goal: &Goal, left: &mut [Left<S>], log: bool) -> Verdict;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
     /// Another one of its kind.
-    fn another(&self, bonds: usize) -> Box<dyn Solver>;
+    fn another(&self, bonds: usize) -> Box<dyn Solver<S>>;
     /// What contacts did in the last window that was logged.
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
     /// What changes of the linear paths of bonds leave behind in them, over the last window that
@@ -30,10 +26,10 @@ pub(crate) trait Solver: Send {
     /// settle.
     fn differentiate(
         &self,
-        links: &Links,
+        links: &Links<S>,
         h: f64,
-        cuts: Cuts,
-        columns: &mut [tangent::Block],
+        cuts: &Cuts,
+        columns: &mut [tangent::BondBlock<S>],
     ) -> Result<(), (usize, f64)>;
 }
 
@@ -44,23 +40,41 @@ pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
 pub(crate) const MOST_NODES: usize = 12;
 
 /// A solver with so many nodes a panel, one of [`NODES`], for a chain with so many bonds.
-pub(crate) fn with_nodes(nodes: usize, bonds: usize) -> Box<dyn Solver> {
+///
+/// # Panics
+/// For `S` other than 1 and 2.
+pub(crate) fn with_nodes<const S: usize>(nodes: usize, bonds: usize) -> Box<dyn Solver<S>> {
+    let solver: Box<dyn Any> = if S == 1 { Box::new(alike(nodes, bonds)) } else { Box::new(apart(nodes, bonds)) };
+    *solver.downcast().expect("bonds see one kind of site, or two")
+}
+
+/// Solvers for chains whose sites are alike, and for others. Neither function is generic, so that
+/// both are compiled with this package.
+fn alike(nodes: usize, bonds: usize) -> Box<dyn Solver<1>> {
+    of_size(nodes, bonds)
+}
+
+fn apart(nodes: usize, bonds: usize) -> Box<dyn Solver<2>> {
+    of_size(nodes, bonds)
+}
+
+fn of_size<const S: usize>(nodes: usize, bonds: usize) -> Box<dyn Solver<S>> {
     match nodes {
-        ..=4 => Box::new(Nodes::<4>::new(bonds)),
-        5..=6 => Box::new(Nodes::<6>::new(bonds)),
-        7..=8 => Box::new(Nodes::<8>::new(bonds)),
-        9..=10 => Box::new(Nodes::<10>::new(bonds)),
-        _ => Box::new(Nodes::<12>::new(bonds)),
+        ..=4 => Box::new(Nodes::<4, S>::new(bonds)),
+        5..=6 => Box::new(Nodes::<6, S>::new(bonds)),
+        7..=8 => Box::new(Nodes::<8, S>::new(bonds)),
+        9..=10 => Box::new(Nodes::<10, S>::new(bonds)),
+        _ => Box::new(Nodes::<12, S>::new(bonds)),
     }
 }
 
-struct Nodes<const M: usize> {
+struct Nodes<const M: usize, const S: usize> {
     rule: &'static Rule<M>,
     /// One for each thread.
-    workspaces: Vec<Workspace<M>>,
+    workspaces: Vec<Workspace<M, S>>,
 }
 
-impl<const M: usize> Nodes<M> {
+impl<const M: usize, const S: usize> Nodes<M, S> {
     fn new(bonds: usize) -> Self {
         #[cfg(feature = "parallel")]
         let threads = rayon::current_num_threads();
@@ -71,28 +85,10 @@ impl<const M: usize> Nodes<M> {
     }
 }
 
-fn frame<'a, const M: usize>(rule: &'a Rule<M>, links: &'a Links, cuts: Cuts, h: f64) -> Frame<'a, M> {
-    let response = links.response;
-    let omega = if response.mu == 0.0 { 0.0 } else { response.omega.value() };
-    let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
-    let (law, q) = (&links.law, power(links.law.alpha(), ORDER));
-    Frame {
-        rule,
-        law,
-        cuts,
-        h,
-        m: response.m,
-        mu: response.mu,
-        omega,
-        per_omega,
-        mu_per_omega: response.mu * per_omega,
-        q,
-    }
-}
-
-impl<const M: usize> Solver for Nodes<M> {
-    fn window(&mut self, start: &Start, h: f64, goal: &Goal, left: &mut [Left], log: bool) -> Verdict {
-        let (frame, bonds) = (frame(self.rule, start.links, goal.cuts, h), start.links.bonds);
+impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
+    fn window(&mut self, start: &Start<S>, h: f64, goal: &Goal, left: &mut [Left<S>], log: bool) -> Verdict {
+        let (links, bonds) = (start.links, start.links.bonds);
+        let frames = Frames { rule: self.rule, links, cuts: &goal.cuts, h };
         if bonds == 0 {
             return Verdict::default();
         }
@@ -100,14 +96,14 @@ impl<const M: usize> Solver for Nodes<M> {
         let count = blocks(bonds);
         let share = count.div_ceil(self.workspaces.len());
         let size = if count == 1 { bonds.max(1) } else { own(bonds, 0).len() * share };
-        let work = |(k, (workspace, left)): (usize, (&mut Workspace<M>, &mut [Left]))| {
+        let work = |(k, (workspace, left)): (usize, (&mut Workspace<M, S>, &mut [Left<S>]))| {
             workspace.pieces.clear();
             let mut rest = left;
             let mut verdict = Verdict::default();
             for block in k * share..((k + 1) * share).min(count) {
                 let own = own(bonds, block);
                 let (mine, others) = rest.split_at_mut(own.len());
-                verdict = verdict.and(workspace.solve(start, &frame, goal, own, mine, log));
+                verdict = verdict.and(workspace.solve(start, &frames, goal, own, mine, log));
                 rest = others;
             }
             verdict
@@ -130,7 +126,7 @@ impl<const M: usize> Solver for Nodes<M> {
         M
     }
 
-    fn another(&self, bonds: usize) -> Box<dyn Solver> {
+    fn another(&self, bonds: usize) -> Box<dyn Solver<S>> {
         Box::new(Self::new(bonds))
     }
 
@@ -140,13 +136,13 @@ impl<const M: usize> Solver for Nodes<M> {
 
     fn differentiate(
         &self,
-        links: &Links,
+        links: &Links<S>,
         h: f64,
-        cuts: Cuts,
-        columns: &mut [tangent::Block],
+        cuts: &Cuts,
+        columns: &mut [tangent::BondBlock<S>],
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
-        let frame = &frame(self.rule, links, cuts, h);
-        f64::run(tangent::Window { links, frame, bonds, columns })
+        let frames = &Frames { rule: self.rule, links, cuts, h };
+        run::<S, _>(tangent::Window { frames, bonds, columns })
     }
 }

@@ -1,47 +1,173 @@
 //! What contact collocation may ask of a problem: exact linear paths, and a contact law on a
 //! nearest-neighbour chain.
+//!
+//! The two sites of a bond may answer impulses differently. The number `S` of answers that a bond
+//! sees is known to the compiler: 1 where all sites are alike, and all bonds have one law; else 2,
+//! that of the site before the bond and that of the site behind it.
 
-use crate::{clock::Twofold, law::ContactLaw};
+use crate::{clock::Twofold, law::ContactLaw, regularised::common_power};
 
-/// How a site answers an impulse `j`: `q'` jumps by `j`, of which the share `m` moves on freely and
-/// the share `mu` oscillates, so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
+/// How a site answers an impulse `j`: `q'` jumps by `j/mass`, of which a part `m j` moves on freely
+/// and a part `mu j` oscillates, so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// Share of the free part.
     pub m: f64,
-    /// Share of the oscillating part; `m + mu = 1`.
+    /// Share of the oscillating part; `m + mu = 1/mass`, and 1 where all sites are alike.
     pub mu: f64,
     /// Frequency; positive if `mu` is.
     pub omega: Twofold<f64>,
 }
 
+impl Response {
+    /// That of a wall.
+    const NONE: Self = Self { m: 0.0, mu: 0.0, omega: Twofold { hi: 0.0, lo: 0.0 } };
+}
+
 /// What leaves a site alone: `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as `[r, v, c, s]`.
 pub type Path = [f64; 4];
 
+/// One side of a bond: how its site answers a unit impulse, as loops over nodes need it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side {
+    pub(crate) m: f64,
+    pub(crate) mu: f64,
+    pub(crate) mu_per_omega: f64,
+    /// Zero where nothing oscillates.
+    pub(crate) omega: f64,
+    /// `1/omega`; zero for `omega = 0`.
+    pub(crate) per_omega: f64,
+    /// `m + mu`.
+    weight: f64,
+}
+
+impl Side {
+    fn of(response: &Response) -> Self {
+        let Response { m, mu, .. } = *response;
+        let omega = if mu == 0.0 { 0.0 } else { response.omega.value() };
+        let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
+        Self { m, mu, mu_per_omega: mu * per_omega, omega, per_omega, weight: m + mu }
+    }
+}
+
+/// What a bond is made of: its law and its two sides.
+#[derive(Clone, Debug)]
+pub(crate) struct Link<const S: usize> {
+    pub(crate) law: ContactLaw<f64>,
+    /// Factor of the law.
+    constant: f64,
+    pub(crate) sides: [Side; S],
+    /// Power of the variable near an event: it suits the forces of the bond and of its neighbours.
+    pub(crate) q: u32,
+    /// The largest weight of a side.
+    lightest: f64,
+}
+
+/// Order that the variable near an event is chosen for. Chosen;
+/// `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
+const ORDER: u32 = 8;
+
+// Where all sites are alike, weights and constants are the number 1 for the compiler.
+impl<const S: usize> Link<S> {
+    /// The second derivative of the overlap that a unit force on a side makes.
+    #[inline(always)]
+    pub(crate) fn weight(&self, side: usize) -> f64 {
+        if S == 1 { 1.0 } else { self.sides[side].weight }
+    }
+
+    /// The largest change of velocity that a unit impulse makes.
+    #[inline(always)]
+    pub(crate) fn lightest(&self) -> f64 {
+        if S == 1 { 1.0 } else { self.lightest }
+    }
+
+    #[inline(always)]
+    pub(crate) fn constant(&self) -> f64 {
+        if S == 1 { 1.0 } else { self.constant }
+    }
+
+    /// The force of an overlap.
+    #[inline(always)]
+    pub(crate) fn force(&self, overlap: f64) -> f64 {
+        self.constant() * self.law.force(overlap)
+    }
+
+    /// The forces of several overlaps.
+    #[inline(always)]
+    pub(crate) fn forces<const M: usize>(&self, overlaps: &[f64; M]) -> [f64; M] {
+        let mut forces = self.law.forces(overlaps);
+        if S != 1 {
+            for force in &mut forces {
+                *force *= self.constant;
+            }
+        }
+        forces
+    }
+
+    /// The derivative of the force.
+    #[inline(always)]
+    pub(crate) fn stiffness(&self, overlap: f64) -> f64 {
+        self.constant() * self.law.stiffness(overlap)
+    }
+}
+
 /// What the solver of windows knows of a chain, whatever its type.
 #[derive(Clone, Debug)]
-pub(crate) struct Links {
+pub(crate) struct Links<const S: usize> {
     pub(crate) bonds: usize,
     pub(crate) ring: bool,
-    pub(crate) law: ContactLaw<f64>,
-    pub(crate) response: Response,
+    /// Of each bond; of all of them together for `S = 1`.
+    links: Vec<Link<S>>,
     /// Whether bonds touch where all sites rest at the origin.
     pub(crate) precompressed: bool,
-    /// How strongly the force of each bond opens it: 2 between two sites, 1 at a wall.
+    /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
     pub(crate) recoil: Vec<f64>,
 }
 
-impl Links {
-    pub(crate) fn of<C: ContactChain>(chain: &C) -> Self {
-        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| [f64::from(u8::from(c == b)); 4]))[0];
+impl<const S: usize> Links<S> {
+    pub(crate) fn of<C: ContactChain<S>>(chain: &C) -> Self {
+        let bonds = chain.bonds();
+        let kinds = if S == 1 { 1 } else { bonds };
+        let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, b)).collect();
+        let unit = |b: usize, c: usize| [[f64::from(u8::from(c == b)); 4]; S];
+        // Where all are alike a wall shows in what bonds push; else in its answer.
+        let recoil = |b: usize| match S {
+            1 => -chain.across(b, |i| chain.push(i, |c| unit(b, c)))[0][0],
+            _ => links[b].sides.iter().map(|side| side.weight).sum(),
+        };
         Self {
-            recoil: (0..chain.bonds()).map(recoil).collect(),
-            bonds: chain.bonds(),
+            recoil: (0..bonds).map(recoil).collect(),
+            bonds,
             ring: chain.ring(),
-            law: chain.law(),
-            response: chain.response(),
-            precompressed: chain.rest() > 0.0,
+            precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0),
+            links,
         }
+    }
+
+    /// All kinds of bonds.
+    pub(crate) fn each(&self) -> impl Iterator<Item = &Link<S>> {
+        self.links.iter()
+    }
+
+    #[inline(always)]
+    pub(crate) fn link(&self, bond: usize) -> &Link<S> {
+        &self.links[if S == 1 { 0 } else { bond }]
+    }
+}
+
+fn link<const S: usize, C: ContactChain<S>>(chain: &C, bond: usize) -> Link<S> {
+    let sides = chain.ends(bond).map(|site| Side::of(&site.map_or(Response::NONE, |i| chain.response(i))));
+    let alpha = |b| chain.law(b).alpha();
+    let mut alphas = vec![alpha(bond)];
+    if S > 1 {
+        alphas.extend(beside(bond, chain.bonds(), chain.ring()).into_iter().flatten().map(alpha));
+    }
+    Link {
+        law: chain.law(bond),
+        constant: chain.constant(bond),
+        q: common_power(&alphas, ORDER),
+        lightest: sides.iter().fold(0.0, |most, side| side.weight.max(most)),
+        sides,
     }
 }
 
@@ -57,8 +183,13 @@ pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
 /// neighbours.
 ///
 /// The overlap of a bond is `g = rest + across(q)`, a difference of positions; bond `b` shares a
-/// site with `b - 1` and `b + 1` only, the last with the first on a ring.
-pub trait ContactChain: Send + Sync {
+/// site with `b - 1` and `b + 1` only, the last with the first on a ring. Its force is
+/// `constant (g)_+^alpha`.
+///
+/// `S` is 1 for a chain whose sites are all alike, and so are its bonds: `law`, `response` and
+/// `rest` then give the same for all of them, with `m + mu = 1` and the constant 1. It is 2 for
+/// other chains, where what concerns the site before a bond and the one behind it is kept apart.
+pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// Number of components of the state as others see it.
     fn dim(&self) -> usize;
     /// Number of sites.
@@ -67,17 +198,26 @@ pub trait ContactChain: Send + Sync {
     fn bonds(&self) -> usize;
     /// Whether the last bond and the first share a site.
     fn ring(&self) -> bool;
-    /// The law of every bond.
-    fn law(&self) -> ContactLaw<f64>;
+    /// The law of a bond.
+    fn law(&self, bond: usize) -> ContactLaw<f64>;
+    /// The factor of the law of a bond.
+    fn constant(&self, _bond: usize) -> f64 {
+        1.0
+    }
     /// How a site answers an impulse.
-    fn response(&self) -> Response;
-    /// The overlap of every bond where all positions are zero.
-    fn rest(&self) -> f64;
-    /// The part of the overlap of a bond that a quantity of its sites makes: `q_{n-1} - q_n`.
-    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> Path;
+    fn response(&self, site: usize) -> Response;
+    /// The sites whose answers a bond sees: any one of its sites, or for `S = 2` the site before it
+    /// and the one behind it, with `None` for a wall.
+    fn ends(&self, bond: usize) -> [Option<usize>; S];
+    /// The overlap of a bond where all positions are zero.
+    fn rest(&self, bond: usize) -> f64;
+    /// The part of the overlap of a bond that a quantity of its sites makes: `q_{n-1} - q_n`, or
+    /// its two terms `[q_{n-1}, -q_n]` for `S = 2`.
+    fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> [Path; S];
     /// What forces in bonds do to a site, the transpose of [`across`](Self::across) but for its
-    /// sign: `f_n - f_{n+1}`.
-    fn push(&self, site: usize, force: impl Fn(usize) -> Path) -> Path;
+    /// sign: `f_n - f_{n+1}`. For `S = 2` a bond has one force for each of its sites, and a site
+    /// takes its own.
+    fn push(&self, site: usize, force: impl Fn(usize) -> [Path; S]) -> Path;
     /// The path of a site at `t = 0`, from a state.
     fn path(&self, y: &[f64], site: usize) -> Path;
     /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its

@@ -19,10 +19,10 @@ use super::{
     Collocation,
     block::blocks,
     bond::Bond,
-    panel::{Frame, Panel, along, dot, product},
-    panels::Panels,
-    sites::Phase,
-    system::{ContactChain, Links, Path, beside},
+    panel::{Frames, Panel, dot, product},
+    panels::{Panels, Shared},
+    sites::Phases,
+    system::{ContactChain, Path, beside},
 };
 use crate::{
     drive::Stepper,
@@ -35,8 +35,10 @@ use crate::{
 /// `benches/collocation.rs`, `monodromy`.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
-/// `[R0, V, C, S]` of every site or bond, for some columns.
-pub(crate) type Block = Vec<[Lanes; 4]>;
+/// `[R0, V, C, S]` of every site, for some columns.
+type Block = Vec<[Lanes; 4]>;
+/// The same of both sides of every bond.
+pub(crate) type BondBlock<const S: usize> = Vec<[[Lanes; 4]; S]>;
 
 /// Sweeps after which a window is given up; each takes a digit at least where the window itself was
 /// solved.
@@ -62,21 +64,21 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 /// smoother than their derivative, so columns need finer windows than the state does. Under
 /// [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
 #[derive(Clone, Debug)]
-pub struct Tangent {
+pub struct Tangent<const S: usize = 1> {
     blocks: Vec<Block>,
     columns: usize,
     dim: usize,
-    phase: Phase,
+    phases: Phases<S>,
     /// Windows of the run that are followed.
     windows: u64,
 }
 
-impl Tangent {
+impl<const S: usize> Tangent<S> {
     /// The columns of the unit matrix at the present state of a run.
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn identity<C: ContactChain>(run: &Collocation<C>) -> Result<Self, Error> {
+    pub fn identity<C: ContactChain<S>>(run: &Collocation<C, S>) -> Result<Self, Error> {
         let dim = run.dim();
         let mut columns = vec![0.0; dim * dim];
         columns.iter_mut().step_by(dim + 1).for_each(|entry| *entry = 1.0);
@@ -88,7 +90,7 @@ impl Tangent {
     /// # Errors
     /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
     /// bonds.
-    pub fn new<C: ContactChain>(run: &Collocation<C>, columns: &[f64]) -> Result<Self, Error> {
+    pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.chain, run.dim());
         if blocks(chain.bonds()) != 1 {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
@@ -99,18 +101,17 @@ impl Tangent {
         if let Some(&value) = columns.iter().find(|value| !value.is_finite()) {
             return Err(Error::Argument { name: "columns", value, rule: "the entries of a column are finite" });
         }
-        let mut phase = run.state.phase;
-        phase.advance(run.h);
-        let (sin, cos) = phase.sin_cos();
+        let mut phases = run.state.phases.clone();
+        phases.advance(run.h);
         let count = columns.len() / dim;
         let mut blocks = vec![vec![[[0.0; LANES]; 4]; chain.sites()]; count.div_ceil(LANES)];
         for (c, column) in columns.chunks_exact(dim).enumerate() {
             for (i, site) in blocks[c / LANES].iter_mut().enumerate() {
-                let [r, v, p, s] = chain.path(column, i);
+                let ([r, v, p, s], (sin, cos)) = (chain.path(column, i), phases.sin_cos(i));
                 set(site, c % LANES, [r, v, p * cos - s * sin, p * sin + s * cos]);
             }
         }
-        Ok(Self { blocks, columns: count, dim, phase, windows: run.stats.steps })
+        Ok(Self { blocks, columns: count, dim, phases, windows: run.stats.steps })
     }
 
     /// Moves the columns over the window that the run has just done.
@@ -118,26 +119,26 @@ impl Tangent {
     /// # Errors
     /// Not the window after the last one that was followed; or sweeps that do not settle (windows
     /// far too long), after which the columns are of no use.
-    pub fn follow<C: ContactChain>(&mut self, run: &Collocation<C>) -> Result<(), Error> {
+    pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<C, S>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
-        let (cuts, phase) = (run.control.goal(h).cuts, run.state.phase.sin_cos());
+        let (cuts, phases) = (run.control.goal(h).cuts, &run.state.phases);
         let chain = &run.chain;
         let across = |block: &Block| {
-            let of = |b| across(chain, b, block, phase);
+            let of = |b| across(chain, b, block, phases);
             (0..chain.bonds()).map(of).collect()
         };
-        let mut bonds: Vec<Block> = self.blocks.iter().map(across).collect();
-        let result = run.solver.differentiate(&run.links, h, cuts, &mut bonds);
+        let mut bonds: Vec<BondBlock<S>> = self.blocks.iter().map(across).collect();
+        let result = run.solver.differentiate(&run.links, h, &cuts, &mut bonds);
         result.map_err(|(bond, residual)| Error::NoContraction { t: run.state.t.value(), h, bond, residual })?;
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
-            advance(chain, left, block, h, phase);
+            advance(chain, left, block, h, phases);
         }
-        self.phase = run.state.phase;
-        self.phase.advance(h);
+        self.phases.copy_from(phases);
+        self.phases.advance(h);
         self.windows = done;
         Ok(())
     }
@@ -147,15 +148,14 @@ impl Tangent {
     ///
     /// # Errors
     /// A run of another chain.
-    pub fn matrix<C: ContactChain>(&self, run: &Collocation<C>) -> Result<Vec<f64>, Error> {
+    pub fn matrix<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<Vec<f64>, Error> {
         self.check(run)?;
-        let (chain, (sin, cos)) = (&run.chain, self.phase.sin_cos());
-        let omega = chain.response().omega.value();
+        let chain = &run.chain;
         let mut columns = vec![0.0; self.columns * self.dim];
         for (c, column) in columns.chunks_exact_mut(self.dim).enumerate() {
             for (i, site) in self.blocks[c / LANES].iter().enumerate() {
-                let [r, v, c, s] = turned(get(site, c % LANES), (sin, cos));
-                chain.place([r, v, c, omega * s], i, column);
+                let [r, v, c, s] = turned(get(site, c % LANES), self.phases.sin_cos(i));
+                chain.place([r, v, c, chain.response(i).omega.value() * s], i, column);
             }
         }
         Ok(columns)
@@ -166,7 +166,7 @@ impl Tangent {
         self.columns
     }
 
-    fn check<C: ContactChain>(&self, run: &Collocation<C>) -> Result<(), Error> {
+    fn check<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
         if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.chain.sites()) {
             return Ok(());
         }
@@ -179,7 +179,7 @@ impl Tangent {
 ///
 /// # Errors
 /// As those of [`Collocation::new`], its steps, and [`Tangent`].
-pub fn monodromy<C: ContactChain>(
+pub fn monodromy<C: ContactChain<S>, const S: usize>(
     chain: C,
     y0: &[f64],
     span: (f64, f64),
@@ -213,45 +213,43 @@ fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
 }
 
 /// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `G D` in them.
-struct Row<'a, const M: usize> {
+struct Row<const M: usize> {
     bond: usize,
-    panel: &'a Panel<M>,
+    /// `D`.
     stiffness: [f64; M],
-    /// `G D` times the four functions of a linear path.
-    path: [[f64; M]; 4],
+    /// `G D` times the four functions of a linear path, on each side.
+    path: Vec<[f64; M]>,
     /// `G D T` for each other panel that acts on this one.
     from: Vec<(usize, [[f64; M]; M])>,
-    /// The path that the force at each node leaves behind.
-    left: [Path; M],
 }
 
 /// A solved window, and changes of the linear paths of its bonds, which become what they leave
 /// behind.
-pub(crate) struct Window<'a, const M: usize> {
-    pub(crate) links: &'a Links,
-    pub(crate) frame: &'a Frame<'a, M>,
-    pub(crate) bonds: &'a [Bond<M>],
-    pub(crate) columns: &'a mut [Block],
+pub(crate) struct Window<'a, const M: usize, const S: usize> {
+    pub(crate) frames: &'a Frames<'a, M, S>,
+    pub(crate) bonds: &'a [Bond<M, S>],
+    pub(crate) columns: &'a mut [BondBlock<S>],
 }
 
-impl<const M: usize> Kernel for Window<'_, M> {
+impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
     /// Or bond and residual where it did not settle.
     type Output = Result<(), (usize, f64)>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Self { links, frame, bonds, columns } = self;
-        let ring = links.ring && bonds.len() > 1;
-        let panels = laid_out(frame, bonds, ring);
-        let rows = rows(frame, bonds, &panels, ring);
+        let Self { frames, bonds, columns } = self;
+        let ring = frames.links.ring && bonds.len() > 1;
+        let panels = laid_out(frames, bonds, ring);
+        let (rows, left) = rows(frames, bonds, &panels, ring);
         let mut memory =
             Memory { driven: vec![[[0.0; LANES]; M]; rows.len()], force: vec![[[0.0; LANES]; M]; rows.len()] };
         for bond in columns {
-            f64::run_vector(System { rows: &rows, path: bond, memory: &mut memory })?;
-            bond.fill([[0.0; LANES]; 4]);
-            for (row, force) in rows.iter().zip(&memory.force) {
-                for (left, force) in row.left.iter().zip(force) {
-                    for (sum, &left) in bond[row.bond].iter_mut().zip(left) {
+            let path = bond.as_flattened().as_flattened();
+            solve(System { rows: &rows, path, memory: &mut memory })?;
+            bond.fill([[[0.0; LANES]; 4]; S]);
+            for ((row, left), force) in rows.iter().zip(&left).zip(&memory.force) {
+                for (left, force) in left.iter().zip(force) {
+                    for (sum, &left) in bond[row.bond].as_flattened_mut().iter_mut().zip(left.as_flattened()) {
                         add(sum, left, force);
                     }
                 }
@@ -261,14 +259,23 @@ impl<const M: usize> Kernel for Window<'_, M> {
     }
 }
 
-/// The changes of the linear path of a bond that changes of sites make, in phase `(sin, cos)`.
+/// The changes of the linear path of a bond that changes of sites make, in these phases.
 #[inline(always)]
-fn across<C: ContactChain>(chain: &C, bond: usize, block: &Block, phase: (f64, f64)) -> [Lanes; 4] {
-    let mut path = [[0.0; LANES]; 4];
+fn across<const S: usize, C: ContactChain<S>>(
+    chain: &C,
+    bond: usize,
+    block: &Block,
+    phases: &Phases<S>,
+) -> [[Lanes; 4]; S] {
+    let (mut paths, ends) = ([[[0.0; LANES]; 4]; S], chain.ends(bond));
     for lane in 0..LANES {
-        set(&mut path, lane, turned(chain.across(bond, |i| get(&block[i], lane)), phase));
+        let own = chain.across(bond, |i| get(&block[i], lane));
+        for side in 0..S {
+            let turn = ends[side].map_or((0.0, 1.0), |site| phases.sin_cos(site));
+            set(&mut paths[side], lane, turned(own[side], turn));
+        }
     }
-    path
+    paths
 }
 
 #[inline(always)]
@@ -281,7 +288,11 @@ fn add(to: &mut Lanes, by: f64, values: &Lanes) {
 /// The panels of a solved window, with their ends where the contacts of its solution begin and end,
 /// and the overlaps at their nodes.
 #[inline(always)]
-fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool) -> Vec<Panels<M>> {
+fn laid_out<const M: usize, const S: usize>(
+    frames: &Frames<'_, M, S>,
+    bonds: &[Bond<M, S>],
+    ring: bool,
+) -> Vec<Panels<M, S>> {
     let n = bonds.len();
     let mut anew = bonds.to_vec();
     for bond in &mut anew {
@@ -289,8 +300,8 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool)
             let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
             let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
             // By Newton's method once more; not far, for a contact that grazes has no slope.
-            let newton = |panel: &Panel<M>, end: usize| {
-                let by = -dot(&frame.rule.ends[end], &panel.overlap) / contact.slopes[end];
+            let newton = |panel: &Panel<M, S>, end: usize| {
+                let by = -dot(&frames.rule.ends[end], &panel.overlap) / contact.slopes[end];
                 let reach = 0.1 * (panel.end - panel.start);
                 if by.abs() <= reach { by } else { 0.0 }
             };
@@ -298,8 +309,8 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool)
             if contact.onset >= 0.0 {
                 contact.onset = (contact.onset + onset).max(0.0);
             }
-            if contact.release <= frame.h {
-                contact.release = (contact.release + release).min(frame.h);
+            if contact.release <= frames.h {
+                contact.release = (contact.release + release).min(frames.h);
             }
         }
     }
@@ -308,16 +319,18 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool)
     for b in 0..n {
         let beside = beside(b, n, ring);
         let mut me = anew[b].clone();
-        me.lay_out(frame, beside.map(|b| b.map(|b| &anew[b])), &mut old);
+        me.lay_out(&frames.of(b), beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
-            let at = (&panel.tau, &panel.cos, &panel.sin);
+            let at = panel.times();
             let mut g = [0.0; M];
             for (j, g) in g.iter_mut().enumerate() {
-                *g = along(&me.initial.path, panel.tau[j], panel.cos[j], panel.sin[j]);
+                *g = at.along(&me.initial.path, j);
             }
-            bonds[b].panels.influence(at, -me.initial.recoil, &mut g);
-            for b in beside.into_iter().flatten() {
-                bonds[b].panels.influence(at, 1.0, &mut g);
+            bonds[b].panels.own_influence_at_nodes(at, -me.initial.own(), &mut g);
+            for (k, b) in beside.into_iter().enumerate() {
+                if let Some(b) = b {
+                    bonds[b].panels.influence_at_nodes(at, Shared::with::<S>(k), 1.0, &mut g);
+                }
             }
             panel.overlap = g;
         }
@@ -326,56 +339,67 @@ fn laid_out<const M: usize>(frame: &Frame<'_, M>, bonds: &[Bond<M>], ring: bool)
     out
 }
 
-/// The linear system of a window, its influences from unit forces.
+/// The paths that unit forces at the nodes of a panel leave behind.
+type Traces<const M: usize, const S: usize> = [[Path; S]; M];
+
+/// The linear system of a window, its influences from unit forces, and what these leave behind.
 #[inline(always)]
-fn rows<'a, const M: usize>(
-    frame: &Frame<'_, M>,
-    bonds: &[Bond<M>],
-    panels: &'a [Panels<M>],
+fn rows<const M: usize, const S: usize>(
+    frames: &Frames<'_, M, S>,
+    bonds: &[Bond<M, S>],
+    panels: &[Panels<M, S>],
     ring: bool,
-) -> Vec<Row<'a, M>> {
+) -> (Vec<Row<M>>, Vec<Traces<M, S>>) {
     let n = bonds.len();
-    let (mut rows, mut first) = (Vec::new(), vec![0]);
+    let (mut rows, mut all, mut traces, mut first) = (Vec::new(), Vec::new(), Vec::new(), vec![0]);
     for (b, panels) in panels.iter().enumerate() {
         for panel in panels.as_slice() {
-            let stiffness = panel.overlap.map(|g| if g > 0.0 { frame.law.stiffness(g) } else { 0.0 });
+            let link = frames.links.link(b);
+            let stiffness = panel.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
-            let path = [stiffness, scaled(&panel.tau), scaled(&panel.cos), scaled(&panel.sin)];
-            rows.push(Row { bond: b, panel, stiffness, path, from: Vec::new(), left: [[0.0; 4]; M] });
+            let side = |k| [stiffness, scaled(&panel.tau), scaled(&panel.cos[k]), scaled(&panel.sin[k])];
+            let path = (0..S).flat_map(side).collect();
+            rows.push(Row { bond: b, stiffness, path, from: Vec::new() });
+            all.push(panel);
         }
         first.push(rows.len());
     }
-    let mut source = Panels { list: vec![Panel::new()], len: 1, version: 0, total: [0.0; 4] };
+    let mut source = Panels { list: vec![Panel::new()], len: 1, version: 0, total: [[0.0; 4]; S] };
     for q in 0..rows.len() {
         let b = rows[q].bond;
-        source.list[0].clone_from(rows[q].panel);
-        source.list[0].before = [0.0; 4];
+        source.list[0].clone_from(all[q]);
+        source.list[0].before = [[0.0; 4]; S];
         let start = source.list[0].start;
-        let [left, right] = beside(b, n, ring).map(|b| b.map(|b| (b, 1.0)));
-        let targets: Vec<(usize, f64)> = [Some((b, -bonds[b].initial.recoil)), left, right]
+        let [left, right] = beside(b, n, ring);
+        // For the bond before it this one is that behind, and the other way round.
+        let own = (Some(b), None, -bonds[b].initial.own());
+        let targets: Vec<(usize, Option<usize>, f64)> = [own, (left, Some(1), 1.0), (right, Some(0), 1.0)]
             .into_iter()
-            .flatten()
-            .flat_map(|(b, weight)| (first[b]..first[b + 1]).map(move |p| (p, weight)))
-            .filter(|&(p, _)| rows[p].panel.end > start)
+            .filter_map(|(b, seen, weight)| Some((b?, seen, weight)))
+            .flat_map(|(b, seen, weight)| (first[b]..first[b + 1]).map(move |p| (p, seen, weight)))
+            .filter(|&(p, ..)| all[p].end > start)
             .collect();
-        for &(p, _) in &targets {
+        for &(p, ..) in &targets {
             rows[p].from.push((q, [[0.0; M]; M]));
         }
         for l in 0..M {
             source.list[0].force = [0.0; M];
             source.list[0].force[l] = 1.0;
-            source.total = source.list[0].integrate(frame);
-            for &(p, weight) in &targets {
-                let row = &mut rows[p];
+            source.total = source.list[0].integrate(&frames.of(b));
+            for &(p, seen, weight) in &targets {
+                let (row, times) = (&mut rows[p], all[p].times());
                 let mut out = [0.0; M];
-                source.influence((&row.panel.tau, &row.panel.cos, &row.panel.sin), weight, &mut out);
+                match seen {
+                    Some(k) => source.influence_at_nodes(times, Shared::with::<S>(k), weight, &mut out),
+                    None => source.own_influence_at_nodes(times, weight, &mut out),
+                }
                 let Some((_, matrix)) = row.from.last_mut() else { continue };
                 for j in 0..M {
                     matrix[l][j] += row.stiffness[j] * out[j];
                 }
             }
         }
-        rows[q].left = source.list[0].left;
+        traces.push(source.list[0].left);
     }
     for (p, row) in rows.iter_mut().enumerate() {
         let Some(own) = row.from.iter().position(|&(q, _)| q == p) else { continue };
@@ -384,7 +408,7 @@ fn rows<'a, const M: usize>(
             *column = product(&answer, column);
         }
     }
-    rows
+    (rows, traces)
 }
 
 /// `(I - A)^{-1}`, by elimination with pivots.
@@ -444,9 +468,16 @@ struct Progress {
 
 /// `df = D (dg_lin + T df)` for some columns.
 struct System<'a, const M: usize> {
-    rows: &'a [Row<'a, M>],
-    path: &'a [[Lanes; 4]],
+    rows: &'a [Row<M>],
+    /// Of all sides of all bonds.
+    path: &'a [Lanes],
     memory: &'a mut Memory<M>,
+}
+
+/// Compiled once, not once in each kind of window.
+#[inline(never)]
+fn solve<const M: usize>(system: System<'_, M>) -> Result<(), (usize, f64)> {
+    f64::run_vector(system)
 }
 
 impl<const M: usize> System<'_, M> {
@@ -454,10 +485,12 @@ impl<const M: usize> System<'_, M> {
     #[inline(always)]
     fn drive<V: Vector<f64>>(&mut self, p: usize) {
         let (row, driven) = (&self.rows[p], &mut self.memory.driven[p]);
+        let sides = row.path.len();
+        let paths = &self.path[row.bond * sides..][..sides];
         for at in (0..LANES).step_by(V::LANES) {
             for j in 0..M {
                 let mut sum = V::all(0.0);
-                for (function, path) in row.path.iter().zip(&self.path[row.bond]) {
+                for (function, path) in row.path.iter().zip(paths) {
                     sum = V::all(function[j]).fused(part(path, at), sum);
                 }
                 put(&mut driven[j], at, sum);
@@ -542,10 +575,17 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
 
 /// The derivative of what [`State::advance`](super::State) does.
 #[inline(always)]
-fn advance<C: ContactChain>(chain: &C, left: &[[Lanes; 4]], block: &mut Block, h: f64, (sin, cos): (f64, f64)) {
+fn advance<const S: usize, C: ContactChain<S>>(
+    chain: &C,
+    left: &BondBlock<S>,
+    block: &mut Block,
+    h: f64,
+    phases: &Phases<S>,
+) {
     for (i, site) in block.iter_mut().enumerate() {
+        let (sin, cos) = phases.sin_cos(i);
         for lane in 0..LANES {
-            let by = chain.push(i, |b| get(&left[b], lane));
+            let by = chain.push(i, |b| left[b].each_ref().map(|left| get(left, lane)));
             let [r, v, c, s] = get(site, lane);
             let v = v + by[1];
             let (c, s) = (c + (by[2] * cos - by[3] * sin), s + (by[2] * sin + by[3] * cos));

@@ -92,8 +92,8 @@ impl<C: ContactChain> Modal<C> {
         for sweep in 1..=SWEEPS {
             let (mut change, mut largest) = (0.0f64, 0.0f64);
             for b in 0..phi.len() {
-                let others = |i: usize| self.chain.push(i, |c| path(if c == b { 0.0 } else { phi[c] }));
-                let aim = loose[b] + reach * self.chain.across(b, others)[0];
+                let others = |i: usize| self.chain.push(i, |c| [path(if c == b { 0.0 } else { phi[c] })]);
+                let aim = loose[b] + reach * self.chain.across(b, others)[0][0];
                 let new = force(&self.law, before[b], aim, reach * self.recoil[b]);
                 (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
                 phi[b] = new;

@@ -48,14 +48,14 @@ struct Modal<C> {
 
 impl<C: ContactChain> Modal<C> {
     fn new(chain: C) -> Self {
-        let response = chain.response();
+        let response = chain.response(0);
         let omega = response.omega.value();
-        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| path(f64::from(u8::from(c == b)))))[0];
+        let recoil = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
         let zeros = || vec![0.0; chain.bonds()];
         Self {
             recoil: (0..chain.bonds()).map(recoil).collect(),
             overlaps: [zeros(), zeros()],
-            law: chain.law(),
+            law: chain.law(0),
             m: response.m,
             mu: response.mu,
             stiffness: omega * omega,
@@ -85,17 +85,17 @@ impl<C: ContactChain> Modal<C> {
 
     /// The overlap of a bond where sites are at given positions.
     fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
-        self.chain.rest() + self.rate(b, position)
+        self.chain.rest(b) + self.rate(b, position)
     }
 
     /// The rate of an overlap where sites have given velocities.
     fn rate(&self, b: usize, velocity: impl Fn(usize) -> f64) -> f64 {
-        self.chain.across(b, |i| path(velocity(i)))[0]
+        self.chain.across(b, |i| path(velocity(i)))[0][0]
     }
 
     /// The contact force on a site, from those of bonds.
     fn push(&self, i: usize, force: &[f64]) -> f64 {
-        self.chain.push(i, |b| path(force[b]))[0]
+        self.chain.push(i, |b| [path(force[b])])[0]
     }
 }
 

@@ -7,7 +7,7 @@ mod report;
 
 pub(super) use ladder::{steps_for_kicks, time};
 
-use super::{Changes, Progress, Study, Work, fit_line, methods, scene};
+use super::{Changes, Progress, Study, Work, fit_line, methods};
 use crate::{
     chain::Resonators,
     error::{Error, Result},
@@ -77,16 +77,28 @@ fn integrators_help() -> String {
 }
 
 impl CompareOptions {
-    fn methods(&self) -> Result<Vec<Method>> {
-        methods(&self.integrators, Method::telling)
+    /// The methods: those that are named must be able to run the scene, of all others those that
+    /// can are taken.
+    fn methods(&self, scene: &Scene) -> Result<Vec<Method>> {
+        let mut methods = methods(&self.integrators, Method::telling)?;
+        if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
+            methods.iter().try_for_each(|method| method.runs(scene.chain()))?;
+        }
+        methods.retain(|method| method.runs(scene.chain()).is_ok());
+        Ok(methods)
     }
 
     /// The methods, then the plain loops.
     fn entrants(&self, scene: &Scene) -> Result<Vec<Entrant>> {
-        let turning = scene.chain().params().resonators() != Resonators::None;
-        // Without resonators nothing turns: both loops are the same.
-        let loops = [Loop::VERLET, Loop::ROTATION].into_iter().take(if turning { 2 } else { 1 });
-        Ok(self.methods()?.into_iter().map(Entrant::Method).chain(loops.map(Entrant::Plain)).collect())
+        // Plain loops are those of uniform chains. Without resonators nothing turns: both are the
+        // same.
+        let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
+            (Some(_), _) => 0,
+            (None, Resonators::None) => 1,
+            (None, _) => 2,
+        };
+        let loops = [Loop::VERLET, Loop::ROTATION].into_iter().take(loops);
+        Ok(self.methods(scene)?.into_iter().map(Entrant::Method).chain(loops.map(Entrant::Plain)).collect())
     }
 }
 
@@ -95,8 +107,12 @@ impl Study for Compare {
     const STOPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = scene(&self.scene, &self.set)?;
-        self.options.methods()?;
+        let scene = Scene::load_with(&self.scene, &self.set.set)?;
+        if scene.chain().open() {
+            let rule = "comparisons are of chains without damping, dissipation and drives";
+            return Err(Error::parameter("scene", &self.scene, rule));
+        }
+        self.options.methods(&scene)?;
         Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?))))
     }
 }

@@ -253,7 +253,7 @@ mod tests {
     fn every_builtin_scene_has_a_reference_made_for_it() {
         for (name, _) in Scene::list() {
             let scene = Scene::load(name).unwrap();
-            // `compare` runs uniform chains.
+            // References of other chains are computed.
             if scene.chain().details().is_some() {
                 continue;
             }

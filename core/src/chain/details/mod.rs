@@ -17,6 +17,7 @@
 //! The state of a chain with damping or drives has four more entries at its end, the [`Ledger`]:
 //! what was dissipated and driven since the start. Energy + dissipated - driven is constant.
 
+mod collocated;
 mod contact;
 mod drive;
 mod field;
@@ -27,6 +28,7 @@ mod stretches;
 mod turns;
 mod variations;
 
+pub use collocated::Differing;
 pub use contact::{Dissipation, Kind};
 pub use drive::{Drive, Envelope, Harmonic, Means, Signal};
 pub use flow::SitewiseFlow;

@@ -1,7 +1,12 @@
 //! What a window is held to.
 
 use super::{
-    super::{goal::Goal, layout::Cuts, sites::Site, system::ContactChain},
+    super::{
+        goal::Goal,
+        layout::Cuts,
+        sites::Site,
+        system::{ContactChain, Links},
+    },
     Pace,
     nodes::analytic,
 };
@@ -52,24 +57,65 @@ pub(super) struct Accuracy {
     /// Size of velocities: the largest at the start, or that to which the largest contact force
     /// would drive a bead.
     size: f64,
-    alpha: f64,
+    contacts: Contacts,
+}
+
+/// The contacts of a chain in numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contacts {
+    /// The smallest and the largest exponent.
+    alphas: [f64; 2],
+    /// Whether all exponents are whole or half numbers.
+    pub(super) analytic: bool,
+    /// The largest acceleration that a unit overlap makes.
+    strongest: f64,
+}
+
+impl Contacts {
+    pub(super) fn of<const S: usize, C: ContactChain<S>>(chain: &C, links: &Links<S>) -> Self {
+        let kinds = if S == 1 { 1 } else { chain.bonds() };
+        let alphas: Vec<f64> = (0..kinds).map(|b| chain.law(b).alpha()).collect();
+        Self {
+            alphas: [alphas.iter().copied().fold(f64::INFINITY, f64::min), alphas.iter().copied().fold(0.0, f64::max)],
+            analytic: alphas.iter().all(|&alpha| analytic(alpha)),
+            strongest: links.each().fold(0.0, |most, link| most.max(link.constant() * link.lightest())),
+        }
+    }
+
+    /// The smallest value of a monotonic function of the exponent.
+    fn least(&self, of: impl Fn(f64) -> f64) -> f64 {
+        let [a, b] = self.alphas;
+        if a == b { of(a) } else { of(a).min(of(b)) }
+    }
 }
 
 impl Accuracy {
-    pub(super) fn new<C: ContactChain>(chain: &C, sites: &[Site], pace: Pace, span: f64) -> Self {
-        let (law, omega) = (chain.law(), chain.response().omega.value());
+    pub(super) fn new<const S: usize, C: ContactChain<S>>(
+        (chain, links): (&C, &Links<S>),
+        sites: &[Site],
+        pace: Pace,
+        span: f64,
+    ) -> Self {
         let mut size = 0.0f64;
-        for site in sites {
+        for (i, site) in sites.iter().enumerate() {
+            let omega = chain.response(i).omega.value();
             size = size.max(site.hi[1].abs() + omega * site.hi[2].hypot(site.hi[3]));
         }
         for b in 0..chain.bonds() {
-            let [r, _, c, _] = chain.across(b, |i| sites[i].hi);
-            let now = chain.rest() + r + c;
+            let mut now = chain.rest(b);
+            for [r, _, c, _] in chain.across(b, |i| sites[i].hi) {
+                now = now + r + c;
+            }
             if now > 0.0 {
-                size = size.max((2.0 * law.force(now) * now).sqrt());
+                let link = links.link(b);
+                size = size.max((2.0 * link.force(now) * now * link.lightest()).sqrt());
             }
         }
-        Self { pace, span, size: if size > 0.0 { size } else { 1.0 }, alpha: law.alpha() }
+        Self { pace, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(chain, links) }
+    }
+
+    pub(super) fn contacts(&self) -> &Contacts {
+        &self.contacts
     }
 
     pub(super) fn span(&self) -> f64 {
@@ -87,7 +133,8 @@ impl Accuracy {
             }
         };
         let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
-        let lost = |power: f64| h * least.powf(1.0 / power);
+        let lost = self.contacts.least(|alpha| h * least.powf(1.0 / (alpha + 3.0)));
+        let acceleration = 0.1 * least * self.size / h / self.contacts.strongest;
         Goal {
             change: change.max(BIAS) * self.size,
             rounded: 0.1 * ROUNDING * self.size,
@@ -100,14 +147,14 @@ impl Accuracy {
             },
             cuts: Cuts {
                 neighbours: !matches!(self.pace, Pace::Windows { neighbours: false, .. }),
-                merge: lost(self.alpha + 3.0),
+                merge: lost,
                 near: match self.pace {
-                    Pace::Tolerance(_) if analytic(self.alpha) => NEAR[1],
+                    Pace::Tolerance(_) if self.contacts.analytic => NEAR[1],
                     _ => NEAR[0],
                 },
                 event_impulse: 0.1 * least * self.size,
-                least_overlap: (0.1 * least * self.size / h).powf(1.0 / self.alpha),
-                least_move_beside: lost(self.alpha + 3.0),
+                least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)),
+                least_move_beside: lost,
             },
         }
     }

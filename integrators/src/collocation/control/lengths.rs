@@ -1,6 +1,10 @@
 //! The length of the next window.
 
-use super::super::{block::Verdict, sites::Site, system::ContactChain};
+use super::super::{
+    block::Verdict,
+    sites::Site,
+    system::{ContactChain, Links},
+};
 use super::nodes::MOST_HALVED;
 
 /// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones
@@ -49,10 +53,16 @@ struct Stiffness {
 }
 
 impl Lengths {
-    pub(super) fn new<C: ContactChain>(chain: &C, sites: &[Site], span: f64) -> Self {
+    pub(super) fn new<const S: usize, C: ContactChain<S>>(
+        (chain, links): (&C, &Links<S>),
+        sites: &[Site],
+        span: f64,
+    ) -> Self {
         let reach = sites.iter().fold(0.0f64, |far, site| far.max(site.hi[0].abs() + site.hi[2].hypot(site.hi[3])));
-        let stiffness = chain.law().stiffness(chain.rest() + 2.0 * reach);
-        let omega = chain.response().omega.value();
+        let kinds = |all: usize| if S == 1 { 1 } else { all };
+        let stiffness = |b: usize| links.link(b).stiffness(chain.rest(b) + 2.0 * reach) * links.link(b).lightest();
+        let stiffness = (0..kinds(chain.bonds())).map(stiffness).fold(0.0, f64::max);
+        let omega = (0..kinds(chain.sites())).map(|i| chain.response(i).omega.value()).fold(0.0, f64::max);
         let rate = stiffness.sqrt().max(omega.min(FASTEST)).max(1.0 / span);
         Self { h: (FIRST / rate).min(span), given_up: 0.0, stiffness: Stiffness::new() }
     }

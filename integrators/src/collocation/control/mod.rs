@@ -11,7 +11,13 @@ mod accuracy;
 mod lengths;
 mod nodes;
 
-use super::{block::Verdict, goal::Goal, sites::Site, solver::NODES, system::ContactChain};
+use super::{
+    block::Verdict,
+    goal::Goal,
+    sites::Site,
+    solver::NODES,
+    system::{ContactChain, Links},
+};
 use crate::{clock::Twofold, error::Error};
 use accuracy::Accuracy;
 use lengths::Lengths;
@@ -80,12 +86,13 @@ fn rule(name: &'static str, value: f64, rule: &'static str) -> Error {
 }
 
 impl Control {
-    pub(crate) fn new<C: ContactChain>(
-        chain: &C,
+    pub(crate) fn new<const S: usize, C: ContactChain<S>>(
+        chain: (&C, &Links<S>),
         sites: &[Site],
         pace: Pace,
         span: Twofold<f64>,
     ) -> Result<Self, Error> {
+        let accuracy = Accuracy::new(chain, sites, pace, span.value());
         let plan = match pace {
             Pace::Windows { windows, nodes, .. } => {
                 if windows == 0 {
@@ -102,10 +109,10 @@ impl Control {
                     return Err(rule("tol", tol, "from 1e-15 to 0.1"));
                 }
                 let lengths = Lengths::new(chain, sites, span.value());
-                Plan::Adapted(Adapted { lengths, nodes: NodeChoice::new(tol, chain.law().alpha()), halved: 0.0 })
+                let nodes = NodeChoice::new(tol, accuracy.contacts().analytic);
+                Plan::Adapted(Adapted { lengths, nodes, halved: 0.0 })
             }
         };
-        let accuracy = Accuracy::new(chain, sites, pace, span.value());
         Ok(Self { accuracy, plan, finished: span.value() <= 0.0 })
     }
 

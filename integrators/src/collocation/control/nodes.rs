@@ -35,8 +35,9 @@ pub(super) struct NodeChoice {
 }
 
 impl NodeChoice {
-    /// For a tolerance; so many as most runs come to. Chosen, not measured.
-    pub(super) fn new(tol: f64, alpha: f64) -> Self {
+    /// For a tolerance, and forces that are [`analytic`] or not; so many as most runs come to.
+    /// Chosen, not measured.
+    pub(super) fn new(tol: f64, analytic: bool) -> Self {
         let count: usize = match tol {
             1e-3.. => 4,
             1e-5.. => 6,
@@ -45,7 +46,7 @@ impl NodeChoice {
             _ => 12,
         };
         // Where no variable makes the force analytic, its last terms tell less.
-        let (count, least) = if analytic(alpha) { (count, 4) } else { (count.max(LEAST), count.max(LEAST)) };
+        let (count, least) = if analytic { (count, 4) } else { (count.max(LEAST), count.max(LEAST)) };
         Self { count, least, since: 0, tail: 0.0 }
     }
 

@@ -1,0 +1,317 @@
+//! Contact collocation of chains whose beads and bonds differ.
+
+use crate::{
+    common::{collocated, distance, largest},
+    details::{run, stored},
+    windows,
+};
+use hertzchain::{
+    chain::{Boundary, Chain, Details, Params, Site, State, Variations},
+    integrators::{
+        Instructions, Silent, Stepper,
+        collocation::{Pace, Tangent},
+        drive,
+    },
+    run::{Method, Records, Run, Setting},
+    scene::Scene,
+};
+use std::sync::{Mutex, PoisonError};
+
+/// Numbers from 0 to 1, the same in every run.
+fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A chain in which everything differs from bead to bead and from bond to bond, and a state in
+/// which beads meet and part: walls and gaps, exponents 3/2, 2 and 5/2, sites without resonators
+/// and with ones that stay at rest.
+fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>) {
+    let mut next = random(seed);
+    let mut within = |from: f64, to: f64| from + (to - from) * next();
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
+    let bonds = uniform.touching().len();
+    let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
+    let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
+    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
+    let rho = list(sites, -0.5, 2.5).into_iter().map(|rho| if rho > 2.2 { f64::INFINITY } else { rho.max(0.0) });
+    let details = Details {
+        rho: rho.collect(),
+        mass: list(sites, 0.5, 2.0),
+        kappa: list(sites, 0.5, 2.0),
+        contact: list(bonds, 0.5, 2.0),
+        alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
+        overlap: list(bonds, -0.2, held),
+        ..Details::default()
+    };
+    let chain = uniform.with(&details).unwrap();
+    let state = State::from_fn(&chain, |_| {
+        let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
+        Site { u, v, u_dot, v_dot }
+    });
+    (chain, state.unwrap().as_slice().to_vec())
+}
+
+fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {
+    let mut run = chain.differing_collocation(y0, (0.0, end), pace).unwrap();
+    let mut y = y0.to_vec();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+fn of(chain: &Chain<f64>, y0: &[f64], end: f64) -> Run {
+    let mut state = State::rest(chain);
+    state.as_mut_slice().copy_from_slice(y0);
+    Run::new(chain.clone(), state).until(end).unwrap()
+}
+
+fn regularised(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
+    let run = of(chain, y0, end).method(Method::named("dop853-regularised").unwrap()).records(Records::End);
+    run.setting(Setting::Tolerance(3e-15)).start().unwrap().complete().unwrap().state
+}
+
+const BOUNDARIES: [Boundary; 3] = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
+
+#[test]
+fn twelve_beads_and_two_hundred_contacts_are_those_of_another_program() {
+    // Truth: `tests/reference/details.py` and `quad.c`, with 34 and 33 digits, whose own errors are
+    // below 1e-17 and 1e-14. Measured: 5.6e-16, and 5.3e-13 where DOP853 errs by 2.8e-11.
+    for (name, bound, least) in [("conservative", 2e-15, 5), ("twelve", 1e-11, 200)] {
+        let (chain, state, end, want) = stored(name);
+        assert_eq!(Method::by_tolerance(&chain), Method::Collocation);
+        let here = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
+        let outcome = here.start().unwrap().complete().unwrap();
+        let (error, energy) = (distance(&outcome.state, &want), outcome.energy_error.unwrap());
+        let contacts = outcome.contacts.unwrap().len();
+        let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(3e-15)).state;
+        println!("{name}: {error:e}, energy {energy:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
+        assert!(error < bound && energy < 1e-14 && contacts >= least, "{name}: {error:e} {energy:e} {contacts}");
+    }
+}
+
+#[test]
+fn tolerances_are_kept_over_eight_decades() {
+    // Truth: regularised DOP853 at 3e-15 a step. The tolerance is relative to the size of
+    // velocities.
+    let mut table = vec![Vec::new(); 9];
+    for seed in 0..6 {
+        let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12);
+        let want = regularised(&chain, &y0, 8.0);
+        let half = y0.len() / 2;
+        let size = largest(y0[half..].iter().copied());
+        for (k, row) in table.iter_mut().enumerate() {
+            let tol = 10f64.powi(-4 - k as i32);
+            let error = distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want) / (tol * size);
+            row.push(error);
+        }
+    }
+    for (k, row) in table.iter().enumerate() {
+        println!("1e-{}: at most {:.1e}", k + 4, largest(row.iter().copied()));
+    }
+    for row in table {
+        assert!(row.iter().all(|error| *error < 3.0), "{row:?}");
+    }
+}
+
+#[test]
+fn struck_chains_keep_tolerances_times_what_the_motion_makes_of_a_perturbation() {
+    // Truth: the finest run, which the test above holds against others; and the tangent map, whose
+    // largest entry from a velocity says what becomes of a perturbation.
+    for name in ["dimer", "disorder"] {
+        let scene = Scene::load(name).unwrap();
+        let (chain, y0, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
+        let want = collocation(chain, y0, end, Pace::Tolerance(1e-15));
+        let columns = chain.monodromy(y0, (0.0, end), Pace::Tolerance(1e-12)).unwrap();
+        let amplification = largest(columns[columns.len() / 2..].iter().copied());
+        let errors: Vec<f64> = (3..13)
+            .map(|k| {
+                let tol = 10f64.powi(-k);
+                distance(&collocation(chain, y0, end, Pace::Tolerance(tol)), &want) / (tol * amplification)
+            })
+            .collect();
+        println!("{name} {amplification:.1}: {errors:.2?}");
+        assert!(errors.iter().all(|error| *error < 3.0), "{name}: {errors:?}");
+    }
+}
+
+#[test]
+fn beads_that_are_all_equal_are_the_uniform_chain() {
+    // Truth: the chain without details, in the same windows; roundings, which contacts enlarge. A
+    // ring of one bead has a bond that no force moves, one of two beads two bonds between the same
+    // sites.
+    for (rho, boundary, n) in [
+        (0.0, Boundary::Free, 10),
+        (0.4, Boundary::Fixed, 10),
+        (f64::INFINITY, Boundary::Ring, 10),
+        (0.4, Boundary::Ring, 9),
+        (0.4, Boundary::Ring, 1),
+        (0.4, Boundary::Ring, 2),
+        (0.4, Boundary::Fixed, 1),
+        (0.0, Boundary::Free, 1),
+    ] {
+        let uniform = Chain::<f64>::new(Params::new(1.5, 1.3, rho).unwrap(), boundary, n).unwrap();
+        let (_, y) = varied(5, boundary, n);
+        let state = State::from_fn(&uniform, |i| {
+            let v = if rho == 0.4 { y[i] } else { 0.0 };
+            Site { u: y[i], v, u_dot: y[y.len() / 2 + i], v_dot: v }
+        });
+        let y0 = state.unwrap().as_slice().to_vec();
+        let chain = uniform.clone().with(&Details::default()).unwrap();
+        let pace = windows(80, 12);
+        let gap = distance(&collocation(&chain, &y0, 8.0, pace), &collocated(&uniform, &y0, 8.0, pace).0);
+        println!("{rho} {boundary:?} {n}: {gap:e}");
+        assert!(gap < 2e-13, "{rho} {boundary:?} {n}: {gap:e}");
+    }
+}
+
+#[test]
+fn panels_cut_at_events_of_neighbours_keep_the_order_where_beads_differ() {
+    // Truth: the finest run. Mean of errors over nearby numbers of windows. Measured: 6.79.
+    let (chain, y0) = varied(1, Boundary::Fixed, 8);
+    let want = collocation(&chain, &y0, 8.0, Pace::Tolerance(1e-14));
+    let mean = |count: u64| {
+        let error = |k: u64| {
+            let pace = Pace::Windows { windows: count + count * k / 24, nodes: 10, neighbours: true };
+            distance(&collocation(&chain, &y0, 8.0, pace), &want).ln()
+        };
+        ((0..12).map(error).sum::<f64>() / 12.0).exp()
+    };
+    let (coarse, fine) = (mean(12), mean(32));
+    let slope = (coarse / fine).ln() / (32.0f64 / 12.0).ln();
+    println!("{coarse:e} {fine:e}: {slope:.2}");
+    assert!(slope > 6.0, "{slope}");
+}
+
+#[test]
+fn contacts_are_those_that_a_search_of_every_step_finds() {
+    // Truth: the regularised run, sampled and searched for events. A bond with the constant zero is
+    // no contact, whatever its overlap.
+    let (chain, y0) = varied(4, Boundary::Fixed, 12);
+    let log = |method: &str, tol: f64| {
+        let run = of(&chain, &y0, 24.0).method(Method::named(method).unwrap()).setting(Setting::Tolerance(tol));
+        run.records(Records::End).contacts().start().unwrap().contacts.unwrap()
+    };
+    let (found, expected) = (log("collocation", 1e-12), log("dop853-regularised", 1e-14));
+    assert!(found.len() == expected.len() && found.len() > 40, "{} {}", found.len(), expected.len());
+    let off = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs(),
+        (a, b) => {
+            if a == b {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        }
+    };
+    let mut worst = [0.0f64; 3];
+    for (a, b) in found.iter().zip(&expected) {
+        assert_eq!(a.bond, b.bond);
+        let speeds = off(a.approach, b.approach).max(off(a.separation, b.separation));
+        let here = [off(a.onset, b.onset).max(off(a.release, b.release)), speeds, (a.impulse - b.impulse).abs()];
+        worst = std::array::from_fn(|k| worst[k].max(here[k]));
+    }
+    println!("times, speeds, impulses: {worst:?}");
+    // Measured: 9.8e-12, 5.1e-9, 1.3e-12.
+    assert!(worst[0] < 2e-11 && worst[1] < 1e-8 && worst[2] < 3e-12, "{worst:?}");
+    let free = Details { contact: vec![1.0, 0.0, 1.0], overlap: vec![0.0; 3], ..Details::default() };
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 4).unwrap().with(&free).unwrap();
+    let end = collocation(&chain, &[0.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], 3.0, Pace::Tolerance(1e-10));
+    assert_eq!(end, [0.0, 3.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], "a bead passes through where no contact is");
+}
+
+#[test]
+fn energy_is_kept_over_a_long_time() {
+    // Truth: the invariant. Measured: 3e-14.
+    let (chain, y0) = varied(2, Boundary::Ring, 12);
+    let run = of(&chain, &y0, 1000.0).tolerance(1e-12).unwrap().records(Records::Energy);
+    let error = run.start().unwrap().complete().unwrap().energy_error.unwrap();
+    println!("{error:e}");
+    assert!(error < 7e-14, "{error:e}");
+}
+
+/// Instruction sets are those of all threads: one test at a time chooses them.
+static SETS: Mutex<()> = Mutex::new(());
+
+#[test]
+fn instruction_sets_and_samples_and_legs_do_not_change_bits() {
+    let _alone = SETS.lock().unwrap_or_else(PoisonError::into_inner);
+    let (chain, y0) = varied(3, Boundary::Ring, 12);
+    let (widest, ends) = (Instructions::used(), |set: Instructions| {
+        assert!(set.select());
+        [1e-5, 1e-8, 1e-12].map(|tol| collocation(&chain, &y0, 6.0, Pace::Tolerance(tol)))
+    });
+    let all: Vec<_> = Instructions::ALL.into_iter().filter(|set| set.available()).map(ends).collect();
+    assert!(widest.select());
+    for other in &all[1..] {
+        assert_eq!(&all[0], other);
+    }
+    let seen = of(&chain, &y0, 6.0).tolerance(1e-8).unwrap().samples(100).unwrap().start().unwrap().complete().unwrap();
+    assert_eq!(seen.state, all[0][1]);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    // Three blocks, and one in which nothing happens.
+    let (chain, mut y0) = varied(6, Boundary::Free, 1000);
+    for part in y0.chunks_mut(1000) {
+        part[600..].fill(0.0);
+    }
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| collocation(&chain, &y0, 2.0, Pace::Tolerance(1e-9)))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(3));
+    // Blocks are solved separately and fit together.
+    let drift = (chain.energy(&one).total() / chain.energy(&y0).total() - 1.0).abs();
+    println!("energy {drift:e}");
+    // Measured: 1.6e-14.
+    assert!(drift < 4e-14, "{drift:e}");
+}
+
+/// `dy(t)/dy(0)` by regularised DOP853 of the variations, by columns.
+fn variations(chain: &Chain<f64>, y0: &[f64], t: f64) -> Vec<f64> {
+    let dim = y0.len();
+    let unit: Vec<f64> = (0..dim * dim).map(|k| f64::from(u8::from(k % (dim + 1) == 0))).collect();
+    let rows = Variations::flow(chain, y0, (0.0, t), &unit, 1e-14).unwrap().columns;
+    (0..dim * dim).map(|k| rows[k % dim * dim + k / dim]).collect()
+}
+
+#[test]
+fn the_tangent_map_is_that_of_the_variational_equation() {
+    // Truth: the variational equation by regularised DOP853. Resonators that are not there, and
+    // those at rest, have no variations.
+    for seed in [7, 8, 9] {
+        let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 6);
+        let (dim, n) = (y0.len(), 6);
+        let want = variations(&chain, &y0, 5.0);
+        let got = chain.monodromy(&y0, (0.0, 5.0), windows(400, 12)).unwrap();
+        let moves = |k: usize| (k / n).is_multiple_of(2) || chain.resonator_moves(k % n);
+        let counts = |k: &usize| moves(k / dim) && moves(k % dim);
+        let size = largest(want.iter().copied());
+        let gap = (0..dim * dim).filter(counts).map(|k| (got[k] - want[k]).abs()).fold(0.0, f64::max) / size;
+        println!("{seed}: {gap:e} of {size:.1}");
+        assert!(gap < 1e-11, "{seed}: {gap:e}");
+        // A column that is followed alone is that of the matrix.
+        let mut run = chain.differing_collocation(&y0, (0.0, 5.0), windows(400, 12)).unwrap();
+        let mut tangent = Tangent::new(&run, &[vec![1.0], vec![0.0; dim - 1]].concat()).unwrap();
+        while !run.done() {
+            run.step().unwrap();
+            tangent.follow(&run).unwrap();
+        }
+        assert!(distance(&tangent.matrix(&run).unwrap(), &got[..dim]) < 1e-13 * size);
+    }
+}
+
+#[test]
+fn chains_that_dissipate_or_are_driven_are_refused_with_a_way_out() {
+    let damped = Details { drag: vec![0.1; 3], ..Details::default() };
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap().with(&damped).unwrap();
+    let run = of(&chain, &[0.0; 10], 1.0).method(Method::Collocation).tolerance(1e-9).unwrap();
+    let message = run.start().unwrap_err().to_string();
+    assert!(message.contains("collocation") && message.contains("dop853-regularised"), "{message}");
+}
