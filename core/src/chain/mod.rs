@@ -35,8 +35,8 @@ pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use details::{
-    Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns, Variations,
-    Varied,
+    Details, Differing, Dissipation, Drive, Envelope, Harmonic, Kind, Ledger, Means, Signal, SitewiseFlow, Turns,
+    Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
