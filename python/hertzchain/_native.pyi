@@ -115,6 +115,7 @@ def continue_branch(
     points: int,
     natural: bool,
     weak: float,
+    bound: bool,
     progress: Callable[[float], Any] | None,
 ) -> tuple[str, bytes]: ...
 def load_branch(path: Any) -> tuple[str, bytes]: ...

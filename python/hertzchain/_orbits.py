@@ -164,6 +164,7 @@ class BranchPoint:
     max_modulus: float
     symplectic_defect: float
     leading: tuple[complex, ...]
+    kantorovich: dict[str, Any] | None = None
 
 
 class Branch:
@@ -261,6 +262,7 @@ def continue_branch(
     points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
+    bound: bool = False,
     progress: Progress = False,
 ) -> Branch: ...
 @overload
@@ -282,6 +284,7 @@ def continue_branch(
     points: int | None = None,
     natural: bool = False,
     weak: float = 0.01,
+    bound: bool = False,
     progress: Progress = False,
 ) -> Branch | DrivenBranch:
     """Follow a branch from an orbit.
@@ -305,6 +308,9 @@ def continue_branch(
     weak : float
         Collisions of multipliers that stay below ``1 + weak`` are not located; of dark breathers
         only.
+    bound : bool
+        Give each point a bound on the distance to an exact orbit, ``kantorovich``; of dark breathers
+        only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -316,8 +322,8 @@ def continue_branch(
     ('reached', True)
     """
     if isinstance(orbit, DrivenOrbit):
-        if natural or weak != 0.01:
-            raise ParameterError("natural and weak are not valid: they are for dark breathers")
+        if natural or bound or weak != 0.01:
+            raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
         return continue_driven(orbit, parameter, to, step, 200 if points is None else points, progress)
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
@@ -338,6 +344,7 @@ def continue_branch(
                 points=whole("points", 1000 if points is None else points),
                 natural=natural,
                 weak=number("weak", weak),
+                bound=bound,
                 progress=tell,
             )
         )

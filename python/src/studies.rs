@@ -88,7 +88,7 @@ fn of_branch(report: &dyn Report) -> Result<(String, Vec<u8>)> {
 
 /// A branch of dark breathers in a parameter.
 #[pyfunction]
-#[pyo3(signature = (breather, *, parameter, from_, to, step, points, natural, weak, progress))]
+#[pyo3(signature = (breather, *, parameter, from_, to, step, points, natural, weak, bound, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn continue_branch<'py>(
     py: Python<'py>,
@@ -100,6 +100,7 @@ pub(crate) fn continue_branch<'py>(
     points: usize,
     natural: bool,
     weak: f64,
+    bound: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<BranchBytes<'py>> {
     let work = |watched: &Watched| {
@@ -113,6 +114,7 @@ pub(crate) fn continue_branch<'py>(
             points,
             natural,
             weak,
+            bound,
             resume: None,
             ring: breather.ring(),
         };
