@@ -170,7 +170,7 @@ fn a_chain_over_ranks_has_the_files_of_one_process() {
 
 /// A run of some seconds in legs.
 const LEGS: &str =
-    "run impact --set chain.sites=20000 --integrator verlet --step 0.002 --until 4 --samples 20 --checkpoint 0.2";
+    "run impact --set chain.sites=20000 --integrator verlet --step 0.002 --until 40 --samples 20 --checkpoint 0.2";
 
 /// Ends a job over ranks by a signal while it runs, and goes on with it on another number of ranks,
 /// and at last in threads.
