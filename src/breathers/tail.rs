@@ -200,7 +200,11 @@ fn least(x: f64, reach: f64, of: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (x - 2.0 * reach, x + 2.0 * reach);
     for _ in 0..SECTIONS {
         let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
-        *(if of(a) < of(b) { &mut high } else { &mut low }) = if of(a) < of(b) { b } else { a };
+        if of(a) < of(b) {
+            high = b;
+        } else {
+            low = a;
+        }
     }
     0.5 * (low + high)
 }

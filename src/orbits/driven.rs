@@ -42,6 +42,8 @@ pub enum DriveParameter {
 }
 
 impl DriveParameter {
+    const ALL: [Self; 3] = [Self::Amplitude, Self::Omega, Self::Damping];
+
     /// The symbol in pictures.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -65,9 +67,8 @@ impl DriveParameter {
     /// # Errors
     /// Another name.
     pub fn named(name: &str) -> Result<Self> {
-        let all = [Self::Amplitude, Self::Omega, Self::Damping];
-        let found = all.into_iter().find(|one| one.name() == name);
-        found.ok_or_else(|| Error::unknown("parameter", name, all.map(Self::name)))
+        let found = Self::ALL.into_iter().find(|one| one.name() == name);
+        found.ok_or_else(|| Error::unknown("parameter", name, Self::ALL.map(Self::name)))
     }
 
     /// The rule for its values.
@@ -172,7 +173,7 @@ impl DrivenSetting {
     /// # Errors
     /// A parameter outside its rule.
     pub fn chain(&self) -> Result<Chain<f64>> {
-        for parameter in [DriveParameter::Amplitude, DriveParameter::Omega, DriveParameter::Damping] {
+        for parameter in DriveParameter::ALL {
             parameter.check(self.get(parameter))?;
         }
         let mut details = self.details.clone();
