@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -21,11 +22,17 @@ def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | No
         yield None
         return
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # In a notebook without widgets it says so, and shows a line of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
-        yield _line(what) if sys.stderr.isatty() else None
-        if sys.stderr.isatty():
-            sys.stderr.write("\r\x1b[K")
+        line = _line(what) if sys.stderr.isatty() or _notebook() else None
+        try:
+            yield line
+        finally:
+            if line:
+                sys.stderr.write("\r" + " " * (len(what) + 7) + "\r")
         return
     with tqdm(total=1000, desc=what, bar_format="{desc}: {percentage:3.0f} %|{bar}| {elapsed}") as bar:
 
@@ -33,6 +40,13 @@ def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | No
             bar.update(int(1000 * min(share, 1.0)) - bar.n)
 
         yield tell
+        tell(1.0)
+
+
+def _notebook() -> bool:
+    """Whether a notebook shows what is written to standard error, where carriage returns work."""
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 def _line(what: str) -> Callable[[float], None]:
