@@ -47,7 +47,7 @@ use crate::{
     chain::{Boundary, Chain, Params, max_norm},
     dps::Center,
     error::{Error, Iterate, Result},
-    orbits::{self, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, least_squares},
+    orbits::{self, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -496,7 +496,7 @@ impl MovingOrbit {
         let [first, second] = breather.mirrors().map(|mirror| mirror.matrix());
         let half = second * half * first.transpose();
         let linear = (breather.params.omega() * breather.passage()).cos();
-        Spectrum::new(&Frame::turned(&chain, &first), &half, linear).ok_or_else(|| {
+        Spectrum::new(&Frame::turned(&chain, &first), &half, &known(linear)).ok_or_else(|| {
             Error::parameter("omega_b", breather.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

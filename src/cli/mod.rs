@@ -153,6 +153,7 @@ fn run_command(command: &Command) -> Exit {
         Command::Orbit(args) => match &args.action {
             OrbitAction::Driven(told) => told.run(),
             OrbitAction::Continue(told) => told.run(),
+            OrbitAction::Mode(told) => told.run(),
         },
         Command::Dps(args) => match &args.action {
             DpsAction::Integrals(told) => told.run(),

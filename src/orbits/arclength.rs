@@ -15,8 +15,10 @@ use super::shooting::{Equations, NewtonStep, least_squares};
 use crate::{
     chain::max_norm,
     error::{Error, Result},
+    interrupt,
 };
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 
 /// Largest `ds`: unknowns may change by half their size from point to point.
 const LONGEST: f64 = 0.5;
@@ -67,6 +69,35 @@ pub(super) struct Spot<'a> {
     pub(super) z: &'a [f64],
     pub(super) p: f64,
     pub(super) tangent: &'a DVector<f64>,
+}
+
+/// The reason why a branch ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// The parameter has its final value.
+    Reached,
+    /// The branch has the largest number of points.
+    MostPoints,
+    /// The branch turned back and the parameter passed its first value.
+    TurnedBack,
+    /// No orbit was found with the shortest step.
+    Lost,
+    /// The multipliers of the last orbit are not known.
+    NoMultipliers,
+}
+
+impl End {
+    /// The reason in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reached => "the parameter has its final value",
+            Self::MostPoints => "it has the largest number of points",
+            Self::TurnedBack => "it turned back and passed its first value",
+            Self::Lost => "no orbit was found with the shortest step",
+            Self::NoMultipliers => "the multipliers of its last orbit are not known",
+        }
+    }
 }
 
 /// Units of `X`: `s` and `P`.
@@ -231,4 +262,44 @@ pub(super) fn next(
             Err(_) => return None,
         }
     }
+}
+
+/// Follows a branch from a first solution, past folds, until the parameter has its final value or,
+/// back again, passes its first. `keep` gets every solution after the first one, and may end the
+/// branch; at most `most_points` with the first are computed.
+pub(super) fn follow(
+    family: &impl Family,
+    first: (&[f64], f64),
+    way: Way,
+    most_points: usize,
+    keep: &mut dyn FnMut(&Solution) -> Result<Option<End>>,
+) -> Result<End> {
+    let Way { to, step, direction, .. } = way;
+    let (from, range) = (first.1, (to - first.1).abs());
+    let (mut z, mut p, mut before) = (first.0.to_vec(), from, along(first.0.len(), direction));
+    let mut ds = step / range;
+    for points in 1.. {
+        if points >= most_points {
+            break;
+        }
+        if interrupt::asked() {
+            return Err(Error::Stopped { kept: format!("{points} points of the branch") });
+        }
+        let scales = Scales::new(&z, range);
+        let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return Ok(End::Lost) };
+        let spot = Spot { z: &z, p, tangent: &tangent };
+        let Some((solution, longer)) = next(family, spot, scales, way, ds) else { return Ok(End::Lost) };
+        if let Some(end) = keep(&solution)? {
+            return Ok(end);
+        }
+        before = Scales::new(&solution.z, range).chord((&z, p), (&solution.z, solution.p)).normalize();
+        (z, p, ds) = (solution.z, solution.p, longer);
+        if (p - to) * direction >= 0.0 {
+            return Ok(End::Reached);
+        }
+        if (p - from) * direction < 0.0 {
+            return Ok(End::TurnedBack);
+        }
+    }
+    Ok(End::MostPoints)
 }

@@ -9,7 +9,7 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{self, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
+    arclength::{self, End, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
     setting::{Parameter, Setting},
     shooting::{Equations, Orbit, Shooting},
 };
@@ -37,35 +37,6 @@ pub struct Continuation {
     pub natural: bool,
     /// How orbits are solved for.
     pub shooting: Shooting,
-}
-
-/// The reason why a branch ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum End {
-    /// The parameter has its final value.
-    Reached,
-    /// The branch has the largest number of points.
-    MostPoints,
-    /// The branch turned back and the parameter passed its first value.
-    TurnedBack,
-    /// No orbit was found with the shortest step.
-    Lost,
-    /// The multipliers of the last orbit are not known.
-    NoMultipliers,
-}
-
-impl End {
-    /// The reason in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Reached => "the parameter has its final value",
-            Self::MostPoints => "it has the largest number of points",
-            Self::TurnedBack => "it turned back and passed its first value",
-            Self::Lost => "no orbit was found with the shortest step",
-            Self::NoMultipliers => "the multipliers of its last orbit are not known",
-        }
-    }
 }
 
 /// Largest residual of an orbit, in units of the largest strain.

@@ -10,15 +10,11 @@
 //! -1 at a period doubling, a pair of others where a torus branches off (Neimark-Sacker).
 
 use super::{
-    arclength::{self, Scales, Spot, Way},
+    arclength::{self, End, Scales, Spot, Way},
     bifurcation::BifurcationKind,
-    continuation::End,
     driven::{DriveParameter, DrivenFamily, DrivenMultiplier, DrivenOrbit, DrivenShooting, DrivenSpectrum, MARGIN},
 };
-use crate::{
-    error::{Error, Result},
-    interrupt,
-};
+use crate::error::Result;
 use nalgebra::DVector;
 
 /// Settings of a continuation of driven orbits.
@@ -115,44 +111,22 @@ impl DrivenContinuation {
     pub fn follow(&self, start: DrivenOrbit, mut seen: impl FnMut(&DrivenPoint)) -> Result<DrivenBranch> {
         let from = start.setting.get(self.parameter);
         self.check(from)?;
-        let direction = (self.to - from).signum();
-        let (mut ds, range) = (self.step / (self.to - from).abs(), (self.to - from).abs());
-        let mut points = vec![DrivenPoint::new(start, &self.shooting)?];
-        let (mut bifurcations, mut unresolved) = (Vec::new(), 0);
-        let end = loop {
-            if points.len() >= self.most_points {
-                break End::MostPoints;
-            }
-            if interrupt::asked() {
-                return Err(Error::Stopped { kept: format!("{} points of the branch", points.len()) });
-            }
-            let last = &points[points.len() - 1];
-            seen(last);
-            let family = self.family(&last.orbit);
-            let (z, p) = self.place(&last.orbit);
-            let scales = Scales::new(z, range);
-            let before = match &points[..] {
-                [.., a, b] => scales.chord(self.place(&a.orbit), self.place(&b.orbit)).normalize(),
-                _ => arclength::along(z.len(), direction),
+        let first = DrivenPoint::new(start, &self.shooting)?;
+        seen(&first);
+        let (mut points, mut bifurcations, mut unresolved) = (vec![first], Vec::new(), 0);
+        let setting = points[0].orbit.setting.clone();
+        let family = DrivenFamily { shooting: &self.shooting, setting: &setting, parameter: self.parameter };
+        let way = Way { to: self.to, step: self.step, natural: false, direction: (self.to - from).signum() };
+        let z = points[0].orbit.z.clone();
+        let end = arclength::follow(&family, (&z, from), way, self.most_points, &mut |solution| {
+            let Ok(point) = DrivenPoint::new(family.orbit(solution.clone()), &self.shooting) else {
+                return Ok(Some(End::NoMultipliers));
             };
-            let Ok(tangent) = arclength::tangent(&family, (z, p), scales, &before) else { break End::Lost };
-            let way = Way { to: self.to, step: self.step, natural: false, direction };
-            let spot = Spot { z, p, tangent: &tangent };
-            let Some((solution, longer)) = arclength::next(&family, spot, scales, way, ds) else { break End::Lost };
-            let orbit = family.orbit(solution);
-            ds = longer;
-            let Ok(point) = DrivenPoint::new(orbit, &self.shooting) else { break End::NoMultipliers };
-            unresolved += self.between(last, &point, MOST_CUTS, &mut bifurcations);
-            let p = point.orbit.setting.get(self.parameter);
+            unresolved += self.between(&points[points.len() - 1], &point, MOST_CUTS, &mut bifurcations);
+            seen(&point);
             points.push(point);
-            if (p - self.to) * direction >= 0.0 {
-                break End::Reached;
-            }
-            if (p - from) * direction < 0.0 {
-                break End::TurnedBack;
-            }
-        };
-        points.last().into_iter().for_each(seen);
+            Ok(None)
+        })?;
         Ok(DrivenBranch { continuation: *self, points, bifurcations, unresolved, end })
     }
 

@@ -5,7 +5,8 @@
 //! are for readers of the file. A single orbit is the JSON that `breather dark` writes.
 
 use super::{
-    continuation::{Continuation, End, Trail},
+    arclength::End,
+    continuation::{Continuation, Trail},
     setting::Setting,
     shooting::{Formulation, Orbit, Shooting},
 };

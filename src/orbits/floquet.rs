@@ -35,8 +35,8 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// One of the four that equal 1: shift of time, change of frequency, change of the mean strain,
-    /// and drift.
+    /// One of those that equal 1: shift of time and change of frequency; on rings also drift, and
+    /// change of the mean strain or of the position.
     Trivial,
     /// `exp(+-i omega T)`: the sum of all beads relative to that of all resonators is a linear
     /// oscillator.
@@ -75,7 +75,7 @@ pub struct Quality {
     pub symplectic_defect: f64,
     /// `max |A z - tau z| / (|A| |z|)`.
     pub eigen_residual: f64,
-    /// `|tau - 1|` of the two `tau` that are 1 in theory.
+    /// `|tau - 1|` of the `tau` that are 1 in theory: two of a ring, one between walls (and 0).
     pub trivial: [f64; 2],
     /// `|tau - cos(omega T)|` of the `tau` that is `cos(omega T)` in theory, on a strain ring.
     pub linear: f64,
@@ -111,10 +111,10 @@ struct Vectors {
 
 impl Spectrum {
     /// The multipliers of a reversible orbit from the tangent map `half` of half of its time, `dim x
-    /// dim`, in the coordinates of the frame; `linear` is the `tau` of the kind [`Kind::Linear`].
+    /// dim`, in the coordinates of the frame. `exact` has the `tau` that are known, with their kinds.
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
-    pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, linear: f64) -> Option<Self> {
+    pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, exact: &[(f64, Kind)]) -> Option<Self> {
         let n = half.nrows() / 2;
         let monodromy = by_reversal(half)?;
         let a = monodromy.view((0, 0), (n, n)).into_owned();
@@ -139,8 +139,14 @@ impl Spectrum {
                 by
             })
         };
-        quality.linear = take(linear, Kind::Linear);
-        quality.trivial = [take(1.0, Kind::Trivial), take(1.0, Kind::Trivial)];
+        let mut trivial = quality.trivial.iter_mut();
+        for &(tau, kind) in exact {
+            let by = take(tau, kind);
+            match kind {
+                Kind::Linear => quality.linear = by,
+                _ => trivial.next().into_iter().for_each(|one| *one = by),
+            }
+        }
         let known: Vec<(f64, i8, f64)> = modes.iter().map(|mode| (mode.tau.re, mode.krein, mode.error)).collect();
         for mode in &mut modes {
             mode.classify(&known);
@@ -294,6 +300,11 @@ fn by_reversal(half: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     half.clone().lu().solve(&reversed(half.clone())).map(reversed)
 }
 
+/// The `tau` that orbits of a chain with equal beads have: `linear`, and two that are 1.
+pub(crate) fn known(linear: f64) -> [(f64, Kind); 3] {
+    [(linear, Kind::Linear), (1.0, Kind::Trivial), (1.0, Kind::Trivial)]
+}
+
 /// The metric `G`: masses; on a strain ring times the inverse of `-delta^+ delta^-` on vectors of
 /// mean zero.
 fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
@@ -338,6 +349,11 @@ impl Frame {
             _ => Vec::new(),
         };
         Self { metric, uniform }
+    }
+
+    /// Displacements and velocities of coordinates with these masses.
+    pub(crate) fn of_masses(masses: &[f64]) -> Self {
+        Self { metric: DMatrix::from_diagonal(&DVector::from_column_slice(masses)), uniform: Vec::new() }
     }
 
     /// The coordinates `turn (Z, Z')`; `turn` is orthogonal, and the reversal that it belongs to

@@ -1,5 +1,6 @@
 //! Periodic orbits of a chain: shooting, Floquet multipliers, continuation (Sec. 7); orbits of
-//! driven, damped chains under the stroboscopic map are in `driven`.
+//! driven, damped chains under the stroboscopic map are in `driven`, those of conservative chains
+//! that begin as linear modes in `normal_modes`.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -19,22 +20,25 @@ mod file;
 mod floquet;
 mod flow;
 mod kantorovich;
+mod normal_modes;
 mod orbit;
 mod setting;
 mod shooting;
 
+pub use arclength::End;
 pub use bifurcation::{Bifurcation, BifurcationKind};
-pub use continuation::{Continuation, End, Trail};
+pub use continuation::{Continuation, Trail};
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
 pub use driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint};
 pub(crate) use eigen::{Eigenpair, eigen};
 pub(crate) use file::ORBIT_FORMAT;
 pub use file::Pick;
-pub(crate) use floquet::Frame;
+pub(crate) use floquet::{Frame, known};
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::{Moment, flow};
 pub use kantorovich::Kantorovich;
 pub(crate) use kantorovich::Shot;
+pub use normal_modes::{LinearMode, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, NormalModes};
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};
 pub(crate) use shooting::least_squares;

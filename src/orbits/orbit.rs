@@ -2,7 +2,7 @@
 
 use super::{
     Kantorovich, Shot,
-    floquet::{Frame, Spectrum},
+    floquet::{Frame, Spectrum, known},
     flow::Moment,
     shooting::{Equations, Formulation, Orbit, Shooting},
 };
@@ -153,7 +153,7 @@ impl Orbit {
         let chain = self.setting.chain()?;
         let half = shooting.flow(&chain, &self.z, 0.5 * self.setting.period(), 2 * self.z.len(), |_| {})?;
         let linear = (self.setting.params.omega() * self.setting.period()).cos();
-        Spectrum::new(&Frame::at_rest(&chain), &half.columns, linear).ok_or_else(|| {
+        Spectrum::new(&Frame::at_rest(&chain), &half.columns, &known(linear)).ok_or_else(|| {
             Error::parameter("omega_b", self.setting.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }

@@ -20,6 +20,7 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("impurity", include_str!("builtin/impurity.toml")),
     ("taper", include_str!("builtin/taper.toml")),
     ("disorder", include_str!("builtin/disorder.toml")),
+    ("defect", include_str!("builtin/defect.toml")),
     ("end-driven", include_str!("builtin/end-driven.toml")),
     ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
 ];

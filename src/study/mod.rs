@@ -18,6 +18,7 @@ mod exact;
 mod lifetimes;
 mod modulation;
 mod moving;
+mod normal_modes;
 mod orbits;
 mod order;
 mod plan;
@@ -65,6 +66,7 @@ pub(crate) use modulation::{caption as stability_caption, stability_tables};
 pub(crate) use moving::moving_columns;
 pub use moving::*;
 pub(crate) use moving::{moving_caption, moving_tables};
+pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
 #[cfg(feature = "cli")]
 pub(crate) use orbits::folder_of;

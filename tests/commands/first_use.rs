@@ -39,7 +39,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 /// Every kind of command that prints, as briefly as it can be had; `paper verify` is in the next
 /// test.
-const PRINTING: [&str; 39] = [
+const PRINTING: [&str; 40] = [
     "--help",
     "-h",
     "--version",
@@ -75,6 +75,7 @@ const PRINTING: [&str; 39] = [
     "breather continue --sites 5 --from 2.03 --to 2.04 --step 5e-3",
     "orbit driven granular-crystal --settle 20",
     "orbit continue granular-crystal --settle 20 --to 2e-6 --step 1e-6",
+    "orbit mode --to 0.2",
     "dps integrals --b 0 --r 1",
     "dps integrals --b 0 --r 1 --json",
     "dps homoclinic",

@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::{env, fs, path::PathBuf, process::Command};
 
 /// Name in the store, and the command line without `--json`.
-const SET: [(&str, &str); 25] = [
+const SET: [(&str, &str); 26] = [
     ("run-tw-q15", "run tw-q15 --integrator strang-linear --steps-per-period 32 --set span.periods=2 --samples 9"),
     ("run-impact", "run impact --tol 1e-9 --events --samples 9"),
     ("run-cradle", "run cradle --integrator dop853-regularised --tol 1e-9 --samples 9 --set span.periods=2"),
@@ -25,6 +25,7 @@ const SET: [(&str, &str); 25] = [
     ("wave-continue", "wave continue tw-q45 --sites 10 --to 2.002"),
     ("wave-solitary", "wave solitary --sites 14 --rhos 0.02,0.04"),
     ("wave-modulation", "wave modulation --sites 10 --q-over-pi 0.2 --epsilon 0.01"),
+    ("mode", "orbit mode defect --to 1 --step 0.2"),
     ("dps-integrals", "dps integrals --b 0.3 --r 1.2"),
     ("dps-homoclinic", "dps homoclinic --center bond"),
     ("dps-dark", "dps dark --sites 11 --omega-b 2.02"),

@@ -13,6 +13,7 @@ mod driven;
 mod exact_waves;
 mod lifetimes;
 mod moving;
+mod normal_modes;
 mod orbits;
 mod solitary;
 mod sweep;

@@ -120,11 +120,11 @@ Examples:
   hertzchain breather bright --center bond --epsilon 0.01
   hertzchain breather dark --center bond --omega-b 2.05 --out out/dark")]
     Breather(BreatherArgs),
-    /// Periodic orbits of driven, damped scenes, and branches of them.
+    /// Periodic orbits of driven scenes, normal modes of conservative ones.
     #[command(after_long_help = "\
 Examples:
   hertzchain orbit driven granular-crystal
-  hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch")]
+  hertzchain orbit mode defect --to 1.5 --out out/mode")]
     Orbit(OrbitArgs),
     /// The modulation equations of small oscillations.
     #[command(after_long_help = "\

@@ -1,8 +1,8 @@
-//! Orbits of driven scenes as commands.
+//! Orbits of scenes as commands.
 
 use crate::{
     cli::runner::Told,
-    study::{Driven, DrivenContinue},
+    study::{Driven, DrivenContinue, FollowMode},
 };
 use clap::{Args, Subcommand};
 
@@ -33,4 +33,14 @@ Examples:
 Example:
   hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch")]
     Continue(Told<DrivenContinue>),
+    /// Follow a normal mode of a conservative scene from its linear mode on.
+    ///
+    /// Linear modes about the equilibrium, and the periodic orbits that begin as one of them, in
+    /// their amplitude: frequency, energy, participation number, Floquet multipliers. Also beyond
+    /// the amplitude at which contacts open. Exit code 1 if the branch is lost on its way.
+    #[command(after_long_help = "\
+Examples:
+  hertzchain orbit mode defect --to 1.5
+  hertzchain orbit mode precompressed --mode 5 --to 0.2 --out out/mode")]
+    Mode(Told<FollowMode>),
 }

@@ -1,0 +1,463 @@
+//! Nonlinear normal modes of conservative chains: periodic orbits that begin as linear modes about
+//! the equilibrium. Modes of defects, and of the gaps of dimers, are among them.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `q` | displacements from the equilibrium, of beads and of resonators that move |
+//! | `m` | their masses |
+//! | `K` | stiffness, `m q'' = -K q + O(q^{3/2})`; `K s = omega_0^2 m s` for a linear mode |
+//! | `a` | amplitude: the displacement `q_j(0)` of that one, `j`, of which the linear mode has most |
+//! | `xi` | shape, `q(0) = a xi` with `xi_j = 1` |
+//! | `w` | logarithm of the frequency, `omega = omega_0 exp(w)` |
+//! | `M_h` | derivative of the flow over half of the period, `T/2 = pi/omega` |
+//!
+//! Orbits begin at rest. By reversibility they are those at rest after half of their period, too:
+//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0` this
+//! is the linear mode. A ring can move as a whole: there the centre of mass is held.
+
+use super::{
+    arclength::{self, End, Family, Solution, Way},
+    floquet::{Frame, Kind, Spectrum},
+    shooting::{Equations, NewtonStep, least_squares},
+};
+use crate::{
+    chain::{Chain, State, Variations, max_norm},
+    error::{Error, Result},
+};
+use hertzchain_integrators::VectorField;
+use nalgebra::{DMatrix, DVector};
+
+/// A linear mode about the equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearMode {
+    /// Frequency `omega_0`.
+    pub omega: f64,
+    /// Displacements `s`, scaled to `s_j = 1`.
+    pub shape: Vec<f64>,
+    /// `j`, the first coordinate with the largest share `m s^2`.
+    pub leading: usize,
+    /// `(sum m s^2)^2 / sum (m s^2)^2`: how many coordinates share the mode.
+    pub participation: f64,
+}
+
+/// A conservative chain at its equilibrium, and its linear modes.
+#[derive(Clone, Debug)]
+pub struct NormalModes {
+    chain: Chain<f64>,
+    /// Entries of a state that are coordinates `q`.
+    free: Vec<usize>,
+    masses: Vec<f64>,
+    /// The state at rest in the equilibrium.
+    rest: Vec<f64>,
+    /// Largest overlap in the equilibrium.
+    overlap: f64,
+    /// Whether all coordinates can be displaced alike.
+    translates: bool,
+    linear: Vec<LinearMode>,
+}
+
+/// Largest number of sites.
+const MOST_SITES: usize = 256;
+/// Steps of Newton's method to the equilibrium.
+const MOST_STEPS: usize = 50;
+/// A step below this share of the largest overlap is the last.
+const AT_REST: f64 = 1e-13;
+/// Squares of frequencies below this share of the largest are zero.
+const ZERO: f64 = 1e-12;
+/// Tolerances of a step of the flow and of the tangent map.
+const TOL: f64 = 1e-14;
+const TANGENT_TOL: f64 = 1e-12;
+/// Largest residual of an orbit.
+const SOLVED: f64 = 1e-11;
+/// Share of a static overlap of which [`SOLVED`] is some 450 roundings of the overlap.
+const ROUNDED: f64 = 1e-2;
+/// A step of Newton's method below this is the last one.
+const LAST_STEP: f64 = 1e-9;
+
+impl NormalModes {
+    /// The linear modes of a chain about its equilibrium, the lowest frequency first.
+    ///
+    /// ```
+    /// use hertzchain::{chain::{Boundary, Chain, Params}, orbits::NormalModes};
+    /// // Two beads between walls: in phase and in antiphase, with the stiffness 2 d of each contact.
+    /// let chain = Chain::new(Params::new(2.0, 0.0, 0.0)?, Boundary::Fixed, 2)?.precompressed(0.5)?;
+    /// let modes = NormalModes::new(&chain)?;
+    /// let squares: Vec<f64> = modes.linear().iter().map(|mode| mode.omega.powi(2)).collect();
+    /// assert!((squares[0] - 1.0).abs() < 1e-14 && (squares[1] - 3.0).abs() < 1e-14);
+    /// # Ok::<(), hertzchain::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A chain that dissipates or is driven; a strain ring; `alpha <= 1`; more than 256 sites; no
+    /// equilibrium near, or one in which contacts do not hold all beads.
+    pub fn new(chain: &Chain<f64>) -> Result<Self> {
+        if chain.open() {
+            return Err(Error::parameter("chain", "damped or driven", "normal modes need a conservative chain"));
+        }
+        let n = chain.sites();
+        if n > MOST_SITES {
+            return Err(Error::parameter("sites", n, "at most 256 sites for a tangent map"));
+        }
+        let resonators = (0..n).filter(|&i| chain.resonator_moves(i));
+        let free: Vec<usize> = (0..n).chain(resonators.clone().map(|i| n + i)).collect();
+        let beads = (0..n).map(|i| chain.masses(i)[0]);
+        let masses: Vec<f64> = beads.chain(resonators.map(|i| chain.masses(i)[1])).collect();
+        let rest = State::rest(chain).as_slice().to_vec();
+        let mut modes =
+            Self { chain: chain.clone(), free, masses, rest, overlap: 0.0, translates: false, linear: Vec::new() };
+        modes.settle()?;
+        modes.linear = modes.linear_modes()?;
+        Ok(modes)
+    }
+
+    /// The linear modes, the lowest frequency first; without that of a ring as a whole.
+    pub fn linear(&self) -> &[LinearMode] {
+        &self.linear
+    }
+
+    /// The chain.
+    pub fn chain(&self) -> &Chain<f64> {
+        &self.chain
+    }
+
+    /// The number of the linear mode with the least participation number.
+    pub fn most_localised(&self) -> usize {
+        let participation = |k: &usize| self.linear[*k].participation;
+        (0..self.linear.len()).min_by(|a, b| participation(a).total_cmp(&participation(b))).unwrap_or(0)
+    }
+
+    /// Site of a coordinate, and whether it is that of a resonator.
+    pub fn place(&self, coordinate: usize) -> (usize, bool) {
+        let n = self.chain.sites();
+        (self.free[coordinate] % n, self.free[coordinate] >= n)
+    }
+
+    /// Accelerations `q''` at a state, and their derivative by `q`.
+    fn linearised(&self, state: &[f64]) -> Result<(DVector<f64>, DMatrix<f64>)> {
+        let (m, half) = (self.free.len(), self.chain.layout().half());
+        let mut field = Variations::new(&self.chain, m)?;
+        let mut y = state.to_vec();
+        y.resize(state.len() + field.rows() * m, 0.0);
+        for (j, &i) in self.free.iter().enumerate() {
+            y[state.len() + i * m + j] = 1.0;
+        }
+        let mut rates = vec![0.0; y.len()];
+        field.eval(0.0, &y, &mut rates);
+        let columns = &rates[state.len()..];
+        let acceleration = self.free.iter().map(|&i| rates[half + i]);
+        Ok((
+            DVector::from_iterator(m, acceleration),
+            DMatrix::from_fn(m, m, |k, j| columns[(half + self.free[k]) * m + j]),
+        ))
+    }
+
+    /// Moves the state at rest to the equilibrium, by Newton's method.
+    fn settle(&mut self) -> Result<()> {
+        for _ in 0..MOST_STEPS {
+            let overlaps = self.chain.overlaps(self.chain.layout().u(&self.rest));
+            self.overlap = overlaps.into_iter().fold(0.0, f64::max);
+            let (mut force, mut slope) = self.linearised(&self.rest)?;
+            self.translates = slope.column_sum().amax() < ZERO * slope.amax();
+            if self.translates {
+                let rows = slope.nrows();
+                slope = slope.insert_row(rows, 0.0);
+                slope.set_row(rows, &DVector::from_column_slice(&self.masses).transpose());
+                force = force.push(0.0);
+            }
+            let Some(step) = least_squares(slope, &force) else { return Err(not_held()) };
+            for (&i, step) in self.free.iter().zip(&step) {
+                self.rest[i] -= step;
+            }
+            if step.amax() <= AT_REST * self.overlap {
+                return Ok(());
+            }
+        }
+        Err(not_held())
+    }
+
+    fn linear_modes(&self) -> Result<Vec<LinearMode>> {
+        let (_, slope) = self.linearised(&self.rest)?;
+        let root: Vec<f64> = self.masses.iter().map(|m| m.sqrt()).collect();
+        let scaled = |i: usize, j: usize| -slope[(i, j)] * root[i] / root[j];
+        let stiffness = DMatrix::from_fn(root.len(), root.len(), |i, j| 0.5 * (scaled(i, j) + scaled(j, i)));
+        let eigen = stiffness.symmetric_eigen();
+        let largest = eigen.eigenvalues.amax();
+        let mut order: Vec<usize> = (0..root.len()).filter(|&k| eigen.eigenvalues[k] > ZERO * largest).collect();
+        if order.len() + usize::from(self.translates) < root.len() {
+            return Err(not_held());
+        }
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        Ok(order
+            .into_iter()
+            .map(|k| {
+                let vector = eigen.eigenvectors.column(k);
+                let shape: Vec<f64> = vector.iter().zip(&root).map(|(v, root)| v / root).collect();
+                let leading = leading(&shape, &self.masses);
+                let shape: Vec<f64> = shape.iter().map(|s| s / shape[leading]).collect();
+                let participation = participation(&shape, &self.masses);
+                LinearMode { omega: eigen.eigenvalues[k].sqrt(), shape, leading, participation }
+            })
+            .collect())
+    }
+
+    /// The state of an orbit at `t = 0`.
+    pub fn state(&self, orbit: &ModeOrbit) -> State<f64> {
+        let mut state = State::rest(&self.chain);
+        state.as_mut_slice().copy_from_slice(&self.start(orbit.amplitude, &orbit.shape));
+        state
+    }
+
+    /// The state at rest with the displacements `a shape`.
+    fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
+        let mut state = self.rest.clone();
+        for (&i, shape) in self.free.iter().zip(shape) {
+            state[i] += a * shape;
+        }
+        state
+    }
+
+    /// What the flow makes of the given coordinates, in the rows of positions and velocities.
+    fn tangent(&self, start: &[f64], t: f64, directions: &[usize]) -> Result<DMatrix<f64>> {
+        let (half, k) = (self.chain.layout().half(), directions.len());
+        let entry = |c: usize| self.free[c % self.free.len()] + half * (c / self.free.len());
+        let mut columns = vec![0.0; 2 * half * k];
+        for (j, &c) in directions.iter().enumerate() {
+            columns[entry(c) * k + j] = 1.0;
+        }
+        let end = Variations::flow(&self.chain, start, (0.0, t), &columns, TANGENT_TOL)?.columns;
+        Ok(DMatrix::from_fn(2 * self.free.len(), k, |c, j| end[entry(c) * k + j]))
+    }
+}
+
+fn not_held() -> Error {
+    let rule = "closed contacts hold every bead, as those with a static overlap between walls do";
+    Error::parameter("chain", "a bead is not held", rule)
+}
+
+/// The coordinate with the largest share `m s^2`; the first of those that are equal up to rounding.
+fn leading(shape: &[f64], masses: &[f64]) -> usize {
+    let share = |k: &usize| masses[*k] * shape[*k] * shape[*k];
+    let largest = max_norm((0..shape.len()).map(|k| share(&k)));
+    (0..shape.len()).find(|k| share(k) >= (1.0 - 1e-9) * largest).unwrap_or(0)
+}
+
+fn participation(shape: &[f64], masses: &[f64]) -> f64 {
+    let shares = || shape.iter().zip(masses).map(|(s, m)| m * s * s);
+    shares().sum::<f64>().powi(2) / shares().map(|share| share * share).sum::<f64>()
+}
+
+/// An orbit of a nonlinear normal mode.
+#[derive(Clone, Debug)]
+pub struct ModeOrbit {
+    /// `a`.
+    pub amplitude: f64,
+    /// Frequency.
+    pub omega: f64,
+    /// `xi`, of beads and of resonators that move.
+    pub shape: Vec<f64>,
+    /// `max |q'(T/2)|` in units of `a omega`, or of a hundredth of the largest static overlap.
+    pub residual: f64,
+    /// Steps of Newton's method.
+    pub newton: Vec<NewtonStep>,
+}
+
+/// An orbit of a branch, and what is known of it.
+#[derive(Clone, Debug)]
+pub struct ModePoint {
+    /// The orbit.
+    pub orbit: ModeOrbit,
+    /// Energy above that of the equilibrium.
+    pub energy: f64,
+    /// `(sum m xi^2)^2 / sum (m xi^2)^2`.
+    pub participation: f64,
+    /// The least overlap at the two times of rest; negative where beads are apart.
+    pub least_overlap: f64,
+    /// The multipliers.
+    pub spectrum: Spectrum,
+}
+
+impl ModePoint {
+    /// Number of multipliers that lie outside the unit circle by more than their error.
+    pub fn unstable(&self) -> usize {
+        self.spectrum.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
+    }
+}
+
+/// Settings of a branch of orbits that begins as a linear mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeContinuation {
+    /// Number of the linear mode.
+    pub mode: usize,
+    /// The amplitude at which the branch ends.
+    pub to: f64,
+    /// The amplitude at which it begins, and its largest change from point to point.
+    pub step: f64,
+    /// Largest number of points.
+    pub most_points: usize,
+}
+
+/// A branch of orbits in the amplitude.
+#[derive(Clone, Debug)]
+pub struct ModeBranch {
+    /// How it was followed.
+    pub continuation: ModeContinuation,
+    /// Its points, at least one.
+    pub points: Vec<ModePoint>,
+    /// Why it ended.
+    pub end: End,
+}
+
+impl ModeContinuation {
+    /// Refuses numbers outside their rules.
+    ///
+    /// # Errors
+    /// No such mode; amplitudes that are not positive; fewer than two points.
+    pub fn check(&self, modes: &NormalModes) -> Result<()> {
+        let count = modes.linear.len();
+        if self.mode >= count {
+            let value = format!("{} of {count}", self.mode.wrapping_add(1));
+            return Err(Error::parameter("mode", value, "linear modes are numbered from 1, by frequency"));
+        }
+        if !(self.to.is_finite() && self.to > 0.0) {
+            return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));
+        }
+        arclength::check([self.step, self.to], self.step, self.most_points)?;
+        if self.step > self.to {
+            return Err(Error::parameter("step", self.step, "at most the last amplitude"));
+        }
+        Ok(())
+    }
+
+    /// Follows the branch, past folds; `seen` is called with every point.
+    ///
+    /// # Errors
+    /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
+    /// computed; a signal.
+    pub fn follow(&self, modes: &NormalModes, mut seen: impl FnMut(&ModePoint)) -> Result<ModeBranch> {
+        self.check(modes)?;
+        let family = ModeFamily::new(modes, self);
+        let mut seed = family.linear.shape.clone();
+        seed.remove(family.linear.leading);
+        seed.push(0.0);
+        let first = family.solve(&seed, self.step)?;
+        let mut points = vec![family.point(&first)?];
+        seen(&points[0]);
+        let way = Way { to: self.to, step: self.step, natural: false, direction: 1.0 };
+        let end = arclength::follow(&family, (&first.z, first.p), way, self.most_points, &mut |solution| {
+            let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
+            seen(&point);
+            points.push(point);
+            Ok(None)
+        })?;
+        Ok(ModeBranch { continuation: *self, points, end })
+    }
+}
+
+/// Orbits of a mode, over their amplitude.
+struct ModeFamily<'a> {
+    modes: &'a NormalModes,
+    linear: &'a LinearMode,
+    /// Least unit of residuals: what roundings of overlaps are at the least amplitude.
+    floor: f64,
+}
+
+impl<'a> ModeFamily<'a> {
+    fn new(modes: &'a NormalModes, continuation: &ModeContinuation) -> Self {
+        let linear = &modes.linear[continuation.mode];
+        let floor = ROUNDED * modes.overlap / continuation.step;
+        Self { modes, linear, floor }
+    }
+
+    /// `xi` and `omega`.
+    fn parts(&self, z: &[f64]) -> (Vec<f64>, f64) {
+        let mut shape = z[..z.len() - 1].to_vec();
+        shape.insert(self.linear.leading, 1.0);
+        (shape, self.linear.omega * z[z.len() - 1].exp())
+    }
+
+    fn point(&self, solution: &Solution) -> Result<ModePoint> {
+        let (modes, m) = (self.modes, self.modes.free.len());
+        let (shape, omega) = self.parts(&solution.z);
+        let (start, half) = (modes.start(solution.p, &shape), std::f64::consts::PI / omega);
+        let end = Variations::flow(&modes.chain, &start, (0.0, half), &[], TOL)?.state;
+        let energy = |state: &[f64]| modes.chain.energy(state).total();
+        let overlaps = [&start, &end].map(|state| modes.chain.overlaps(modes.chain.layout().u(state)));
+        let bonds = modes.chain.touching();
+        let least =
+            overlaps.iter().flat_map(|overlaps| &overlaps[bonds.clone()]).copied().fold(f64::INFINITY, f64::min);
+        let trivial = [(1.0, Kind::Trivial); 2];
+        let exact = &trivial[..1 + usize::from(modes.translates)];
+        let tangent = modes.tangent(&start, half, &(0..2 * m).collect::<Vec<_>>())?;
+        let spectrum = Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, exact);
+        let none = || Error::parameter("amplitude", solution.p, "no multipliers: the eigenvalues did not converge");
+        Ok(ModePoint {
+            energy: energy(&start) - energy(&modes.rest),
+            participation: participation(&shape, &modes.masses),
+            least_overlap: least,
+            spectrum: spectrum.ok_or_else(none)?,
+            orbit: ModeOrbit {
+                amplitude: solution.p,
+                omega,
+                shape,
+                residual: solution.residual,
+                newton: solution.newton.clone(),
+            },
+        })
+    }
+}
+
+impl Family for ModeFamily<'_> {
+    fn equations(&self, z: &[f64], a: f64, derivative: bool) -> Result<Equations> {
+        let (modes, m) = (self.modes, self.modes.free.len());
+        let (shape, omega) = self.parts(z);
+        let (start, half) = (modes.start(a, &shape), std::f64::consts::PI / omega);
+        let end = Variations::flow(&modes.chain, &start, (0.0, half), &[], TOL)?.state;
+        let velocities = modes.free.iter().map(|&i| end[modes.chain.layout().half() + i]);
+        let mut residual = DVector::from_iterator(m, velocities) / (a * omega);
+        let mut jacobian = DMatrix::zeros(m, 0);
+        if derivative {
+            let others: Vec<usize> = (0..m).filter(|&k| k != self.linear.leading).collect();
+            let (acceleration, _) = modes.linearised(&end)?;
+            jacobian = modes.tangent(&start, half, &others)?.rows(m, m) / omega;
+            jacobian = jacobian.insert_column(m - 1, 0.0);
+            jacobian.set_column(m - 1, &(-acceleration * (half / (a * omega)) - &residual));
+        }
+        if modes.translates {
+            let total: f64 = modes.masses.iter().sum();
+            let weight = |k: usize| modes.masses[k] / total;
+            residual = residual.push((0..m).map(|k| weight(k) * shape[k]).sum());
+            let columns = jacobian.ncols();
+            jacobian = jacobian.insert_row(m, 0.0);
+            for (column, k) in (0..m).filter(|&k| k != self.linear.leading).enumerate().take(columns) {
+                jacobian[(m, column)] = weight(k);
+            }
+        }
+        Ok(Equations { residual, jacobian })
+    }
+
+    fn solve(&self, seed: &[f64], a: f64) -> Result<Solution> {
+        let (mut z, mut newton) = (DVector::from_column_slice(seed), Vec::new());
+        while newton.len() < arclength::MOST_CORRECTIONS {
+            let Equations { residual, jacobian } = self.equations(z.as_slice(), a, true)?;
+            let Some(by) = least_squares(jacobian, &residual) else { break };
+            newton.push(NewtonStep { residual: residual.amax() / self.size(z.as_slice()), step: by.amax() });
+            z -= &by;
+            if by.amax() <= LAST_STEP {
+                let residual = self.equations(z.as_slice(), a, false)?.residual.amax() / self.size(z.as_slice());
+                if residual <= SOLVED {
+                    return Ok(Solution { z: z.as_slice().to_vec(), p: a, residual, newton });
+                }
+                break;
+            }
+        }
+        Err(Error::Stalled { steps: newton.len(), best: None })
+    }
+
+    fn size(&self, z: &[f64]) -> f64 {
+        max_norm(z.iter().copied()).max(1.0).max(self.floor)
+    }
+
+    fn solved(&self) -> f64 {
+        SOLVED
+    }
+}

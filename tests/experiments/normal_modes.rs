@@ -1,0 +1,197 @@
+//! Nonlinear normal modes of conservative chains.
+
+use hertzchain::{
+    chain::{Boundary, Chain, Details, Params},
+    integrators::{Stepper, collocation::Pace},
+    orbits::{End, Kind, ModeBranch, ModeContinuation, NormalModes},
+    scene::Scene,
+};
+use std::f64::consts::PI;
+
+/// A plain chain of power 3/2 with the overlap 1 at every contact.
+fn chain(boundary: Boundary, sites: usize, details: &Details) -> Chain<f64> {
+    let plain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), boundary, sites).unwrap();
+    plain.precompressed(1.0).unwrap().with(details).unwrap()
+}
+
+fn branch(modes: &NormalModes, mode: usize, step: f64, to: f64) -> ModeBranch {
+    ModeContinuation { mode, to, step, most_points: 100 }.follow(modes, |_| {}).unwrap()
+}
+
+/// The integral from 0 to 1, by 200 panels of five Gauss nodes.
+fn integral(f: impl Fn(f64) -> f64) -> f64 {
+    let root = (10.0f64 / 7.0).sqrt();
+    let nodes = [(5.0 - 2.0 * root).sqrt() / 3.0, (5.0 + 2.0 * root).sqrt() / 3.0];
+    let weights = [322.0 + 13.0 * 70f64.sqrt(), 322.0 - 13.0 * 70f64.sqrt()].map(|w| w / 900.0);
+    let h = 1.0 / 200.0;
+    let panel = |k: i32| {
+        let (middle, half) = ((f64::from(k) + 0.5) * h, 0.5 * h);
+        let pair = |i: usize| weights[i] * (f(middle - half * nodes[i]) + f(middle + half * nodes[i]));
+        half * (128.0 / 225.0 * f(middle) + pair(0) + pair(1))
+    };
+    (0..200).map(panel).sum()
+}
+
+#[test]
+fn one_bead_between_walls_has_the_period_of_its_potential() {
+    let modes = NormalModes::new(&chain(Boundary::Fixed, 1, &Details::default())).unwrap();
+    assert!((modes.linear()[0].omega - 3f64.sqrt()).abs() < 1e-15);
+    // Contacts are apart for a part of the time where a > 1.
+    let branch = branch(&modes, 0, 0.5, 4.0);
+    assert_eq!(branch.end, End::Reached);
+    for point in &branch.points {
+        let a = point.orbit.amplitude;
+        let energy = |x: f64| 0.4 * ((1.0 + x).max(0.0).powf(2.5) + (1.0 - x).max(0.0).powf(2.5));
+        // x = a sin(theta); at x = 1 a contact opens.
+        let rate = |theta: f64| a * theta.cos() / (2.0 * (energy(a) - energy(a * theta.sin()))).sqrt();
+        let quarter = if a < 1.0 {
+            integral(|s| 0.5 * PI * rate(0.5 * PI * s))
+        } else {
+            let (opens, rest) = ((1.0 / a).asin(), 0.5 * PI - (1.0 / a).asin());
+            // The power 5/2 of 1 - x is analytic in s.
+            integral(|s| 2.0 * s * opens * rate(opens * (1.0 - s * s))) + integral(|s| rest * rate(opens + s * rest))
+        };
+        let omega = 0.5 * PI / quarter;
+        assert!((point.orbit.omega / omega - 1.0).abs() < 1e-11, "a = {a}: {} {omega}", point.orbit.omega);
+        assert!((point.energy - (energy(a) - energy(0.0))).abs() < 1e-13 * energy(a));
+        assert!((point.least_overlap - (1.0 - a)).abs() < 1e-10);
+    }
+    assert!(branch.points.iter().filter(|point| point.orbit.amplitude > 1.0).count() > 3);
+}
+
+#[test]
+fn a_light_bead_rings_above_the_band_and_softens_with_the_square_of_the_amplitude() {
+    let mu = 1.0 / 3.0;
+    let mut mass = vec![1.0; 41];
+    mass[20] = mu;
+    let modes = NormalModes::new(&chain(Boundary::Fixed, 41, &Details { mass, ..Details::default() })).unwrap();
+    let mode = modes.most_localised();
+    let linear = &modes.linear()[mode];
+    assert_eq!((mode, modes.place(linear.leading)), (40, (20, false)));
+    // In the infinite chain of springs k: omega^2 = 4 k/(mu (2 - mu)), and 4 k ends the band.
+    let omega = (6.0 / (mu * (2.0 - mu))).sqrt();
+    assert!((linear.omega / omega - 1.0).abs() < 1e-12);
+    assert!(modes.linear()[39].omega < 6f64.sqrt());
+    // Neighbours fall off by the root of z + 1/z = 2 - omega^2/k.
+    let c = 2.0 - omega * omega / 1.5;
+    let z = 0.5 * (c + (c * c - 4.0).sqrt());
+    assert!((linear.shape[25] / linear.shape[24] - z).abs() < 1e-9);
+
+    let shift = |a: f64| branch(&modes, mode, a, 2.0 * a).points.iter().map(|p| p.orbit.omega - omega).collect();
+    let shifts: Vec<f64> = shift(0.01);
+    let slope = (shifts.last().unwrap() / shifts[0]).log2();
+    assert!((slope - 2.0).abs() < 2e-3 && shifts[0] < 0.0, "{slope}");
+}
+
+/// Collocation shares nothing with the search but the chain.
+#[test]
+fn orbits_of_the_defect_come_back_also_where_contacts_open() {
+    let scene = Scene::load_with("defect", &[]).unwrap();
+    let modes = NormalModes::new(scene.chain()).unwrap();
+    let branch = branch(&modes, modes.most_localised(), 0.1, 1.2);
+    assert_eq!(branch.end, End::Reached);
+    assert!(branch.points.last().unwrap().least_overlap < -0.5);
+    for point in &branch.points {
+        let (period, start) = (2.0 * PI / point.orbit.omega, modes.state(&point.orbit));
+        let mut run =
+            scene.chain().differing_collocation(start.as_slice(), (0.0, period), Pace::Tolerance(1e-14)).unwrap();
+        while !run.done() {
+            run.step().unwrap();
+        }
+        let mut end = start.as_slice().to_vec();
+        run.sample(period, &mut end);
+        let apart = end.iter().zip(start.as_slice()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 2e-12 && point.orbit.residual < 1e-12, "{apart:e} {:e}", point.orbit.residual);
+        let quality = point.spectrum.quality;
+        assert!(quality.symplectic_defect < 1e-9 && quality.trivial[0] < 1e-9, "{quality:?}");
+    }
+}
+
+#[test]
+fn multipliers_of_small_orbits_are_those_of_the_other_linear_modes() {
+    let scene = Scene::load_with("defect", &[]).unwrap();
+    let modes = NormalModes::new(scene.chain()).unwrap();
+    let worst = |a: f64| {
+        let branch = branch(&modes, 20, a, 2.0 * a);
+        let point = &branch.points[0];
+        assert_eq!(point.unstable(), 0);
+        let cosines: Vec<f64> = point.spectrum.tau.iter().map(|tau| tau.re).collect();
+        let nearest = |wanted: f64| cosines.iter().map(|tau| (tau - wanted).abs()).fold(f64::INFINITY, f64::min);
+        let others = modes.linear()[..20].iter().map(|mode| (2.0 * PI * mode.omega / point.orbit.omega).cos());
+        others.map(nearest).fold(0.0, f64::max)
+    };
+    let [large, small] = [0.02, 0.01].map(worst);
+    assert!(small < 1e-3 && (large / small).log2() > 1.9, "{large:e} {small:e}");
+}
+
+/// `omega^2 = k (1/m + 1/M) -+ k ((1/m + 1/M)^2 - 4 sin^2(q/2)/(m M))^{1/2}` for cells of two beads.
+#[test]
+fn a_precompressed_dimer_has_the_bands_of_a_diatomic_chain() {
+    let (cells, light) = (12, 0.3428);
+    let mass = (0..2 * cells).map(|n| if n % 2 == 0 { 1.0 } else { light }).collect();
+    let chain = chain(Boundary::Ring, 2 * cells, &Details { mass, ..Details::default() });
+    let modes = NormalModes::new(&chain).unwrap();
+    let sum = 1.0 + 1.0 / light;
+    let mut bands: Vec<f64> = (0..cells)
+        .flat_map(|j| {
+            let q = 2.0 * PI * j as f64 / cells as f64;
+            let root = (sum * sum - 4.0 * (0.5 * q).sin().powi(2) / light).sqrt();
+            [sum - root, sum + root].map(|square| (1.5 * square).max(0.0).sqrt())
+        })
+        .collect();
+    bands.sort_by(f64::total_cmp);
+    assert_eq!(modes.linear().len(), 2 * cells - 1);
+    for (mode, omega) in modes.linear().iter().zip(&bands[1..]) {
+        assert!((mode.omega - omega).abs() < 1e-13, "{} {omega}", mode.omega);
+    }
+    // The gap between them: (2 k/M)^{1/2} to (2 k/m)^{1/2}.
+    assert!((modes.linear()[cells - 2].omega - 3f64.sqrt()).abs() < 1e-13);
+    assert!((modes.linear()[cells - 1].omega - (3.0 / light).sqrt()).abs() < 1e-13);
+    // A ring moves as a whole without a force: two of the tau are 1.
+    let point = &branch(&modes, cells - 1, 0.05, 0.1).points[0];
+    assert!(point.orbit.residual < 1e-12 && point.spectrum.quality.trivial.iter().all(|by| *by < 1e-9));
+    assert_eq!(point.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Trivial).count(), 4);
+}
+
+#[test]
+fn unequal_contacts_have_their_own_equilibrium_and_resonators_their_springs() {
+    let [c1, c2, rho] = [1.0f64, 3.0, 0.5];
+    let plain = Chain::new(Params::new(1.5, 2.0, rho).unwrap(), Boundary::Fixed, 1).unwrap();
+    let details = Details { contact: vec![c1, c2], ..Details::default() };
+    let modes = NormalModes::new(&plain.precompressed(1.0).unwrap().with(&details).unwrap()).unwrap();
+    // c_1 (1 - x)^{3/2} = c_2 (1 + x)^{3/2}.
+    let ratio = (c1 / c2).powf(2.0 / 3.0);
+    let x = (ratio - 1.0) / (ratio + 1.0);
+    let k = 1.5 * (c1 * (1.0 - x).sqrt() + c2 * (1.0 + x).sqrt());
+    // Eigenvalues of [[k + 2, -2], [-2/rho, 2/rho]].
+    let (trace, det) = (k + 2.0 + 2.0 / rho, 2.0 * k / rho);
+    let root = (0.25 * trace * trace - det).sqrt();
+    for (mode, square) in modes.linear().iter().zip([0.5 * trace - root, 0.5 * trace + root]) {
+        assert!((mode.omega - square.sqrt()).abs() < 1e-13, "{} {}", mode.omega, square.sqrt());
+    }
+    let orbit = &branch(&modes, 0, 1e-3, 2e-3).points[0].orbit;
+    assert!((modes.state(orbit).u()[0] - orbit.amplitude * orbit.shape[0] - x).abs() < 1e-14);
+}
+
+#[test]
+fn chains_without_normal_modes_are_refused() {
+    let refused = |chain: &Chain<f64>| NormalModes::new(chain).unwrap_err().to_string();
+    let plain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap();
+    assert!(refused(&plain).contains("closed contacts hold every bead"));
+    // One bead, or two that touch, have no other contact.
+    for overlap in [vec![1.0, -1.0, -1.0, 1.0], vec![1.0, -1.0, 0.0, -1.0, 1.0]] {
+        let chain = chain(Boundary::Fixed, overlap.len() - 1, &Details { overlap, ..Details::default() });
+        assert!(refused(&chain).contains("closed contacts hold every bead"));
+    }
+    let damped = chain(Boundary::Fixed, 3, &Details { drag: vec![0.1; 3], ..Details::default() });
+    assert!(refused(&damped).contains("conservative"));
+    let modes = NormalModes::new(&chain(Boundary::Fixed, 3, &Details::default())).unwrap();
+    let refused = |mode, step, to| {
+        let way = ModeContinuation { mode, to, step, most_points: 10 };
+        way.follow(&modes, |_| {}).unwrap_err().to_string()
+    };
+    assert!(refused(3, 0.1, 1.0).contains("mode = 4 of 3"));
+    assert!(refused(0, 0.1, f64::NAN).contains("to = NaN"));
+    assert!(refused(0, 0.0, 1.0).contains("step = 0"));
+    assert!(refused(0, 2.0, 1.0).contains("step = 2"));
+}
