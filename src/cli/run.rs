@@ -6,8 +6,8 @@ use crate::{
     output::{Folder, to_json},
     parts::Parts,
     run::{Method, Records, Trajectory},
-    scene::{Scene, SceneFile},
-    study::{self, Asked, How, LongRun, folder_of},
+    scene::{Scene, SceneFile, Units},
+    study::{self, Asked, How, LongRun, Ran, folder_of},
 };
 use std::path::Path;
 #[cfg(feature = "mpi")]
@@ -48,6 +48,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         return print(&text).map(|()| DONE);
     }
     how.takes(&parts)?;
+    si(args, &scene)?;
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval)?.in_parts(parts)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
@@ -123,31 +124,40 @@ fn asked(args: &RunArgs) -> Asked {
     }
 }
 
+/// The units of a scene whose results are asked for in them.
+fn si<'a>(args: &RunArgs, scene: &'a Scene) -> Result<Option<&'a Units>> {
+    match (args.si, scene.units()) {
+        (true, None) => Err(Error::parameter("si", true, "the scene has no table [units]")),
+        (asked, units) => Ok(units.filter(|_| asked)),
+    }
+}
+
 /// Prints and writes what a run has left behind, also one that failed.
 fn report(
     args: &RunArgs,
     scene: &Scene,
     (name, wording, reason): (&str, &str, Option<&str>),
-    outcome: Trajectory,
+    mut outcome: Trajectory,
     folder: Option<&Folder>,
 ) -> Exit {
+    let si = si(args, scene)?;
+    if let Some(units) = si {
+        outcome = study::in_si(outcome, scene.chain().layout(), units);
+    }
+    let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
     // Of a long chain this takes more memory than the run.
-    let json = if args.json || folder.is_some() {
-        study::run_json(scene, name, wording, reason, &outcome)
-    } else {
-        serde_json::Value::Null
-    };
-    let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(scene, name, wording, &outcome) };
+    let json = if args.json || folder.is_some() { study::run_json(&ran) } else { serde_json::Value::Null };
+    let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(&ran) };
     // Of results that cannot be printed the files are written, and of files that cannot be written
     // the results are printed.
     let printed = print(&text);
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let pictures = study::run_pictures(scene, name, wording, &outcome).and_then(|all| args.formats.files(&all));
+        let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
         let pictures: Result<Vec<_>> = Ok(Vec::new());
-        study::run_files(folder, scene, &outcome, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;
+        study::run_files(folder, &ran, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
             // What stopped the run is the error, not that there is too little of it to draw.
             Err(why) if outcome.failure.is_some() => say(&format!("no pictures: {why}")),
@@ -162,6 +172,7 @@ fn report(
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     let long = LongRun::load(path)?.in_parts(parts)?;
+    si(args, long.scene())?;
     let scene = args.scene.as_deref().map(Scene::load).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {

@@ -332,6 +332,47 @@ fn spheres_in_si_units_are_the_chain_that_hertz_gives() {
 }
 
 #[test]
+fn results_in_si_units_are_those_of_the_laboratory() {
+    // Truth: what the scene says in SI units. The first bead moves by 10 nm sin(3e4 t), every contact
+    // carries 20 N, and holds 2/5 F (F/A)^{2/3} at rest.
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let flags = ["run", "granular-crystal", "--until", "300", "--events", "--json"];
+    let run = json(&[&flags[..], &["--si", "--out", out]].concat());
+    let (t, u) = (run["t"].as_f64().unwrap(), run["u"][0].as_f64().unwrap());
+    // The tolerance is 1e-10 a step, of some 200 steps.
+    let near = |value: f64, truth: f64, size: f64| assert!((value - truth).abs() < 2e-8 * size, "{value:e} {truth:e}");
+    near(u, 1e-8 * (3e4 * t).sin(), 1e-8);
+    assert!((run["contacts"]["impulse"].as_f64().unwrap() / (21.0 * 20.0 * t) - 1.0).abs() < 1e-3);
+    let table = |file: &str| {
+        let text = std::fs::read_to_string(folder.path().join(file)).unwrap();
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+        text.lines().skip(1).map(row).collect::<Vec<_>>()
+    };
+    let constant = 193e9 * (2.0 * 9.525e-3f64).sqrt() / (3.0 * 0.91);
+    let stored = |a: f64| 8.0 * (20.0 / a).powf(2.0 / 3.0);
+    let at_rest = 19.0 * stored(constant) + 2.0 * stored(2f64.sqrt() * constant);
+    assert!((table("energy.csv")[0][5] / at_rest - 1.0).abs() < 1e-12);
+    assert!((table("energy.csv")[600][0] / t - 1.0).abs() < 1e-15);
+    assert_eq!(table("final.csv")[0][1], u);
+    // Momenta are those of steel spheres.
+    let sphere = 4.0 / 3.0 * std::f64::consts::PI * 9.525e-3f64.powi(3) * 8027.0;
+    let largest = sphere * 1e-8 * 3e4;
+    near(run["pu"][0].as_f64().unwrap(), largest * (3e4 * t).cos(), largest);
+    // Errors are relative, and without the flag nothing changes.
+    let plain = json(&flags);
+    assert_eq!((&run["energy_error"], &run["steps"]), (&plain["energy_error"], &plain["steps"]));
+    assert_eq!((plain["t"].as_f64(), plain["si"].as_bool()), (Some(300.0), Some(false)));
+    let spheres = &plain["units"]["energy_j"].as_f64().unwrap();
+    for entry in ["/driven", "/dissipated/total", "/energies/beads"] {
+        let [si, one] = [&run, &plain].map(|run| run.pointer(entry).unwrap().as_f64().unwrap());
+        assert!((si / (one * spheres) - 1.0).abs() < 1e-14, "{entry}");
+    }
+    assert!(refusal(&["run", "tw-q15", "--si"]).contains("si = true is not valid: the scene has no table [units]"));
+    assert!(refusal(&["run", "granular-crystal", "--si", "--plan"]).contains("--plan"));
+}
+
+#[test]
 fn json_of_a_scene_that_is_damped_and_driven_has_its_balance() {
     let run = json(&["run", "end-driven", "--until", "30", "--json"]);
     let of = |path: &str| run.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));

@@ -63,6 +63,12 @@ pub(crate) struct RunArgs {
     /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
+    /// Results in SI units, for scenes with a table [units].
+    ///
+    /// Metres, seconds, kilograms, newtons, joules in all that is printed and written but checkpoints
+    /// and what failures say. Momenta are in kg m/s. Names of fields and columns stay.
+    #[arg(long, conflicts_with = "plan", hide_short_help = true)]
+    pub(crate) si: bool,
     /// Threads that move parts of the chain [default: 1].
     ///
     /// For splitting schemes on long chains: each thread moves neighbouring sites, and the bits are

@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{Study, Work, run_json};
+use super::{Ran, Study, Work, run_json};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -156,7 +156,8 @@ fn run(plan: &Plan, point: &Point) -> Result<Vec<Value>> {
     if let Some(failure) = trajectory.failure.take() {
         return Err(failure.into());
     }
-    let report = run_json(&scene, "", "", None, &trajectory);
+    let report =
+        run_json(&Ran { scene: &scene, integrator: "", setting: "", reason: None, outcome: &trajectory, si: None });
     plan.keep.iter().map(|quantity| quantity.of(&report)).collect()
 }
 

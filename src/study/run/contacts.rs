@@ -116,6 +116,7 @@ pub fn contacts_picture(
     how: &str,
     t_end: f64,
     contacts: &[Contact],
+    si: Option<&crate::scene::Units>,
 ) -> Result<crate::figures::Picture> {
     use crate::{
         chain::Overlaps,
@@ -138,8 +139,8 @@ pub fn contacts_picture(
     let figure = Raster {
         title: format!("{}: contacts over time", scene.name()),
         bond_label: "bond n".to_owned(),
-        time_label: "time t".to_owned(),
-        shade_label: "largest overlap of the contact".to_owned(),
+        time_label: super::report::label("time t", "s", si),
+        shade_label: super::report::label("largest overlap of the contact", "m", si),
         bars: contacts.iter().map(bar).collect(),
         bonds: (first, last),
         times: (0.0, t_end),
@@ -245,7 +246,7 @@ mod tests {
         for (name, _) in crate::scene::Scene::list() {
             let scene = crate::scene::Scene::load(name).unwrap();
             for contacts in [&three()[..], &[]] {
-                contacts_picture(&scene, "Integrator verlet.", 1.0, contacts).unwrap();
+                contacts_picture(&scene, "Integrator verlet.", 1.0, contacts, None).unwrap();
             }
         }
     }

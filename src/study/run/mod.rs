@@ -6,6 +6,7 @@ mod contacts;
 mod how;
 mod parts;
 mod report;
+mod si;
 
 pub use checkpoint::LongRun;
 #[cfg(feature = "plot")]
@@ -15,4 +16,5 @@ pub use how::{Asked, How};
 pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
-pub use report::{RUN_FILES, run_files, run_json, run_summary};
+pub use report::{RUN_FILES, Ran, run_files, run_json, run_summary};
+pub use si::in_si;

@@ -9,7 +9,7 @@ use crate::{
     error::Result,
     output::{Folder, NpzWriter, csv, to_json},
     run::{Profile, Trajectory},
-    scene::{Scene, Theory},
+    scene::{Scene, Theory, Units},
 };
 use hertzchain_integrators::Error as Failure;
 use serde_json::{Map, Value, json};
@@ -20,13 +20,13 @@ use std::{
 
 /// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
 ///
-/// Arrays of resonators are empty where none moves.
-fn state_arrays(scene: &Scene, state: &[f64]) -> [(&'static str, Vec<f64>); 4] {
-    [0, 1, 2, 3].map(|i| state_array(scene, state, i))
+/// Arrays of resonators are empty where none moves. `si` has the units of a state that is in them.
+fn state_arrays(scene: &Scene, state: &[f64], si: Option<&Units>) -> [(&'static str, Vec<f64>); 4] {
+    [0, 1, 2, 3].map(|i| state_array(scene, state, i, si))
 }
 
 /// The array `i` of [`state_arrays`].
-fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64>) {
+fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&'static str, Vec<f64>) {
     let (chain, layout) = (scene.chain(), scene.chain().layout());
     let ring = scene.chain().boundary() == Boundary::StrainRing;
     let values = match i {
@@ -37,7 +37,7 @@ fn state_array(scene: &Scene, state: &[f64], i: usize) -> (&'static str, Vec<f64
     };
     let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
     let momentum = |site: usize, value: f64| match i {
-        2 | 3 if !ring => chain.masses(site)[i - 2] * value,
+        2 | 3 if !ring => chain.masses(site)[i - 2] * value * si.map_or(1.0, |si| si.mass_kg),
         _ => value,
     };
     (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
@@ -61,9 +61,33 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
     ]
 }
 
+/// What a run was, and what it has left behind.
+#[derive(Clone, Copy, Debug)]
+pub struct Ran<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The integrator.
+    pub integrator: &'a str,
+    /// Its setting in words.
+    pub setting: &'a str,
+    /// Why it was chosen, if nobody named it.
+    pub reason: Option<&'a str>,
+    /// What it left.
+    pub outcome: &'a Trajectory,
+    /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
+    pub si: Option<&'a Units>,
+}
+
+/// A label with the unit of its quantity, in SI units.
+#[cfg(feature = "plot")]
+pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
+    if si.is_some() { format!("{quantity} ({unit})") } else { quantity.to_owned() }
+}
+
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is there where nobody named the integrator.
-pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&str>, outcome: &Trajectory) -> Value {
+/// `reason` is there where nobody named the integrator, `si` where all numbers are in SI units.
+pub fn run_json(ran: &Ran<'_>) -> Value {
+    let &Ran { scene, integrator, setting, reason, outcome, si } = ran;
     let mut object = Map::new();
     let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
     put("scene", json!(scene.name()));
@@ -73,8 +97,8 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
         put("reason", json!(reason));
     }
     put("t", json!(outcome.t));
-    put("period", json!(scene.period()));
-    for (name, values) in state_arrays(scene, &outcome.state) {
+    put("period", json!(period(ran)));
+    for (name, values) in state_arrays(scene, &outcome.state, si) {
         put(name, json!(values));
     }
     put("energy", json!(outcome.energy.map(|energy| energy.total())));
@@ -93,6 +117,7 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
     }
     if let Some(units) = scene.units() {
         put("units", json!(units));
+        put("si", json!(si.is_some()));
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         put("e_x_final", json!(e_x));
@@ -112,14 +137,20 @@ pub fn run_json(scene: &Scene, integrator: &str, setting: &str, reason: Option<&
     Value::Object(object)
 }
 
+/// The period of the scene, in the units of the run.
+fn period(Ran { scene, si, .. }: &Ran<'_>) -> f64 {
+    scene.period() * si.map_or(1.0, |si| si.time_s)
+}
+
 /// The run in a few readable lines.
-pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Trajectory) -> String {
+pub fn run_summary(ran: &Ran<'_>) -> String {
+    let (&Ran { scene, integrator, setting, outcome, si, .. }, period) = (ran, period(ran));
     let summary = &scene.file().summary;
     let what = if summary.is_empty() { String::new() } else { format!(" ({summary})") };
     let mut lines = vec![
         format!("scene       {}{what}", scene.name()),
         format!("integrator  {integrator}, {setting}"),
-        format!("reached     t = {} = {:.6} periods of {}", outcome.t, outcome.t / scene.period(), scene.period()),
+        format!("reached     t = {} = {:.6} periods of {period}", outcome.t, outcome.t / period),
     ];
     match outcome.energy {
         Some(energy) => {
@@ -142,6 +173,9 @@ pub fn run_summary(scene: &Scene, integrator: &str, setting: &str, outcome: &Tra
             "units       {:.6e} m, {:.6e} kg, {:.6e} s; {:.6e} m/s, {:.6e} N, {:.6e} J",
             units.length_m, units.mass_kg, units.time_s, units.velocity_m_per_s, units.force_n, units.energy_j
         ));
+        if si.is_some() {
+            lines.push("            all numbers here are in SI units".to_owned());
+        }
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
         lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
@@ -196,8 +230,7 @@ pub const RUN_FILES: [&str; 16] = [
 /// A file that cannot be written.
 pub fn run_files(
     folder: &Folder,
-    scene: &Scene,
-    outcome: &Trajectory,
+    &Ran { scene, outcome, si, .. }: &Ran<'_>,
     json: &Value,
     pictures: &[crate::study::File],
     in_legs: bool,
@@ -215,7 +248,7 @@ pub fn run_files(
     summary["files"] = json!(files);
     folder.write("summary.json", to_json(&summary).as_bytes())?;
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
-    let arrays = state_arrays(scene, &outcome.state);
+    let arrays = state_arrays(scene, &outcome.state, si);
     let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
     let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
     let rows = (0..scene.chain().sites())
@@ -229,7 +262,7 @@ pub fn run_files(
     });
     let columns = ["t", "beads", "resonators", "springs", "contacts", "total", "dissipated", "driven"];
     folder.write("energy.csv", &csv(&columns[..if open { 8 } else { 6 }], energies))?;
-    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles))?;
+    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
     folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
@@ -240,18 +273,18 @@ pub fn run_files(
 
 /// Writes the archive of profiles, a row at a time: long chains have more of them than fit into
 /// memory twice.
-fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Result<()> {
+fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], si: Option<&Units>) -> std::io::Result<()> {
     let mut archive = NpzWriter::new(file, None)?;
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
     let rows = profiles.len() as u64;
     let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];
     archive.begin("strain", &columns(profiles.first().map(|profile| profile.x.len())))?;
     profiles.iter().try_for_each(|profile| archive.row(&profile.x))?;
-    let arrays = state_arrays(scene, scene.initial().as_slice());
+    let arrays = state_arrays(scene, scene.initial().as_slice(), si);
     for (i, (name, values)) in arrays.iter().enumerate().filter(|(_, (_, values))| !values.is_empty()) {
         archive.begin(name, &columns(profiles.first().map(|_| values.len())))?;
         for profile in profiles {
-            archive.row(&state_array(scene, &profile.state, i).1)?;
+            archive.row(&state_array(scene, &profile.state, i, si).1)?;
         }
     }
     archive.finish()
@@ -278,16 +311,12 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
 /// # Errors
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
-pub fn run_pictures(
-    scene: &Scene,
-    integrator: &str,
-    setting: &str,
-    outcome: &Trajectory,
-) -> Result<Vec<crate::study::Drawing>> {
+pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
     use crate::figures;
+    let &Ran { scene, integrator, setting, outcome, si, .. } = ran;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
-    let mut pictures = vec![("profile.png", figures::panels(&profile_figure(scene, outcome, &caption))?)];
+    let mut pictures = vec![("profile.png", figures::panels(&profile_figure(ran, &caption))?)];
     if let Some(last) = outcome.profiles.last() {
         let (range, clips) = strain_range(outcome);
         let clipped =
@@ -295,8 +324,8 @@ pub fn run_pictures(
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
-            time_label: "time t".to_owned(),
-            value_label: "strain xₙ".to_owned(),
+            time_label: label("time t", "s", si),
+            value_label: label("strain xₙ", "m", si),
             values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
             most: Some(range),
             sites: last.x.len(),
@@ -310,7 +339,7 @@ pub fn run_pictures(
     let errors = energy_errors(scene, outcome);
     if !errors.is_empty() {
         let lines = vec![figures::Line { name: integrator.to_owned(), points: errors }];
-        let (label, what) = if scene.chain().open() {
+        let (error, what) = if scene.chain().open() {
             (
                 "|B(t) − B(0)| / max E",
                 "Error of the balance B, energy + dissipated − driven, over the largest energy; points without error are left out.",
@@ -321,12 +350,13 @@ pub fn run_pictures(
                 "Relative error of the total energy at the sample times; points without error are left out.",
             )
         };
-        let panel = figures::Panel::new(figures::Kind::LogTime, ["time t", label], lines);
+        let time = label("time t", "s", si);
+        let panel = figures::Panel::new(figures::Kind::LogTime, [time.as_str(), error], lines);
         let title = format!("{}: relative energy error", scene.name());
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
     }
     if let Some(contacts) = &outcome.contacts {
-        pictures.push(("contacts.png", super::contacts::contacts_picture(scene, &how, outcome.t, contacts)?));
+        pictures.push(("contacts.png", super::contacts::contacts_picture(scene, &how, outcome.t, contacts, si)?));
     }
     Ok(pictures.into_iter().map(|(name, picture)| (name.to_owned(), picture)).collect())
 }
@@ -380,7 +410,10 @@ fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
 }
 
 #[cfg(feature = "plot")]
-fn profile_figure(scene: &Scene, outcome: &Trajectory, caption: &dyn Fn(&str) -> String) -> crate::figures::Panels {
+fn profile_figure(
+    &Ran { scene, outcome, si, .. }: &Ran<'_>,
+    caption: &dyn Fn(&str) -> String,
+) -> crate::figures::Panels {
     use crate::figures::{Line, Panel, Panels};
     let layout = scene.chain().layout();
     let ring = scene.chain().boundary() == Boundary::StrainRing;
@@ -392,7 +425,7 @@ fn profile_figure(scene: &Scene, outcome: &Trajectory, caption: &dyn Fn(&str) ->
     if let (true, Some(y)) = (ring, layout.v(&outcome.state)) {
         panels.push(("yₙ", "strain yₙ", y.to_vec()));
     }
-    let panels = panels.into_iter().enumerate().map(|(i, (_, label, values))| {
+    let panels = panels.into_iter().enumerate().map(|(i, (_, strain, values))| {
         let mut lines = vec![line("numerical", &values)];
         if let Some(Theory::Wave(wave)) = scene.theory() {
             let ansatz = |n| {
@@ -402,9 +435,12 @@ fn profile_figure(scene: &Scene, outcome: &Trajectory, caption: &dyn Fn(&str) ->
             lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
         }
         let x_label = if ring { "site n" } else { "bond n" };
-        Panel { x_label: x_label.to_owned(), y_label: label.to_owned(), lines, ..Default::default() }
+        Panel { x_label: x_label.to_owned(), y_label: label(strain, "m", si), lines, ..Default::default() }
     });
-    let title = format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t);
+    let title = match si {
+        None => format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t),
+        Some(_) => format!("{}: strain profile at t = {:.6e} s", scene.name(), outcome.t),
+    };
     let caption = caption(match scene.theory() {
         Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
         _ => "Strains at the end of the run.",

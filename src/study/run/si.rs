@@ -1,0 +1,62 @@
+//! What a run has left behind, in SI units.
+
+use crate::{
+    chain::{Contact, Energy, Layout},
+    run::Trajectory,
+    scene::Units,
+};
+
+/// The trajectory of a scene whose `[units]` are these, in metres, seconds and joules: times,
+/// states with their ledger, strains, energies and contacts. An error of the energy relative to it
+/// stays what it is, as does what a failure says.
+#[must_use]
+pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajectory {
+    let state = |state: &mut Vec<f64>| {
+        let half = layout.half();
+        for (i, entry) in state.iter_mut().enumerate() {
+            *entry *= match i {
+                i if i < half => units.length_m,
+                i if i < 2 * half => units.velocity_m_per_s,
+                _ => units.energy_j,
+            };
+        }
+    };
+    outcome.t *= units.time_s;
+    state(&mut outcome.state);
+    outcome.energy = outcome.energy.map(|energy| scaled(energy, units.energy_j));
+    for sample in &mut outcome.samples {
+        sample.t *= units.time_s;
+        sample.energy = sample.energy.map(|energy| scaled(energy, units.energy_j));
+    }
+    for profile in &mut outcome.profiles {
+        profile.t *= units.time_s;
+        profile.x.iter_mut().for_each(|x| *x *= units.length_m);
+        state(&mut profile.state);
+    }
+    outcome.contacts.iter_mut().flatten().for_each(|contact| *contact = of_contact(contact, units));
+    outcome
+}
+
+fn scaled(energy: Energy<f64>, by: f64) -> Energy<f64> {
+    let Energy { beads, resonators, springs, contacts, dissipated, driven } = energy;
+    let [beads, resonators, springs] = [beads, resonators, springs].map(|one| one * by);
+    let [contacts, dissipated, driven] = [contacts, dissipated, driven].map(|one| one * by);
+    Energy { beads, resonators, springs, contacts, dissipated, driven }
+}
+
+fn of_contact(contact: &Contact, units: &Units) -> Contact {
+    let times = |by: f64| move |value: Option<f64>| value.map(|value| value * by);
+    let (time, speed, length) = (times(units.time_s), times(units.velocity_m_per_s), times(units.length_m));
+    Contact {
+        bond: contact.bond,
+        onset: time(contact.onset),
+        release: time(contact.release),
+        approach: speed(contact.approach),
+        separation: speed(contact.separation),
+        largest_overlap: contact.largest_overlap * units.length_m,
+        impulse: contact.impulse * units.force_n * units.time_s,
+        t_largest: contact.t_largest * units.time_s,
+        onset_overlap: length(contact.onset_overlap),
+        release_overlap: length(contact.release_overlap),
+    }
+}
