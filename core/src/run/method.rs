@@ -300,7 +300,7 @@ impl Method {
     }
 
     /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853,
-    /// splittings unless contacts dissipate, and collocation unless anything dissipates or drives.
+    /// and splittings and collocation unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -315,10 +315,9 @@ impl Method {
                 let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
-            Self::Collocation if !chain.open() => Ok(()),
+            Self::Collocation if !chain.dissipative_contacts() => Ok(()),
             Self::Collocation => {
-                let rule = "it needs a chain without damping, dissipation and drives: take dop853-regularised, or \
-                            strang-linear for equal steps";
+                let rule = "it needs contacts that do not dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
             Self::Corrected(..) | Self::Conserving(_) => {
