@@ -71,8 +71,8 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains of more sites that dissipate or are driven run by DOP853 without stops at contacts, where
-/// no method is named: each stop costs a step of the whole chain.
+/// Chains of more sites whose contacts dissipate run by DOP853 without stops at contacts, where no
+/// method is named: each stop costs a step of the whole chain.
 const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
@@ -331,7 +331,7 @@ impl Method {
     /// The method for a given tolerance, where none is named.
     pub fn by_tolerance(chain: &Chain<f64>) -> Self {
         match chain.sites() {
-            _ if !chain.open() => Self::Collocation,
+            _ if !chain.dissipative_contacts() => Self::Collocation,
             ..=FEW_SITES => Self::Dop853(Contacts::Regularised),
             _ => Self::Dop853(Contacts::Crossed),
         }

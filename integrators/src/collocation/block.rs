@@ -193,12 +193,11 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
             verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
         }
-        if let Some(open) = links.open.as_ref().filter(|_| verdict.failure.is_none()) {
-            for (left, i) in left.iter_mut().zip(mine.clone()) {
-                let next = beside(i, len, ring)[1].map(|i| &bonds[i].panels);
-                for (site, panels) in open.kept(bonds[i].initial.bond, &bonds[i].panels, next) {
-                    let gains = open.gains(start.bonds, frames.h, site, panels);
-                    left.ledger = std::array::from_fn(|k| left.ledger[k] + gains[k]);
+        if const { S != 1 } {
+            if let Some(open) = links.open.as_ref().filter(|_| verdict.failure.is_none()) {
+                for (left, i) in left.iter_mut().zip(mine.clone()) {
+                    let next = beside(i, len, ring)[1].map(|i| &bonds[i].panels);
+                    left.ledger = open.gains_beside((start.bonds, frames.h), &bonds[i], next);
                 }
             }
         }

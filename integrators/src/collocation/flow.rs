@@ -42,7 +42,8 @@ pub(crate) struct Flow {
     rate: f64,
     /// `lag`, `cos`, `sin`.
     position: [Series; 3],
-    /// The oscillating part of the velocity, as it follows from `v`, `c` and `s`.
+    /// What `v`, `c` and `s` contribute to the velocity, and to that of the oscillating part.
+    velocity: [Series; 3],
     swing: [Series; 3],
     /// `exp(-A t) b`.
     answer: [Series; 4],
@@ -108,7 +109,10 @@ impl Flow {
         let transposed: [Path; 4] = std::array::from_fn(|i| std::array::from_fn(|j| scaled[j][i]));
         let [_, mut lag, cos, sin] = powers(&transposed, [1.0, 0.0, 1.0, 0.0]);
         lag[1] = 0.0;
-        let [_, by_v, by_c, by_s] = powers(&transposed, [0.0, 0.0, 0.0, omega]);
+        let velocity = |of: Path| {
+            let [_, v, c, s] = powers(&transposed, of);
+            [v, c, s]
+        };
         let [r, _, c, _] = powers(&scaled, b);
         Self {
             a,
@@ -118,7 +122,8 @@ impl Flow {
             slip,
             rate,
             position: [lag, cos, sin],
-            swing: [by_v, by_c, by_s],
+            velocity: velocity([0.0, 1.0, 0.0, omega]),
+            swing: velocity([0.0, 0.0, 0.0, omega]),
             answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
             kernel: std::array::from_fn(|k| r[k] + c[k]),
         }
@@ -186,7 +191,13 @@ impl Flow {
         self.at(&self.position, t)
     }
 
-    /// What `v`, `c` and `s` contribute to the velocity of the oscillating part.
+    /// What `v`, `c` and `s` contribute to the velocity.
+    #[inline(always)]
+    pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+        self.at(&self.velocity, t)
+    }
+
+    /// The same for the velocity of the oscillating part.
     #[inline(always)]
     pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         self.at(&self.swing, t)
@@ -308,6 +319,9 @@ mod tests {
             assert!((once[i] - twice[i]).abs() < 3e-16);
         }
         let [position, swing] = at(&site, y, t);
+        let [v, c, s] = site.velocity(&[t]).map(|x| x[0]);
+        let velocity = y[1] * v + y[2] * c + y[3] * s;
+        assert!((velocity - once[1] - 1.7 * once[3]).abs() < 3e-16);
         assert!((position - once[0] - once[2]).abs() < 2e-16 && (swing - 1.7 * once[3]).abs() < 3e-16);
         let [_, k2, k3] = site.ramps(t);
         let rule = super::super::Rule::<12>::shared();

@@ -11,12 +11,14 @@ use super::{
     rule::Rule,
     system::{Drive, Path},
 };
+use crate::real::Kernel;
 
 /// Terms of a series. With a frequency `omega` windows may be as long as `1/omega` at all
 /// tolerances.
 pub(crate) const TERMS: usize = 12;
-/// Last terms that are rounding, as a share of what is rounded: a signal, and the time in it.
-const ROUNDING: f64 = 1e-15;
+/// Last terms that are rounding, as a share of a signal; and as one of the time in it.
+const ROUNDING: f64 = 4e-15;
+const OF_TIME: f64 = 4e-16;
 /// Share of the tolerance that last terms may have, relative to the size of a signal. Chosen, not
 /// measured.
 const SHARE: f64 = 1e-3;
@@ -104,26 +106,34 @@ pub(crate) struct Driven {
     pub(crate) left: Path,
 }
 
-impl Driven {
-    /// Of a window of length `h` from the time `t` on, from the signal as a function of the time in
-    /// it; and the length of a window in which the series would resolve it.
-    pub(crate) fn over(
-        drive: &Drive,
-        flow: Option<&Flow>,
-        signal: &dyn Fn(f64) -> [f64; 3],
-        (t, h, tol): (f64, f64, f64),
-    ) -> (Self, f64) {
+/// Looks at a drive in a window: what it does, and the length of a shorter window if the series do
+/// not resolve it in this one.
+pub(crate) struct Foresight<'a> {
+    pub(crate) drive: &'a Drive,
+    /// The motion of a site that is pushed.
+    pub(crate) flow: Option<&'a Flow>,
+    /// The signal as a function of the time in the window.
+    pub(crate) signal: &'a dyn Fn(f64) -> [f64; 3],
+    /// Start and length of the window, and the tolerance.
+    pub(crate) at: (f64, f64, f64),
+}
+
+impl Kernel for Foresight<'_> {
+    type Output = (Driven, f64);
+
+    #[inline(always)]
+    fn run(self) -> (Driven, f64) {
+        let Self { drive, flow, signal, at: (t, h, tol) } = self;
         let rule = Rule::<TERMS>::shared();
         let times = rule.nodes.map(|x| 0.5 * h * (1.0 + x));
         let values = times.map(|t| signal(t)[0]);
-        let longest = {
-            let last = rule.tail.iter().map(|row| super::panel::dot(row, &values).abs()).fold(0.0, f64::max);
-            let allowed = (SHARE * tol).max(ROUNDING) * drive.size + ROUNDING * t.abs() * drive.rate;
-            h * 0.9 * (allowed / last).powf(1.0 / TERMS as f64).min(10.0)
-        };
+        let last = rule.tail.iter().map(|row| super::panel::dot(row, &values).abs()).fold(0.0, f64::max);
+        let allowed = (SHARE * tol).max(ROUNDING) * drive.size + OF_TIME * t.abs() * drive.rate;
+        let shorter = 0.9 * h * (allowed / last).powf(1.0 / TERMS as f64);
+        let longest = if last <= allowed { f64::INFINITY } else { shorter };
         let Some(flow) = flow else {
             let [start, end] = [0.0, h].map(|t| [signal(t)[0], signal(t)[1]]);
-            return (Self { known: Known::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
+            return (Driven { known: Known::new(&values, h, [start, end]), left: [0.0; 4] }, longest);
         };
         let impulses = values.map(|value| 0.5 * h * value);
         let parts = flow.answer(&times).map(|part| super::panel::times(&part, &impulses));
@@ -137,6 +147,6 @@ impl Driven {
         let y: Path = std::array::from_fn(|k| left[k] + end[k]);
         let rates = flow.rates(&y);
         let ends = [[0.0; 2], [y[0] + y[2], rates[0] + rates[2]]];
-        (Self { known: Known::new(&position, h, ends), left }, longest)
+        (Driven { known: Known::new(&position, h, ends), left }, longest)
     }
 }

@@ -93,6 +93,14 @@
 //! what they leave is below the roundings, for it has a sign and adds up. The energy error is then
 //! a random walk of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
+//! # Damping and drives
+//!
+//! A damped site has other functions of time in the place of `t`, `cos` and `sin`, as series, see
+//! `flow.rs`; between windows its path is moved on by the same series. A site that is moved is a
+//! known part of the overlaps beside it, and so is what a force does to one that is pushed
+//! (`known.rs`). What is dissipated and driven is integrated over each window (`open.rs`). Windows
+//! end where a signal is not smooth, and are so short that all series are resolved.
+//!
 //! # Limits
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,
@@ -154,6 +162,10 @@ const MOST_PARTS: u32 = 1 << 10;
 /// Length of the window that shows drives as they are when a run begins.
 const AT_ONCE: f64 = 1e-9;
 
+/// Times that a window is shortened for what drives do in it, each by a tenth at least. Chosen: a
+/// signal that is rounding by then is resolved by nothing.
+const MOST_SHORTENED: u32 = 40;
+
 /// A stepper that logs what contacts do.
 pub trait ContactStepper: Stepper<f64> {
     /// Tells what contacts did in the last step, part by part, and the time that times of a piece
@@ -187,8 +199,8 @@ impl<const S: usize> State<S> {
         Sites { chain, sites: &self.sites, phases: &self.phases, open }
     }
 
-    /// Looks at what drives do in a window of length `h`; returns the length of one in which this is
-    /// resolved to a tolerance.
+    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if this
+    /// is not resolved to a tolerance, else infinity.
     fn foresee<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, (h, tol): (f64, f64)) -> f64 {
         let at = (self.t.value(), h, tol);
         links.open.as_ref().map_or(f64::INFINITY, |open| open.window(chain, at, &mut self.window))
@@ -196,11 +208,13 @@ impl<const S: usize> State<S> {
 
     /// Over a window of length `h`, with what bonds have left behind in it.
     fn advance<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, left: &[Left<S>], h: f64) {
-        if let Some(open) = &links.open {
-            left.iter().for_each(|left| self.ledger.take(&left.ledger));
-            for &site in &open.alone {
-                let gains = open.gains::<4, S>(&self.bonds(chain, links), h, site, [None; 2]);
-                self.ledger.take(&gains);
+        if const { S != 1 } {
+            if let Some(open) = &links.open {
+                for &site in &open.alone {
+                    let gains = self.bonds(chain, links).gains_alone(h, site);
+                    self.ledger.take(&gains);
+                }
+                left.iter().for_each(|left| self.ledger.take(&left.ledger));
             }
         }
         let Self { sites, phases, window, .. } = self;
@@ -273,9 +287,8 @@ pub struct Collocation<C: ContactChain<S>, const S: usize = 1> {
     state: State<S>,
     solver: Box<dyn Solver<S>>,
     control: Control,
-    /// The tolerance, or zero; and the longest window in which signals are resolved.
+    /// The tolerance, or zero.
     tol: f64,
-    longest: f64,
     /// What the last window left behind, and its length; zero if there is none.
     left: Vec<Left<S>>,
     h: f64,
@@ -324,7 +337,6 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
             solver,
             control,
             tol: if let Pace::Tolerance(tol) = pace { tol } else { 0.0 },
-            longest: f64::INFINITY,
             h: 0.0,
             end: Twofold::new(span.1),
             log: false,
@@ -345,15 +357,15 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
     fn propose(&mut self, left: f64) -> f64 {
         let Some(open) = &self.links.open else { return self.control.propose(left) };
         let stop = open.until_break(self.state.t.value());
-        let mut h = self.control.propose(left.min(stop)).min(stop).min(self.longest).min(open.longest());
-        // Each is shorter by a tenth at least.
-        loop {
-            self.longest = self.state.foresee(&self.chain, &self.links, (h, self.tol));
-            if self.longest >= 0.9 * h {
-                return h;
+        let mut h = self.control.propose(left.min(stop)).min(stop).min(open.longest());
+        for _ in 0..MOST_SHORTENED {
+            let shorter = self.state.foresee(&self.chain, &self.links, (h, self.tol));
+            if shorter >= h {
+                break;
             }
-            h = self.longest;
+            h = shorter;
         }
+        h
     }
 
     /// What contacts did in the last window, by bond, if that is logged; and when the window began.

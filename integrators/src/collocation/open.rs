@@ -2,14 +2,17 @@
 //! put in.
 
 use super::{
+    block::apart,
+    bond::Bond,
     flow::Flow,
-    known::Driven,
-    panel::{dot, product, times},
+    known::{Driven, Foresight},
+    panel::{Panel, dot, product, times},
     panels::Panels,
     rule::Rule,
     sites::Bonds,
     system::{ContactChain, Drive, Path},
 };
+use crate::real::Kernel;
 use std::{collections::HashMap, sync::Arc};
 
 /// The sites that are damped or driven.
@@ -90,8 +93,8 @@ impl Open {
         self.breaks.get(next).map_or(f64::INFINITY, |at| at - t)
     }
 
-    /// What drives do in a window of length `h` that begins at `t`. Returns the length of one in
-    /// which series resolve them.
+    /// What drives do in a window of length `h` that begins at `t`. Returns the length of a shorter
+    /// window if series do not resolve them in this one, else infinity.
     pub(crate) fn window<const S: usize, C: ContactChain<S>>(
         &self,
         chain: &C,
@@ -103,8 +106,8 @@ impl Open {
         let mut longest = f64::INFINITY;
         for drive in &self.drives {
             let flow = self.flows[drive.site].as_deref().filter(|_| !drive.moved);
-            let signal = |s: f64| chain.signal(drive.site, at.0 + s);
-            let (driven, resolved) = Driven::over(drive, flow, &signal, at);
+            let signal = &|s: f64| chain.signal(drive.site, at.0 + s);
+            let (driven, resolved) = apart(Foresight { drive, flow, signal, at });
             window.driven.push(driven);
             longest = resolved.min(longest);
         }
@@ -124,17 +127,23 @@ impl Open {
         self.driven[site].map(|k| k as usize)
     }
 
-    /// The sites in whose ledger a bond writes, with the panels of the bonds before and behind each:
-    /// `own` are its own, `next` those of the bond behind it.
-    pub(crate) fn kept<'a, P>(
+    /// What the ledgers of the sites gain that a bond keeps; `next` are the panels of the bond behind
+    /// it.
+    pub(crate) fn gains_beside<const M: usize, const S: usize>(
         &self,
-        bond: usize,
-        own: &'a P,
-        next: Option<&'a P>,
-    ) -> impl Iterator<Item = (usize, [Option<&'a P>; 2])> {
-        let [behind, before] = self.kept[bond];
-        let behind = behind.map(|site| (site, [Some(own), next]));
-        behind.into_iter().chain(before.map(|site| (site, [None, Some(own)])))
+        (bonds, h): (&dyn Bonds<S>, f64),
+        bond: &Bond<M, S>,
+        next: Option<&Panels<M, S>>,
+    ) -> Path {
+        let ([behind, before], own) = (self.kept[bond.initial.bond], Some(&bond.panels));
+        let mut sum = [0.0; 4];
+        for (site, panels) in [(behind, [own, next]), (before, [None, own])] {
+            if let Some(site) = site {
+                let gains = self.gains(bonds, h, site, panels);
+                sum = std::array::from_fn(|k| sum[k] + gains[k]);
+            }
+        }
+        sum
     }
 
     /// What the ledger of a site gains in a window of length `h`, from the forces in the bonds before
@@ -149,66 +158,143 @@ impl Open {
         site: usize,
         panels: [Option<&Panels<M, S>>; 2],
     ) -> Path {
-        let (rule, given) = (Rule::<NODES>::shared(), Rule::<M>::shared());
-        let (mut gains, drive) = ([0.0; 4], self.drive(site).map(|k| &self.drives[k]));
-        let mut y = bonds.site(site);
+        apart(Gains { open: self, bonds, h, site, panels })
+    }
+}
+
+/// See [`Open::gains`].
+struct Gains<'a, const M: usize, const S: usize> {
+    open: &'a Open,
+    bonds: &'a dyn Bonds<S>,
+    h: f64,
+    site: usize,
+    panels: [Option<&'a Panels<M, S>>; 2],
+}
+
+impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
+    type Output = Path;
+
+    #[inline(always)]
+    fn run(self) -> Path {
+        let Self { open, bonds, h, site, panels } = self;
+        let (mut gains, drive) = ([0.0; 4], open.drive(site).map(|k| &open.drives[k]));
+        let (mut y, flow) = (bonds.site(site), open.flows[site].as_deref());
         let panels = panels.map(|panels| panels.map_or(&[][..], Panels::as_slice));
-        let touched = panels.iter().any(|panels| !panels.is_empty());
-        if !touched && drive.is_none() && y == [0.0; 4] {
+        let pushed = drive.is_some() || panels.iter().any(|panels| !panels.is_empty());
+        if !pushed && y == [0.0; 4] {
             return gains;
         }
         let mut cuts = vec![0.0, h];
         cuts.extend(panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end])));
-        cuts.sort_by(f64::total_cmp);
+        if h > RESOLVED * open.longest {
+            cuts.extend((1..PARTS).map(|k| h * f64::from(k) / f64::from(PARTS)));
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
         for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
-            let (a, length) = (pair[0], pair[1] - pair[0]);
-            let share = rule.nodes.map(|x| 0.5 * (1.0 + x));
-            let t = share.map(|x| a + length * (x * x * (3.0 - 2.0 * x)));
-            let rate = share.map(|x| length * (3.0 * x * (1.0 - x)));
-            let middle = a + 0.5 * length;
-            let mut force = [0.0; NODES];
-            for (panels, sign) in panels.iter().zip([1.0, -1.0]) {
-                if let Some(panel) = panels.iter().find(|panel| panel.start < middle && middle < panel.end) {
-                    let by = panel.force_at(given, &t);
+            let piece = Piece::between(pair[0], pair[1]);
+            let (mut force, mut signal) = ([0.0; NODES], [[0.0; NODES]; 2]);
+            for (side, panels) in panels.iter().enumerate() {
+                let within = |panel: &&Panel<M, S>| panel.start < piece.middle && piece.middle < panel.end;
+                if let Some(panel) = panels.iter().find(within) {
+                    let (by, sign) = (panel.force_at(Rule::shared(), &piece.t), [1.0, -1.0][side]);
                     for j in 0..NODES {
                         force[j] += sign * by[j];
                     }
                 }
             }
-            let signal = t.map(|t| drive.map_or([0.0; 3], |_| bonds.signal(site, t)));
-            let Some(flow) = self.flows[site].as_deref().filter(|_| drive.is_none_or(|drive| !drive.moved)) else {
-                gains[3] -= (0..NODES).map(|j| rule.weights[j] * rate[j] * (force[j] * signal[j][1])).sum::<f64>();
-                continue;
-            };
-            for j in 0..NODES {
-                force[j] += signal[j][0];
+            if drive.is_some() {
+                for j in 0..NODES {
+                    [signal[0][j], signal[1][j], _] = bonds.signal(site, piece.t[j]);
+                }
             }
-            let impulse = times(&rate, &force);
-            let answer = flow.answer(&t).map(|part| times(&part, &impulse));
-            let moments = answer.map(|part| product(&rule.integral, &part));
-            let now: [Path; NODES] = std::array::from_fn(|j| std::array::from_fn(|k| y[k] + moments[k][j]));
-            let ([lag, cos, sin], [by_v, by_c, by_s]) = (flow.position(&t), flow.swing(&t));
-            for j in 0..NODES {
-                let [_, v, c, s] = flow.rates(&now[j]);
-                let [_, v0, c0, s0] = now[j];
-                // The position along the rates of a path is the velocity along the path.
-                let velocity = v0 + (v * (t[j] + lag[j]) + (c * cos[j] + s * sin[j]));
-                let swing = v0 * by_v[j] + (c0 * by_c[j] + s0 * by_s[j]);
-                let weight = rule.weights[j] * rate[j];
-                gains[0] += weight * (flow.drag() * (velocity * velocity));
-                gains[1] += weight * (flow.dashpot() * (swing * swing));
-                gains[3] += weight * (signal[j][0] * velocity);
-            }
-            for k in 0..4 {
-                y[k] += dot(&rule.weights, &answer[k]);
+            match flow {
+                Some(flow) => piece.follow(flow, &mut y, (&force, &signal[0]), pushed, &mut gains),
+                None => gains[3] -= dot(&piece.weights, &times(&force, &signal[1])),
             }
         }
         gains
     }
 }
 
+/// A stretch of a window in which the force on a site is smooth but for its ends, with the nodes of
+/// a quadrature.
+struct Piece {
+    middle: f64,
+    t: [f64; NODES],
+    /// `dt/dx` at the nodes, and the weights of integrals over `t`.
+    rate: [f64; NODES],
+    weights: [f64; NODES],
+}
+
+impl Piece {
+    #[inline(always)]
+    fn between(a: f64, b: f64) -> Self {
+        let (rule, length) = (Rule::<NODES>::shared(), b - a);
+        let mut piece = Self { middle: a + 0.5 * length, t: [0.0; NODES], rate: [0.0; NODES], weights: [0.0; NODES] };
+        for j in 0..NODES {
+            let x = 0.5 * (1.0 + rule.nodes[j]);
+            piece.t[j] = a + length * (x * x * (3.0 - 2.0 * x));
+            piece.rate[j] = length * (3.0 * x * (1.0 - x));
+            piece.weights[j] = rule.weights[j] * piece.rate[j];
+        }
+        piece
+    }
+
+    /// Moves the path of a site on by the impulses of the piece, and adds what it dissipates and
+    /// what a force that drives it does.
+    #[inline(always)]
+    fn follow(
+        &self,
+        flow: &Flow,
+        y: &mut Path,
+        (contacts, drive): (&[f64; NODES], &[f64; NODES]),
+        pushed: bool,
+        gains: &mut Path,
+    ) {
+        let rule = Rule::<NODES>::shared();
+        let mut now = [[0.0; NODES]; 4];
+        for k in 0..4 {
+            now[k] = [y[k]; NODES];
+        }
+        if pushed {
+            let mut impulse = [0.0; NODES];
+            for j in 0..NODES {
+                impulse[j] = self.rate[j] * (contacts[j] + drive[j]);
+            }
+            let answer = flow.answer(&self.t);
+            for k in 0..4 {
+                let part = times(&answer[k], &impulse);
+                let moved = product(&rule.integral, &part);
+                for j in 0..NODES {
+                    now[k][j] += moved[j];
+                }
+                y[k] += dot(&rule.weights, &part);
+            }
+        }
+        let [_, v, c, s] = &now;
+        let along = |by: [[f64; NODES]; 3]| {
+            let mut out = [0.0; NODES];
+            for j in 0..NODES {
+                out[j] = v[j] * by[0][j] + (c[j] * by[1][j] + s[j] * by[2][j]);
+            }
+            out
+        };
+        let velocity = along(flow.velocity(&self.t));
+        gains[0] += flow.drag() * dot(&self.weights, &times(&velocity, &velocity));
+        gains[3] += dot(&self.weights, &times(drive, &velocity));
+        if flow.dashpot() > 0.0 {
+            let swing = along(flow.swing(&self.t));
+            gains[1] += flow.dashpot() * dot(&self.weights, &times(&swing, &swing));
+        }
+    }
+}
+
 /// Nodes of a quadrature between two ends of panels.
 const NODES: usize = 12;
+/// Windows longer than this share of the longest are cut into so many parts for the quadrature.
+/// Held by `methods motions_without_contacts_are_their_closed_forms`.
+const RESOLVED: f64 = 0.3;
+const PARTS: u32 = 4;
 /// Share of a time that counts as none.
 const NEAR: f64 = 1e-12;
 

@@ -332,12 +332,14 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     fn weigh_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
         let answer = flow.answer(&self.tau);
         for k in 0..M {
-            let path = answer.map(|part| self.rate[k] * part[k]);
-            let mut kernel = [0.0; M];
+            let (mut path, mut kernel) = ([0.0; 4], [0.0; M]);
+            for i in 0..4 {
+                path[i] = self.rate[k] * answer[i][k];
+                self.left[k][side][i] = rule.weights[k] * path[i];
+            }
             for j in 0..M {
                 kernel[j] = self.times().along_side(&path, side, j);
             }
-            self.left[k][side] = path.map(|part| rule.weights[k] * part);
             self.reaction[side][k] = times(&rule.integral[k], &kernel);
         }
     }
@@ -378,6 +380,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     }
 
     /// The force at times inside the panel.
+    #[inline(always)]
     pub(crate) fn force_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [f64; L] {
         value(&product(&rule.series, &self.force), &self.variable(t))
     }

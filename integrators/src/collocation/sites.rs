@@ -57,8 +57,10 @@ impl Site {
     /// Moves along a flow for `h`, with the impulses `path` of a window of that length.
     pub(crate) fn flow(&mut self, path: &Path, flow: &Flow, h: f64) {
         self.take(path);
-        let moved = flow.moved(&self.path((0.0, 1.0)), h);
-        self.take(&moved);
+        if !self.at_rest() {
+            let moved = flow.moved(&self.path((0.0, 1.0)), h);
+            self.take(&moved);
+        }
     }
 
     /// The path over a window that starts in phase `(sin, cos)`.
@@ -113,6 +115,11 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
             }
         }
         (path, largest)
+    }
+
+    /// What the ledger of a site gains that is in no bond.
+    pub(crate) fn gains_alone(&self, h: f64, site: usize) -> Path {
+        self.open.map_or([0.0; 4], |(open, _)| open.gains::<4, S>(self, h, site, [None; 2]))
     }
 
     /// What drives make of an overlap.
