@@ -306,12 +306,3 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
         assert!(distance(&tangent.matrix(&run).unwrap(), &got[..dim]) < 1e-13 * size);
     }
 }
-
-#[test]
-fn chains_that_dissipate_or_are_driven_are_refused_with_a_way_out() {
-    let damped = Details { drag: vec![0.1; 3], ..Details::default() };
-    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap().with(&damped).unwrap();
-    let run = of(&chain, &[0.0; 10], 1.0).method(Method::Collocation).tolerance(1e-9).unwrap();
-    let message = run.start().unwrap_err().to_string();
-    assert!(message.contains("collocation") && message.contains("dop853-regularised"), "{message}");
-}

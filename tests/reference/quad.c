@@ -1,23 +1,25 @@
-/* End states of conservative chains whose beads differ, with 33 digits: what details.py asks for where events are many.
+/* End states of chains whose beads differ, are damped and driven, with 33 digits: what details.py asks for where events are many.
 
    gcc -O2 quad.c -lquadmath -lm -o quad; ./quad NODES < CASE
 
    The method is that of details.py: between two events the motion is analytic in s, where t = a + (b - a) s^2 (3 - 2 s), and is found
    by the rule of Gauss, here on pieces that are halved until the last Legendre coefficients of all slopes are below LAST. Events are
    first found by small steps of the classical scheme of Runge and Kutta, then to the last digit by the secant method. CASE has the number of beads n, the end,
-   and lists: mass, kappa, rho (0 for no resonator, inf for one at rest), contact, alpha, overlap (n + 1 each, walls included), u, v, u',
-   v'. Printed: the number of events, the change of energy, and the end state, each number as two doubles. */
+   and lists: mass, kappa, rho (0 for no resonator, inf for one at rest), drag, dashpot, contact, alpha, overlap (n + 1 each, walls
+   included), moved and pushed (site, or -1, amplitude, omega and phase of a sine), u, v, u', v'. Printed: the number of events, the
+   change of energy + dissipated - driven, and the end state with what drag and dashpots dissipated, zero, and what drives put in, each
+   number as two doubles. */
 #include <quadmath.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef __float128 Q;
-enum { MOST = 32, NODES = 16, EVENTS = 4096 };
+enum { MOST = 32, NODES = 16, EVENTS = 4096, DIM = 4 * MOST + 4 };
 static const Q LAST = 1e-11Q, SETTLED = 1e-27Q;
 
 static int n, m, closed[MOST + 1];
-static double mass[MOST], kappa[MOST], rho[MOST], contact[MOST + 1], alpha[MOST + 1], rest[MOST + 1];
+static double mass[MOST], kappa[MOST], rho[MOST], drag[MOST], dashpot[MOST], moved[4], pushed[4], contact[MOST + 1], alpha[MOST + 1], rest[MOST + 1];
 static Q node[NODES], weight[NODES], a[NODES][NODES], last[NODES];
 
 static Q power(Q g, double p) {
@@ -28,16 +30,28 @@ static Q power(Q g, double p) {
 
 static Q overlap(const Q *y, int b) { return rest[b] + (b > 0 ? y[b - 1] : 0) - (b < n ? y[b] : 0); }
 
-/* y = u, v, u', v'. */
-static void rates(const Q *y, Q *dy) {
-    Q f[MOST + 1];
+/* Value, rate and second derivative of a sine. */
+static void sine(const double *drive, Q t, Q *out) {
+    Q x = drive[2] * t + drive[3];
+    out[0] = drive[1] * sinq(x), out[1] = drive[1] * (drive[2] * cosq(x)), out[2] = -(Q)drive[2] * drive[2] * out[0];
+}
+
+/* y = u, v, u', v', drag, dashpots, contacts, driven. */
+static void rates(Q t, const Q *y, Q *dy) {
+    Q f[MOST + 1], s[3], *ledger = dy + 4 * n;
+    for (int k = 0; k < 4; k++) ledger[k] = 0;
     for (int b = 0; b <= n; b++) f[b] = closed[b] ? contact[b] * power(fabsq(overlap(y, b)), alpha[b]) : 0;
     for (int i = 0; i < n; i++) {
         int none = kappa[i] == 0 || rho[i] == 0, moving = !none && !isinfq(rho[i]);
-        Q pull = none ? 0 : kappa[i] * (y[i] - (moving ? y[n + i] : 0));
-        dy[i] = y[2 * n + i];
+        Q p = y[2 * n + i], slide = none ? 0 : p - (moving ? y[3 * n + i] : 0);
+        Q pull = none ? 0 : kappa[i] * (y[i] - (moving ? y[n + i] : 0)) + dashpot[i] * slide;
+        dy[i] = p;
         dy[n + i] = moving ? y[3 * n + i] : 0;
-        dy[2 * n + i] = (f[i] - f[i + 1] - pull) / mass[i];
+        dy[2 * n + i] = (f[i] - f[i + 1] - pull - drag[i] * p) / mass[i];
+        ledger[0] += drag[i] * p * p, ledger[1] += dashpot[i] * slide * slide;
+        if (i == pushed[0]) sine(pushed, t, s), dy[2 * n + i] += s[0] / mass[i], ledger[3] += s[0] * p;
+        if (i == moved[0])
+            sine(moved, t, s), dy[i] = s[1], dy[2 * n + i] = s[2], ledger[3] += mass[i] * s[2] * p - (f[i] - f[i + 1]) * p;
         dy[3 * n + i] = moving ? pull / ((Q)rho[i] * mass[i]) : 0;
     }
 }
@@ -73,14 +87,15 @@ static void gauss(void) {
 }
 
 /* One piece; 0 if it must be halved. */
-static int piece(Q length, Q from, Q to, Q *y) {
-    static Q slope[NODES][4 * MOST], next[NODES][4 * MOST];
-    int dim = 4 * n;
-    Q speed[NODES], z[4 * MOST], apart = 1;
+static int piece(Q start, Q length, Q from, Q to, Q *y) {
+    static Q slope[NODES][DIM], next[NODES][DIM];
+    int dim = 4 * n + 4;
+    Q time[NODES], speed[NODES], z[DIM], apart = 1;
     for (int j = 0; j < m; j++) {
         Q s = from + (to - from) * node[j];
         speed[j] = length * 6 * s * (1 - s) * (to - from);
-        rates(y, slope[j]);
+        time[j] = start + length * s * s * (3 - 2 * s);
+        rates(time[j], y, slope[j]);
         for (int i = 0; i < dim; i++) slope[j][i] *= speed[j];
     }
     for (int turn = 0; apart > SETTLED; turn++) {
@@ -91,7 +106,7 @@ static int piece(Q length, Q from, Q to, Q *y) {
                 z[i] = y[i];
                 for (int k = 0; k < m; k++) z[i] += a[j][k] * slope[k][i];
             }
-            rates(z, next[j]);
+            rates(time[j], z, next[j]);
             for (int i = 0; i < dim; i++) {
                 next[j][i] *= speed[j];
                 apart = fmaxq(apart, fabsq(next[j][i] - slope[j][i]));
@@ -109,15 +124,15 @@ static int piece(Q length, Q from, Q to, Q *y) {
     return 1;
 }
 
-static void over(Q length, Q from, Q to, Q *y) {
-    if (piece(length, from, to, y)) return;
+static void over(Q start, Q length, Q from, Q to, Q *y) {
+    if (piece(start, length, from, to, y)) return;
     if (to - from < 1e-12Q) exit(1);
-    over(length, from, (from + to) / 2, y);
-    over(length, (from + to) / 2, to, y);
+    over(start, length, from, (from + to) / 2, y);
+    over(start, length, (from + to) / 2, to, y);
 }
 
 static Q energy(const Q *y) {
-    Q e = 0;
+    Q e = y[4 * n] + y[4 * n + 1] - y[4 * n + 3];
     for (int i = 0; i < n; i++) {
         int none = kappa[i] == 0 || rho[i] == 0, moving = !none && !isinfq(rho[i]);
         Q x = y[i] - (moving ? y[n + i] : 0);
@@ -141,18 +156,18 @@ static int by_time(const void *x, const void *y) {
 
 /* Events by the classical scheme of Runge and Kutta. */
 static int find(const Q *start, Q end, int steps) {
-    static Q y[4 * MOST], z[4 * MOST], k[4][4 * MOST], before[MOST + 1];
+    static Q y[DIM], z[DIM], k[4][DIM], before[MOST + 1];
     int count = 0;
     Q h = end / steps, c[4] = {0, h / 2, h / 2, h};
     memcpy(y, start, sizeof y);
     for (int b = 0; b <= n; b++) before[b] = overlap(y, b);
     for (int step = 0; step < steps; step++) {
         for (int s = 0; s < 4; s++) {
-            for (int i = 0; i < 4 * n; i++) z[i] = y[i] + (s ? c[s] * k[s - 1][i] : 0);
+            for (int i = 0; i < 4 * n + 4; i++) z[i] = y[i] + (s ? c[s] * k[s - 1][i] : 0);
             close_all(z);
-            rates(z, k[s]);
+            rates(step * h + c[s], z, k[s]);
         }
-        for (int i = 0; i < 4 * n; i++) y[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
+        for (int i = 0; i < 4 * n + 4; i++) y[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
         for (int b = 0; b <= n; b++) {
             Q now = overlap(y, b);
             if ((now > 0) != (before[b] > 0)) event[count].bond = b, event[count++].t = h * (step + before[b] / (before[b] - now));
@@ -169,12 +184,15 @@ static void list(double *x, int count) {
 }
 
 int main(int argc, char **argv) {
-    static double end, x[4 * MOST];
-    static Q y[4 * MOST], z[2][4 * MOST], start[4 * MOST];
+    static double end, x[DIM];
+    static Q y[DIM], z[2][DIM], start[DIM], s[3];
     m = argc > 1 ? atoi(argv[1]) : 12;
     if (scanf("%d %lf", &n, &end) != 2 || n > MOST || m + 2 > NODES) return 2;
-    list(mass, n), list(kappa, n), list(rho, n), list(contact, n + 1), list(alpha, n + 1), list(rest, n + 1), list(x, 4 * n);
-    for (int i = 0; i < 4 * n; i++) start[i] = y[i] = x[i];
+    list(mass, n), list(kappa, n), list(rho, n), list(drag, n), list(dashpot, n), list(contact, n + 1), list(alpha, n + 1);
+    list(rest, n + 1), list(moved, 4), list(pushed, 4), list(x, 4 * n);
+    for (int i = 0; i < 4 * n; i++) start[i] = x[i];
+    if (moved[0] >= 0) sine(moved, 0, s), start[(int)moved[0]] = s[0], start[2 * n + (int)moved[0]] = s[1];
+    memcpy(y, start, sizeof y);
     gauss();
     int events = find(start, end, (int)(4000 * end));
     close_all(y);
@@ -184,7 +202,7 @@ int main(int argc, char **argv) {
         for (int turn = 0; turn < 50; turn++) {
             for (int j = turn ? 1 : 0; j < 2; j++) {
                 memcpy(z[j], y, sizeof y);
-                over(at[j] - t, 0, 1, z[j]);
+                over(t, at[j] - t, 0, 1, z[j]);
                 g[j] = overlap(z[j], event[k].bond);
             }
             if (fabsq(at[1] - at[0]) < 1e-16Q || g[0] == g[1]) break;
@@ -195,8 +213,8 @@ int main(int argc, char **argv) {
         t = at[1];
         closed[event[k].bond] ^= 1;
     }
-    over(end - t, 0, 1, y);
+    over(t, end - t, 0, 1, y);
     printf("%d %.3e\n", events, (double)fabsq(energy(y) - energy(start)));
-    for (int i = 0; i < 4 * n; i++) printf("%.17g %.17g\n", (double)y[i], (double)(y[i] - (double)y[i]));
+    for (int i = 0; i < 4 * n + 4; i++) printf("%.17g %.17g\n", (double)y[i], (double)(y[i] - (double)y[i]));
     return 0;
 }

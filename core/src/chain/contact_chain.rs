@@ -16,7 +16,7 @@ impl Chain<f64> {
         Collocation::new(self.clone(), y0, span, pace)
     }
 
-    /// The same for a chain whose beads differ.
+    /// The same for a chain whose beads differ, are damped or driven.
     ///
     /// ```
     /// use hertzchain_core::chain::{Boundary, Chain, Details, Params};
@@ -35,8 +35,8 @@ impl Chain<f64> {
     /// ```
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain without details, or one that dissipates
-    /// or is driven.
+    /// A state, a span or a pace outside its rule; a chain without details, or one whose contacts
+    /// dissipate.
     pub fn differing_collocation(
         &self,
         y0: &[f64],

@@ -71,8 +71,8 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains of more sites that dissipate or are driven run by DOP853 without stops at contacts, where
-/// no method is named: each stop costs a step of the whole chain.
+/// Chains of more sites whose contacts dissipate run by DOP853 without stops at contacts, where no
+/// method is named: each stop costs a step of the whole chain.
 const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
@@ -300,7 +300,7 @@ impl Method {
     }
 
     /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853,
-    /// splittings unless contacts dissipate, and collocation unless anything dissipates or drives.
+    /// and splittings and collocation unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -315,10 +315,9 @@ impl Method {
                 let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
-            Self::Collocation if !chain.open() => Ok(()),
+            Self::Collocation if !chain.dissipative_contacts() => Ok(()),
             Self::Collocation => {
-                let rule = "it needs a chain without damping, dissipation and drives: take dop853-regularised, or \
-                            strang-linear for equal steps";
+                let rule = "it needs contacts that do not dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
             Self::Corrected(..) | Self::Conserving(_) => {
@@ -332,7 +331,7 @@ impl Method {
     /// The method for a given tolerance, where none is named.
     pub fn by_tolerance(chain: &Chain<f64>) -> Self {
         match chain.sites() {
-            _ if !chain.open() => Self::Collocation,
+            _ if !chain.dissipative_contacts() => Self::Collocation,
             ..=FEW_SITES => Self::Dop853(Contacts::Regularised),
             _ => Self::Dop853(Contacts::Crossed),
         }

@@ -8,7 +8,7 @@
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
-    foresee::turn,
+    foresee::{Turned, turn},
     goal::Goal,
     panel::Frames,
     panels::Panels,
@@ -52,11 +52,13 @@ pub(crate) struct Left<const S: usize> {
     /// On each side of the bond.
     pub(crate) path: [Path; S],
     pub(crate) ongoing: Option<Contact>,
+    /// What the ledger gains, of the sites that the bond keeps.
+    pub(crate) ledger: Path,
 }
 
 impl<const S: usize> Left<S> {
     /// Nothing.
-    pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None };
+    pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None, ledger: [0.0; 4] };
 }
 
 /// What a contact did in a part of a step; the parts of a contact come in order of time.
@@ -185,11 +187,19 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             verdict.stiffness = bond.sweeps.stiffness.max(verdict.stiffness);
         }
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
-            *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frames.h) };
+            *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frames.h), ledger: [0.0; 4] };
         }
         if verdict.failure.is_none() {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
             verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
+        }
+        if const { S != 1 } {
+            if let Some(open) = links.open.as_ref().filter(|_| verdict.failure.is_none()) {
+                for (left, i) in left.iter_mut().zip(mine.clone()) {
+                    let next = beside(i, len, ring)[1].map(|i| &bonds[i].panels);
+                    left.ledger = open.gains_beside((start.bonds, frames.h), &bonds[i], next);
+                }
+            }
         }
         if log && verdict.failure.is_none() {
             for i in mine {
@@ -253,7 +263,7 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
     #[inline(always)]
     fn run(self) -> bool {
         let Self { mut stretch, frames } = self;
-        let (mut sure, mut end) = (true, [(0.0, 1.0); S]);
+        let (mut sure, mut end) = (true, [Turned::NONE; S]);
         for b in 0..stretch.bonds.len() {
             let (me, beside) = stretch.at(b);
             let frame = &frames.of(me.initial.bond);

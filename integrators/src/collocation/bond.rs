@@ -2,6 +2,8 @@
 
 use super::{
     detect::Crossing,
+    foresee::Turned,
+    known::Known,
     panel::{Frame, dot},
     panels::Panels,
     sites::Free,
@@ -63,6 +65,8 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) recoil: f64,
     /// The overlap along the linear path, as the sum of what its sides make.
     pub(crate) path: [Path; S],
+    /// What drives make of the overlap besides.
+    pub(crate) known: Option<Known>,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
     /// Overlap and its rate.
@@ -75,7 +79,14 @@ pub(crate) struct Initial<const S: usize> {
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
-        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None }
+        let (path, overlap, force) = ([[0.0; 4]; S], [0.0; 2], [0.0; 2]);
+        Self { bond: 0, recoil: 0.0, path, known: None, band: 0.0, overlap, force, ongoing: None }
+    }
+
+    /// What drives make of the overlap. Where sites are alike there are none, for the compiler too.
+    #[inline(always)]
+    pub(super) fn known(&self) -> Option<&Known> {
+        if S == 1 { None } else { self.known.as_ref() }
     }
 
     /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
@@ -178,8 +189,12 @@ pub(super) fn ramps<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
     side: usize,
     t: f64,
-    (sin, cos): (f64, f64),
+    Turned { sin, cos, .. }: Turned,
 ) -> (f64, f64) {
+    if let Some(flow) = frame.link.flow(side) {
+        let [_, k2, k3] = flow.ramps(t);
+        return (k2, k3);
+    }
     let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));
     if kernel.omega * frame.h < 1e-3 {
@@ -199,6 +214,9 @@ fn ramped<const M: usize, const S: usize>(
     mut path: Path,
     rates: [f64; 3],
 ) -> (Path, [f64; 3]) {
+    if let Some(flow) = frame.link.flow(side) {
+        return (path, flow.ramped(rates));
+    }
     let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let free = [0.5 * rates[0], rates[1] * (1.0 / 6.0), rates[2] * (1.0 / 24.0)];
     if kernel.omega * frame.h < 1e-2 {
@@ -246,11 +264,19 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         ongoing: Option<Contact>,
         (bond, recoil): (usize, f64),
     ) {
-        let (Free { path, band }, link) = (free, frame.link);
+        let (Free { path, known, band }, link) = (free, frame.link);
         let mut overlap = [path[0][0], path[0][1]];
+        for side in 1..S {
+            overlap[1] += path[side][1];
+        }
         for side in 0..S {
             overlap[0] += path[side][2];
             overlap[1] += link.sides[side].omega * path[side][3];
+        }
+        if let Some(known) = &known {
+            for k in 0..2 {
+                overlap[k] += known.ends[0][k];
+            }
         }
         let mut force = [0.0; 2];
         if overlap[0] > 0.0 {
@@ -259,7 +285,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing };
+        self.initial = Initial { bond, recoil, path, known, band, overlap, force, ongoing };
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
@@ -277,11 +303,18 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     pub(crate) fn approach(&self, frame: &Frame<'_, M, S>, most: f64) -> f64 {
         let Initial { recoil, path, overlap: [now, rate], .. } = self.initial;
         let (h, link, power) = (frame.h, frame.link, frame.link.law.alpha() + 1.0);
-        let ([r, v, ..], mut swing, mut swings) = (path[0], 0.0, 0.0);
+        let ([r, mut v, ..], mut swing, mut swings) = (path[0], 0.0, 0.0);
+        for side in 1..S {
+            v += path[side][1];
+        }
         for ([_, _, c, s], kernel) in path.iter().zip(&link.sides) {
             let size = if kernel.omega == 0.0 { 0.0 } else { (c * c + s * s).sqrt() };
             swing += size;
             swings += kernel.omega * size;
+        }
+        if let Some(known) = self.initial.known() {
+            let [far, fast] = known.reach();
+            (swing, swings) = (swing + far, swings + fast);
         }
         let speed = rate.abs().max(v.abs() + swings);
         let reached = (r + v.max(0.0) * h + swing).min(now + speed * h);
@@ -327,6 +360,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
                 g[j] = panel.times().along(&path, j) + driven;
             }
+            panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
@@ -402,6 +436,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 for j in 0..M {
                     g[j] += panel.times().along(&path, j);
                 }
+                panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
                 let force = frame.link.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {

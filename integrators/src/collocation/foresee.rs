@@ -5,6 +5,7 @@ use super::{
     block::Piece,
     bond::{Beside, Bond, Contact, Contacts, Initial, ramps},
     detect::{Search, Start},
+    known::Known,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
     system::Path,
@@ -23,52 +24,71 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// order in time beyond its path: one pair for both sides where these are alike.
 pub(super) type Drive<const S: usize> = [[f64; 2]; S];
 
-/// Sine and cosine of `omega t` on each side.
-pub(super) type Turn<const S: usize> = [(f64, f64); S];
+/// Sine and cosine of `omega t` on a side, or what stands for them where a site is damped.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turned {
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+    pub(super) lag: f64,
+}
+
+impl Turned {
+    /// That of the time zero.
+    pub(super) const NONE: Self = Self { sin: 0.0, cos: 1.0, lag: 0.0 };
+}
+
+/// The same on each side.
+pub(super) type Turn<const S: usize> = [Turned; S];
+
+/// How an overlap goes on without contact forces: along a path, and as drives have it.
+type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Known>);
 
 #[inline(always)]
 pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Turn<S> {
-    let mut turn = [(0.0, 1.0); S];
+    let mut turn = [Turned::NONE; S];
     for side in 0..S {
         let omega = frame.link.sides[side].omega;
-        if omega != 0.0 {
-            turn[side] = sin_cos(omega * t);
+        if let Some(flow) = frame.link.flow(side) {
+            let [[lag], [cos], [sin]] = flow.position(&[t]);
+            turn[side] = Turned { sin, cos, lag };
+        } else if omega != 0.0 {
+            (turn[side].sin, turn[side].cos) = sin_cos(omega * t);
         }
     }
     turn
 }
 
-/// The sum of paths at a time.
+/// An overlap without contact forces at a time.
 #[inline(always)]
-fn along<const S: usize>(path: &[Path; S], t: f64, turn: &Turn<S>) -> f64 {
-    let (mut sin, mut cos) = ([[0.0]; S], [[0.0]; S]);
+fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Turn<S>) -> f64 {
+    let (mut lag, mut sin, mut cos) = ([[0.0]; S], [[0.0]; S], [[0.0]; S]);
     for side in 0..S {
-        ([sin[side][0]], [cos[side][0]]) = ([turn[side].0], [turn[side].1]);
+        (lag[side], sin[side], cos[side]) = ([turn[side].lag], [turn[side].sin], [turn[side].cos]);
     }
-    Times { tau: &[t], cos: &cos, sin: &sin }.along(path, 0)
+    Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin }.unforced((path, known))
 }
 
 /// The overlap that the forces at the start of the window predict.
 #[inline(always)]
 fn predicted<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
-    path: &[Path; S],
+    course: Course<S>,
     drive: &Drive<S>,
     t: f64,
 ) -> f64 {
-    predicted_at(frame, path, drive, t, &turn(frame, t))
+    predicted_at(frame, course, drive, t, &turn(frame, t))
 }
 
 /// The same with sines and cosines.
 #[inline(always)]
 fn predicted_at<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
-    path: &[Path; S],
+    course: Course<S>,
     drive: &Drive<S>,
     t: f64,
     turn: &Turn<S>,
 ) -> f64 {
-    let mut overlap = along(path, t, turn);
+    let mut overlap = along(course, t, turn);
     for side in 0..S {
         let (k2, k3) = ramps(frame, side, t, turn[side]);
         overlap = overlap + drive[side][0] * k2 + drive[side][1] * k3;
@@ -78,28 +98,28 @@ fn predicted_at<const M: usize, const S: usize>(
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
 fn overlap_at<const M: usize, const S: usize>(
-    path: &[Path; S],
+    course: Course<S>,
     (panels, own): (&Panels<M, S>, f64),
     frame: &Frame<'_, M, S>,
     beside: [Beside<M, S>; 2],
     t: f64,
 ) -> f64 {
-    let (sin, cos) = exact_turn(frame, t);
+    let [lag, cos, sin] = exact_turn(frame, t);
     let mut by_own = [0.0];
-    panels.own_influence(Times { tau: &[t], cos: &cos, sin: &sin }, -own, &mut by_own);
-    driven_at(path, frame, beside, t) + by_own[0]
+    panels.own_influence(Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin }, -own, &mut by_own);
+    driven_at(course, frame, beside, t) + by_own[0]
 }
 
 /// The same without the bond's own forces.
 fn driven_at<const M: usize, const S: usize>(
-    path: &[Path; S],
+    course: Course<S>,
     frame: &Frame<'_, M, S>,
     beside: [Beside<M, S>; 2],
     t: f64,
 ) -> f64 {
-    let (sin, cos) = exact_turn(frame, t);
-    let times = Times { tau: &[t], cos: &cos, sin: &sin };
-    let mut out = [times.along(path, 0)];
+    let [lag, cos, sin] = exact_turn(frame, t);
+    let times = Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin };
+    let mut out = [times.unforced(course)];
     for (k, bond) in beside.into_iter().enumerate() {
         if let Some(bond) = bond {
             bond.panels.influence(times, Shared::with::<S>(k), 1.0, &mut out);
@@ -108,10 +128,34 @@ fn driven_at<const M: usize, const S: usize>(
     out[0]
 }
 
-/// Sines and cosines of `omega t` by the library, side by side.
-fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> ([[f64; 1]; S], [[f64; 1]; S]) {
-    let turn = frame.link.sides.map(|side| if side.omega == 0.0 { (0.0, 1.0) } else { (side.omega * t).sin_cos() });
-    (turn.map(|(sin, _)| [sin]), turn.map(|(_, cos)| [cos]))
+/// `lag`, cosines and sines of `omega t`, by the library, side by side.
+fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> [[[f64; 1]; S]; 3] {
+    let mut turn = [[[0.0]; S], [[1.0]; S], [[0.0]; S]];
+    for side in 0..S {
+        let omega = frame.link.sides[side].omega;
+        if let Some(flow) = frame.link.flow(side) {
+            [turn[0][side], turn[1][side], turn[2][side]] = flow.position(&[t]);
+        } else if omega != 0.0 {
+            let (sin, cos) = (omega * t).sin_cos();
+            (turn[1][side], turn[2][side]) = ([cos], [sin]);
+        }
+    }
+    turn
+}
+
+impl<const S: usize> Times<'_, 1, S> {
+    /// An overlap without contact forces.
+    #[inline(always)]
+    fn unforced(&self, (path, known): Course<S>) -> f64 {
+        let mut overlap = self.along(path, 0);
+        if S != 1 {
+            overlap += self.lagging(path, 0);
+            if let Some(known) = known {
+                overlap += known.at(self.tau)[0];
+            }
+        }
+        overlap
+    }
 }
 
 impl<const M: usize, const S: usize> Bond<M, S> {
@@ -157,7 +201,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
         let drive = &self.drive(beside);
-        let end = predicted_at(frame, &path, drive, h, turn);
+        let known = self.initial.known().copied();
+        let course = (&path, known.as_ref());
+        let end = predicted_at(frame, course, drive, h, turn);
         let rate = self.predicted_rate(frame, drive, turn);
         self.forecast.at_end = end;
         let last = if end > 0.0 { frame.link.force(end) } else { 0.0 };
@@ -196,7 +242,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
         for _ in 0..4 {
             let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
-            let g = predicted(frame, &path, drive, t);
+            let g = predicted(frame, course, drive, t);
             if g == 0.0 || t <= 0.0 || t >= h {
                 break;
             }
@@ -231,10 +277,21 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let [_, _, c, s] = self.initial.path[side];
             let (omega, weight) = (frame.link.sides[side].omega, frame.link.weight(side));
             let square = omega * omega;
+            if let Some(flow) = frame.link.flow(side) {
+                let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
+                let [k2, k3] = flow.bends(frame.h);
+                second += flow.bend(path, frame.h) + weight * (d0 + d1 * frame.h);
+                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
+                continue;
+            }
             let by =
                 square * (c.abs() + s.abs()) + weight * drive[side][0].abs() + weight * drive[side][1].abs() * frame.h;
             second += by;
             fourth += square * by;
+        }
+        if let Some(known) = self.initial.known() {
+            second += known.bends[0];
+            fourth += known.bends[1];
         }
         (second, fourth)
     }
@@ -245,9 +302,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let mut linear = 0.0;
         for side in 0..S {
             let ([_, _, c, s], omega) = (self.initial.path[side], frame.link.sides[side].omega);
-            linear += omega * omega * (c.abs() + s.abs());
+            linear += match frame.link.flow(side) {
+                Some(flow) => flow.bend(&self.initial.path[side], frame.h),
+                None => omega * omega * (c.abs() + s.abs()),
+            };
         }
-        linear
+        self.initial.known().map_or(linear, |known| linear + known.bends[0])
     }
 
     /// The rate of the predicted overlap at the end of the window.
@@ -259,7 +319,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate += path[1];
         }
         for side in 0..S {
-            let (path, kernel, (sin, cos)) = (&self.initial.path[side], &frame.link.sides[side], turn[side]);
+            let (path, kernel, Turned { sin, cos, lag }) = (&self.initial.path[side], &frame.link.sides[side], turn[side]);
+            if let Some(flow) = frame.link.flow(side) {
+                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
+                rate += v * (h + lag) + (c * cos + s * sin);
+                rate += drive[side][0] * k1 + drive[side][1] * k2;
+                continue;
+            }
             let k1 = if kernel.omega == 0.0 {
                 frame.link.weight(side) * h
             } else {
@@ -269,19 +335,19 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate += kernel.omega * (path[3] * cos - path[2] * sin);
             rate = rate + drive[side][0] * k1 + drive[side][1] * k2;
         }
-        rate
+        self.initial.known().map_or(rate, |known| rate + known.ends[1][1])
     }
 
     /// Searches the prediction.
     #[inline(never)]
     fn look(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, end: (f64, f64)) -> bool {
-        let (path, linear) = (self.initial.path, self.linear(frame));
+        let (path, known, linear) = (self.initial.path, self.initial.known().copied(), self.linear(frame));
         let driven = |t: f64| {
             let by = |side: usize| frame.link.weight(side) * (drive[side][0].abs() + drive[side][1].abs() * t);
             (1..S).fold(by(0), |sum, side| sum + by(side))
         };
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
-        let g = |t| predicted(frame, &path, drive, t);
+        let g = |t| predicted(frame, (&path, known.as_ref()), drive, t);
         let found = self.search(frame.h, frame.cuts.least_overlap.max(rounding), |t| linear + driven(t), g);
         if self.contacts.found.last().is_some_and(|contact| contact.release > frame.h) {
             self.look_ahead(frame, drive, end);
@@ -292,7 +358,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Estimates when a contact that outlasts the window will end.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
-        let (h, path) = (frame.h, self.initial.path);
+        let (h, course) = (frame.h, (&self.initial.path, self.initial.known()));
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
         }
@@ -302,7 +368,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             if !(t > h && t < (1.0 + AHEAD) * h) {
                 return;
             }
-            let c = (t, predicted(frame, &path, drive, t));
+            let c = (t, predicted(frame, course, drive, t));
             slope = (c.1 - b.1) / (c.0 - b.0);
             b = c;
             if slope >= 0.0 {
@@ -321,10 +387,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// differ from those assumed; `None` if there are too many to be sure.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
+        let known = self.initial.known().copied();
         let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let g = |t: f64| overlap_at(&path, (&panels, own), frame, beside, t);
+        let g = |t: f64| overlap_at((&path, known.as_ref()), (&panels, own), frame, beside, t);
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
         let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
@@ -419,7 +486,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                     path[side][i] -= own * left[side][i];
                 }
             }
-            let g = |t: f64| driven_at(&path, frame, beside, t);
+            let g = |t: f64| driven_at((&path, self.initial.known()), frame, beside, t);
             // dg/dt of the parabola through three points nearby.
             let speed = |t: f64| {
                 let near = SPEED_STEP * frame.h;

@@ -84,6 +84,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         for panel in &mut self.panels.list[..self.panels.len] {
             panel.place(frame);
+            if let Some(known) = self.initial.known() {
+                panel.known = known.at(&panel.tau);
+            }
         }
     }
 

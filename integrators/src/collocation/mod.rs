@@ -93,6 +93,14 @@
 //! what they leave is below the roundings, for it has a sign and adds up. The energy error is then
 //! a random walk of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
+//! # Damping and drives
+//!
+//! A damped site has other functions of time in the place of `t`, `cos` and `sin`, as series, see
+//! `flow.rs`; between windows its path is moved on by the same series. A site that is moved is a
+//! known part of the overlaps beside it, and so is what a force does to one that is pushed
+//! (`known.rs`). What is dissipated and driven is integrated over each window (`open.rs`). Windows
+//! end where a signal is not smooth, and are so short that all series are resolved.
+//!
 //! # Limits
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,
@@ -113,9 +121,12 @@ mod block;
 mod bond;
 mod control;
 mod detect;
+mod flow;
 mod foresee;
 mod goal;
+mod known;
 mod layout;
+mod open;
 mod panel;
 mod panels;
 mod rule;
@@ -127,7 +138,7 @@ mod tangent;
 
 pub use block::Piece;
 pub use control::Pace;
-pub use system::{ContactChain, Path, Response};
+pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
 use crate::{
@@ -140,12 +151,20 @@ use crate::{
 use block::{Left, Start};
 use bond::Contact;
 use control::Control;
+use open::{Open, Window};
 use sites::{Phases, Site, Sites};
 use solver::Solver;
 use system::Links;
 
 /// Parts that a window is cut into at most, to show the state inside it. Chosen, not measured.
 const MOST_PARTS: u32 = 1 << 10;
+
+/// Length of the window that shows drives as they are when a run begins.
+const AT_ONCE: f64 = 1e-9;
+
+/// Times that a window is shortened for what drives do in it, each by a tenth at least. Chosen: a
+/// signal that is rounding by then is resolved by nothing.
+const MOST_SHORTENED: u32 = 40;
 
 /// A stepper that logs what contacts do.
 pub trait ContactStepper: Stepper<f64> {
@@ -168,12 +187,39 @@ struct State<const S: usize> {
     ongoing: Vec<Option<Contact>>,
     phases: Phases<S>,
     t: Twofold<f64>,
+    /// What was dissipated and driven, see [`ContactChain::ledger`].
+    ledger: Site,
+    /// What drives do in the window at hand.
+    window: Window,
 }
 
 impl<const S: usize> State<S> {
+    fn bonds<'a, C: ContactChain<S>>(&'a self, chain: &'a C, links: &'a Links<S>) -> Sites<'a, C, S> {
+        let open = links.open.as_ref().map(|open| (open, &self.window));
+        Sites { chain, sites: &self.sites, phases: &self.phases, open }
+    }
+
+    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if this
+    /// is not resolved to a tolerance, else infinity.
+    fn foresee<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, (h, tol): (f64, f64)) -> f64 {
+        let at = (self.t.value(), h, tol);
+        links.open.as_ref().map_or(f64::INFINITY, |open| open.window(chain, at, &mut self.window))
+    }
+
     /// Over a window of length `h`, with what bonds have left behind in it.
-    fn advance<C: ContactChain<S>>(&mut self, chain: &C, left: &[Left<S>], h: f64) {
-        f64::run(Advance { chain, sites: &mut self.sites, left, h, phases: &self.phases });
+    fn advance<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, left: &[Left<S>], h: f64) {
+        if const { S != 1 } {
+            if let Some(open) = &links.open {
+                for &site in &open.alone {
+                    let gains = self.bonds(chain, links).gains_alone(h, site);
+                    self.ledger.take(&gains);
+                }
+                left.iter().for_each(|left| self.ledger.take(&left.ledger));
+            }
+        }
+        let Self { sites, phases, window, .. } = self;
+        let open = links.open.as_ref().map(|open| (open, &*window));
+        f64::run(Advance { chain, sites, left, h, phases, open });
         for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
             *ongoing = left.ongoing;
         }
@@ -186,13 +232,15 @@ impl<const S: usize> State<S> {
             let [r, v, c, s] = site.path(self.phases.sin_cos(i));
             chain.place([r, v, c, chain.response(i).omega.value() * s], i, y);
         }
+        chain.complete(self.ledger.path((0.0, 1.0)), self.t.value(), y);
     }
 
     fn copy_from(&mut self, other: &Self) {
         self.sites.copy_from_slice(&other.sites);
         self.ongoing.copy_from_slice(&other.ongoing);
         self.phases.copy_from(&other.phases);
-        self.t = other.t;
+        (self.t, self.ledger) = (other.t, other.ledger);
+        self.window.clone_from(&other.window);
     }
 }
 
@@ -203,6 +251,7 @@ struct Advance<'a, C, const S: usize> {
     left: &'a [Left<S>],
     h: f64,
     phases: &'a Phases<S>,
+    open: Option<(&'a Open, &'a Window)>,
 }
 
 impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
@@ -210,9 +259,18 @@ impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { chain, sites, left, h, phases } = self;
+        let Self { chain, sites, left, h, phases, open } = self;
         for (i, site) in sites.iter_mut().enumerate() {
-            let push = chain.push(i, |b| left[b].path);
+            let mut push = chain.push(i, |b| left[b].path);
+            if S != 1
+                && let Some((open, window)) = open
+            {
+                open.push(window, i, &mut push);
+                if let Some(flow) = open.damped(i) {
+                    site.flow(&push, flow, h);
+                    continue;
+                }
+            }
             if !(site.at_rest() && push == [0.0; 4]) {
                 site.advance(&push, h, phases.sin_cos(i));
             }
@@ -229,6 +287,8 @@ pub struct Collocation<C: ContactChain<S>, const S: usize = 1> {
     state: State<S>,
     solver: Box<dyn Solver<S>>,
     control: Control,
+    /// The tolerance, or zero.
+    tol: f64,
     /// What the last window left behind, and its length; zero if there is none.
     left: Vec<Left<S>>,
     h: f64,
@@ -254,22 +314,29 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
         let sites: Vec<Site> = (0..chain.sites()).map(|i| Site { hi: chain.path(y0, i), lo: [0.0; 4] }).collect();
         let (phases, links) = (Phases::new(&chain), Links::of(&chain));
-        let at_start = Sites { chain: &chain, sites: &sites, phases: &phases };
+        let (t, mut ledger) = (Twofold::new(span.0), Site::default());
+        ledger.take(&chain.ledger(y0, span.0));
+        let mut state = State { sites, ongoing: Vec::new(), phases, t, ledger, window: Window::default() };
+        state.foresee(&chain, &links, (AT_ONCE, 0.0));
+        let at_start = state.bonds(&chain, &links);
         let closed = |b| {
             let (path, largest) = at_start.overlap(b, 0.0);
-            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c);
+            let known = at_start.known(b).map_or(0.0, |known| known.ends[0][0]);
+            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known;
             (overlap > chain.dead_band(largest)).then(Contact::from_the_start)
         };
         let ongoing = (0..chain.bonds()).map(closed).collect();
+        state.ongoing = ongoing;
         let end = Twofold::new(span.1) - Twofold::new(span.0);
-        let control = Control::new((&chain, &links), &sites, pace, end)?;
+        let control = Control::new((&chain, &links), &state.sites, pace, end)?;
         let solver = solver::with_nodes(control.nodes(), chain.bonds());
         Ok(Self {
             left: vec![Left::NONE; chain.bonds()],
             links,
-            state: State { sites, ongoing, phases, t: Twofold::new(span.0) },
+            state,
             solver,
             control,
+            tol: if let Pace::Tolerance(tol) = pace { tol } else { 0.0 },
             h: 0.0,
             end: Twofold::new(span.1),
             log: false,
@@ -284,6 +351,21 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
     pub fn logged(mut self) -> Self {
         self.log = true;
         self
+    }
+
+    /// The length of the next window, with what drives do in it.
+    fn propose(&mut self, left: f64) -> f64 {
+        let Some(open) = &self.links.open else { return self.control.propose(left) };
+        let stop = open.until_break(self.state.t.value());
+        let mut h = self.control.propose(left.min(stop)).min(stop).min(open.longest());
+        for _ in 0..MOST_SHORTENED {
+            let shorter = self.state.foresee(&self.chain, &self.links, (h, self.tol));
+            if shorter >= h {
+                break;
+            }
+            h = shorter;
+        }
+        h
     }
 
     /// What contacts did in the last window, by bond, if that is logged; and when the window began.
@@ -307,7 +389,7 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
 
     fn step(&mut self) -> Result<(), Error> {
         if self.h > 0.0 {
-            self.state.advance(&self.chain, &self.left, self.h);
+            self.state.advance(&self.chain, &self.links, &self.left, self.h);
             self.h = 0.0;
         }
         if self.control.nodes() != self.solver.nodes() {
@@ -316,10 +398,9 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
         }
         loop {
             let left_to_go = (self.end - self.state.t).value();
-            let h = self.control.propose(left_to_go);
-            let State { sites, ongoing, phases, .. } = &self.state;
-            let bonds = &Sites { chain: &self.chain, sites, phases };
-            let start = Start { links: &self.links, bonds, ongoing };
+            let h = self.propose(left_to_go);
+            let bonds = &self.state.bonds(&self.chain, &self.links);
+            let start = Start { links: &self.links, bonds, ongoing: &self.state.ongoing };
             let goal = self.control.goal(h);
             let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
             self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
@@ -349,7 +430,7 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
         inside.state.copy_from(&self.state);
         let by = (Twofold::new(t) - start).value();
         if self.h > 0.0 && (t >= time || by >= self.h) {
-            inside.state.advance(&self.chain, &self.left, self.h);
+            inside.state.advance(&self.chain, &self.links, &self.left, self.h);
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
             while !inside.advance((&self.chain, &self.links), &self.control, by, parts) {
@@ -379,11 +460,11 @@ impl<const S: usize> Inside<S> {
     ) -> bool {
         let h = by / f64::from(parts);
         (0..parts).all(|_| {
-            let State { sites, ongoing, phases, .. } = &self.state;
-            let bonds = &Sites { chain, sites, phases };
-            let start = Start { links, bonds, ongoing };
+            self.state.foresee(chain, links, (h, 0.0));
+            let bonds = &self.state.bonds(chain, links);
+            let start = Start { links, bonds, ongoing: &self.state.ongoing };
             let verdict = self.solver.window(&start, h, &control.goal(h), &mut self.left, false);
-            self.state.advance(chain, &self.left, h);
+            self.state.advance(chain, links, &self.left, h);
             verdict.failure.is_none()
         })
     }

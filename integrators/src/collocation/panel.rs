@@ -8,6 +8,7 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
 use super::{
+    flow::Flow,
     layout::Cuts,
     rule::Rule,
     system::{Link, Links, Path},
@@ -79,8 +80,10 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     middle: f64,
     half: f64,
     per_half: f64,
-    /// Times of the nodes, and cosine and sine of `omega t` there, on each side of the bond.
+    /// Times of the nodes, and cosine and sine of `omega t` there, on each side of the bond; where
+    /// sites are damped what stands for them, see [`Flow`](super::flow::Flow).
     pub(crate) tau: [f64; M],
+    pub(crate) lag: [[f64; M]; S],
     pub(crate) cos: [[f64; M]; S],
     pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
@@ -89,6 +92,8 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     reaction: [[[f64; M]; M]; S],
     /// The paths that a unit force at each node leaves behind.
     pub(crate) left: [[Path; S]; M],
+    /// What drives make of the overlap at the nodes.
+    pub(crate) known: [f64; M],
     /// Overlap at the nodes.
     pub(crate) overlap: [f64; M],
     /// Force at the nodes.
@@ -120,16 +125,17 @@ pub(crate) struct View<const M: usize> {
     pub(crate) x: [f64; M],
 }
 
-/// Ascending times, with cosine and sine of `omega t` of each side.
+/// Ascending times, with cosine and sine of `omega t` of each side, or what stands for them.
 #[derive(Clone, Copy)]
 pub(crate) struct Times<'a, const L: usize, const S: usize> {
     pub(crate) tau: &'a [f64; L],
+    pub(crate) lag: &'a [[f64; L]; S],
     pub(crate) cos: &'a [[f64; L]; S],
     pub(crate) sin: &'a [[f64; L]; S],
 }
 
 impl<const L: usize, const S: usize> Times<'_, L, S> {
-    /// The sum of the paths of all sides at a time.
+    /// The sum of the paths of all sides at a time, but for [`lagging`](Self::lagging).
     #[inline(always)]
     pub(crate) fn along(&self, path: &[Path; S], j: usize) -> f64 {
         let ([mut r, mut v, ..], mut swing) = (path[0], self.swing(&path[0], 0, j));
@@ -141,10 +147,17 @@ impl<const L: usize, const S: usize> Times<'_, L, S> {
         (r + v * self.tau[j]) + swing
     }
 
+    /// What drag makes of the free motion on all sides.
+    #[inline(always)]
+    pub(crate) fn lagging(&self, path: &[Path; S], j: usize) -> f64 {
+        (1..S).fold(path[0][1] * self.lag[0][j], |sum, side| sum + path[side][1] * self.lag[side][j])
+    }
+
     /// A path of one side at a time.
     #[inline(always)]
     pub(crate) fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
-        (path[0] + path[1] * self.tau[j]) + self.swing(path, side, j)
+        let free = (path[0] + path[1] * self.tau[j]) + self.swing(path, side, j);
+        if S == 1 { free } else { free + path[1] * self.lag[side][j] }
     }
 
     #[inline(always)]
@@ -187,11 +200,13 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             half: 0.0,
             per_half: 0.0,
             tau: zeros,
+            lag: [zeros; S],
             cos: [zeros; S],
             sin: [zeros; S],
             rate: zeros,
             reaction: [[zeros; M]; S],
             left: [[[0.0; 4]; S]; M],
+            known: zeros,
             overlap: zeros,
             force: zeros,
             local: [zeros; S],
@@ -218,7 +233,25 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// The nodes.
     #[inline(always)]
     pub(crate) fn times(&self) -> Times<'_, M, S> {
-        Times { tau: &self.tau, cos: &self.cos, sin: &self.sin }
+        Times { tau: &self.tau, lag: &self.lag, cos: &self.cos, sin: &self.sin }
+    }
+
+    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do.
+    #[inline(always)]
+    pub(super) fn besides(&self, lags: bool, known: bool, path: &[Path; S], out: &mut [f64; M]) {
+        if S == 1 {
+            return;
+        }
+        if lags {
+            for j in 0..M {
+                out[j] += self.times().lagging(path, j);
+            }
+        }
+        if known {
+            for j in 0..M {
+                out[j] += self.known[j];
+            }
+        }
     }
 
     /// Places the nodes.
@@ -246,6 +279,13 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
         for side in 0..S {
             let omega = frame.link.sides[side].omega;
+            if let Some(flow) = frame.link.flow(side) {
+                [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
+                continue;
+            }
+            if S != 1 {
+                self.lag[side] = [0.0; M];
+            }
             if omega != 0.0 {
                 for j in 0..M {
                     let (sin, cos) = sin_cos(omega * self.tau[j]);
@@ -263,9 +303,12 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// the weights of the integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M, S>, side: usize) {
+        let rule = frame.rule;
+        if let Some(flow) = frame.link.flow(side) {
+            return self.weigh_damped(rule, flow, side);
+        }
         let Self { tau, rate, left, .. } = self;
         let (cos, sin, reaction) = (&self.cos[side], &self.sin[side], &mut self.reaction[side]);
-        let rule = frame.rule;
         let (m, mu) = (frame.link.sides[side].m, frame.link.sides[side].mu_per_omega);
         for k in 0..M {
             let rate = rate[k];
@@ -281,6 +324,23 @@ impl<const M: usize, const S: usize> Panel<M, S> {
                 }
             }
             reaction[k] = times(&rule.integral[k], &kernel);
+        }
+    }
+
+    /// The same on a side whose site is damped.
+    #[inline(always)]
+    fn weigh_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+        let answer = flow.answer(&self.tau);
+        for k in 0..M {
+            let (mut path, mut kernel) = ([0.0; 4], [0.0; M]);
+            for i in 0..4 {
+                path[i] = self.rate[k] * answer[i][k];
+                self.left[k][side][i] = rule.weights[k] * path[i];
+            }
+            for j in 0..M {
+                kernel[j] = self.times().along_side(&path, side, j);
+            }
+            self.reaction[side][k] = times(&rule.integral[k], &kernel);
         }
     }
 
@@ -316,7 +376,13 @@ impl<const M: usize, const S: usize> Panel<M, S> {
 
     #[inline(always)]
     pub(crate) fn moved_at<const L: usize>(&self, side: usize, x: &[f64; L]) -> [f64; L] {
-        if M <= MONOMIAL { horner(&self.series[side], x) } else { clenshaw(&self.series[side], x) }
+        value(&self.series[side], x)
+    }
+
+    /// The force at times inside the panel.
+    #[inline(always)]
+    pub(crate) fn force_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [f64; L] {
+        value(&product(&rule.series, &self.force), &self.variable(t))
     }
 
     /// `int f dt`.
@@ -388,7 +454,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
 }
 
 #[inline(always)]
-fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
+pub(super) fn times<const M: usize>(a: &[f64; M], b: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     for j in 0..M {
         out[j] = a[j] * b[j];
@@ -434,6 +500,12 @@ pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
     sum(&terms)
 }
 
+/// The value of a series as [`Rule::series`] makes it.
+#[inline(always)]
+fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
+    if M <= MONOMIAL { horner(series, x) } else { clenshaw(series, x) }
+}
+
 /// `sum_i c_i x^i`.
 #[inline(always)]
 fn horner<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
@@ -460,7 +532,7 @@ pub(crate) fn product<const M: usize>(columns: &[[f64; M]; M], values: &[f64; M]
 
 /// `sum_i c_i T_i(x)`.
 #[inline(always)]
-fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
+pub(super) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L]) -> [f64; L] {
     let (mut b1, mut b2) = ([0.0; L], [0.0; L]);
     for i in (1..M).rev() {
         for j in 0..L {

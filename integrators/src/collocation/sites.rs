@@ -1,6 +1,11 @@
 //! Sites along their exact linear paths, summed with their rounding errors kept.
 
-use super::system::{ContactChain, Path};
+use super::{
+    flow::Flow,
+    known::Known,
+    open::{Open, Window},
+    system::{ContactChain, Path},
+};
 use crate::clock::Twofold;
 use std::{cell::Cell, collections::HashMap, sync::Arc};
 
@@ -29,19 +34,33 @@ impl Site {
         self.hi == [0.0; 4] && self.lo == [0.0; 4]
     }
 
+    /// Adds to all entries.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, by: &Path) {
+        for k in 0..4 {
+            self.add(k, by[k]);
+        }
+    }
+
     /// Moves freely for `h`, with the impulses `path` (in the phase `(sin, cos)`) of a window of
     /// that length.
     #[inline(always)]
     pub(crate) fn advance(&mut self, path: &Path, h: f64, (sin, cos): (f64, f64)) {
-        let by = [path[0], path[1], path[2] * cos - path[3] * sin, path[2] * sin + path[3] * cos];
-        for k in 0..4 {
-            self.add(k, by[k]);
-        }
+        self.take(&[path[0], path[1], path[2] * cos - path[3] * sin, path[2] * sin + path[3] * cos]);
         // V h, its rounding too.
         let by = self.hi[1] * h;
         let rest = self.hi[1].mul_add(h, -by) + self.lo[1] * h;
         self.add(0, by);
         self.lo[0] += rest;
+    }
+
+    /// Moves along a flow for `h`, with the impulses `path` of a window of that length.
+    pub(crate) fn flow(&mut self, path: &Path, flow: &Flow, h: f64) {
+        self.take(path);
+        if !self.at_rest() {
+            let moved = flow.moved(&self.path((0.0, 1.0)), h);
+            self.take(&moved);
+        }
     }
 
     /// The path over a window that starts in phase `(sin, cos)`.
@@ -57,6 +76,8 @@ pub(crate) struct Sites<'a, C, const S: usize> {
     pub(crate) chain: &'a C,
     pub(crate) sites: &'a [Site],
     pub(crate) phases: &'a Phases<S>,
+    /// What is damped and driven, and what drives do in the window at hand.
+    pub(crate) open: Option<(&'a Open, &'a Window)>,
 }
 
 impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
@@ -64,7 +85,7 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
     /// have in it: a shift of the whole chain is in neither. The first side has the free part.
     #[inline(always)]
     pub(crate) fn overlap(&self, bond: usize, h: f64) -> ([Path; S], f64) {
-        let Self { chain, sites, phases } = *self;
+        let Self { chain, sites, phases, open } = *self;
         let hi = chain.across(bond, |i| sites[i].hi);
         let lo = chain.across(bond, |i| sites[i].lo);
         let ends = chain.ends(bond);
@@ -86,7 +107,31 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
             path[side] = [0.0, 0.0, c * cos + s * sin, s * cos - c * sin];
         }
         (path[0][0], path[0][1]) = (rest + r, v);
+        let lags = |site: usize| open.and_then(|(open, _)| open.damped(site)).is_some_and(|flow| flow.lags());
+        if S != 1 && ends.into_iter().flatten().any(lags) {
+            // What drag makes of a velocity is a matter of each side.
+            for side in 0..S {
+                path[side][1] = hi[side][1] + lo[side][1];
+            }
+        }
         (path, largest)
+    }
+
+    /// What the ledger of a site gains that is in no bond.
+    pub(crate) fn gains_alone(&self, h: f64, site: usize) -> Path {
+        self.open.map_or([0.0; 4], |(open, _)| open.gains::<4, S>(self, h, site, [None; 2]))
+    }
+
+    /// What drives make of an overlap.
+    pub(crate) fn known(&self, bond: usize) -> Option<Known> {
+        let (open, window) = self.open?;
+        let of = |site: Option<usize>| Some(window.driven[open.drive(site?)?].known);
+        let ends = self.chain.ends(bond);
+        let (before, behind) = (of(ends[0]), of(ends[S - 1]).map(Known::minus));
+        match (before, behind) {
+            (Some(before), Some(behind)) => Some(before.plus(behind)),
+            (before, behind) => before.or(behind),
+        }
     }
 }
 
@@ -96,6 +141,10 @@ pub(crate) trait Bonds<const S: usize>: Sync {
     fn at_rest(&self, bond: usize) -> bool;
     /// How a bond moves in a window of length `h` without forces.
     fn free(&self, bond: usize, h: f64) -> Free<S>;
+    /// The path of a site.
+    fn site(&self, site: usize) -> Path;
+    /// What drives a site at a time of the window.
+    fn signal(&self, site: usize, t: f64) -> [f64; 3];
 }
 
 /// How a bond moves in a window without forces.
@@ -103,12 +152,18 @@ pub(crate) trait Bonds<const S: usize>: Sync {
 pub(crate) struct Free<const S: usize> {
     /// The path of its overlap.
     pub(crate) path: [Path; S],
+    /// What drives make of it besides.
+    pub(crate) known: Option<Known>,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
 }
 
 impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
     fn at_rest(&self, bond: usize) -> bool {
+        let driven = |site: usize| self.open.is_some_and(|(open, _)| open.drive(site).is_some());
+        if S != 1 && self.chain.ends(bond).into_iter().flatten().any(driven) {
+            return false;
+        }
         let resting = Cell::new(true);
         self.chain.across(bond, |i| {
             resting.set(resting.get() && self.sites[i].at_rest());
@@ -118,8 +173,20 @@ impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
     }
 
     fn free(&self, bond: usize, h: f64) -> Free<S> {
-        let (path, largest) = self.overlap(bond, h);
-        Free { path, band: self.chain.dead_band(largest) }
+        let (path, mut largest) = self.overlap(bond, h);
+        let known = if S == 1 { None } else { self.known(bond) };
+        if let Some(known) = &known {
+            largest += known.reach()[0];
+        }
+        Free { path, known, band: self.chain.dead_band(largest) }
+    }
+
+    fn site(&self, site: usize) -> Path {
+        self.sites[site].path(self.phases.sin_cos(site))
+    }
+
+    fn signal(&self, site: usize, t: f64) -> [f64; 3] {
+        self.chain.signal(site, self.open.map_or(0.0, |(_, window)| window.start) + t)
     }
 }
 
@@ -145,7 +212,9 @@ impl<const S: usize> Phases<S> {
     pub(crate) fn new<C: ContactChain<S>>(chain: &C) -> Self {
         let (mut list, mut known) = (Vec::new(), HashMap::new());
         let mut of = |site: usize| {
-            let omega = chain.response(site).omega;
+            // A damped site is kept where it is, not in a phase.
+            let turns = S == 1 || chain.damping(site) == [0.0; 2];
+            let omega = if turns { chain.response(site).omega } else { Twofold::zero() };
             *known.entry([omega.hi, omega.lo].map(f64::to_bits)).or_insert_with(|| {
                 list.push(Phase { omega, theta: Twofold::zero(), sin_cos: (0.0, 1.0) });
                 list.len() as u32 - 1

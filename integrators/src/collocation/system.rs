@@ -5,7 +5,9 @@
 //! sees is known to the compiler: 1 where all sites are alike, and all bonds have one law; else 2,
 //! that of the site before the bond and that of the site behind it.
 
+use super::{flow::Flow, open::Open};
 use crate::{clock::Twofold, law::ContactLaw, regularised::common_power};
+use std::sync::Arc;
 
 /// How a site answers an impulse `j`: `q'` jumps by `j/mass`, of which a part `m j` moves on freely
 /// and a part `mu j` oscillates, so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
@@ -27,8 +29,23 @@ impl Response {
 /// What leaves a site alone: `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as `[r, v, c, s]`.
 pub type Path = [f64; 4];
 
-/// One side of a bond: how its site answers a unit impulse, as loops over nodes need it.
+/// A drive of a site from outside, see [`ContactChain::signal`].
 #[derive(Clone, Copy, Debug)]
+pub struct Drive {
+    /// Which site.
+    pub site: usize,
+    /// Whether its position is given; else it is pushed by a force.
+    pub moved: bool,
+    /// A bound of the signal, and the scale of its rate.
+    pub size: f64,
+    /// The scale of the signal's rate.
+    pub rate: f64,
+    /// The scale of the velocities that it makes.
+    pub speed: f64,
+}
+
+/// One side of a bond: how its site answers a unit impulse, as loops over nodes need it.
+#[derive(Clone, Debug)]
 pub(crate) struct Side {
     pub(crate) m: f64,
     pub(crate) mu: f64,
@@ -39,14 +56,16 @@ pub(crate) struct Side {
     pub(crate) per_omega: f64,
     /// `m + mu`.
     weight: f64,
+    /// Of a damped site.
+    flow: Option<Arc<Flow>>,
 }
 
 impl Side {
-    fn of(response: &Response) -> Self {
+    fn of(response: &Response, flow: Option<Arc<Flow>>) -> Self {
         let Response { m, mu, .. } = *response;
         let omega = if mu == 0.0 { 0.0 } else { response.omega.value() };
         let per_omega = if omega == 0.0 { 0.0 } else { 1.0 / omega };
-        Self { m, mu, mu_per_omega: mu * per_omega, omega, per_omega, weight: m + mu }
+        Self { m, mu, mu_per_omega: mu * per_omega, omega, per_omega, weight: m + mu, flow }
     }
 }
 
@@ -59,8 +78,10 @@ pub(crate) struct Link<const S: usize> {
     pub(crate) sides: [Side; S],
     /// Power of the variable near an event: it suits the forces of the bond and of its neighbours.
     pub(crate) q: u32,
-    /// The largest weight of a side.
+    /// The largest weight of a side; 1 between a wall and a site that is moved.
     lightest: f64,
+    /// Whether drag acts on the free motion of a side.
+    pub(crate) lags: bool,
 }
 
 /// Order that the variable near an event is chosen for. Chosen;
@@ -73,6 +94,12 @@ impl<const S: usize> Link<S> {
     #[inline(always)]
     pub(crate) fn weight(&self, side: usize) -> f64 {
         if S == 1 { 1.0 } else { self.sides[side].weight }
+    }
+
+    /// The motion of the site on a side, if it is damped.
+    #[inline(always)]
+    pub(crate) fn flow(&self, side: usize) -> Option<&Flow> {
+        if S == 1 { None } else { self.sides[side].flow.as_deref() }
     }
 
     /// The largest change of velocity that a unit impulse makes.
@@ -122,13 +149,16 @@ pub(crate) struct Links<const S: usize> {
     pub(crate) precompressed: bool,
     /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
     pub(crate) recoil: Vec<f64>,
+    /// What is damped and driven, if anything is.
+    pub(crate) open: Option<Open>,
 }
 
 impl<const S: usize> Links<S> {
     pub(crate) fn of<C: ContactChain<S>>(chain: &C) -> Self {
         let bonds = chain.bonds();
         let kinds = if S == 1 { 1 } else { bonds };
-        let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, b)).collect();
+        let open = Open::of(chain);
+        let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, open.as_ref(), b)).collect();
         let unit = |b: usize, c: usize| [[f64::from(u8::from(c == b)); 4]; S];
         // Where all are alike a wall shows in what bonds push; else in its answer.
         let recoil = |b: usize| match S {
@@ -141,6 +171,7 @@ impl<const S: usize> Links<S> {
             ring: chain.ring(),
             precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0),
             links,
+            open,
         }
     }
 
@@ -155,8 +186,11 @@ impl<const S: usize> Links<S> {
     }
 }
 
-fn link<const S: usize, C: ContactChain<S>>(chain: &C, bond: usize) -> Link<S> {
-    let sides = chain.ends(bond).map(|site| Side::of(&site.map_or(Response::NONE, |i| chain.response(i))));
+fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond: usize) -> Link<S> {
+    let sides = chain.ends(bond).map(|site| {
+        let flow = site.and_then(|i| open.and_then(|open| open.damped(i).cloned()));
+        Side::of(&site.map_or(Response::NONE, |i| chain.response(i)), flow)
+    });
     let alpha = |b| chain.law(b).alpha();
     let mut alphas = vec![alpha(bond)];
     if S > 1 {
@@ -166,7 +200,11 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, bond: usize) -> Link<S> {
         law: chain.law(bond),
         constant: chain.constant(bond),
         q: common_power(&alphas, ORDER),
-        lightest: sides.iter().fold(0.0, |most, side| side.weight.max(most)),
+        lightest: match sides.iter().fold(0.0, |most, side| side.weight.max(most)) {
+            0.0 => 1.0,
+            most => most,
+        },
+        lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),
         sides,
     }
 }
@@ -225,4 +263,29 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     fn place(&self, parts: [f64; 4], site: usize, y: &mut [f64]);
     /// Overlaps up to this are rounding of an overlap whose terms are up to `largest`.
     fn dead_band(&self, largest: f64) -> f64;
+    /// Damping of a site, for `S = 2`: drag, a force over its velocity; and the rate at which a
+    /// dashpot takes the velocity of the oscillating part: `p'' = -omega^2 p - slip p'`.
+    fn damping(&self, _site: usize) -> [f64; 2] {
+        [0.0; 2]
+    }
+    /// The sites that are driven, each once, for `S = 2`. One that is moved answers no impulse, and
+    /// its [`path`](Self::path) is zero.
+    fn drives(&self) -> Vec<Drive> {
+        Vec::new()
+    }
+    /// What drives a site: its position with two derivatives, or a force.
+    fn signal(&self, _site: usize, _t: f64) -> [f64; 3] {
+        [0.0; 3]
+    }
+    /// Times at which signals are not smooth.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// From a state at a time: what was dissipated by drag, by dashpots and by contacts, and what
+    /// drives did; of sites that are moved without their kinetic energy.
+    fn ledger(&self, _y: &[f64], _t: f64) -> Path {
+        [0.0; 4]
+    }
+    /// Writes the ledger, and the sites that are moved, into a state.
+    fn complete(&self, _ledger: Path, _t: f64, _y: &mut [f64]) {}
 }

@@ -88,10 +88,13 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
-    /// bonds.
+    /// Not a whole number of columns, an entry that is not finite, a chain that is damped or driven,
+    /// or one of more than 256 bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.chain, run.dim());
+        if run.links.open.is_some() {
+            return Err(argument("sites", chain.sites(), "a tangent map is there without damping and drives"));
+        }
         if blocks(chain.bonds()) != 1 {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
         }

@@ -1,17 +1,20 @@
-//! A chain whose beads differ, as contact collocation sees it: every bond between two sites that
-//! answer impulses in their own ways.
+//! A chain whose beads differ, are damped and driven, as contact collocation sees it: every bond
+//! between two sites that answer impulses in their own ways.
 
-use super::super::{Chain, ContactLaw, Layout, Modes, Params, Resonators};
+use super::{
+    super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
+    Ledger, Means, Parts, SiteParts,
+};
 use hertzchain_integrators::{
-    Error,
-    collocation::{ContactChain, Path, Response},
+    Error, Twofold,
+    collocation::{self, ContactChain, Path, Response},
 };
 
 /// Overlap of a bond with the contact constant zero where all sites are at the origin: it never
 /// closes.
 const APART: f64 = -1e100;
 
-/// A chain with [`Details`](super::Details) that neither dissipates nor is driven.
+/// A chain with [`Details`](super::Details) whose contacts do not dissipate.
 #[derive(Clone, Debug)]
 pub struct Differing {
     chain: Chain<f64>,
@@ -24,27 +27,77 @@ struct Motion {
     modes: Modes<f64>,
     moving: bool,
     response: Response,
+    damping: [f64; 2],
+    /// Whether a drive moves it.
+    moved: bool,
+}
+
+impl Motion {
+    fn new(site: &SiteParts<f64>) -> Self {
+        let modes = Modes::new(Params { alpha: 1.0, kappa: site.kappa / site.mass, rho: site.rho });
+        let (mut response, mut damping) = (Response { m: 0.0, mu: 0.0, omega: Twofold::zero() }, [0.0; 2]);
+        if !site.moved {
+            let (m, mu) = (modes.m / site.mass, modes.mu / site.mass);
+            response = Response { m, mu, omega: modes.omega };
+            // P'' = -(d/m) ((1 + rho)/rho) P' under the dashpot alone.
+            let slip = if mu > 0.0 { site.dashpot / (mu * site.mass * site.mass) } else { 0.0 };
+            damping = [site.drag, slip];
+        }
+        let moving = site.resonators == Resonators::Moving;
+        Self { modes, moving, response, damping, moved: site.moved }
+    }
 }
 
 impl Differing {
     /// The chain.
     ///
     /// # Errors
-    /// A chain without details, or one that dissipates or is driven.
+    /// A chain without details, or one whose contacts dissipate.
     pub fn new(chain: Chain<f64>) -> Result<Self, Error> {
-        let closed = chain.parts().filter(|parts| !parts.open());
-        let Some(parts) = closed else {
-            let rule = "a chain whose beads differ, without damping, dissipation and drives";
+        let Some(parts) = chain.parts().filter(|parts| !parts.dissipative) else {
+            let rule = "a chain with details, whose contacts do not dissipate";
             return Err(Error::Argument { name: "sites", value: chain.sites() as f64, rule });
         };
-        let motion = |site: &super::SiteParts<f64>| {
-            let modes = Modes::new(Params { alpha: 1.0, kappa: site.kappa / site.mass, rho: site.rho });
-            let (m, mu) = (modes.m / site.mass, modes.mu / site.mass);
-            let response = Response { m, mu, omega: modes.omega };
-            Motion { modes, moving: site.resonators == Resonators::Moving, response }
-        };
-        let sites = parts.sites.iter().map(motion).collect();
+        let sites = parts.sites.iter().map(Motion::new).collect();
         Ok(Self { chain, sites })
+    }
+
+    fn parts(&self) -> &Parts<f64> {
+        self.chain.parts().expect("a chain with details")
+    }
+
+    /// The drives of a site that count: one that moves it, or all that push it.
+    fn drives_of(&self, site: usize) -> impl Iterator<Item = &super::Drive> {
+        let means = if self.sites[site].moved { Means::Moved } else { Means::Pushed };
+        self.parts().drives().iter().filter(move |drive| drive.site == site && drive.means == means)
+    }
+
+    /// The scale of the velocities that a drive makes: of the bead that it moves; or, of a force, that
+    /// of the free bead at each frequency, and for a constant one the speed with which a contact
+    /// takes it up.
+    fn speed(&self, drive: &super::Drive) -> f64 {
+        if drive.means == Means::Moved {
+            return drive.signal.speed();
+        }
+        let (mass, topology) = (self.parts().sites[drive.site].mass, self.chain.topology());
+        let contacts = topology.bonds(drive.site).into_iter().flatten().map(|bond| &self.parts().bonds[bond]);
+        let stiff = contacts.filter(|contact| contact.constant() > 0.0);
+        let depths = |force: f64| stiff.clone().map(move |c| (force / c.constant()).powf(1.0 / c.law().alpha()));
+        let of = |harmonic: &super::Harmonic| {
+            let force = harmonic.amplitude.abs();
+            if harmonic.omega > 0.0 {
+                return force / (mass * harmonic.omega);
+            }
+            let depth = depths(force).fold(f64::INFINITY, f64::min);
+            if depth.is_finite() { (2.0 * force * depth / mass).sqrt() } else { force / mass }
+        };
+        drive.signal.harmonics.iter().map(of).sum()
+    }
+
+    /// Kinetic energy of the beads that are moved.
+    fn kinetic_of_moved(&self, t: f64) -> f64 {
+        let moved = self.parts().drives().iter().filter(|drive| drive.means == Means::Moved);
+        moved.map(|drive| 0.5 * self.parts().sites[drive.site].mass * drive.signal.at(t)[1].powi(2)).sum()
     }
 
     fn layout(&self) -> Layout {
@@ -53,8 +106,7 @@ impl Differing {
 
     /// The contact of a bond, counted from the first that can touch.
     fn contact(&self, bond: usize) -> &super::Contact<f64> {
-        let parts = self.chain.parts().expect("a chain with details");
-        &parts.bonds[self.chain.topology().first() + bond]
+        &self.parts().bonds[self.chain.topology().first() + bond]
     }
 }
 
@@ -136,6 +188,9 @@ impl ContactChain<2> for Differing {
     }
 
     fn path(&self, y: &[f64], i: usize) -> Path {
+        if self.sites[i].moved {
+            return [0.0; 4];
+        }
         let (layout, modes) = (self.layout(), &self.sites[i].modes);
         let of = |array: Option<&[f64]>| array.map_or(0.0, |array| array[i]);
         let [r, r_dot, p, p_dot] =
@@ -157,5 +212,55 @@ impl ContactChain<2> for Differing {
 
     fn dead_band(&self, largest: f64) -> f64 {
         64.0 * f64::EPSILON * largest
+    }
+    fn damping(&self, site: usize) -> [f64; 2] {
+        self.sites[site].damping
+    }
+
+    fn drives(&self) -> Vec<collocation::Drive> {
+        let mut sites: Vec<usize> = self.parts().drives().iter().map(|drive| drive.site).collect();
+        sites.sort_unstable();
+        sites.dedup();
+        let drive = |site: usize| {
+            let sum = |of: &dyn Fn(&super::Drive) -> f64| self.drives_of(site).map(of).sum();
+            collocation::Drive {
+                site,
+                moved: self.sites[site].moved,
+                size: sum(&|drive| drive.signal.size()),
+                rate: sum(&|drive| drive.signal.speed()),
+                speed: sum(&|drive| self.speed(drive)),
+            }
+        };
+        sites.into_iter().map(drive).collect()
+    }
+
+    fn signal(&self, site: usize, t: f64) -> [f64; 3] {
+        self.drives_of(site).fold([0.0; 3], |sum, drive| {
+            let by = drive.signal.at(t);
+            std::array::from_fn(|k| sum[k] + by[k])
+        })
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        self.parts().drives().iter().flat_map(|drive| drive.signal.breaks()).collect()
+    }
+
+    fn ledger(&self, y: &[f64], t: f64) -> Path {
+        let Some(ledger) = self.layout().ledger(y) else { return [0.0; 4] };
+        Ledger { driven: ledger.driven - self.kinetic_of_moved(t), ..ledger }.entries()
+    }
+
+    fn complete(&self, ledger: Path, t: f64, y: &mut [f64]) {
+        let layout = self.layout();
+        if !layout.has_ledger() {
+            return;
+        }
+        let (half, ledger) = (layout.half(), Ledger::of(&ledger));
+        let driven = ledger.driven + self.kinetic_of_moved(t);
+        y[2 * half..].copy_from_slice(&Ledger { driven, ..ledger }.entries());
+        for drive in self.parts().drives().iter().filter(|drive| drive.means == Means::Moved) {
+            let [s, s_dot, _] = drive.signal.at(t);
+            (y[drive.site], y[half + drive.site]) = (s, s_dot);
+        }
     }
 }

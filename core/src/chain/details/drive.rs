@@ -99,6 +99,15 @@ impl Signal {
         own.max(f64::MIN_POSITIVE) + self.size() * self.envelope.per_time()
     }
 
+    /// Times at which the envelope is not smooth.
+    pub(crate) fn breaks(&self) -> Vec<f64> {
+        match self.envelope {
+            Envelope::None => vec![],
+            Envelope::Ramp(ramp) => vec![0.0, ramp],
+            Envelope::Burst { start, length } => vec![start, start + length],
+        }
+    }
+
     /// The time at which the envelope has come to its end or its full height.
     pub fn settled(&self) -> f64 {
         match self.envelope {

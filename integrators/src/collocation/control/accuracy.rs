@@ -111,6 +111,9 @@ impl Accuracy {
                 size = size.max((2.0 * link.force(now) * now * link.lightest()).sqrt());
             }
         }
+        for drive in links.open.iter().flat_map(|open| &open.drives) {
+            size = size.max(drive.speed);
+        }
         Self { pace, span, size: if size > 0.0 { size } else { 1.0 }, contacts: Contacts::of(chain, links) }
     }
 

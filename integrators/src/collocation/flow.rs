@@ -1,0 +1,355 @@
+//! The motion of a damped site between contacts, as Taylor series of `exp(A t)`.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `y = [r, v, c, s]` | a site at the start of a window: position `r + c`, velocity `v + omega s` |
+//! | `A` | generator: `y' = A y + b f` under a force `f` |
+//! | `b = [0, m, 0, mu/omega]` | what a unit impulse adds to `y` |
+//! | `e = [1, 0, 1, 0]` | position: `q = e y` |
+//! | `theta = rate t` | scaled time; `rate` bounds the norm of `A` |
+//!
+//! ```text
+//! r'' = -drag m q',   c'' = -omega^2 c - drag mu q' - slip c',   q' = r' + c'
+//! q(t) = e exp(A t) y = r + v (t + lag(t)) + c cos(t) + s sin(t)
+//! K(t - s) = e exp(A t) exp(-A s) b
+//! ```
+//!
+//! `lag`, `cos` and `sin` are zero, `cos(omega t)` and `sin(omega t)` without damping. The series
+//! need no case distinction between damped rotation, critical and strong damping, where closed
+//! forms cancel; windows are short enough for them, see [`Flow::longest`].
+
+use super::system::{Path, Response};
+
+/// The largest `theta` of a window. Chosen: 25 terms are then exact to rounding, and a rounding
+/// grows by `e^2` at most.
+const LONGEST: f64 = 2.0;
+/// Terms of a series; for `theta = 2` those left out are below 1e-18.
+const TERMS: usize = 26;
+/// Terms below this are rounding.
+const ROUNDING: f64 = 1e-17;
+
+/// A series in `theta`.
+type Series = [f64; TERMS];
+
+/// The motion of one site.
+#[derive(Clone, Debug)]
+pub(crate) struct Flow {
+    a: [Path; 4],
+    b: Path,
+    response: Response,
+    drag: f64,
+    slip: f64,
+    rate: f64,
+    /// `lag`, `cos`, `sin`.
+    position: [Series; 3],
+    /// What `v`, `c` and `s` contribute to the velocity, and to that of the oscillating part.
+    velocity: [Series; 3],
+    swing: [Series; 3],
+    /// `exp(-A t) b`.
+    answer: [Series; 4],
+    /// `K`.
+    kernel: Series,
+}
+
+fn apply(a: &[Path; 4], y: &Path) -> Path {
+    std::array::from_fn(|i| (a[i][0] * y[0] + a[i][1] * y[1]) + (a[i][2] * y[2] + a[i][3] * y[3]))
+}
+
+/// `A^k y/k!`, entry by entry.
+fn powers(a: &[Path; 4], mut y: Path) -> [Series; 4] {
+    let mut out = [[0.0; TERMS]; 4];
+    for k in 0..TERMS {
+        for i in 0..4 {
+            out[i][k] = y[i];
+        }
+        y = apply(a, &y).map(|x| x / (k + 1) as f64);
+    }
+    out
+}
+
+/// `1 + theta + ..` needs so many terms.
+#[inline(always)]
+fn terms(theta: f64) -> usize {
+    let (mut term, mut k) = (1.0, 1);
+    while k < TERMS && term > ROUNDING {
+        term *= theta / k as f64;
+        k += 1;
+    }
+    k
+}
+
+#[inline(always)]
+fn sum<const L: usize>(series: &Series, count: usize, theta: &[f64; L]) -> [f64; L] {
+    let mut out = [0.0; L];
+    for k in (0..count).rev() {
+        for j in 0..L {
+            out[j] = theta[j].mul_add(out[j], series[k]);
+        }
+    }
+    out
+}
+
+impl Flow {
+    /// That of a site under drag, a force over the velocity, and with a dashpot that takes the
+    /// velocity of the oscillating part at the rate `slip`.
+    pub(crate) fn new(response: Response, [drag, slip]: [f64; 2]) -> Self {
+        let Response { m, mu, omega } = response;
+        let omega = if mu == 0.0 { 0.0 } else { omega.value() };
+        let per = if mu == 0.0 { 0.0 } else { 1.0 / omega };
+        let a = [
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, -drag * m, 0.0, -drag * m * omega],
+            [0.0, 0.0, 0.0, omega],
+            [0.0, -drag * mu * per, -omega, -(drag * mu + slip)],
+        ];
+        let b = [0.0, m, 0.0, mu * per];
+        // Where nothing turns and nothing is damped any rate will do.
+        let rate = (omega + 2.0 * drag * (m + mu) + slip).max(1e-100);
+        let scaled = a.map(|row| row.map(|x| x / rate));
+        let transposed: [Path; 4] = std::array::from_fn(|i| std::array::from_fn(|j| scaled[j][i]));
+        let [_, mut lag, cos, sin] = powers(&transposed, [1.0, 0.0, 1.0, 0.0]);
+        lag[1] = 0.0;
+        let velocity = |of: Path| {
+            let [_, v, c, s] = powers(&transposed, of);
+            [v, c, s]
+        };
+        let [r, _, c, _] = powers(&scaled, b);
+        Self {
+            a,
+            b,
+            response,
+            drag,
+            slip,
+            rate,
+            position: [lag, cos, sin],
+            velocity: velocity([0.0, 1.0, 0.0, omega]),
+            swing: velocity([0.0, 0.0, 0.0, omega]),
+            answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
+            kernel: std::array::from_fn(|k| r[k] + c[k]),
+        }
+    }
+
+    /// Whether anything is damped.
+    pub(crate) fn damped(&self) -> bool {
+        self.drag + self.slip > 0.0
+    }
+
+    /// Whether drag acts, so that `lag` is not zero.
+    pub(crate) fn lags(&self) -> bool {
+        self.drag > 0.0
+    }
+
+    /// What drag dissipates, over the square of the velocity.
+    pub(crate) fn drag(&self) -> f64 {
+        self.drag
+    }
+
+    /// What the dashpot dissipates, over the square of the velocity of the oscillating part.
+    pub(crate) fn dashpot(&self) -> f64 {
+        if self.response.mu > 0.0 { self.slip / self.response.mu } else { 0.0 }
+    }
+
+    /// The longest window.
+    pub(crate) fn longest(&self) -> f64 {
+        LONGEST / self.rate
+    }
+
+    /// `exp(A t) y - y`.
+    pub(crate) fn moved(&self, y: &Path, t: f64) -> Path {
+        let (mut term, mut sum) = (*y, [0.0; 4]);
+        for k in 1..=terms(self.rate * t) {
+            term = self.rates(&term).map(|x| x * (t / k as f64));
+            for i in 0..4 {
+                sum[i] += term[i];
+            }
+        }
+        sum
+    }
+
+    /// `A y`: along it moves what the velocity along `y` is.
+    pub(crate) fn rates(&self, y: &Path) -> Path {
+        apply(&self.a, y)
+    }
+
+    #[inline(always)]
+    fn at<const L: usize, const N: usize>(&self, series: &[Series; N], t: &[f64; L]) -> [[f64; L]; N] {
+        let (mut theta, mut largest) = ([0.0; L], 0.0);
+        for j in 0..L {
+            theta[j] = self.rate * t[j];
+            largest = if theta[j] > largest { theta[j] } else { largest };
+        }
+        let (mut out, count) = ([[0.0; L]; N], terms(largest));
+        for i in 0..N {
+            out[i] = sum(&series[i], count, &theta);
+        }
+        out
+    }
+
+    /// `lag`, `cos` and `sin` at some times.
+    #[inline(always)]
+    pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+        self.at(&self.position, t)
+    }
+
+    /// What `v`, `c` and `s` contribute to the velocity.
+    #[inline(always)]
+    pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+        self.at(&self.velocity, t)
+    }
+
+    /// The same for the velocity of the oscillating part.
+    #[inline(always)]
+    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+        self.at(&self.swing, t)
+    }
+
+    /// `exp(-A t) b`: the path that a unit impulse at `t` leaves behind.
+    #[inline(always)]
+    pub(crate) fn answer<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 4] {
+        self.at(&self.answer, t)
+    }
+
+    /// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`, and `K` itself, in front.
+    pub(crate) fn ramps(&self, t: f64) -> [f64; 3] {
+        let theta = self.rate * t;
+        let mut out = [0.0; 3];
+        for k in (0..terms(theta)).rev() {
+            let (x, k) = (self.kernel[k], k as f64);
+            for (out, part) in out.iter_mut().zip([x, x / (k + 1.0), x / ((k + 1.0) * (k + 2.0))]) {
+                *out = theta * *out + part;
+            }
+        }
+        [out[0], out[1] * t, out[2] * t * t]
+    }
+
+    /// Coefficients of `t^2`, `t^3` and `t^4` in `sum_k rates[k] int_0^t K(t - s) s^k/k! ds`.
+    pub(crate) fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
+        let [_, a, b, c, ..] = self.kernel;
+        let [a, b, c] = [a * self.rate, 2.0 * b * self.rate.powi(2), 6.0 * c * self.rate.powi(3)];
+        [a * f0 / 2.0, (a * f1 + b * f0) / 6.0, (a * f2 + b * f1 + c * f0) / 24.0]
+    }
+
+    /// A bound of `q''` over a time `h` along a path.
+    ///
+    /// The energy `r'^2/m + (c'^2 + omega^2 c^2)/mu` does not grow, so that it bounds the velocity;
+    /// drag then adds no more than this to the amplitude of the oscillation.
+    pub(crate) fn bend(&self, [_, v, c, s]: &Path, h: f64) -> f64 {
+        let Self { drag, slip, response: Response { m, mu, .. }, .. } = *self;
+        let omega = self.a[2][3];
+        let (mut amplitude, mut energy) = (0.0, 0.0);
+        if m > 0.0 {
+            energy += v * v / m;
+        }
+        if mu > 0.0 {
+            amplitude = (c * c + s * s).sqrt();
+            energy += omega * omega * amplitude * amplitude / mu;
+        }
+        let speed = (energy * (m + mu)).sqrt();
+        if mu > 0.0 {
+            amplitude += h * drag * mu * speed / omega;
+        }
+        omega * (omega + slip) * amplitude + drag * (m + mu) * speed
+    }
+
+    /// Bounds of `K''` and `K'''` up to the time `h`.
+    pub(crate) fn bends(&self, h: f64) -> [f64; 2] {
+        [self.bend(&self.b, h), self.bend(&self.rates(&self.b), h)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::Twofold;
+
+    fn flow(m: f64, mu: f64, omega: f64, damping: [f64; 2]) -> Flow {
+        Flow::new(Response { m, mu, omega: Twofold::new(omega) }, damping)
+    }
+
+    /// Position and velocity of the oscillating part, and of all, along `y` at `t`.
+    fn at(flow: &Flow, y: Path, t: f64) -> [f64; 2] {
+        let ([lag, cos, sin], [v, c, s]) = (flow.position(&[t]), flow.swing(&[t]));
+        let position = (y[0] + y[1] * t) + (y[1] * lag[0] + y[2] * cos[0] + y[3] * sin[0]);
+        [position, y[1] * v[0] + y[2] * c[0] + y[3] * s[0]]
+    }
+
+    #[test]
+    fn closed_forms_of_damped_motions() {
+        for t in [0.01, 0.3, 1.1] {
+            // Truth: r + v (1 - e^{-k t})/k, k = drag m.
+            let bead = flow(0.8, 0.0, 0.0, [0.9, 0.0]);
+            let k = 0.72;
+            let want = 0.3 - 0.7 * (1.0 - f64::exp(-k * t)) / k;
+            assert!((at(&bead, [0.3, -0.7, 0.0, 0.0], t)[0] - want).abs() < 2e-16);
+            // Truth: e^{-n t} (c cos w t + (omega s + n c)/w sin w t), w^2 = omega^2 - n^2; also
+            // where n is larger than omega and where both are nearly the same.
+            for slip in [0.6, 2.6, 3.0] {
+                let (n, omega, c, s) = (0.5 * slip, 1.3f64, 0.4, -0.2);
+                let (square, start) = (omega * omega - n * n, omega * s + n * c);
+                let w = square.abs().sqrt();
+                let (cos, sin) = match square {
+                    0.0 => (1.0, t),
+                    0.0.. => ((w * t).cos(), (w * t).sin() / w),
+                    _ => ((w * t).cosh(), (w * t).sinh() / w),
+                };
+                let want = (-n * t).exp() * (c * cos + start * sin);
+                let got = at(&flow(0.0, 1.0, omega, [0.0, slip]), [0.0, 0.0, c, s], t);
+                assert!((got[0] - want).abs() < 4e-16, "{slip} {t}: {:e}", got[0] - want);
+                // The same by drag alone, of a site whose free part does not answer.
+                let other = at(&flow(0.0, 0.5, omega, [2.0 * slip, 0.0]), [0.0, 0.0, c, s], t);
+                assert!((other[0] - want).abs() < 4e-16 && (other[1] - got[1]).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn answers_and_motions_belong_together() {
+        // Truth: K(t - s) = e exp(A t) exp(-A s) b; motions over two times are those over their sum;
+        // integrals of K by the rule of Gauss.
+        let site = flow(0.6, 0.5, 1.7, [0.8, 0.3]);
+        let (t, s) = (0.45, 0.17);
+        let answer = site.answer(&[s]).map(|x| x[0]);
+        assert!((at(&site, answer, t)[0] - site.ramps(t - s)[0]).abs() < 1e-16);
+        let y = [0.3, -0.4, 0.2, 0.7];
+        let add = |y: Path, by: Path| std::array::from_fn(|i| y[i] + by[i]);
+        let once = add(y, site.moved(&y, t));
+        let part: Path = add(y, site.moved(&y, s));
+        let twice: Path = add(part, site.moved(&part, t - s));
+        for i in 0..4 {
+            assert!((once[i] - twice[i]).abs() < 3e-16);
+        }
+        let [position, swing] = at(&site, y, t);
+        let [v, c, s] = site.velocity(&[t]).map(|x| x[0]);
+        let velocity = y[1] * v + y[2] * c + y[3] * s;
+        assert!((velocity - once[1] - 1.7 * once[3]).abs() < 3e-16);
+        assert!((position - once[0] - once[2]).abs() < 2e-16 && (swing - 1.7 * once[3]).abs() < 3e-16);
+        let [_, k2, k3] = site.ramps(t);
+        let rule = super::super::Rule::<12>::shared();
+        let times = rule.nodes.map(|x| 0.5 * t * (1.0 + x));
+        let integral = |of: &dyn Fn(f64) -> f64| -> f64 {
+            (0..12).map(|j| 0.5 * t * rule.weights[j] * of(times[j]) * site.ramps(t - times[j])[0]).sum()
+        };
+        assert!((k2 - integral(&|_| 1.0)).abs() < 1e-16 && (k3 - integral(&|s| s)).abs() < 1e-16);
+        // Truth: the integrals themselves, up to the next power.
+        let (h, [a, b, c]) = (1e-3, site.ramped([2.0, 3.0, 0.0]));
+        let [_, k2, k3] = site.ramps(h);
+        assert!((2.0 * k2 + 3.0 * k3 - h * h * (a + h * (b + h * c))).abs() < 1e-15);
+    }
+
+    #[test]
+    fn bends_bound_second_derivatives() {
+        // Truth: q'' = e A^2 exp(A t) y along the way.
+        for (m, mu, damping) in [(0.6, 0.5, [0.8, 0.3]), (0.0, 1.0, [0.0, 4.0]), (1.0, 0.0, [2.0, 0.0])] {
+            let site = flow(m, mu, 1.7, damping);
+            let y = [0.3, -0.4, if mu > 0.0 { 0.2 } else { 0.0 }, if mu > 0.0 { 0.7 } else { 0.0 }];
+            let bound = site.bend(&y, 1.0);
+            for k in 0..=20 {
+                let by = site.moved(&y, 0.05 * f64::from(k));
+                let now: Path = std::array::from_fn(|i| y[i] + by[i]);
+                let bend = site.rates(&site.rates(&now));
+                assert!((bend[0] + bend[2]).abs() <= bound * (1.0 + 1e-14));
+                assert!(bound < 30.0);
+            }
+        }
+    }
+}

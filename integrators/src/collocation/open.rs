@@ -1,0 +1,307 @@
+//! What is damped and driven in a chain, and its ledger: what drag and dashpots take and drives
+//! put in.
+
+use super::{
+    block::apart,
+    bond::Bond,
+    flow::Flow,
+    known::{Driven, Foresight},
+    panel::{Panel, dot, product, times},
+    panels::Panels,
+    rule::Rule,
+    sites::Bonds,
+    system::{ContactChain, Drive, Path},
+};
+use crate::real::Kernel;
+use std::{collections::HashMap, sync::Arc};
+
+/// The sites that are damped or driven.
+#[derive(Clone, Debug)]
+pub(crate) struct Open {
+    /// The motion of each site that is damped or pushed.
+    flows: Vec<Option<Arc<Flow>>>,
+    pub(crate) drives: Vec<Drive>,
+    /// The drive of each site.
+    driven: Vec<Option<u32>>,
+    /// The sites in whose ledger a bond writes: that behind it, and that before it if it is the
+    /// first of its bonds.
+    kept: Vec<[Option<usize>; 2]>,
+    /// Sites that no bond keeps.
+    pub(crate) alone: Vec<usize>,
+    /// Times at which signals are not smooth, ascending.
+    breaks: Vec<f64>,
+    /// The longest window for which all flows are resolved.
+    longest: f64,
+}
+
+impl Open {
+    /// That of a chain, if anything is damped or driven.
+    pub(crate) fn of<const S: usize, C: ContactChain<S>>(chain: &C) -> Option<Self> {
+        let (sites, drives) = (chain.sites(), chain.drives());
+        if S == 1 || drives.is_empty() && (0..sites).all(|i| chain.damping(i) == [0.0; 2]) {
+            return None;
+        }
+        let mut driven = vec![None; sites];
+        for (k, drive) in drives.iter().enumerate() {
+            driven[drive.site] = Some(k as u32);
+        }
+        let mut known = HashMap::new();
+        let mut flow = |i: usize| {
+            let (response, damping) = (chain.response(i), chain.damping(i));
+            let pushed = driven[i].is_some_and(|k| !drives[k as usize].moved);
+            (pushed || damping != [0.0; 2]).then(|| {
+                let [drag, slip] = damping;
+                let kind = [response.m, response.mu, response.omega.value(), drag, slip].map(f64::to_bits);
+                Arc::clone(known.entry(kind).or_insert_with(|| Arc::new(Flow::new(response, damping))))
+            })
+        };
+        let flows: Vec<Option<Arc<Flow>>> = (0..sites).map(&mut flow).collect();
+        let counts = |i: usize| flows[i].is_some() || driven[i].is_some();
+        let (mut kept, mut alone) = (vec![[None; 2]; chain.bonds()], vec![true; sites]);
+        for (b, kept) in kept.iter_mut().enumerate() {
+            let ends = chain.ends(b);
+            let first = if b == 0 && !chain.ring() { ends[0] } else { None };
+            *kept = [ends[S - 1], first].map(|site| site.filter(|&i| counts(i)));
+            kept.iter().flatten().for_each(|&i| alone[i] = false);
+        }
+        let mut breaks = chain.breaks();
+        breaks.sort_by(f64::total_cmp);
+        Some(Self {
+            longest: flows.iter().flatten().fold(f64::INFINITY, |most, flow| most.min(flow.longest())),
+            alone: (0..sites).filter(|&i| alone[i] && counts(i)).collect(),
+            flows,
+            drives,
+            driven,
+            kept,
+            breaks,
+        })
+    }
+
+    /// The motion of a site, if it is damped.
+    pub(crate) fn damped(&self, site: usize) -> Option<&Arc<Flow>> {
+        self.flows[site].as_ref().filter(|flow| flow.damped())
+    }
+
+    /// The longest window in which all flows are resolved.
+    pub(crate) fn longest(&self) -> f64 {
+        self.longest
+    }
+
+    /// The time from `t` to the next one at which a signal is not smooth.
+    pub(crate) fn until_break(&self, t: f64) -> f64 {
+        let next = self.breaks.partition_point(|&at| at <= t + NEAR * t.abs());
+        self.breaks.get(next).map_or(f64::INFINITY, |at| at - t)
+    }
+
+    /// What drives do in a window of length `h` that begins at `t`. Returns the length of a shorter
+    /// window if series do not resolve them in this one, else infinity.
+    pub(crate) fn window<const S: usize, C: ContactChain<S>>(
+        &self,
+        chain: &C,
+        at: (f64, f64, f64),
+        window: &mut Window,
+    ) -> f64 {
+        window.start = at.0;
+        window.driven.clear();
+        let mut longest = f64::INFINITY;
+        for drive in &self.drives {
+            let flow = self.flows[drive.site].as_deref().filter(|_| !drive.moved);
+            let signal = &|s: f64| chain.signal(drive.site, at.0 + s);
+            let (driven, resolved) = apart(Foresight { drive, flow, signal, at });
+            window.driven.push(driven);
+            longest = resolved.min(longest);
+        }
+        longest
+    }
+
+    /// Adds what a drive pushes a site by in a window.
+    pub(crate) fn push(&self, window: &Window, site: usize, path: &mut Path) {
+        if let Some(k) = self.drive(site) {
+            let left = &window.driven[k].left;
+            *path = std::array::from_fn(|i| path[i] + left[i]);
+        }
+    }
+
+    /// The drive of a site.
+    pub(crate) fn drive(&self, site: usize) -> Option<usize> {
+        self.driven[site].map(|k| k as usize)
+    }
+
+    /// What the ledgers of the sites gain that a bond keeps; `next` are the panels of the bond behind
+    /// it.
+    pub(crate) fn gains_beside<const M: usize, const S: usize>(
+        &self,
+        (bonds, h): (&dyn Bonds<S>, f64),
+        bond: &Bond<M, S>,
+        next: Option<&Panels<M, S>>,
+    ) -> Path {
+        let ([behind, before], own) = (self.kept[bond.initial.bond], Some(&bond.panels));
+        let mut sum = [0.0; 4];
+        for (site, panels) in [(behind, [own, next]), (before, [None, own])] {
+            if let Some(site) = site {
+                let gains = self.gains(bonds, h, site, panels);
+                sum = std::array::from_fn(|k| sum[k] + gains[k]);
+            }
+        }
+        sum
+    }
+
+    /// What the ledger of a site gains in a window of length `h`, from the forces in the bonds before
+    /// and behind it: by quadrature, between the ends of all panels.
+    ///
+    /// There forces, velocities and powers may begin or end with half powers of time, so that the
+    /// time is one with a double zero of its rate, `t = a + (b - a) x^2 (3 - 2 x)`.
+    pub(crate) fn gains<const M: usize, const S: usize>(
+        &self,
+        bonds: &dyn Bonds<S>,
+        h: f64,
+        site: usize,
+        panels: [Option<&Panels<M, S>>; 2],
+    ) -> Path {
+        apart(Gains { open: self, bonds, h, site, panels })
+    }
+}
+
+/// See [`Open::gains`].
+struct Gains<'a, const M: usize, const S: usize> {
+    open: &'a Open,
+    bonds: &'a dyn Bonds<S>,
+    h: f64,
+    site: usize,
+    panels: [Option<&'a Panels<M, S>>; 2],
+}
+
+impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
+    type Output = Path;
+
+    #[inline(always)]
+    fn run(self) -> Path {
+        let Self { open, bonds, h, site, panels } = self;
+        let (mut gains, drive) = ([0.0; 4], open.drive(site).map(|k| &open.drives[k]));
+        let (mut y, flow) = (bonds.site(site), open.flows[site].as_deref());
+        let panels = panels.map(|panels| panels.map_or(&[][..], Panels::as_slice));
+        let pushed = drive.is_some() || panels.iter().any(|panels| !panels.is_empty());
+        if !pushed && y == [0.0; 4] {
+            return gains;
+        }
+        let mut cuts = vec![0.0, h];
+        cuts.extend(panels.iter().flat_map(|panels| panels.iter().flat_map(|panel| [panel.start, panel.end])));
+        if h > RESOLVED * open.longest {
+            cuts.extend((1..PARTS).map(|k| h * f64::from(k) / f64::from(PARTS)));
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
+        for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
+            let piece = Piece::between(pair[0], pair[1]);
+            let (mut force, mut signal) = ([0.0; NODES], [[0.0; NODES]; 2]);
+            for (side, panels) in panels.iter().enumerate() {
+                let within = |panel: &&Panel<M, S>| panel.start < piece.middle && piece.middle < panel.end;
+                if let Some(panel) = panels.iter().find(within) {
+                    let (by, sign) = (panel.force_at(Rule::shared(), &piece.t), [1.0, -1.0][side]);
+                    for j in 0..NODES {
+                        force[j] += sign * by[j];
+                    }
+                }
+            }
+            if drive.is_some() {
+                for j in 0..NODES {
+                    [signal[0][j], signal[1][j], _] = bonds.signal(site, piece.t[j]);
+                }
+            }
+            match flow {
+                Some(flow) => piece.follow(flow, &mut y, (&force, &signal[0]), pushed, &mut gains),
+                None => gains[3] -= dot(&piece.weights, &times(&force, &signal[1])),
+            }
+        }
+        gains
+    }
+}
+
+/// A stretch of a window in which the force on a site is smooth but for its ends, with the nodes of
+/// a quadrature.
+struct Piece {
+    middle: f64,
+    t: [f64; NODES],
+    /// `dt/dx` at the nodes, and the weights of integrals over `t`.
+    rate: [f64; NODES],
+    weights: [f64; NODES],
+}
+
+impl Piece {
+    #[inline(always)]
+    fn between(a: f64, b: f64) -> Self {
+        let (rule, length) = (Rule::<NODES>::shared(), b - a);
+        let mut piece = Self { middle: a + 0.5 * length, t: [0.0; NODES], rate: [0.0; NODES], weights: [0.0; NODES] };
+        for j in 0..NODES {
+            let x = 0.5 * (1.0 + rule.nodes[j]);
+            piece.t[j] = a + length * (x * x * (3.0 - 2.0 * x));
+            piece.rate[j] = length * (3.0 * x * (1.0 - x));
+            piece.weights[j] = rule.weights[j] * piece.rate[j];
+        }
+        piece
+    }
+
+    /// Moves the path of a site on by the impulses of the piece, and adds what it dissipates and
+    /// what a force that drives it does.
+    #[inline(always)]
+    fn follow(
+        &self,
+        flow: &Flow,
+        y: &mut Path,
+        (contacts, drive): (&[f64; NODES], &[f64; NODES]),
+        pushed: bool,
+        gains: &mut Path,
+    ) {
+        let rule = Rule::<NODES>::shared();
+        let mut now = [[0.0; NODES]; 4];
+        for k in 0..4 {
+            now[k] = [y[k]; NODES];
+        }
+        if pushed {
+            let mut impulse = [0.0; NODES];
+            for j in 0..NODES {
+                impulse[j] = self.rate[j] * (contacts[j] + drive[j]);
+            }
+            let answer = flow.answer(&self.t);
+            for k in 0..4 {
+                let part = times(&answer[k], &impulse);
+                let moved = product(&rule.integral, &part);
+                for j in 0..NODES {
+                    now[k][j] += moved[j];
+                }
+                y[k] += dot(&rule.weights, &part);
+            }
+        }
+        let [_, v, c, s] = &now;
+        let along = |by: [[f64; NODES]; 3]| {
+            let mut out = [0.0; NODES];
+            for j in 0..NODES {
+                out[j] = v[j] * by[0][j] + (c[j] * by[1][j] + s[j] * by[2][j]);
+            }
+            out
+        };
+        let velocity = along(flow.velocity(&self.t));
+        gains[0] += flow.drag() * dot(&self.weights, &times(&velocity, &velocity));
+        gains[3] += dot(&self.weights, &times(drive, &velocity));
+        if flow.dashpot() > 0.0 {
+            let swing = along(flow.swing(&self.t));
+            gains[1] += flow.dashpot() * dot(&self.weights, &times(&swing, &swing));
+        }
+    }
+}
+
+/// Nodes of a quadrature between two ends of panels.
+const NODES: usize = 12;
+/// Windows longer than this share of the longest are cut into so many parts for the quadrature.
+/// Held by `methods motions_without_contacts_are_their_closed_forms`.
+const RESOLVED: f64 = 0.3;
+const PARTS: u32 = 4;
+/// Share of a time that counts as none.
+const NEAR: f64 = 1e-12;
+
+/// What drives do in a window.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Window {
+    /// When it begins.
+    pub(crate) start: f64,
+    pub(crate) driven: Vec<Driven>,
+}

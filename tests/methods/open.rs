@@ -1,0 +1,380 @@
+//! Contact collocation of chains that are damped and driven.
+
+use crate::{
+    common::{distance, largest},
+    details::{run, stored},
+    windows,
+};
+use hertzchain::{
+    chain::{
+        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+    },
+    integrators::{Instructions, Silent, collocation::Pace, drive},
+    run::{Method, Records, Run, Setting},
+};
+use std::{
+    f64::consts::TAU,
+    sync::{Mutex, PoisonError},
+};
+
+/// Numbers from 0 to 1, the same in every run.
+fn random(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn harmonic(amplitude: f64, omega: f64, phase: f64) -> Harmonic {
+    Harmonic { amplitude, omega, phase }
+}
+
+/// A chain in which everything differs, with drag, dashpots, a bead that is moved, and beads that
+/// are pushed under a ramp and by a burst; and a state in which beads meet and part.
+fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>) {
+    let mut next = random(seed);
+    let mut within = |from: f64, to: f64| from + (to - from) * next();
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
+    let bonds = uniform.touching().len();
+    let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
+    let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
+    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
+    let of_resonator = |rho: f64| if rho > 2.2 { f64::INFINITY } else if rho < 0.3 { 0.0 } else { rho };
+    let mut rho: Vec<f64> = list(sites, -0.5, 2.5).into_iter().map(of_resonator).collect();
+    let (mut kappa, mut drag) = (list(sites, 0.5, 2.0), list(sites, -0.1, 0.3));
+    (rho[0], kappa[0], drag[0]) = (0.0, 0.0, 0.0);
+    let damped = |(dashpot, rho): (f64, &f64)| if *rho == 0.0 { 0.0 } else { dashpot.max(0.0) };
+    let dashpot = list(sites, -0.1, 0.4).into_iter().zip(&rho).map(damped);
+    let drive = |site, means, harmonics, envelope| Drive { site, means, signal: Signal { harmonics, envelope } };
+    let details = Details {
+        dashpot: dashpot.collect(),
+        drag: drag.into_iter().map(|drag| drag.max(0.0)).collect(),
+        mass: list(sites, 0.5, 2.0),
+        contact: list(bonds, 0.5, 2.0),
+        alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
+        overlap: list(bonds, -0.2, held),
+        drives: vec![
+            drive(0, Means::Moved, vec![harmonic(0.2, 1.7, 0.3), harmonic(0.1, 0.9, 1.0)], Envelope::None),
+            drive(sites - 3, Means::Pushed, vec![harmonic(0.5, 2.5, 0.0)], Envelope::Ramp(3.3)),
+            drive(2, Means::Pushed, vec![harmonic(0.8, 1.1, 0.5)], Envelope::Burst { start: 1.3, length: 4.0 }),
+            drive(2, Means::Pushed, vec![harmonic(0.1, 0.0, TAU / 4.0)], Envelope::None),
+        ],
+        rho,
+        kappa,
+        ..Details::default()
+    };
+    let chain = uniform.with(&details).unwrap();
+    let state = State::from_fn(&chain, |_| {
+        let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
+        Site { u, v, u_dot, v_dot }
+    });
+    let state = state.unwrap().driven(&chain);
+    (chain, state.as_slice().to_vec())
+}
+
+const BOUNDARIES: [Boundary; 3] = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
+
+fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {
+    let mut run = chain.differing_collocation(y0, (0.0, end), pace).unwrap();
+    let mut y = y0.to_vec();
+    drive(&mut run, &mut Silent, &mut y).unwrap();
+    y
+}
+
+fn of(chain: &Chain<f64>, y0: &[f64], end: f64) -> Run {
+    let mut state = State::rest(chain);
+    state.as_mut_slice().copy_from_slice(y0);
+    Run::new(chain.clone(), state).until(end).unwrap().method(Method::Collocation)
+}
+
+fn regularised(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
+    let run = of(chain, y0, end).method(Method::named("dop853-regularised").unwrap()).records(Records::End);
+    run.setting(Setting::Tolerance(3e-15)).start().unwrap().complete().unwrap().state
+}
+
+/// Energy + dissipated - driven.
+fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
+    let ledger = chain.layout().ledger(y).unwrap();
+    chain.energy(y).total() + ledger.dissipated() - ledger.driven
+}
+
+#[test]
+fn two_hundred_contacts_of_damped_and_driven_beads_are_those_of_another_program() {
+    // Truth: `tests/reference/quad.c`, with 33 digits: state, what is dissipated and driven.
+    let (chain, state, end, want) = stored("driven");
+    let got = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts().start().unwrap();
+    let got = got.complete().unwrap();
+    let contacts = got.contacts.unwrap().len();
+    let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
+    let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(3e-15)).state;
+    println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
+    assert!(error < 1e-11 && off < 1e-12 && contacts >= 200, "{error:e} {off:e} {contacts}");
+    // Measured: 1.5e-11.
+    assert!(distance(&other, &want) < 3e-11);
+    let ledger = chain.layout().ledger(&want).unwrap();
+    assert!(ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 0.1);
+}
+
+#[test]
+fn tolerances_are_kept_over_eight_decades() {
+    // Truth: regularised DOP853 at 3e-15 a step. The tolerance is relative to the size of
+    // velocities, at the start or of the drives. What is dissipated and driven is held to it too.
+    let mut table = vec![Vec::new(); 9];
+    for seed in 0..6 {
+        let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12);
+        let want = regularised(&chain, &y0, 8.0);
+        let half = chain.layout().half();
+        let size = largest(y0[half..2 * half].iter().copied());
+        for (k, row) in table.iter_mut().enumerate() {
+            let tol = 10f64.powi(-4 - k as i32);
+            row.push(distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want) / (tol * size));
+        }
+    }
+    for (k, row) in table.iter().enumerate() {
+        println!("1e-{}: at most {:.1e}", k + 4, largest(row.iter().copied()));
+    }
+    for row in table {
+        assert!(row.iter().all(|error| *error < 3.0), "{row:?}");
+    }
+}
+
+#[test]
+fn energy_dissipated_and_driven_balance() {
+    // Truth: energy + dissipated - driven is constant. Every part is measured on its own.
+    for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
+        let (chain, y0) = varied(10 + seed as u64, boundary, 12);
+        let end = collocation(&chain, &y0, 40.0, Pace::Tolerance(1e-13));
+        let ledger = chain.layout().ledger(&end).unwrap();
+        let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
+        println!("{boundary:?}: {off:e}, {ledger:?}");
+        assert!(off < 1e-12 && ledger.drag > 0.01 && ledger.dashpots > 0.01 && ledger.driven.abs() > 0.01);
+    }
+}
+
+#[test]
+#[ignore = "scratch"]
+fn scratch_orders() {
+    for seed in 0..4 {
+        let (chain, y0) = varied(seed, Boundary::Fixed, 8);
+        let want = collocation(&chain, &y0, 8.0, Pace::Tolerance(1e-14));
+        let split = 2 * chain.layout().half();
+        for nodes in [4, 6, 8, 10] {
+            let mut last = [1.0; 2];
+            for count in [16, 24, 36, 54, 81, 120] {
+                let errors = |k: u64| {
+                    let pace = Pace::Windows { windows: count + count * k / 24, nodes, neighbours: true };
+                    let got = collocation(&chain, &y0, 8.0, pace);
+                    [distance(&got[..split], &want[..split]).ln(), distance(&got[split..], &want[split..]).ln()]
+                };
+                let all: Vec<[f64; 2]> = (0..12).map(errors).collect();
+                let now = [0, 1].map(|part| (all.iter().map(|row| row[part]).sum::<f64>() / 12.0).exp());
+                print!(" {count}: {:.1e} {:.1e} ({:.1} {:.1})", now[0], now[1], (last[0] / now[0]).ln() / 1.5f64.ln(), (last[1] / now[1]).ln() / 1.5f64.ln());
+                last = now;
+            }
+            println!("  seed {seed} nodes {nodes}");
+        }
+    }
+}
+
+#[test]
+fn the_order_of_windows_holds_through_contacts() {
+    // Truth: the finest run. Mean of errors over nearby numbers of windows, of the state and of the
+    // ledger.
+    const NODES: usize = 6;
+    let (chain, y0) = varied(1, Boundary::Fixed, 8);
+    let want = collocation(&chain, &y0, 8.0, Pace::Tolerance(1e-14));
+    let split = 2 * chain.layout().half();
+    let mean = |count: u64| {
+        let errors = |k: u64| {
+            let pace = Pace::Windows { windows: count + count * k / 24, nodes: NODES, neighbours: true };
+            let got = collocation(&chain, &y0, 8.0, pace);
+            [distance(&got[..split], &want[..split]).ln(), distance(&got[split..], &want[split..]).ln()]
+        };
+        let all: Vec<[f64; 2]> = (0..12).map(errors).collect();
+        [0, 1].map(|part| (all.iter().map(|row| row[part]).sum::<f64>() / 12.0).exp())
+    };
+    let (coarse, fine) = (mean(32), mean(80));
+    for part in 0..2 {
+        let slope = (coarse[part] / fine[part]).ln() / (80.0f64 / 32.0).ln();
+        println!("{:e} {:e}: {slope:.2}", coarse[part], fine[part]);
+        assert!(slope > 6.0, "{slope}");
+    }
+}
+
+#[test]
+fn motions_without_contacts_are_their_closed_forms() {
+    // Truth: u = e^{-n t} (cos w t + (u0' + n u0)/w sin w t) u0 .. of a bead on a spring to a
+    // resonator at rest, w^2 = kappa/m - n^2 with n = c/2m; what it dissipates is the energy that it
+    // lacks. Weak and strong damping, by drag and by a dashpot.
+    let params = Params::new(1.5, 1.0, f64::INFINITY).unwrap();
+    let alone = Chain::<f64>::new(params, Boundary::Free, 1).unwrap();
+    for (drag, dashpot) in [(0.3, 0.0), (0.0, 0.3), (0.5, 0.6), (2.0, 0.0), (0.0, 7.0)] {
+        let one = |x: f64| vec![x];
+        let details =
+            Details { mass: one(1.5), kappa: one(2.0), drag: one(drag), dashpot: one(dashpot), ..Details::default() };
+        let chain = alone.clone().with(&details).unwrap();
+        let (n, t, u0, v0) = ((drag + dashpot) / 3.0, 9.0, 0.4f64, -0.7f64);
+        let square: f64 = 2.0 / 1.5 - n * n;
+        let w = square.abs().sqrt();
+        let (sin, cos) = if square > 0.0 { (w * t).sin_cos() } else { ((w * t).sinh(), (w * t).cosh()) };
+        let want = (-n * t).exp() * (u0 * cos + (v0 + n * u0) / w * sin);
+        let got = collocation(&chain, &[u0, v0, 0.0, 0.0, 0.0, 0.0], t, Pace::Tolerance(1e-12));
+        let off = (balance(&chain, &got) - balance(&chain, &[u0, v0, 0.0, 0.0, 0.0, 0.0])).abs();
+        println!("{drag} {dashpot}: {:e}, balance {off:e}", got[0] - want);
+        assert!((got[0] - want).abs() < 4e-15 && off < 4e-15, "{drag} {dashpot}: {:e} {off:e}", got[0] - want);
+    }
+    // Truth: a bead under F sin(w t) with drag, m u'' = F sin(w t) - c u', from rest; and what the
+    // force has done is energy and dissipated.
+    let (m, c, force, w, t) = (1.5, 0.4, 0.8, 1.9, 12.0f64);
+    let drives = vec![Drive { site: 0, means: Means::Pushed, signal: Signal::sine(force, w, 0.0) }];
+    let details = Details { mass: vec![m], drag: vec![c], drives, ..Details::default() };
+    let plain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
+    let chain = plain.with(&details).unwrap();
+    let got = collocation(&chain, &[0.0; 6], t, Pace::Tolerance(1e-12));
+    let k = c / m;
+    let speed = force / m * (w * (-k * t).exp() + k * (w * t).sin() - w * (w * t).cos()) / (k * k + w * w);
+    println!("pushed: {:e}, balance {:e}", got[1] - speed, balance(&chain, &got));
+    assert!((got[1] - speed).abs() < 4e-15 && balance(&chain, &got).abs() < 4e-15);
+}
+
+#[test]
+fn damping_that_is_next_to_none_changes_nothing() {
+    // Truth: the chain without it, whose paths are sines and cosines: two ways to the same motion.
+    // Roundings, which contacts enlarge.
+    for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
+        let (open, y0) = varied(20 + seed as u64, boundary, 10);
+        let closed =
+            Details { drag: vec![], dashpot: vec![], drives: vec![], ..open.details().unwrap().clone() };
+        let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, 10).unwrap();
+        let almost = Details { drag: vec![1e-300; 10], ..closed.clone() };
+        let (closed, almost) = (bare.clone().with(&closed).unwrap(), bare.with(&almost).unwrap());
+        let pace = windows(80, 12);
+        let want = collocation(&closed, &y0[..y0.len() - 4], 8.0, pace);
+        let got = collocation(&almost, &y0, 8.0, pace);
+        let gap = distance(&got[..want.len()], &want);
+        println!("{boundary:?}: {gap:e}");
+        assert!(gap < 2e-13, "{gap:e}");
+    }
+}
+
+#[test]
+fn strong_damping_is_resolved() {
+    // Truth: plain DOP853 at 1e-14; rates of damping up to 300 times those of contacts, and
+    // resonators of a hundredth of the mass.
+    let n = 5;
+    let details = Details {
+        rho: vec![0.01, 1.0, f64::INFINITY, 0.0, 0.01],
+        drag: vec![0.0, 0.0, 90.0, 4.0, 0.5],
+        dashpot: vec![1.5, 40.0, 0.0, 0.0, 0.0],
+        ..Details::default()
+    };
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Free, n).unwrap();
+    let chain = uniform.with(&details).unwrap();
+    let mut y0 = vec![0.0; 4 * n + 4];
+    (y0[2 * n], y0[2 * n + 4]) = (1.0, -0.7);
+    let want = run(&chain, of(&chain, &y0, 4.0).initial(), 4.0, "dop853", Setting::Tolerance(1e-14)).state;
+    for tol in [1e-6, 1e-10] {
+        let got = collocation(&chain, &y0, 4.0, Pace::Tolerance(tol));
+        println!("{tol:e}: {:e}", distance(&got, &want));
+        assert!(distance(&got, &want) < tol);
+    }
+}
+
+#[test]
+fn contacts_are_those_that_a_search_of_every_step_finds() {
+    // Truth: the regularised run, sampled and searched for events.
+    let (chain, y0) = varied(4, Boundary::Fixed, 12);
+    let log = |method: Method, tol: f64| {
+        let run = of(&chain, &y0, 24.0).method(method).setting(Setting::Tolerance(tol));
+        run.records(Records::End).contacts().start().unwrap().contacts.unwrap()
+    };
+    let found = log(Method::Collocation, 1e-12);
+    let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
+    assert!(found.len() == expected.len() && found.len() > 30, "{} {}", found.len(), expected.len());
+    let off = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs(),
+        (a, b) => f64::from(u8::from(a != b)) * 1e300,
+    };
+    let mut worst = [0.0f64; 2];
+    for (a, b) in found.iter().zip(&expected) {
+        assert_eq!(a.bond, b.bond);
+        let here = [off(a.onset, b.onset).max(off(a.release, b.release)), (a.impulse - b.impulse).abs()];
+        worst = std::array::from_fn(|k| worst[k].max(here[k]));
+    }
+    println!("{} contacts; times, impulses: {worst:?}", found.len());
+    assert!(worst[0] < 1e-10 && worst[1] < 1e-11, "{worst:?}");
+}
+
+/// Instruction sets are those of all threads: one test at a time chooses them.
+static SETS: Mutex<()> = Mutex::new(());
+
+#[test]
+fn instruction_sets_and_samples_do_not_change_bits() {
+    let _alone = SETS.lock().unwrap_or_else(PoisonError::into_inner);
+    let (chain, y0) = varied(3, Boundary::Ring, 12);
+    let (widest, ends) = (Instructions::used(), |set: Instructions| {
+        assert!(set.select());
+        [1e-5, 1e-8, 1e-12].map(|tol| collocation(&chain, &y0, 6.0, Pace::Tolerance(tol)))
+    });
+    let all: Vec<_> = Instructions::ALL.into_iter().filter(|set| set.available()).map(ends).collect();
+    assert!(widest.select());
+    for other in &all[1..] {
+        assert_eq!(&all[0], other);
+    }
+    let seen = of(&chain, &y0, 6.0).tolerance(1e-8).unwrap().samples(100).unwrap().start().unwrap().complete().unwrap();
+    assert_eq!(seen.state, all[0][1]);
+    // Samples are as accurate as the end, the ledger too: the balance is checked at each of them.
+    assert!(seen.energy_error.unwrap() < 1e-8, "{:e}", seen.energy_error.unwrap());
+}
+
+#[test]
+fn legs_continue_each_other() {
+    // Truth: the run in one go, to the tolerance; a leg begins at its own time, on drives and ledger.
+    let (chain, y0) = varied(5, Boundary::Fixed, 12);
+    let whole = collocation(&chain, &y0, 6.0, Pace::Tolerance(1e-12));
+    let mut y = y0;
+    for (from, to) in [(0.0, 1.1), (1.1, 3.7), (3.7, 6.0)] {
+        let mut run = chain.differing_collocation(&y, (from, to), Pace::Tolerance(1e-12)).unwrap();
+        drive(&mut run, &mut Silent, &mut y).unwrap();
+    }
+    println!("{:e}", distance(&y, &whole));
+    assert!(distance(&y, &whole) < 3e-12);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    // Three blocks, and one in which nothing happens.
+    let (chain, mut y0) = varied(6, Boundary::Free, 1000);
+    let details = Details { drives: chain.details().unwrap().drives[..1].to_vec(), ..chain.details().unwrap().clone() };
+    let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Free, 1000).unwrap();
+    let chain = bare.with(&details).unwrap();
+    for part in y0[..4000].chunks_mut(1000) {
+        part[600..].fill(0.0);
+    }
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| collocation(&chain, &y0, 2.0, Pace::Tolerance(1e-12)))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(3));
+    // Blocks are solved separately and fit together, also in the ledger.
+    let off = (balance(&chain, &one) / balance(&chain, &y0) - 1.0).abs();
+    println!("balance {off:e}");
+    assert!(off < 1e-13, "{off:e}");
+}
+
+#[test]
+fn contacts_that_dissipate_are_refused_with_a_way_out() {
+    let dissipation = Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 2] });
+    let details = Details { dissipation, ..Details::default() };
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap().with(&details).unwrap();
+    let run = of(&chain, &[0.0; 10], 1.0).tolerance(1e-9).unwrap();
+    let message = run.start().unwrap_err().to_string();
+    assert!(message.contains("contacts that do not dissipate") && message.contains("dop853-regularised"), "{message}");
+    // The tangent map is that of closed chains.
+    let (chain, y0) = varied(1, Boundary::Fixed, 4);
+    let message = chain.monodromy(&y0, (0.0, 1.0), Pace::Tolerance(1e-9)).unwrap_err().to_string();
+    assert!(message.contains("without damping and drives"), "{message}");
+}
