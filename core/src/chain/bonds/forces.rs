@@ -5,12 +5,15 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{Power, with_power},
+        law::{LANES, Power, with_power},
         sweep::{Sites, push},
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{
+    Column, Real, Vector, VectorKernel,
+    law::{Exponent, ThreeHalves},
+};
 
 /// Overlaps, forces and derivatives, and which bonds are closed or turn near zero, from positions.
 ///
@@ -36,6 +39,70 @@ impl Forces<'_> {
         let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
         f64::run_vector(Survey { topology, law, rest, sites, forces: self });
     }
+
+    /// Surveys some bonds, from positions as they are written. Which are closed is left as it is.
+    pub(super) fn refresh(self, chain: &Chain<f64>, bonds: &[usize]) {
+        f64::run_vector(Refresh { chain, bonds, forces: self });
+    }
+}
+
+/// A survey of some bonds.
+struct Refresh<'a> {
+    chain: &'a Chain<f64>,
+    bonds: &'a [usize],
+    forces: Forces<'a>,
+}
+
+impl VectorKernel<f64> for Refresh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        let law = self.chain.law();
+        match law.exponent() {
+            Exponent::ThreeHalves => self.lanes::<V, _>(ThreeHalves),
+            _ => self.lanes::<V, _>(law.any_power()),
+        }
+    }
+}
+
+impl Refresh<'_> {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>, P: Power<f64>>(self, power: P) {
+        let Self { chain, bonds, mut forces } = self;
+        let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
+        assert!(bonds.iter().all(|&b| b <= chain.sites()));
+        for bonds in bonds.chunks(V::LANES) {
+            // In lanes that are left, the last bond.
+            let bond = |k: usize| bonds[k.min(bonds.len() - 1)];
+            // SAFETY, here and below: columns have all bonds.
+            let of = |column: &Column<'_, f64>, at: usize| V::by_lane(|k| unsafe { column.load::<f64>(at + bond(k)) });
+            let here = of(&forces.q, PAD);
+            let g = if strain { V::all(0.0) - here } else { rest + (of(&forces.q, PAD - 1) - here) };
+            let (f, slope) = law.force_and_slope(power, g);
+            let [g1, g0] = forces.before.each_ref().map(|column| of(column, 0));
+            let turns = turning(forces.reach, [g0, g1, g]);
+            let [g, f, slope] = [g, f, slope].map(lanes);
+            for (k, &b) in bonds.iter().enumerate() {
+                unsafe {
+                    forces.overlap.store(b, g[k]);
+                    forces.force.store(PAD + b, f[k]);
+                    forces.slope.store(PAD + b, slope[k]);
+                }
+                let (bits, bit) = (&mut forces.turning[b / WORD], b % WORD);
+                *bits = *bits & !(1 << bit) | (turns >> k & 1) << bit;
+            }
+        }
+    }
+}
+
+/// The numbers of a register.
+#[inline(always)]
+pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
+    let mut lanes = [0.0; LANES];
+    // SAFETY: there are at most so many lanes.
+    unsafe { register.store(lanes.as_mut_ptr()) };
+    lanes
 }
 
 /// Which of the bonds up to number `n` are closed, and which turn near zero, from their overlaps

@@ -12,12 +12,12 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{LANES, Power},
+        law::Power,
         rows::{Clock, InRow, Moving},
         sweep::{overlaps, push},
     },
     PAD, WORD,
-    forces::mark,
+    forces::{lanes, mark},
 };
 use hertzchain_integrators::{
     Column, Real, Vector, VectorKernel,
@@ -136,15 +136,6 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     }
 }
 
-/// One number of a register.
-#[inline(always)]
-fn lane<V: Vector<f64>>(register: V, lane: usize) -> f64 {
-    let mut lanes = [0.0; LANES];
-    // SAFETY: there are at most so many lanes.
-    unsafe { register.store(lanes.as_mut_ptr()) };
-    lanes[lane]
-}
-
 /// Gives sites their forces, moves them on and surveys their bonds, from the register at `start`
 /// on. Returns whether a bond may have changed its side or turned near zero.
 ///
@@ -190,19 +181,19 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
             if !wait || moved != start {
                 seen |= survey.bonds::<V, STRAIN>(moved, q, here);
             }
-            q = if STRAIN || moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+            q = if STRAIN || moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
             (moved, here) = (at, there);
         }
         if !wait || moved != start {
             seen |= survey.bonds::<V, STRAIN>(moved, q, here);
         }
         if !STRAIN {
-            q = if moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+            q = if moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
         }
         if wait {
             seen |= survey.bonds::<V, STRAIN>(start, q, first);
         } else if !ring {
-            seen |= survey.bonds::<f64, STRAIN>(n, lane(q, 0), right);
+            seen |= survey.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
         }
     }
     seen != 0

@@ -15,7 +15,7 @@ mod tangent;
 
 pub use tangent::TangentFlow;
 
-use forces::{Forces, Modified, turning};
+use forces::{Forces, Modified};
 use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
@@ -98,6 +98,8 @@ pub struct Bonded<F> {
     a: Aligned<f64>,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
+    /// Bonds whose sites corrections have moved; some more than once.
+    moved: Vec<usize>,
 }
 
 impl<F: SiteFlow> Bonded<F> {
@@ -126,6 +128,7 @@ impl<F: SiteFlow> Bonded<F> {
             reach: 0.0,
             a: Aligned::zeros(sites),
             swung: (0.0, 1.0),
+            moved: Vec::with_capacity(3 * sites + 7),
         }
     }
 
@@ -198,36 +201,21 @@ impl<F: SiteFlow> Bonded<F> {
         (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
     }
 
-    /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    /// Overlaps and forces of bonds whose sites have moved.
     #[inline(always)]
-    fn refresh(&mut self, b: usize) {
-        let n = self.sites;
-        let ends = b <= 3 || b + 3 >= n;
-        if ends {
-            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
-            // A ring's first bond is its last.
-            self.refresh_bonds([0, 1, n - 1, n]);
-        }
-        self.refresh_bonds(b.saturating_sub(1)..(b + 2).min(n + 1));
-        if ends {
-            self.close();
-        }
-    }
-
-    #[inline(always)]
-    fn refresh_bonds(&mut self, bonds: impl IntoIterator<Item = usize>) {
-        let Self { flow, q, overlap, overlaps_before, force, slope, turning: turns, reach, .. } = self;
-        let (chain, q, overlap) = (flow.chain(), &q[PAD - 1..], &mut overlap[..]);
-        let [latest, first] = overlaps_before.each_ref().map(|column| &column[..]);
-        let (force, slope) = (&mut force[PAD..], &mut slope[PAD..]);
-        let (law, strain, rest) = (chain.law(), chain.topology().strains(), chain.precompression());
-        for b in bonds {
-            let g = if strain { -q[b + 1] } else { rest + (q[b] - q[b + 1]) };
-            overlap[b] = g;
-            (force[b], slope[b]) = law.force_with_slope(g);
-            let (bits, bit) = (&mut turns[b / WORD], b % WORD);
-            *bits = *bits & !(1 << bit) | turning(*reach, [first[b], latest[b], g]) << bit;
-        }
+    fn refresh(&mut self) {
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, turning, .. } = self;
+        let forces = Forces {
+            reach: self.reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed: &mut [],
+            turning,
+        };
+        forces.refresh(flow.chain(), &self.moved);
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
@@ -523,15 +511,29 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     #[inline(always)]
-    fn correct(&mut self, bond: usize, correction: &Correction) {
-        let b = self.bond(bond);
-        let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
-        self.flow.give(&beads, correction);
-        let q = &mut self.q[PAD..];
-        for &(site, weight) in beads.iter() {
-            q[site] += weight * shift;
+    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
+        let n = self.sites;
+        let mut ends = false;
+        self.moved.clear();
+        for (bond, correction) in given {
+            let b = self.bond(bond);
+            let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
+            self.flow.give(&beads, correction);
+            for &(site, weight) in beads.iter() {
+                self.q[PAD + site] += weight * shift;
+            }
+            self.moved.extend(b.saturating_sub(1)..(b + 2).min(n + 1));
+            ends |= b <= 3 || b + 3 >= n;
         }
-        self.refresh(b);
+        if ends {
+            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
+            // A ring's first bond is its last.
+            self.moved.extend([0, 1, n - 1, n]);
+        }
+        self.refresh();
+        if ends {
+            self.close();
+        }
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
