@@ -14,6 +14,7 @@ use hertzchain_integrators::{
     Column, Real, Vector, VectorKernel,
     law::{Exponent, ThreeHalves},
 };
+use std::ops::Range;
 
 /// Overlaps, forces and derivatives, and which bonds are closed or turn near zero, from positions.
 ///
@@ -105,27 +106,32 @@ pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
     lanes
 }
 
-/// Which of the bonds up to number `n` are closed, and which turn near zero, from their overlaps
-/// now and at the last two surveys before, latest first.
+/// Which of some bonds, the first of a register on, are closed, and which turn near zero, from their
+/// overlaps now and at the last two surveys before, latest first.
 ///
 /// # Safety
-/// The columns have whole registers up to there.
+/// The columns have whole registers of them.
 #[inline(always)]
 pub(super) unsafe fn mark<V: Vector<f64>>(
-    n: usize,
+    bonds: Range<usize>,
     reach: f64,
     overlaps: [&Column<'_, f64>; 3],
     [closed, turns]: [&mut [u64]; 2],
 ) {
-    for (word, (closed, turns)) in closed.iter_mut().zip(turns.iter_mut()).enumerate() {
-        let (from, mut bits) = (word * WORD, [0; 2]);
-        for at in (from..(from + WORD).min(n + 1)).step_by(V::LANES) {
+    let mut at = bonds.start;
+    while at < bonds.end {
+        let (word, first) = (at / WORD, at % WORD);
+        let (end, mut bits) = (bonds.end.min((word + 1) * WORD), [0; 2]);
+        while at < end {
             // SAFETY: the caller's promise.
             let [g, g1, g0]: [V; 3] = overlaps.map(|column| unsafe { column.load(at) });
-            bits[0] |= g.positive() << (at - from);
-            bits[1] |= turning(reach, [g0, g1, g]) << (at - from);
+            bits[0] |= g.positive() << (at % WORD);
+            bits[1] |= turning(reach, [g0, g1, g]) << (at % WORD);
+            at += V::LANES;
         }
-        [*closed, *turns] = bits;
+        let others = !(u64::MAX >> (WORD - (at - 1) % WORD - 1) & u64::MAX << first);
+        closed[word] = closed[word] & others | bits[0];
+        turns[word] = turns[word] & others | bits[1];
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
 
+mod awake;
 mod forces;
 mod fused;
 mod kinetic;
@@ -15,6 +16,7 @@ mod tangent;
 
 pub use tangent::TangentFlow;
 
+use awake::Awake;
 use forces::{Forces, Modified};
 use fused::Fused;
 
@@ -45,6 +47,13 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of
     /// that.
     fn motion(&self, site: usize) -> [f64; 3];
+    /// Whether sites that no force pushes need no work.
+    const RESTS: bool = false;
+    /// Position and velocity of what moves freely, position and velocity over `omega` of what
+    /// oscillates, of a bead that rests as long as no force pushes it.
+    fn rest(&self, _site: usize) -> [f64; 4] {
+        [f64::NAN; 4]
+    }
     /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and
     /// `omega`.
     fn response(&self) -> (f64, f64, f64);
@@ -100,6 +109,8 @@ pub struct Bonded<F> {
     swung: (f64, f64),
     /// Bonds whose sites corrections have moved; some more than once.
     moved: Vec<usize>,
+    /// Which sites are worked on. Of others forces are zero, positions and overlaps old.
+    awake: Awake,
 }
 
 impl<F: SiteFlow> Bonded<F> {
@@ -129,6 +140,7 @@ impl<F: SiteFlow> Bonded<F> {
             a: Aligned::zeros(sites),
             swung: (0.0, 1.0),
             moved: Vec::with_capacity(3 * sites + 7),
+            awake: Awake::all(sites),
         }
     }
 
@@ -348,6 +360,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
     }
 
     fn load(&mut self, y: &[f64]) {
+        self.wake();
         self.flow.load(y);
     }
 
@@ -362,6 +375,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
     }
 
     fn copy_from(&mut self, other: &Self) {
+        self.wake();
         self.flow.copy_from(&other.flow);
         (self.swung, self.reach) = (other.swung, other.reach);
         for (to, from) in [
@@ -404,6 +418,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
+        self.wake();
         self.keep(1);
         let n = self.sites;
         if !self.spring.is_empty() {
@@ -438,13 +453,20 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
             self.survey();
             return 1;
         }
-        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, .. } = self;
+        if !watched {
+            self.wake();
+        } else if self.awake.left == 0 {
+            self.look_ahead(pairs[0].1.value());
+        }
+        let pairs = if watched { &pairs[..pairs.len().min(self.awake.left)] } else { pairs };
+        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, awake, .. } = self;
         let made = flow.push_and_survey(
             pairs,
             Fused {
                 c,
                 reach: self.reach,
                 watched,
+                awake: &awake.stretches,
                 q: q.column(),
                 overlaps: [overlap.column(), latest.column(), first.column()],
                 forces: [self.force.column(), self.force_before.column()],
@@ -454,6 +476,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 told,
             },
         );
+        self.awake.left = self.awake.left.saturating_sub(made);
         self.keep(made);
         self.join();
         self.finish();
@@ -463,14 +486,15 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     #[inline]
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
         let first = self.chain().touching().start;
-        for (word, (&now, before)) in self.closed.iter().zip(&mut self.told).enumerate() {
-            let mut changes = now ^ *before;
+        for word in 0..self.closed.len() {
+            let now = self.closed[word];
+            let mut changes = now ^ std::mem::replace(&mut self.told[word], now);
             while changes != 0 {
                 let k = changes.trailing_zeros() as usize;
                 changes &= changes - 1;
                 out.push((word * WORD + k - first, now >> k & 1 == 1));
+                self.rouse(word * WORD + k);
             }
-            *before = now;
         }
     }
 
@@ -517,6 +541,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.moved.clear();
         for (bond, correction) in given {
             let b = self.bond(bond);
+            self.rouse(b);
             let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
             self.flow.give(&beads, correction);
             for &(site, weight) in beads.iter() {
