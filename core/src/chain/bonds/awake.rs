@@ -79,7 +79,8 @@ impl Awake {
     /// All sites of a chain.
     pub(super) fn all(sites: usize) -> Self {
         let registers = vec![true; sites.div_ceil(LANES)];
-        let stretches = vec![Stretch { from: 0, to: 0 }];
+        let mut stretches = Vec::with_capacity(registers.len().div_ceil(2));
+        stretches.push(Stretch { from: 0, to: 0 });
         Self { next: registers.clone(), registers, whole: true, stretches, left: 0 }
     }
 
@@ -272,7 +273,7 @@ mod tests {
                         row.changed(&mut told);
                         one.changed(&mut want);
                         assert_eq!(told, want, "{boundary:?} {n} {set}");
-                        (told.clear(), want.clear());
+                        let [mut told, mut want] = [vec![], vec![]];
                         row.turned(&mut told);
                         one.turned(&mut want);
                         assert_eq!(told, want, "{boundary:?} {n} {set}: turns");
