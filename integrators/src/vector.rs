@@ -29,6 +29,8 @@ pub trait Vector<R>:
     /// # Safety
     /// `LANES` numbers can be read there.
     unsafe fn load(start: *const R) -> Self;
+    /// The numbers that a function has for the lanes.
+    fn by_lane(number: impl Fn(usize) -> R) -> Self;
     /// Writes all lanes from `start` on.
     ///
     /// # Safety
@@ -78,6 +80,11 @@ impl<R: Real> Vector<R> for R {
     unsafe fn load(start: *const R) -> Self {
         // SAFETY: the caller's promise.
         unsafe { *start }
+    }
+
+    #[inline(always)]
+    fn by_lane(number: impl Fn(usize) -> R) -> Self {
+        number(0)
     }
 
     #[inline(always)]
@@ -297,6 +304,11 @@ impl Vector<f64> for Pair {
     }
 
     #[inline(always)]
+    fn by_lane(number: impl Fn(usize) -> f64) -> Self {
+        Self([number(0), number(1)])
+    }
+
+    #[inline(always)]
     unsafe fn store(self, start: *mut f64) {
         // SAFETY: the caller's promise.
         unsafe { *start.cast() = self.0 }
@@ -403,6 +415,11 @@ mod wide {
         }
 
         #[inline(always)]
+        fn by_lane(number: impl Fn(usize) -> f64) -> Self {
+            unsafe { Self(_mm256_setr_pd(number(0), number(1), number(2), number(3))) }
+        }
+
+        #[inline(always)]
         unsafe fn store(self, start: *mut f64) {
             unsafe { _mm256_storeu_pd(start, self.0) }
         }
@@ -500,6 +517,11 @@ mod wide {
         #[inline(always)]
         unsafe fn load(start: *const f64) -> Self {
             unsafe { Self(_mm512_loadu_pd(start)) }
+        }
+
+        #[inline(always)]
+        fn by_lane(n: impl Fn(usize) -> f64) -> Self {
+            unsafe { Self(_mm512_setr_pd(n(0), n(1), n(2), n(3), n(4), n(5), n(6), n(7))) }
         }
 
         #[inline(always)]

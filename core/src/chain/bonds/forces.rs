@@ -5,12 +5,16 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{Power, with_power},
+        law::{LANES, Power, with_power},
         sweep::{Sites, push},
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{Column, Real, Vector, VectorKernel};
+use hertzchain_integrators::{
+    Column, Real, Vector, VectorKernel,
+    law::{Exponent, ThreeHalves},
+};
+use std::ops::Range;
 
 /// Overlaps, forces and derivatives, and which bonds are closed or turn near zero, from positions.
 ///
@@ -36,29 +40,98 @@ impl Forces<'_> {
         let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
         f64::run_vector(Survey { topology, law, rest, sites, forces: self });
     }
+
+    /// Surveys some bonds, from positions as they are written. Which are closed is left as it is.
+    pub(super) fn refresh(self, chain: &Chain<f64>, bonds: &[usize]) {
+        f64::run_vector(Refresh { chain, bonds, forces: self });
+    }
 }
 
-/// Which of the bonds up to number `n` are closed, and which turn near zero, from their overlaps
-/// now and at the last two surveys before, latest first.
+/// A survey of some bonds.
+struct Refresh<'a> {
+    chain: &'a Chain<f64>,
+    bonds: &'a [usize],
+    forces: Forces<'a>,
+}
+
+impl VectorKernel<f64> for Refresh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        let law = self.chain.law();
+        match law.exponent() {
+            Exponent::ThreeHalves => self.lanes::<V, _>(ThreeHalves),
+            _ => self.lanes::<V, _>(law.any_power()),
+        }
+    }
+}
+
+impl Refresh<'_> {
+    #[inline(always)]
+    fn lanes<V: Vector<f64>, P: Power<f64>>(self, power: P) {
+        let Self { chain, bonds, mut forces } = self;
+        let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
+        assert!(bonds.iter().all(|&b| b <= chain.sites()));
+        for bonds in bonds.chunks(V::LANES) {
+            // In lanes that are left, the last bond.
+            let bond = |k: usize| bonds[k.min(bonds.len() - 1)];
+            // SAFETY, here and below: columns have all bonds.
+            let of = |column: &Column<'_, f64>, at: usize| V::by_lane(|k| unsafe { column.load::<f64>(at + bond(k)) });
+            let here = of(&forces.q, PAD);
+            let g = if strain { V::all(0.0) - here } else { rest + (of(&forces.q, PAD - 1) - here) };
+            let (f, slope) = law.force_and_slope(power, g);
+            let [g1, g0] = forces.before.each_ref().map(|column| of(column, 0));
+            let turns = turning(forces.reach, [g0, g1, g]);
+            let [g, f, slope] = [g, f, slope].map(lanes);
+            for (k, &b) in bonds.iter().enumerate() {
+                unsafe {
+                    forces.overlap.store(b, g[k]);
+                    forces.force.store(PAD + b, f[k]);
+                    forces.slope.store(PAD + b, slope[k]);
+                }
+                let (bits, bit) = (&mut forces.turning[b / WORD], b % WORD);
+                *bits = *bits & !(1 << bit) | (turns >> k & 1) << bit;
+            }
+        }
+    }
+}
+
+/// The numbers of a register.
+#[inline(always)]
+pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
+    let mut lanes = [0.0; LANES];
+    // SAFETY: there are at most so many lanes.
+    unsafe { register.store(lanes.as_mut_ptr()) };
+    lanes
+}
+
+/// Which of some bonds, the first of a register on, are closed, and which turn near zero, from their
+/// overlaps now and at the last two surveys before, latest first.
 ///
 /// # Safety
-/// The columns have whole registers up to there.
+/// The columns have whole registers of them.
 #[inline(always)]
 pub(super) unsafe fn mark<V: Vector<f64>>(
-    n: usize,
+    bonds: Range<usize>,
     reach: f64,
     overlaps: [&Column<'_, f64>; 3],
     [closed, turns]: [&mut [u64]; 2],
 ) {
-    for (word, (closed, turns)) in closed.iter_mut().zip(turns.iter_mut()).enumerate() {
-        let (from, mut bits) = (word * WORD, [0; 2]);
-        for at in (from..(from + WORD).min(n + 1)).step_by(V::LANES) {
+    let mut at = bonds.start;
+    while at < bonds.end {
+        let (word, first) = (at / WORD, at % WORD);
+        let (end, mut bits) = (bonds.end.min((word + 1) * WORD), [0; 2]);
+        while at < end {
             // SAFETY: the caller's promise.
             let [g, g1, g0]: [V; 3] = overlaps.map(|column| unsafe { column.load(at) });
-            bits[0] |= g.positive() << (at - from);
-            bits[1] |= turning(reach, [g0, g1, g]) << (at - from);
+            bits[0] |= g.positive() << (at % WORD);
+            bits[1] |= turning(reach, [g0, g1, g]) << (at % WORD);
+            at += V::LANES;
         }
-        [*closed, *turns] = bits;
+        let others = !(u64::MAX >> (WORD - (at - 1) % WORD - 1) & u64::MAX << first);
+        closed[word] = closed[word] & others | bits[0];
+        turns[word] = turns[word] & others | bits[1];
     }
 }
 

@@ -6,18 +6,21 @@
 //! neighbours, which are kept from one register to the next. What lies beyond the ends is asked of
 //! single bonds, so that no register is loaded that was written in parts.
 //!
-//! Of each register it is known at once whether a bond in it has changed its side or turned near
-//! zero. Steps follow each other in one call until one has.
+//! Of each register it is known at once whether a bond in it may have changed its side or turned
+//! near zero. If so, it is asked whether one has. Steps follow each other in one call until one has.
+//! Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over each stretch of the
+//! others.
 
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        law::{LANES, Power},
+        law::Power,
         rows::{Clock, InRow, Moving},
         sweep::{overlaps, push},
     },
     PAD, WORD,
-    forces::mark,
+    awake::Stretch,
+    forces::{lanes, mark},
 };
 use hertzchain_integrators::{
     Column, Real, Vector, VectorKernel,
@@ -35,6 +38,8 @@ pub struct Fused<'a> {
     pub(super) reach: f64,
     /// Whether to end where a bond has changed its side or turned near zero.
     pub(super) watched: bool,
+    /// The sites that are worked on.
+    pub(super) awake: &'a [Stretch],
     /// Positions, from `PAD` on.
     pub(super) q: Column<'a, f64>,
     /// Overlaps, now and at the last two surveys before. They change places at each survey, as
@@ -96,27 +101,37 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
         let Self { chain, mut sites, mut clock, kicks, fused } = self;
         let (topology, n) = (chain.topology(), chain.sites());
         fused.check(n, V::LANES, sites.room());
-        let Fused { c, reach, watched, mut q, overlaps, forces, slopes, closed, turning, told } = fused;
+        let Fused { c, reach, watched, awake, mut q, overlaps, forces, slopes, closed, turning, told } = fused;
         let ([mut g, mut g1, mut g0], [mut f, mut f1], [mut slope, mut slope1]) = (overlaps, forces, slopes);
         // SAFETY, here and below: columns have room, as checked.
-        let same = unsafe { sides::<V>(&g, topology, told) };
+        let same = unsafe { sides::<V>(&g, topology, awake, told) };
         let kicks = if watched && !same { 1 } else { kicks };
         let (mut start, mut made) = (0, 0);
+        let whole = matches!(awake, [Stretch { from, to }] if from == to);
         loop {
             (g, g1, g0, f, f1, slope, slope1) = (g0, g, g1, f1, f, slope1, slope);
             sites.turn_to(clock.next());
             let next = clock.now();
-            let seen = unsafe {
-                let pushes = Pushes::<V, STRAIN>::new(topology, c, &f1, &slope1);
-                let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
-                let survey = Survey { chain, law: chain.law(), power, reach: reach * WIDER, read, write };
-                pass::<V, _, _, STRAIN>(&mut sites, &next, start, pushes, survey)
-            };
+            let mut seen = false;
+            for &Stretch { from, to } in awake {
+                seen |= unsafe {
+                    let pushes = Pushes::<V, STRAIN>::new(topology, c, &f1, &slope1);
+                    let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
+                    let survey = Survey { chain, law: chain.law(), power, reach: reach * WIDER, read, write };
+                    pass::<V, _, _, STRAIN>(&mut sites, &next, [from + start, to + start], pushes, survey)
+                };
+            }
             made += 1;
             if made == kicks || watched && seen {
-                break;
+                // No closure: it would not be compiled for the registers of the pass.
+                for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
+                    unsafe { mark::<V>(bonds, reach, [&g, &g1, &g0], [&mut *closed, &mut *turning]) };
+                }
+                if made == kicks || tells(topology, [&*closed, &*turning, told]) {
+                    break;
+                }
             }
-            if topology.ring() {
+            if topology.ring() && whole {
                 // As far as the next pass needs forces that were computed last.
                 start += if STRAIN { V::LANES } else { 2 * V::LANES };
                 while start >= n {
@@ -124,29 +139,19 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
                 }
             }
         }
-        unsafe {
-            if STRAIN {
-                for at in (0..n).step_by(V::LANES) {
-                    q.store(PAD + at, V::all(0.0) - g.load(at));
+        if STRAIN {
+            for bonds in awake.iter().flat_map(|stretch| stretch.bonds(n)) {
+                for at in (bonds.start..bonds.end.min(n)).step_by(V::LANES) {
+                    unsafe { q.store(PAD + at, V::all(0.0) - g.load(at)) };
                 }
             }
-            mark::<V>(n, reach, [&g, &g1, &g0], [closed, turning]);
         }
         made
     }
 }
 
-/// One number of a register.
-#[inline(always)]
-fn lane<V: Vector<f64>>(register: V, lane: usize) -> f64 {
-    let mut lanes = [0.0; LANES];
-    // SAFETY: there are at most so many lanes.
-    unsafe { register.store(lanes.as_mut_ptr()) };
-    lanes[lane]
-}
-
-/// Gives sites their forces, moves them on and surveys their bonds, from the register at `start`
-/// on. Returns whether a bond may have changed its side or turned near zero.
+/// Gives sites their forces, moves them on and surveys their bonds, from the register at `start` on
+/// and up to that at `stop`. Returns whether a bond may have changed its side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
@@ -154,7 +159,7 @@ fn lane<V: Vector<f64>>(register: V, lane: usize) -> f64 {
 unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool>(
     sites: &mut S,
     next: &S::Moment,
-    start: usize,
+    [start, stop]: [usize; 2],
     mut pushes: Pushes<'_, '_, V, STRAIN>,
     mut survey: Survey<'_, '_, P>,
 ) -> bool {
@@ -162,12 +167,16 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     let (n, ring) = (chain.sites(), chain.topology().ring());
     let last = n.next_multiple_of(V::LANES) - V::LANES;
     // Overlaps of strains need no neighbour; on a ring the first register waits for the last.
-    let wait = ring && !STRAIN;
+    let wait = ring && !STRAIN && start == stop;
     let (left, right) = chain.topology().ghosts(0.0, 0.0);
     let (mut q, mut first) = (V::all(left), V::all(left));
     let (mut seen, mut at) = (0, start);
     // SAFETY, here and below: the caller's promise.
     unsafe {
+        if !STRAIN && start != stop && (ring || start > 0) {
+            // The site before sleeps: nothing pushes it.
+            q = V::all(sites.advance(if start > 0 { start - 1 } else { n - 1 }, 0.0, next));
+        }
         pushes.begin(at);
         // The register that moved last is surveyed when the next has moved: its root does not keep
         // the next waiting.
@@ -179,30 +188,30 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
             at += V::LANES;
             if at > last {
                 at = 0;
-                if start > 0 {
-                    pushes.begin(at);
-                }
             }
-            if at == start {
+            if at == stop {
                 break;
+            }
+            if at == 0 {
+                pushes.begin(at);
             }
             let there = sites.advance(at, pushes.next(at), next);
             if !wait || moved != start {
                 seen |= survey.bonds::<V, STRAIN>(moved, q, here);
             }
-            q = if STRAIN || moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+            q = if STRAIN || moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
             (moved, here) = (at, there);
         }
         if !wait || moved != start {
             seen |= survey.bonds::<V, STRAIN>(moved, q, here);
         }
         if !STRAIN {
-            q = if moved != last { here } else { V::all(lane(here, n - 1 - last)) };
+            q = if moved != last { here } else { V::all(lanes(here)[n - 1 - last]) };
         }
         if wait {
             seen |= survey.bonds::<V, STRAIN>(start, q, first);
-        } else if !ring {
-            seen |= survey.bonds::<f64, STRAIN>(n, lane(q, 0), right);
+        } else if !ring && moved == last {
+            seen |= survey.bonds::<f64, STRAIN>(n, lanes(q)[0], right);
         }
     }
     seen != 0
@@ -212,6 +221,7 @@ impl Fused<'_> {
     /// Columns have room for registers that begin at most at the last bond.
     fn check(&self, n: usize, lanes: usize, sites: usize) {
         let room = (n + 1).next_multiple_of(lanes);
+        assert!(self.awake.iter().all(|stretch| stretch.from.max(stretch.to) < n), "stretches are of the chain");
         assert!(sites >= n.next_multiple_of(lanes), "columns are whole registers");
         assert!(self.overlaps.iter().all(|column| column.len() >= room));
         let padded = self.forces.iter().chain(&self.slopes).chain([&self.q]);
@@ -219,21 +229,38 @@ impl Fused<'_> {
     }
 }
 
-/// Whether bonds that can touch are on the sides that were told.
+/// Whether bonds that can touch and are awake are on the sides that were told.
 ///
 /// # Safety
 /// The column has whole registers up to the last bond.
 #[inline(always)]
-unsafe fn sides<V: Vector<f64>>(overlaps: &Column<'_, f64>, topology: Topology, told: &[u64]) -> bool {
-    let end = topology.touching().end;
+unsafe fn sides<V: Vector<f64>>(
+    overlaps: &Column<'_, f64>,
+    topology: Topology,
+    awake: &[Stretch],
+    told: &[u64],
+) -> bool {
     let mut differences = 0;
-    for at in (0..end).step_by(V::LANES) {
-        // SAFETY: the caller's promise.
-        let closed = unsafe { overlaps.load::<V>(at) }.positive();
-        let (word, bit) = (at / WORD, at % WORD);
-        differences |= (closed ^ told[word] >> bit) & low(end - at) & low(V::LANES);
+    for bonds in awake.iter().flat_map(|stretch| stretch.bonds(topology.sites())) {
+        let end = bonds.end.min(topology.touching().end);
+        for at in (bonds.start..end).step_by(V::LANES) {
+            // SAFETY: the caller's promise.
+            let closed = unsafe { overlaps.load::<V>(at) }.positive();
+            let (word, bit) = (at / WORD, at % WORD);
+            differences |= (closed ^ told[word] >> bit) & low(end - at) & low(V::LANES);
+        }
     }
     differences == 0
+}
+
+/// Whether a bond that can touch is not on the side that was told, or turns near zero.
+#[inline(always)]
+fn tells(topology: Topology, [closed, turning, told]: [&[u64]; 3]) -> bool {
+    let end = topology.touching().end;
+    let tells = |(word, ((closed, turning), told)): (usize, ((&u64, &u64), &u64))| {
+        end > word * WORD && (closed ^ told | turning) & low(end - word * WORD) != 0
+    };
+    closed.iter().zip(turning).zip(told).enumerate().any(tells)
 }
 
 /// The lowest bits, at least one of them.

@@ -26,6 +26,13 @@ impl SiteFlow for LinearFlow<f64> {
         [r_dot + p_dot, p, p_dot]
     }
 
+    const RESTS: bool = true;
+
+    fn rest(&self, site: usize) -> [f64; 4] {
+        let [r, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
+        [r, r_dot, p, if p_dot == 0.0 { p_dot } else { p_dot / self.omega() }]
+    }
+
     #[inline(always)]
     fn response(&self) -> (f64, f64, f64) {
         (self.m(), self.mu(), self.omega())

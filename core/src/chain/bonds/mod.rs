@@ -7,6 +7,7 @@
 //! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
 
+mod awake;
 mod forces;
 mod fused;
 mod kinetic;
@@ -15,7 +16,8 @@ mod tangent;
 
 pub use tangent::TangentFlow;
 
-use forces::{Forces, Modified, turning};
+use awake::Awake;
+use forces::{Forces, Modified};
 use fused::Fused;
 
 use super::{Chain, aligned::Aligned, law::LANES, rows::Moving, sweep::Visit};
@@ -45,6 +47,13 @@ pub trait SiteFlow: SplitFlow<f64> {
     /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of
     /// that.
     fn motion(&self, site: usize) -> [f64; 3];
+    /// Whether sites that no force pushes need no work.
+    const RESTS: bool = false;
+    /// Position and velocity of what moves freely, position and velocity over `omega` of what
+    /// oscillates, of a bead that rests as long as no force pushes it.
+    fn rest(&self, _site: usize) -> [f64; 4] {
+        [f64::NAN; 4]
+    }
     /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and
     /// `omega`.
     fn response(&self) -> (f64, f64, f64);
@@ -98,6 +107,10 @@ pub struct Bonded<F> {
     a: Aligned<f64>,
     /// A step, and [`swung`] of it.
     swung: (f64, f64),
+    /// Bonds whose sites corrections have moved; some more than once.
+    moved: Vec<usize>,
+    /// Which sites are worked on. Of others forces are zero, positions and overlaps old.
+    awake: Awake,
 }
 
 impl<F: SiteFlow> Bonded<F> {
@@ -126,6 +139,8 @@ impl<F: SiteFlow> Bonded<F> {
             reach: 0.0,
             a: Aligned::zeros(sites),
             swung: (0.0, 1.0),
+            moved: Vec::with_capacity(3 * sites + 7),
+            awake: Awake::all(sites),
         }
     }
 
@@ -198,36 +213,21 @@ impl<F: SiteFlow> Bonded<F> {
         (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
     }
 
-    /// Overlaps and forces of a bond and its neighbours, whose sites have moved.
+    /// Overlaps and forces of bonds whose sites have moved.
     #[inline(always)]
-    fn refresh(&mut self, b: usize) {
-        let n = self.sites;
-        let ends = b <= 3 || b + 3 >= n;
-        if ends {
-            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
-            // A ring's first bond is its last.
-            self.refresh_bonds([0, 1, n - 1, n]);
-        }
-        self.refresh_bonds(b.saturating_sub(1)..(b + 2).min(n + 1));
-        if ends {
-            self.close();
-        }
-    }
-
-    #[inline(always)]
-    fn refresh_bonds(&mut self, bonds: impl IntoIterator<Item = usize>) {
-        let Self { flow, q, overlap, overlaps_before, force, slope, turning: turns, reach, .. } = self;
-        let (chain, q, overlap) = (flow.chain(), &q[PAD - 1..], &mut overlap[..]);
-        let [latest, first] = overlaps_before.each_ref().map(|column| &column[..]);
-        let (force, slope) = (&mut force[PAD..], &mut slope[PAD..]);
-        let (law, strain, rest) = (chain.law(), chain.topology().strains(), chain.precompression());
-        for b in bonds {
-            let g = if strain { -q[b + 1] } else { rest + (q[b] - q[b + 1]) };
-            overlap[b] = g;
-            (force[b], slope[b]) = law.force_with_slope(g);
-            let (bits, bit) = (&mut turns[b / WORD], b % WORD);
-            *bits = *bits & !(1 << bit) | turning(*reach, [first[b], latest[b], g]) << bit;
-        }
+    fn refresh(&mut self) {
+        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, turning, .. } = self;
+        let forces = Forces {
+            reach: self.reach,
+            q: q.column(),
+            overlap: overlap.column(),
+            force: force.column(),
+            slope: slope.column(),
+            before: [latest.column(), first.column()],
+            closed: &mut [],
+            turning,
+        };
+        forces.refresh(flow.chain(), &self.moved);
     }
 
     /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
@@ -360,6 +360,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
     }
 
     fn load(&mut self, y: &[f64]) {
+        self.wake();
         self.flow.load(y);
     }
 
@@ -374,6 +375,7 @@ impl<F: SiteFlow> SplitFlow<f64> for Bonded<F> {
     }
 
     fn copy_from(&mut self, other: &Self) {
+        self.wake();
         self.flow.copy_from(&other.flow);
         (self.swung, self.reach) = (other.swung, other.reach);
         for (to, from) in [
@@ -416,6 +418,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     fn survey(&mut self) {
+        self.wake();
         self.keep(1);
         let n = self.sites;
         if !self.spring.is_empty() {
@@ -450,13 +453,20 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
             self.survey();
             return 1;
         }
-        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, .. } = self;
+        if !watched {
+            self.wake();
+        } else if self.awake.left == 0 {
+            self.look_ahead(pairs[0].1.value());
+        }
+        let pairs = if watched { &pairs[..pairs.len().min(self.awake.left)] } else { pairs };
+        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, awake, .. } = self;
         let made = flow.push_and_survey(
             pairs,
             Fused {
                 c,
                 reach: self.reach,
                 watched,
+                awake: &awake.stretches,
                 q: q.column(),
                 overlaps: [overlap.column(), latest.column(), first.column()],
                 forces: [self.force.column(), self.force_before.column()],
@@ -466,6 +476,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
                 told,
             },
         );
+        self.awake.left = self.awake.left.saturating_sub(made);
         self.keep(made);
         self.join();
         self.finish();
@@ -475,14 +486,15 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     #[inline]
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
         let first = self.chain().touching().start;
-        for (word, (&now, before)) in self.closed.iter().zip(&mut self.told).enumerate() {
-            let mut changes = now ^ *before;
+        for word in 0..self.closed.len() {
+            let now = self.closed[word];
+            let mut changes = now ^ std::mem::replace(&mut self.told[word], now);
             while changes != 0 {
                 let k = changes.trailing_zeros() as usize;
                 changes &= changes - 1;
                 out.push((word * WORD + k - first, now >> k & 1 == 1));
+                self.rouse(word * WORD + k);
             }
-            *before = now;
         }
     }
 
@@ -523,15 +535,30 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
     }
 
     #[inline(always)]
-    fn correct(&mut self, bond: usize, correction: &Correction) {
-        let b = self.bond(bond);
-        let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
-        self.flow.give(&beads, correction);
-        let q = &mut self.q[PAD..];
-        for &(site, weight) in beads.iter() {
-            q[site] += weight * shift;
+    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
+        let n = self.sites;
+        let mut ends = false;
+        self.moved.clear();
+        for (bond, correction) in given {
+            let b = self.bond(bond);
+            self.rouse(b);
+            let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
+            self.flow.give(&beads, correction);
+            for &(site, weight) in beads.iter() {
+                self.q[PAD + site] += weight * shift;
+            }
+            self.moved.extend(b.saturating_sub(1)..(b + 2).min(n + 1));
+            ends |= b <= 3 || b + 3 >= n;
         }
-        self.refresh(b);
+        if ends {
+            (self.q[PAD - 1], self.q[PAD + n]) = self.chain().topology().ghosts(self.q[PAD], self.q[PAD + n - 1]);
+            // A ring's first bond is its last.
+            self.moved.extend([0, 1, n - 1, n]);
+        }
+        self.refresh();
+        if ends {
+            self.close();
+        }
     }
 
     fn kick(&mut self, kick: f64, c: f64) {

@@ -629,19 +629,21 @@ impl BondFlow for TangentFlow {
         *told += 1;
     }
 
-    fn correct(&mut self, bond: usize, correction: &Correction) {
-        self.state.correct(bond, correction);
-        let Self { state, columns, pending, told, given } = self;
-        let b = state.bond(bond);
-        for &(site, weight) in columns.topology.pushed(b).iter() {
-            for (rows, by) in columns.modes.iter_mut().zip(&pending[*given]).filter(|(rows, _)| rows.any()) {
-                add(weight, by, rows.at_mut(site));
+    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
+        for (bond, correction) in given {
+            self.state.correct([(bond, correction)].into_iter());
+            let Self { state, columns, pending, told, given } = self;
+            let b = state.bond(bond);
+            for &(site, weight) in columns.topology.pushed(b).iter() {
+                for (rows, by) in columns.modes.iter_mut().zip(&pending[*given]).filter(|(rows, _)| rows.any()) {
+                    add(weight, by, rows.at_mut(site));
+                }
             }
-        }
-        columns.refresh(state, b);
-        *given += 1;
-        if given == told {
-            (*told, *given) = (0, 0);
+            columns.refresh(state, b);
+            *given += 1;
+            if given == told {
+                (*told, *given) = (0, 0);
+            }
         }
     }
 

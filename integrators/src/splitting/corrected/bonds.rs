@@ -81,8 +81,8 @@ pub trait BondFlow: SplitFlow<f64> {
     /// together with it moves anything; [`correct`](Self::correct) follows once for each, in the
     /// same order.
     fn depends(&mut self, _bond: usize, _dependence: Dependence<'_>) {}
-    /// Gives a bond a correction, and surveys again what that moves.
-    fn correct(&mut self, bond: usize, correction: &Correction);
+    /// Gives bonds their corrections, and surveys again what these move.
+    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>);
     /// Kicks over `kick` with the forces `F + c F' a` as surveyed; `a` are the accelerations by
     /// `F`.
     fn kick(&mut self, kick: f64, c: f64);

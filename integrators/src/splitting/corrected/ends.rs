@@ -93,7 +93,7 @@ fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
                     };
                     flow.depends(bond, Dependence { h: 0.0, change: CHANGE, kicks: false, of: &of });
                 }
-                flow.correct(bond, &correction);
+                flow.correct([(bond, &correction)].into_iter());
             }
         }
     }

@@ -177,6 +177,7 @@ use crate::{
 use event::{Corrector, Event};
 use graze::{REACH, Turn, Turns};
 use log::Log;
+use std::cell::OnceCell;
 
 /// Exponents that corrections are made for.
 const EXPONENTS: std::ops::RangeInclusive<f64> = 1.0..=10.0;
@@ -214,9 +215,10 @@ pub struct Corrected<S> {
     /// The copy that samples are taken from; made when somebody first looks.
     mirror: Option<S>,
     parts: Parts,
-    corrector: Corrector,
+    /// What events and turning points need; made when there is one.
+    corrector: OnceCell<Corrector>,
+    turns: OnceCell<Turns>,
     changed: Vec<(usize, bool)>,
-    turns: Turns,
     /// Bonds that have turned near zero.
     turned: Vec<(usize, bool)>,
     /// What has changed, as it is before corrections, and these.
@@ -256,9 +258,9 @@ impl<S: BondFlow> Corrected<S> {
         let mut new = Self {
             mirror: None,
             parts,
-            corrector: Corrector::new(alpha, h.value()),
+            corrector: OnceCell::new(),
+            turns: OnceCell::new(),
             changed: Vec::with_capacity(flow.bonds()),
-            turns: Turns::new(alpha),
             turned: Vec::with_capacity(flow.bonds()),
             events: Vec::with_capacity(flow.bonds()),
             corrections: Vec::with_capacity(flow.bonds()),
@@ -355,18 +357,20 @@ impl<S: BondFlow> Corrected<S> {
     /// Corrects the bonds that have turned near zero about the kick before: what their events, if
     /// they had any, leave.
     fn correct_turns(&mut self) {
-        let h = self.h.value();
+        let (h, alpha) = (self.h.value(), self.flow.exponent());
+        let corrector = self.corrector.get_or_init(|| Corrector::new(alpha, h));
+        let turns = self.turns.get_or_init(|| Turns::new(alpha));
         for &(bond, closed) in &self.turned {
             let turn = Turn { view: self.flow.view(bond, h), closed };
-            if let Some(graze) = self.turns.correction(&turn, &self.corrector) {
+            if let Some(graze) = turns.correction(&turn, corrector) {
                 if S::CARRIES {
                     let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
                         let near = views.iter().map(|&view| Turn { view, closed });
-                        out.extend(near.map(|turn| Some(self.turns.correction(&turn, &self.corrector)?.correction)));
+                        out.extend(near.map(|turn| Some(turns.correction(&turn, corrector)?.correction)));
                     };
                     self.flow.depends(bond, Dependence { h, change: CHANGE, kicks: false, of: &of });
                 }
-                self.flow.correct(bond, &graze.correction);
+                self.flow.correct([(bond, &graze.correction)].into_iter());
                 if let Some(log) = &mut self.log {
                     log.graze(bond, &graze);
                 }
@@ -376,12 +380,13 @@ impl<S: BondFlow> Corrected<S> {
 
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
-        let h = self.h.value();
+        let (h, alpha) = (self.h.value(), self.flow.exponent());
         self.events.clear();
-        let Self { flow, changed, events, corrections, .. } = self;
+        let Self { flow, changed, events, corrections, corrector, .. } = self;
+        let corrector = corrector.get_or_init(|| Corrector::new(alpha, h));
         events.extend(changed.iter().map(|&(bond, onset)| Event { view: flow.view(bond, h), onset }));
         corrections.clear();
-        self.corrector.events(events, corrections);
+        corrector.events(events, corrections);
         if S::CARRIES {
             for (&(bond, onset), correction) in changed.iter().zip(&*corrections) {
                 let Some(correction) = correction else { continue };
@@ -389,20 +394,17 @@ impl<S: BondFlow> Corrected<S> {
                     // Without pulls the kicks around the event are worth what they are.
                     let view = |view: &BondView| BondView { pull: [0.0; 2], ..*view };
                     let near: Vec<Event> = views.iter().map(|near| Event { view: view(near), onset }).collect();
-                    self.corrector.events(&near, out);
+                    corrector.events(&near, out);
                 };
                 let room = correction.at.abs().min((correction.at + h).abs()) / h;
                 let change = (SHARE * room).clamp(LEAST, CHANGE);
                 flow.depends(bond, Dependence { h, change, kicks: true, of: &of });
             }
         }
-        for (&(bond, onset), correction) in changed.iter().zip(corrections) {
-            if let Some(correction) = correction {
-                flow.correct(bond, correction);
-            }
-            if let Some(log) = &mut self.log {
-                log.event(bond, onset, *correction);
-            }
+        let told = changed.iter().zip(&*corrections);
+        flow.correct(told.clone().filter_map(|(&(bond, _), correction)| Some((bond, correction.as_ref()?))));
+        if let Some(log) = &mut self.log {
+            told.for_each(|(&(bond, onset), correction)| log.event(bond, onset, *correction));
         }
     }
 }

@@ -18,11 +18,7 @@ impl<V: Vector<f64>> Pack<V> {
     /// in lanes that are left.
     #[inline(always)]
     pub(super) fn of<S>(things: &[S], number: impl Fn(&S) -> f64) -> Self {
-        let mut lanes = [number(&things[0]); MOST_LANES];
-        for (lane, thing) in lanes[..V::LANES].iter_mut().zip(things).skip(1) {
-            *lane = number(thing);
-        }
-        Self::from_lanes(&lanes)
+        Self(V::by_lane(|k| number(things.get(k).unwrap_or(&things[0]))))
     }
 
     #[inline(always)]

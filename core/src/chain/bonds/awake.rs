@@ -1,0 +1,351 @@
+//! Where in a long chain something may happen in the next steps.
+//!
+//! The columns of the linear split change by kicks only: a site that no force pushes needs no work,
+//! and its path is known. Sites whose bonds are open, and stay open over the next [`AHEAD`] steps
+//! whatever the phase of their resonators, *sleep*: kicks leave them out. The other sites are
+//! *awake*. States have the bits of a chain that is awake throughout (the sign of a zero may be
+//! that of the initial state), as do events and turns.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `G + G' t` | the part of an overlap that moves freely |
+//! | `A` | amplitude of the part that oscillates |
+//! | `T, h` | how long the look ahead is; a step |
+//!
+//! A bond may sleep if it is open, its force was zero at the last two surveys, and
+//! `G + (G')_+ T + A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. With the last term no
+//! three surveys in a row look like a turn near zero, also where the bond wakes between them: that
+//! takes an overlap below three times its second difference.
+//!
+//! Where a bond closes, its sites are pushed from then on. So [`MARGIN`] sites on either side of a
+//! bond that may not sleep are awake, and those of a bond that changes its side or is corrected are
+//! woken first.
+
+use super::{Bonded, LANES, PAD, SiteFlow, WORD};
+use std::ops::Range;
+
+/// Steps between two looks at the whole chain. Chosen: a look at 1000 sites takes about as long as
+/// 30 steps of a pulse on them.
+const AHEAD: usize = 256;
+/// Sites on either side of a bond that must be awake when it is corrected: where it is up to three
+/// bonds from the end of a ring, the bonds on both sides of the end are surveyed again, and those
+/// join the sites up to two from it.
+const MARGIN: usize = 5;
+/// Sites from which parts of a chain may sleep.
+const FEW: usize = 8 * LANES;
+/// Steps of motion that a sleeping overlap stays away from zero. Turns reach as far as three second
+/// differences, which are at most `2 omega h A`, or `h abs(G')` where a bond has just woken.
+const SURVEYS: f64 = 8.0;
+/// Bound for what rounding does to an overlap, relative to the sizes of what it is computed from.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Sites from `from` up to `to`, multiples of the widest register; where `to` is not larger, up to
+/// the end and, if `to` is not zero, on from the first. All sites where both are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Stretch {
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+impl Stretch {
+    /// Its bonds as ranges, in a chain with a last bond `n`.
+    #[inline(always)]
+    pub(super) fn bonds(self, n: usize) -> [Range<usize>; 2] {
+        let Self { from, to } = self;
+        if from == to {
+            [0..n + 1, 0..0]
+        } else if from < to {
+            [from..to, 0..0]
+        } else {
+            [from..n + 1, 0..to]
+        }
+    }
+}
+
+/// Which sites are awake.
+#[derive(Debug)]
+pub(super) struct Awake {
+    /// For each register of sites whether it is; whether all are; the stretches of those that are.
+    registers: Vec<bool>,
+    whole: bool,
+    pub(super) stretches: Vec<Stretch>,
+    /// Steps until the chain is looked at again.
+    pub(super) left: usize,
+    /// Room for the flags of the next change.
+    next: Vec<bool>,
+}
+
+impl Awake {
+    /// All sites of a chain.
+    pub(super) fn all(sites: usize) -> Self {
+        let registers = vec![true; sites.div_ceil(LANES)];
+        let mut stretches = Vec::with_capacity(registers.len().div_ceil(2));
+        stretches.push(Stretch { from: 0, to: 0 });
+        Self { next: registers.clone(), registers, whole: true, stretches, left: 0 }
+    }
+
+    /// Finds the stretches of registers that are awake.
+    fn stretch(&mut self, ring: bool) {
+        let Self { registers, whole, stretches, .. } = self;
+        let count = registers.len();
+        stretches.clear();
+        *whole = !registers.contains(&false);
+        if *whole {
+            stretches.push(Stretch { from: 0, to: 0 });
+            return;
+        }
+        for first in 0..count {
+            let before = if ring { registers[(first + count - 1) % count] } else { first > 0 && registers[first - 1] };
+            if registers[first] && !before {
+                let most = if ring { first + count } else { count };
+                let end = (first..most).find(|k| !registers[k % count]).unwrap_or(most);
+                stretches.push(Stretch { from: first * LANES, to: end % count * LANES });
+            }
+        }
+    }
+}
+
+impl<F: SiteFlow> Bonded<F> {
+    /// Lets those parts of the chain sleep in which nothing can happen in the next steps `h`.
+    pub(super) fn look_ahead(&mut self, h: f64) {
+        if !F::RESTS || self.sites < FEW {
+            self.awake.left = usize::MAX;
+            return;
+        }
+        self.awake.left = AHEAD;
+        let mut next = std::mem::take(&mut self.awake.next);
+        next.fill(false);
+        for b in self.chain().touching().filter(|&b| self.stirs(b, h)) {
+            self.around(b).for_each(|site| next[site / LANES] = true);
+        }
+        self.change(next);
+    }
+
+    /// Wakes all sites.
+    pub(super) fn wake(&mut self) {
+        self.awake.left = 0;
+        if !self.awake.whole {
+            let mut next = std::mem::take(&mut self.awake.next);
+            next.fill(true);
+            self.change(next);
+        }
+    }
+
+    /// Wakes the sites near a bond that is corrected or has closed: they may be pushed next.
+    #[inline(always)]
+    pub(super) fn rouse(&mut self, b: usize) {
+        if !self.awake.whole && self.around(b).any(|site| !self.awake.registers[site / LANES]) {
+            let mut next = std::mem::take(&mut self.awake.next);
+            next.copy_from_slice(&self.awake.registers);
+            self.around(b).for_each(|site| next[site / LANES] = true);
+            self.change(next);
+        }
+    }
+
+    /// The sites near a bond.
+    #[inline(always)]
+    fn around(&self, b: usize) -> impl Iterator<Item = usize> + use<F> {
+        let (n, ring) = (self.sites, self.ring());
+        (b + n - MARGIN..=b + n + MARGIN)
+            .filter(move |site| ring || (n..2 * n).contains(site))
+            .map(move |site| site % n)
+    }
+
+    /// Whether a bond may push its sites or turn near zero in the next steps.
+    fn stirs(&self, b: usize, h: f64) -> bool {
+        let bits = [&self.closed, &self.told, &self.turning].map(|bits| bits[b / WORD] >> (b % WORD) & 1);
+        if bits != [0; 3] || self.force[PAD + b] != 0.0 || self.force_before[PAD + b] != 0.0 {
+            return true;
+        }
+        let (omega, long) = (self.flow.response().2, (AHEAD as f64 + SURVEYS) * h);
+        let ends = self.chain().topology().ends(b).map(|site| site.map_or([0.0; 4], |site| self.flow.rest(site)));
+        let size = |[r, v, p, s]: [f64; 4]| r.abs() + v.abs() * long + p.abs() + s.abs();
+        let [r, v, p, s] = std::array::from_fn(|k| ends[0][k] - ends[1][k]);
+        // Not less than the amplitude.
+        let amplitude = p.abs() + s.abs();
+        let room = SURVEYS * h * (v.abs() + omega * amplitude) + ROUNDING * (size(ends[0]) + size(ends[1]));
+        let most = self.chain().precompression() + r + v.max(0.0) * long + amplitude + room;
+        // What is no number stirs.
+        most > 0.0 || most.is_nan()
+    }
+
+    /// Wakes and lets sleep, as `next` says of registers of sites.
+    #[cold]
+    fn change(&mut self, next: Vec<bool>) {
+        let last = next.len() - 1;
+        for (register, &awake) in next.iter().enumerate() {
+            if awake != self.awake.registers[register] {
+                let end = if register == last { self.sites + 1 } else { (register + 1) * LANES };
+                self.turn_over(register * LANES..end, awake);
+            }
+        }
+        self.awake.next = std::mem::replace(&mut self.awake.registers, next);
+        self.awake.stretch(self.chain().topology().ring());
+    }
+
+    /// Of bonds that wake, positions and overlaps are written as they are now. Overlaps of the
+    /// surveys before are made the same for bonds that wake or begin to sleep, so that they show no
+    /// turn.
+    fn turn_over(&mut self, bonds: Range<usize>, awake: bool) {
+        if awake {
+            for site in bonds.start..bonds.end.min(self.sites) {
+                self.q[PAD + site] = self.flow.bead(site).0;
+            }
+        }
+        let touching = self.chain().touching();
+        for b in bonds.start.max(touching.start)..bonds.end.min(touching.end) {
+            if awake {
+                self.overlap[b] = self.chain().precompression() + self.chain().across(b, |i| self.flow.bead(i).0);
+            }
+            self.overlaps_before.iter_mut().for_each(|before| before[b] = self.overlap[b]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::super::{Boundary, Chain, LinearFlow, Params},
+        *,
+    };
+    use hertzchain_integrators::{
+        Instructions, SplitFlow, Stepper, Twofold,
+        splitting::corrected::{BondFlow, Corrected, Parts},
+    };
+
+    /// A bead that is struck in a chain at rest, so that its pulse passes an end; resonators of
+    /// some chains swing already.
+    fn struck(n: usize, boundary: Boundary, rho: f64, alpha: f64) -> (Chain<f64>, Vec<f64>) {
+        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, n).unwrap();
+        let mut y = vec![0.0; chain.layout().dim()];
+        let velocities = y.len() / 2;
+        (y[velocities + n - 12], y[velocities + 5]) = (0.9, -0.4);
+        if alpha == 2.0 {
+            // Beads that fly apart.
+            (0..n).for_each(|i| y[velocities + i] += 1e-3 * i as f64);
+        }
+        (chain, y)
+    }
+
+    /// Beads of a plain ring that press each other from a site on, and others with gaps between
+    /// them; all fly.
+    fn cluster(n: usize, first: usize) -> (Chain<f64>, Vec<f64>) {
+        let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Ring, n).unwrap();
+        let (mut y, mut u) = (vec![-0.3; 2 * n], 0.0);
+        for i in first..first + n {
+            y[i % n] = u;
+            u += if i < first + 20 { -0.03 } else { 0.6 / (n as f64 - 20.0) };
+        }
+        (chain, y)
+    }
+
+    const STEP: f64 = 0.05;
+
+    #[test]
+    fn what_sleeps_changes_no_bit_and_hides_nothing() {
+        // Truth: kick, drift and survey of all sites, one after the other.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+            for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing] {
+                for (n, rho, alpha) in [(150, 0.0, 1.5), (128, 1.0 / 3.0, 1.5), (161, 0.0, 2.0), (136, 1000.0, 1.2)] {
+                    let (chain, y) = struck(n, boundary, rho, alpha);
+                    let run = || {
+                        let mut flow = Bonded::new(LinearFlow::new(chain.clone()));
+                        flow.load(&y);
+                        flow.prepare(STEP, 3.0);
+                        flow.survey();
+                        flow.changed(&mut Vec::new());
+                        flow
+                    };
+                    let (mut row, mut one, pairs) = (run(), run(), [(STEP, Twofold::new(STEP)); 64]);
+                    let (mut taken, mut least) = (0, n);
+                    while taken < 1200 {
+                        let made = row.kicks_and_surveys(&pairs, 1e-4, true);
+                        for _ in 0..made {
+                            one.kick(STEP, 1e-4);
+                            one.drift(pairs[0].1);
+                            one.survey();
+                        }
+                        let awake = row.awake.registers.iter().filter(|&&awake| awake).count();
+                        (taken, least) = (taken + made, least.min(LANES * awake));
+                        let [mut told, mut want] = [vec![], vec![]];
+                        row.changed(&mut told);
+                        one.changed(&mut want);
+                        assert_eq!(told, want, "{boundary:?} {n} {set}");
+                        let [mut told, mut want] = [vec![], vec![]];
+                        row.turned(&mut told);
+                        one.turned(&mut want);
+                        assert_eq!(told, want, "{boundary:?} {n} {set}: turns");
+                    }
+                    let [got, want] = [&row, &one].map(|flow| {
+                        let mut state = y.clone();
+                        flow.store(&mut state);
+                        state.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+                    });
+                    assert!(got == want, "{boundary:?} {n} {rho} {set}");
+                    assert!(2 * least < n, "{boundary:?} {n} {rho}: {least} are awake at least");
+                }
+            }
+        }
+        assert!(used.select());
+    }
+
+    #[test]
+    fn corrected_runs_have_the_bits_of_steps_that_keep_all_awake() {
+        // Truth: one step at a time, which wakes all sites.
+        let _alone = crate::chain::one_set_at_a_time();
+        let used = Instructions::used();
+        let chains = [
+            struck(150, Boundary::Free, 0.0, 1.5),
+            struck(128, Boundary::Ring, 1.0 / 3.0, 1.5),
+            struck(161, Boundary::StrainRing, 0.0, 1.5),
+            cluster(129, 3),
+            cluster(128, 1),
+            cluster(130, 126),
+        ];
+        for (k, (chain, y)) in chains.into_iter().enumerate() {
+            let run = |in_rows: bool| {
+                let mut flow = LinearFlow::new(chain.clone());
+                flow.load(&y);
+                let mut run = Corrected::new(Bonded::new(flow), (0.0, 80.0), 1600, Parts::ALL).unwrap();
+                let mut states = Vec::new();
+                for wanted in [20.0, 41.3, 80.0] {
+                    while run.time() < wanted - 1e-9 {
+                        // Between steps in rows one by itself.
+                        if in_rows && run.stats().steps % 1000 != 700 {
+                            run.steps(Some(wanted)).unwrap();
+                        } else {
+                            run.step().unwrap();
+                        }
+                    }
+                    let mut state = y.clone();
+                    run.sample(run.time(), &mut state);
+                    states.extend(state.into_iter().map(f64::to_bits));
+                }
+                states
+            };
+            let want = run(false);
+            for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+                assert!(run(true) == want, "{k} {set}");
+            }
+            assert!(used.select());
+        }
+    }
+
+    #[test]
+    fn stretches_are_the_registers_that_are_awake() {
+        // Truth: the flags themselves, all of seven registers.
+        for flags in 0u32..128 {
+            for ring in [false, true] {
+                let (sites, mut awake) = (7 * LANES - 3, Awake::all(7 * LANES - 3));
+                (0..7).for_each(|k| awake.registers[k] = flags >> k & 1 == 1);
+                awake.stretch(ring);
+                let mut bonds: Vec<usize> = awake.stretches.iter().flat_map(|s| s.bonds(sites)).flatten().collect();
+                bonds.sort_unstable();
+                let want: Vec<usize> = (0..=sites).filter(|b| awake.registers[(b / LANES).min(6)]).collect();
+                assert_eq!(bonds, want, "{flags:b} {ring}");
+            }
+        }
+    }
+}
