@@ -47,7 +47,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         say_why();
         return print(&text).map(|()| DONE);
     }
-    how.takes(&parts)?;
+    how.takes(&scene, &parts)?;
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval)?.in_parts(parts)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;

@@ -25,9 +25,7 @@ use std::ops::{Range, RangeInclusive};
 /// 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum
 /// that blocks lose to each other.
 pub(crate) const OWN: usize = 256;
-const ALONG: usize = 12;
-/// A chain up to this is one block.
-const WHOLE: usize = OWN;
+pub(crate) const ALONG: usize = 12;
 /// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
 /// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more,
@@ -44,6 +42,47 @@ pub(crate) struct Start<'a, const S: usize> {
     pub(crate) links: &'a Links<S>,
     pub(crate) bonds: &'a dyn Bonds<S>,
     pub(crate) ongoing: &'a [Option<Contact>],
+    /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
+    pub(crate) recoil: &'a [f64],
+    pub(crate) cover: &'a Cover,
+}
+
+/// Which of the bonds at hand are solved for, and which may be taken along.
+#[derive(Clone, Debug)]
+pub(crate) struct Cover {
+    /// Solved for; blocks are counted from the first.
+    pub(crate) own: Range<usize>,
+    /// Those, and bonds on either side of them.
+    pub(crate) reach: Range<usize>,
+    /// Whether these are all bonds of a ring.
+    pub(crate) ring: bool,
+}
+
+impl Cover {
+    /// Number of blocks.
+    pub(crate) fn blocks(&self) -> usize {
+        self.own.len().div_ceil(OWN)
+    }
+
+    /// The bonds that a block answers for.
+    pub(crate) fn own(&self, block: usize) -> Range<usize> {
+        let first = self.own.start + block * OWN;
+        first..self.own.end.min(first + OWN)
+    }
+
+    /// The first bond that a block works on, and how many: beyond the last bond of a ring comes the
+    /// first again.
+    fn along(&self, own: &Range<usize>) -> (usize, usize) {
+        let Range { start, end } = self.reach;
+        if own.len() == self.reach.len() {
+            (start, own.len())
+        } else if self.ring {
+            ((own.start + end - ALONG) % end, own.len() + 2 * ALONG)
+        } else {
+            let first = own.start.saturating_sub(ALONG).max(start);
+            (first, (own.end + ALONG).min(end) - first)
+        }
+    }
 }
 
 /// What a window leaves behind in a bond.
@@ -57,6 +96,29 @@ pub(crate) struct Left<const S: usize> {
 impl<const S: usize> Left<S> {
     /// Nothing.
     pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None };
+
+    /// How many numbers say all of it.
+    pub(crate) const NUMBERS: usize = 4 * S + 3;
+
+    /// Appends these numbers.
+    pub(crate) fn write(&self, numbers: &mut Vec<f64>) {
+        let contact = |ongoing: Contact| [ongoing.onset, ongoing.slopes[0], ongoing.slopes[1]];
+        numbers.extend(self.path.as_flattened());
+        numbers.extend(self.ongoing.map_or([f64::NAN; 3], contact));
+    }
+
+    /// What these numbers say.
+    pub(crate) fn of_numbers(numbers: &[f64]) -> Self {
+        let (paths, contact) = numbers.split_at(4 * S);
+        let mut left = Self::NONE;
+        left.path.as_flattened_mut().copy_from_slice(paths);
+        if let [onset, a, b] = *contact
+            && !onset.is_nan()
+        {
+            left.ongoing = Some(Contact::new(onset, f64::INFINITY, [a, b]));
+        }
+        left
+    }
 }
 
 /// What a contact did in a part of a step; the parts of a contact come in order of time.
@@ -75,9 +137,35 @@ pub struct Piece {
     pub curve: Option<Curve>,
 }
 
+impl Piece {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 6 + Curve::NUMBERS;
+
+    /// These numbers.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { bond, onset, release, impulse, curve } = *self;
+        let event = |event: Option<(f64, f64)>| event.unwrap_or((f64::NAN, f64::NAN));
+        let (onset, release) = (event(onset), event(release));
+        let head = [bond as f64, onset.0, onset.1, release.0, release.1, impulse];
+        let mut numbers = [0.0; Self::NUMBERS];
+        let (start, rest) = numbers.split_at_mut(head.len());
+        start.copy_from_slice(&head);
+        rest.copy_from_slice(&curve.map_or([0.0; Curve::NUMBERS], |curve| curve.numbers()));
+        numbers
+    }
+
+    /// The piece of these numbers.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
+        let [bond, onset, onset_rate, release, release_rate, impulse, ref curve @ ..] = *numbers;
+        let event = |t: f64, rate| (!t.is_nan()).then_some((t, rate));
+        let (onset, release) = (event(onset, onset_rate), event(release, release_rate));
+        Self { bond: bond as usize, onset, release, impulse, curve: Curve::of_numbers(curve) }
+    }
+}
+
 /// How it went.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Verdict {
+pub struct Verdict {
     pub(crate) sweeps: u64,
     /// What it cost, see [`BOND`].
     pub(crate) work: u64,
@@ -93,7 +181,10 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
-    pub(crate) fn and(self, other: Self) -> Self {
+    /// This and that of bonds behind them. Numbers are added as integers and the largest taken, so
+    /// that it is the same in whatever groups bonds are.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
         Self {
             sweeps: self.sweeps.max(other.sweeps),
             work: self.work + other.work,
@@ -104,16 +195,24 @@ impl Verdict {
             failure: self.failure.or(other.failure),
         }
     }
-}
 
-/// The number of blocks of a chain with so many bonds.
-pub(crate) fn blocks(bonds: usize) -> usize {
-    if bonds <= WHOLE { 1 } else { bonds.div_ceil(OWN) }
-}
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 8;
 
-/// The bonds that block `k` answers for.
-pub(crate) fn own(bonds: usize, k: usize) -> Range<usize> {
-    if bonds <= WHOLE { 0..bonds } else { k * OWN..((k + 1) * OWN).min(bonds) }
+    /// These numbers; counts are exact up to 2^53.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { sweeps, work, stiffness, tail, touching, halved, failure } = *self;
+        let (bond, residual) = failure.map_or((f64::NAN, 0.0), |(bond, residual)| (bond as f64, residual));
+        [sweeps as f64, work as f64, stiffness, tail, touching as f64, halved as f64, bond, residual]
+    }
+
+    /// The verdict of these numbers.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
+        let [sweeps, work, stiffness, tail, touching, halved, bond, residual] = *numbers;
+        let (sweeps, work) = (sweeps as u64, work as u64);
+        let failure = (!bond.is_nan()).then_some((bond as usize, residual));
+        Self { sweeps, work, stiffness, tail, touching: touching as usize, halved: halved as usize, failure }
+    }
 }
 
 /// Memory for one block at a time.
@@ -138,17 +237,10 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         left: &mut [Left<S>],
         log: bool,
     ) -> Verdict {
-        let (links, all) = (start.links, start.links.bonds);
-        let whole = own.len() == all;
+        let (links, all, cover) = (start.links, start.links.bonds, start.cover);
+        let whole = own.len() == cover.reach.len();
         // Local index i stands for bond (first + i) mod all.
-        let (first, len) = if whole {
-            (0, all)
-        } else if links.ring {
-            ((own.start + all - ALONG) % all, own.len() + 2 * ALONG)
-        } else {
-            let first = own.start.saturating_sub(ALONG);
-            (first, (own.end + ALONG).min(all) - first)
-        };
+        let (first, len) = cover.along(&own);
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
         if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::NONE);
@@ -161,7 +253,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let bonds = &mut self.bonds[..len];
         let mut b = first;
         for bond in bonds.iter_mut() {
-            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, links.recoil[b]));
+            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.recoil[b]));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
         // Contacts that begin in a window far too long for them are seen before anything is solved.
@@ -173,7 +265,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
                 ..Verdict::default()
             };
         }
-        let ring = whole && links.ring && all > 1;
+        let ring = whole && cover.ring && all > 1;
         let mut verdict =
             Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
         verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));

@@ -127,7 +127,7 @@ impl LongRun {
     /// # Errors
     /// A method that does not run in parts; more parts than sites.
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
-        self.method.takes(&parts)?;
+        self.method.takes(&parts, self.run.chain().topology())?;
         self.run = self.run.in_parts(parts)?;
         Ok(self)
     }

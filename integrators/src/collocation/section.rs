@@ -1,0 +1,232 @@
+//! The bonds of a chain that windows are solved for in one place: all of them, or a part.
+
+use super::{
+    Windows,
+    block::{ALONG, Cover, Left, OWN, Piece, Start, Verdict},
+    bond::Contact,
+    goal::Window,
+    sites::{Phases, Site, Sites},
+    solver::{self, Solver},
+    system::{ContactChain, Links, Path},
+};
+use crate::real::{Kernel, Real};
+use std::{ops::Range, sync::Arc};
+
+/// Bonds of a block. A part of a chain has whole blocks, counted from the first bond of the chain;
+/// the last may be shorter.
+pub const BLOCK: usize = OWN;
+/// Bonds at either end of a part that its neighbours are told of: those that their blocks take
+/// along, and one more, which pushes the outermost site of these.
+pub const EDGE: usize = ALONG + 1;
+
+/// A part of a chain, by bonds as they are counted in the chain that holds no more than it.
+#[derive(Clone, Debug)]
+pub struct Share {
+    /// The bonds that it solves for.
+    pub own: Range<usize>,
+    /// Those, and up to 12 on either side that its blocks take along.
+    pub reach: Range<usize>,
+    /// Number of its first own bond in the whole chain, and of bonds there.
+    pub place: (usize, usize),
+}
+
+/// The bonds of a chain that windows are solved for in one place, and their sites.
+///
+/// One that is a part of a longer chain has more bonds than its own. What those at its edges leave
+/// behind in a window it must be told by its neighbours, before it is moved over that window.
+pub struct Section<C, const S: usize = 1> {
+    pub(super) held: Arc<Held<C, S>>,
+    /// At the start of the last window.
+    pub(super) state: State<S>,
+    /// There is one once a window was solved.
+    pub(super) solver: Option<Box<dyn Solver<S>>>,
+    /// What the last window left behind, and its length.
+    left: Vec<Left<S>>,
+    h: f64,
+}
+
+/// What does not move.
+pub(super) struct Held<C, const S: usize> {
+    pub(super) chain: C,
+    pub(super) links: Links<S>,
+    recoil: Vec<f64>,
+    cover: Cover,
+    place: (usize, usize),
+    /// Most threads; as many as there are if not given.
+    threads: Option<usize>,
+}
+
+impl<C, const S: usize> Held<C, S> {
+    /// The number of threads that blocks are solved on.
+    fn threads(&self) -> usize {
+        #[cfg(feature = "parallel")]
+        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
+        #[cfg(not(feature = "parallel"))]
+        let threads = self.threads.unwrap_or(1);
+        self.cover.blocks().min(threads).max(1)
+    }
+}
+
+/// What moves: sites, and the contacts that bonds are in.
+#[derive(Clone)]
+pub(super) struct State<const S: usize> {
+    sites: Vec<Site>,
+    ongoing: Vec<Option<Contact>>,
+    pub(super) phases: Phases<S>,
+}
+
+/// Moves sites over a window.
+struct Advance<'a, C, const S: usize> {
+    chain: &'a C,
+    sites: &'a mut [Site],
+    left: &'a [Left<S>],
+    h: f64,
+    phases: &'a Phases<S>,
+}
+
+impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chain, sites, left, h, phases } = self;
+        for (i, site) in sites.iter_mut().enumerate() {
+            let push = chain.push(i, |b| left[b].path);
+            if !(site.at_rest() && push == [0.0; 4]) {
+                site.advance(&push, h, phases.sin_cos(i));
+            }
+        }
+    }
+}
+
+impl<C: ContactChain<S>, const S: usize> Section<C, S> {
+    /// The whole of a chain, whose sites begin on the paths `start`; on at most so many threads.
+    pub(super) fn whole(chain: C, start: impl Fn(&C, usize) -> Path, threads: Option<usize>) -> Self {
+        let bonds = chain.bonds();
+        let mut section = Self::part(chain, Share { own: 0..bonds, reach: 0..bonds, place: (0, bonds) }, threads);
+        (0..section.sites()).for_each(|i| section.set(i, start(&section.held.chain, i)));
+        section.begin();
+        section
+    }
+
+    /// A part of a longer chain, at rest: `chain` has the sites of the bonds within its reach and
+    /// the bonds on both sides of each; on at most so many threads.
+    pub fn part(chain: C, share: Share, threads: Option<usize>) -> Self {
+        let (links, bonds, phases) = (Links::of(&chain), chain.bonds(), Phases::new(&chain));
+        let recoil = (0..bonds).map(|b| links.recoil(&chain, b)).collect();
+        let Share { own, reach, place } = share;
+        let cover = Cover { ring: chain.ring() && own == (0..bonds), own, reach };
+        let state = State { sites: vec![Site::default(); chain.sites()], ongoing: vec![None; bonds], phases };
+        let held = Arc::new(Held { chain, links, recoil, cover, place, threads });
+        Self { held, state, solver: None, left: vec![Left::NONE; bonds], h: 0.0 }
+    }
+
+    /// Number of sites.
+    pub fn sites(&self) -> usize {
+        self.state.sites.len()
+    }
+
+    /// Sets the path of a site at the start of the run.
+    pub fn set(&mut self, site: usize, path: Path) {
+        self.state.sites[site] = Site { hi: path, lo: [0.0; 4] };
+    }
+
+    /// All sites are set: finds the contacts that are there when the run begins.
+    pub fn begin(&mut self) {
+        let (chain, State { sites, phases, ongoing }) = (&self.held.chain, &mut self.state);
+        let at_start = Sites { chain, sites, phases };
+        for b in self.held.cover.reach.clone() {
+            let (path, largest) = at_start.overlap(b, 0.0);
+            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c);
+            ongoing[b] = (overlap > chain.dead_band(largest)).then(Contact::from_the_start);
+        }
+    }
+
+    /// The free and the oscillating part of the position of a site, and their rates.
+    pub fn get(&self, site: usize) -> [f64; 4] {
+        let [r, v, c, s] = self.state.sites[site].path(self.state.phases.sin_cos(site));
+        [r, v, c, self.held.chain.response(site).omega.value() * s]
+    }
+
+    /// What contacts did in the last window, by bond, if that is logged.
+    pub fn pieces(&self) -> impl Iterator<Item = Piece> {
+        let pieces = self.solver.as_ref().map(|solver| solver.pieces());
+        pieces.into_iter().flatten().map(|piece| Piece { bond: self.number(piece.bond), ..*piece })
+    }
+
+    /// Bytes that a bond and its site take: what moves, as much for samples, and its recoil.
+    pub const BYTES: usize =
+        2 * (size_of::<Site>() + size_of::<Option<Contact>>() + size_of::<Left<S>>()) + size_of::<f64>();
+    /// Numbers of an edge.
+    pub const EDGE_NUMBERS: usize = EDGE * Left::<S>::NUMBERS;
+
+    /// What the last window has left behind in the [`EDGE`] first or last own bonds, appended.
+    pub fn edge(&self, last: bool, numbers: &mut Vec<f64>) {
+        let Range { start, end } = self.held.cover.own;
+        let edge = if last { end - EDGE..end } else { start..start + EDGE };
+        self.left[edge].iter().for_each(|left| left.write(numbers));
+    }
+
+    /// Takes what it has left behind in as many bonds before the first or behind the last own one.
+    pub fn take_edge(&mut self, behind: bool, numbers: &[f64]) {
+        let Range { start, end } = self.held.cover.own;
+        let edge = if behind { end..end + EDGE } else { start - EDGE..start };
+        let bonds = numbers.chunks_exact(Left::<S>::NUMBERS);
+        self.left[edge].iter_mut().zip(bonds).for_each(|(left, numbers)| *left = Left::of_numbers(numbers));
+    }
+
+    /// How the whole chain counts a bond.
+    fn number(&self, bond: usize) -> usize {
+        let (first, all) = self.held.place;
+        (first + all + bond - self.held.cover.own.start) % all
+    }
+}
+
+impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
+    fn dim(&self) -> usize {
+        self.held.chain.dim()
+    }
+
+    fn solve(&mut self, window: &Window) -> Verdict {
+        let Self { held, state: State { sites, ongoing, phases }, solver, left, h } = self;
+        let Held { chain, links, recoil, cover, .. } = &**held;
+        if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
+            *solver = None;
+        }
+        let solver = solver.get_or_insert_with(|| solver::with_nodes(window.nodes, held.threads()));
+        let bonds = &Sites { chain, sites, phases };
+        let start = Start { links, bonds, ongoing, recoil, cover };
+        *h = window.h;
+        let mut verdict = solver.window(&start, window, &mut left[cover.own.clone()]);
+        verdict.failure = verdict.failure.map(|(bond, residual)| (self.number(bond), residual));
+        verdict
+    }
+
+    fn advance(&mut self) {
+        let Self { held, state: State { sites, ongoing, phases }, left, h, .. } = self;
+        f64::run(Advance { chain: &held.chain, sites, left, h: *h, phases });
+        ongoing.iter_mut().zip(left).for_each(|(ongoing, left)| *ongoing = left.ongoing);
+        phases.advance(*h);
+    }
+
+    fn duplicate(&self) -> Self {
+        let Self { held, state, left, h, .. } = self;
+        Self { held: held.clone(), state: state.clone(), solver: None, left: left.clone(), h: *h }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.state.sites.copy_from_slice(&other.state.sites);
+        self.state.ongoing.copy_from_slice(&other.state.ongoing);
+        self.state.phases.copy_from(&other.state.phases);
+        self.left.copy_from_slice(&other.left);
+        self.h = other.h;
+    }
+
+    fn store(&self, y: &mut [f64]) {
+        (0..self.sites()).for_each(|i| self.held.chain.place(self.get(i), i, y));
+    }
+
+    fn tell(&self, told: &mut dyn FnMut(&Piece)) {
+        self.pieces().for_each(|piece| told(&piece));
+    }
+}
