@@ -49,7 +49,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     }
     how.takes(&scene, &parts)?;
     if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval)?.in_parts(parts)?;
+        let long = how.in_legs(scene, args.events, interval, parts)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
         say_why();
         return go_on(args, long, &folder);

@@ -24,18 +24,20 @@ pub(super) struct Bonds {
 impl Bonds {
     /// The part of this number, at rest. It is solved in one thread.
     pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize) -> Self {
-        let (held, bonds) = (division.held(number), division.bonds(number));
+        let (held, bonds, topology) = (division.held(number), division.bonds(number), chain.topology());
+        // Where the first bond or site of the chain is among those held, on a ring once around.
         let around = if held.end > chain.sites() { chain.sites() } else { 0 };
-        let place = (bonds.start - chain.topology().first(), chain.touching().len());
-        let (cut, start) = match division.parts() {
-            1 => (chain.clone(), 0),
-            _ => (chain.stretch(held.len()), bonds.start + around - held.start),
+        let section = if division.parts() == 1 {
+            Section::at_rest(chain.clone(), Share::whole(bonds.len(), topology.ring()), Some(1))
+        } else {
+            let along = |neighbour: Option<usize>| neighbour.map_or(0, |_| EDGE - 1);
+            let own = bonds.start + around - held.start..bonds.end + around - held.start;
+            let reach = own.start - along(division.before(number))..own.end + along(division.after(number));
+            let place = (bonds.start - topology.first(), topology.touching().len());
+            Section::at_rest(chain.stretch(held.len()), Share::part(own, reach, place), Some(1))
         };
-        let own = start..start + bonds.len();
-        let along = |neighbour: Option<usize>| neighbour.map_or(0, |_| EDGE - 1);
-        let reach = own.start - along(division.before(number))..own.end + along(division.after(number));
         Self {
-            section: Section::part(cut, Share { own, reach, place }, Some(1)),
+            section,
             chain: chain.clone(),
             division,
             number,
@@ -94,13 +96,13 @@ impl Bonds {
     }
 
     /// What contacts of its own bonds did in the last window.
-    pub(super) fn pieces(&self) -> impl Iterator<Item = Piece> {
+    pub(super) fn pieces(&self) -> impl Iterator<Item = &Piece> {
         self.section.pieces()
     }
 
     /// Sends these to part 0.
     pub(super) fn send_pieces(&self, carrier: &mut dyn Carrier) {
-        let numbers: Vec<f64> = self.pieces().flat_map(|piece| piece.numbers()).collect();
+        let numbers: Vec<f64> = self.pieces().flat_map(Piece::numbers).collect();
         carrier.send(0, &[numbers.len() as f64]);
         numbers.chunks(MESSAGE * Piece::NUMBERS).for_each(|message| carrier.send(0, message));
     }

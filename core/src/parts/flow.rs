@@ -194,7 +194,7 @@ impl Windows for Parted {
 
     fn tell(&self, told: &mut dyn FnMut(&Piece)) {
         let mut carrier = self.order(&Order::Tell(self.flow));
-        self.own.windows().pieces().for_each(|piece| told(&piece));
+        self.own.windows().pieces().for_each(&mut *told);
         (1..self.division.parts()).for_each(|part| receive_pieces(part, &mut **carrier, told));
     }
 }

@@ -44,21 +44,39 @@ pub(crate) struct Start<'a, const S: usize> {
     pub(crate) ongoing: &'a [Option<Contact>],
     /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
     pub(crate) recoil: &'a [f64],
-    pub(crate) cover: &'a Cover,
+    pub(crate) share: &'a Share,
 }
 
-/// Which of the bonds at hand are solved for, and which may be taken along.
+/// Which bonds of a chain are solved for in one place, as they are counted there.
 #[derive(Clone, Debug)]
-pub(crate) struct Cover {
+pub struct Share {
     /// Solved for; blocks are counted from the first.
     pub(crate) own: Range<usize>,
-    /// Those, and bonds on either side of them.
-    pub(crate) reach: Range<usize>,
+    /// Those, and bonds on either side of them, which may be taken along.
+    reach: Range<usize>,
     /// Whether these are all bonds of a ring.
-    pub(crate) ring: bool,
+    ring: bool,
+    /// Number of the first own bond in the whole chain, and of bonds there.
+    place: (usize, usize),
 }
 
-impl Cover {
+impl Share {
+    /// All of so many bonds, of a chain with ends or a ring.
+    pub fn whole(bonds: usize, ring: bool) -> Self {
+        Self { own: 0..bonds, reach: 0..bonds, ring, place: (0, bonds) }
+    }
+
+    /// Some bonds with those around them, which are within `reach` of their blocks; with the number
+    /// of the first in the whole chain, and of bonds there.
+    pub fn part(own: Range<usize>, reach: Range<usize>, place: (usize, usize)) -> Self {
+        Self { own, reach, ring: false, place }
+    }
+
+    /// Those, and the bonds around them that blocks may take along.
+    pub(crate) fn reach(&self) -> Range<usize> {
+        self.reach.clone()
+    }
+
     /// Number of blocks.
     pub(crate) fn blocks(&self) -> usize {
         self.own.len().div_ceil(OWN)
@@ -68,6 +86,12 @@ impl Cover {
     pub(crate) fn own(&self, block: usize) -> Range<usize> {
         let first = self.own.start + block * OWN;
         first..self.own.end.min(first + OWN)
+    }
+
+    /// How the whole chain counts a bond.
+    fn number(&self, bond: usize) -> usize {
+        let (first, all) = self.place;
+        (first + all + bond - self.own.start) % all
     }
 
     /// The first bond that a block works on, and how many: beyond the last bond of a ring comes the
@@ -96,29 +120,6 @@ pub(crate) struct Left<const S: usize> {
 impl<const S: usize> Left<S> {
     /// Nothing.
     pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None };
-
-    /// How many numbers say all of it.
-    pub(crate) const NUMBERS: usize = 4 * S + 3;
-
-    /// Appends these numbers.
-    pub(crate) fn write(&self, numbers: &mut Vec<f64>) {
-        let contact = |ongoing: Contact| [ongoing.onset, ongoing.slopes[0], ongoing.slopes[1]];
-        numbers.extend(self.path.as_flattened());
-        numbers.extend(self.ongoing.map_or([f64::NAN; 3], contact));
-    }
-
-    /// What these numbers say.
-    pub(crate) fn of_numbers(numbers: &[f64]) -> Self {
-        let (paths, contact) = numbers.split_at(4 * S);
-        let mut left = Self::NONE;
-        left.path.as_flattened_mut().copy_from_slice(paths);
-        if let [onset, a, b] = *contact
-            && !onset.is_nan()
-        {
-            left.ongoing = Some(Contact::new(onset, f64::INFINITY, [a, b]));
-        }
-        left
-    }
 }
 
 /// What a contact did in a part of a step; the parts of a contact come in order of time.
@@ -135,32 +136,6 @@ pub struct Piece {
     pub impulse: f64,
     /// The overlap; `None` in a contact that was over before the step began.
     pub curve: Option<Curve>,
-}
-
-impl Piece {
-    /// How many numbers say all of it.
-    pub const NUMBERS: usize = 6 + Curve::NUMBERS;
-
-    /// These numbers.
-    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
-        let Self { bond, onset, release, impulse, curve } = *self;
-        let event = |event: Option<(f64, f64)>| event.unwrap_or((f64::NAN, f64::NAN));
-        let (onset, release) = (event(onset), event(release));
-        let head = [bond as f64, onset.0, onset.1, release.0, release.1, impulse];
-        let mut numbers = [0.0; Self::NUMBERS];
-        let (start, rest) = numbers.split_at_mut(head.len());
-        start.copy_from_slice(&head);
-        rest.copy_from_slice(&curve.map_or([0.0; Curve::NUMBERS], |curve| curve.numbers()));
-        numbers
-    }
-
-    /// The piece of these numbers.
-    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
-        let [bond, onset, onset_rate, release, release_rate, impulse, ref curve @ ..] = *numbers;
-        let event = |t: f64, rate| (!t.is_nan()).then_some((t, rate));
-        let (onset, release) = (event(onset, onset_rate), event(release, release_rate));
-        Self { bond: bond as usize, onset, release, impulse, curve: Curve::of_numbers(curve) }
-    }
 }
 
 /// How it went.
@@ -195,24 +170,6 @@ impl Verdict {
             failure: self.failure.or(other.failure),
         }
     }
-
-    /// How many numbers say all of it.
-    pub const NUMBERS: usize = 8;
-
-    /// These numbers; counts are exact up to 2^53.
-    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
-        let Self { sweeps, work, stiffness, tail, touching, halved, failure } = *self;
-        let (bond, residual) = failure.map_or((f64::NAN, 0.0), |(bond, residual)| (bond as f64, residual));
-        [sweeps as f64, work as f64, stiffness, tail, touching as f64, halved as f64, bond, residual]
-    }
-
-    /// The verdict of these numbers.
-    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
-        let [sweeps, work, stiffness, tail, touching, halved, bond, residual] = *numbers;
-        let (sweeps, work) = (sweeps as u64, work as u64);
-        let failure = (!bond.is_nan()).then_some((bond as usize, residual));
-        Self { sweeps, work, stiffness, tail, touching: touching as usize, halved: halved as usize, failure }
-    }
 }
 
 /// Memory for one block at a time.
@@ -237,10 +194,10 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         left: &mut [Left<S>],
         log: bool,
     ) -> Verdict {
-        let (links, all, cover) = (start.links, start.links.bonds, start.cover);
-        let whole = own.len() == cover.reach.len();
+        let (links, all, share) = (start.links, start.links.bonds, start.share);
+        let whole = own.len() == share.reach.len();
         // Local index i stands for bond (first + i) mod all.
-        let (first, len) = cover.along(&own);
+        let (first, len) = share.along(&own);
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
         if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::NONE);
@@ -260,15 +217,15 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let approach = |bond: &Bond<M, S>| bond.approach(&frames.of(bond.initial.bond), goal.stiffest);
         if let Some((b, stiffness)) = too_stiff(bonds.iter().map(approach), goal) {
             return Verdict {
-                failure: Some(((first + b) % all, stiffness)),
+                failure: Some((share.number(first + b), stiffness)),
                 work: BOND * len as u64,
                 ..Verdict::default()
             };
         }
-        let ring = whole && cover.ring && all > 1;
+        let ring = whole && share.ring && all > 1;
         let mut verdict =
             Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
-        verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
+        verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
         for bond in &bonds[mine.clone()] {
@@ -281,14 +238,14 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         }
         if verdict.failure.is_none() {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
-            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
+            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
         if log && verdict.failure.is_none() {
             for i in mine {
                 let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
-                let frame = &frames.of(bonds[i].initial.bond);
+                let (frame, number) = (&frames.of(bonds[i].initial.bond), share.number(bonds[i].initial.bond));
                 for contact in &bonds[i].contacts.found {
-                    bonds[i].pieces_of(frame, contact, beside, &mut self.pieces);
+                    bonds[i].pieces_of((frame, number), contact, beside, &mut self.pieces);
                 }
             }
         }

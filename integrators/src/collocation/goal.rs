@@ -19,35 +19,6 @@ pub struct Window {
     pub(crate) goal: Goal,
 }
 
-impl Window {
-    /// How many numbers say all of it.
-    pub const NUMBERS: usize = 15;
-
-    /// These numbers.
-    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
-        let Self { h, nodes, log, goal } = *self;
-        let Goal { change, rounded, tail, slow, least_impulse, stiffest, cuts } = goal;
-        let Cuts { neighbours, merge, near, event_impulse, least_overlap, least_move_beside } = cuts;
-        let [nodes, log, neighbours] = [nodes as f64, f64::from(u8::from(log)), f64::from(u8::from(neighbours))];
-        let goal = [change, rounded, tail, slow, least_impulse, stiffest];
-        let cuts = [neighbours, merge, near, event_impulse, least_overlap, least_move_beside];
-        let mut numbers = [h; Self::NUMBERS];
-        let all = [nodes, log].into_iter().chain(goal).chain(cuts);
-        numbers[1..].iter_mut().zip(all).for_each(|(number, value)| *number = value);
-        numbers
-    }
-
-    /// The window of these numbers.
-    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
-        let [h, nodes, log, change, rounded, tail, slow, least_impulse, stiffest, cuts @ ..] = *numbers;
-        let [neighbours, merge, near, event_impulse, least_overlap, least_move_beside] = cuts;
-        let neighbours = neighbours != 0.0;
-        let cuts = Cuts { neighbours, merge, near, event_impulse, least_overlap, least_move_beside };
-        let goal = Goal { change, rounded, tail, slow, least_impulse, stiffest, cuts };
-        Self { h, nodes: nodes as usize, log: log != 0.0, goal }
-    }
-}
-
 /// When a window counts as solved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {

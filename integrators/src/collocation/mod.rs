@@ -116,6 +116,7 @@ mod detect;
 mod foresee;
 mod goal;
 mod layout;
+mod numbers;
 mod panel;
 mod panels;
 mod rule;
@@ -126,10 +127,10 @@ mod solver;
 mod system;
 mod tangent;
 
-pub use block::{Piece, Verdict};
+pub use block::{Piece, Share, Verdict};
 pub use control::Pace;
 pub use goal::Window;
-pub use section::{BLOCK, EDGE, Section, Share};
+pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
@@ -149,7 +150,7 @@ pub trait ContactStepper: Stepper<f64> {
 
 /// Solves the windows that a run decides on: in one place, or in parts of the chain wherever these
 /// are.
-pub trait Windows: Send {
+pub trait Windows: Send + Sized {
     /// Number of components of the state.
     fn dim(&self) -> usize;
     /// Solves for a window from where the chain stands, and leaves it there.
@@ -157,13 +158,9 @@ pub trait Windows: Send {
     /// Moves the chain over the window that was solved last.
     fn advance(&mut self);
     /// Another one, where this one stands.
-    fn duplicate(&self) -> Self
-    where
-        Self: Sized;
+    fn duplicate(&self) -> Self;
     /// Goes to where another one of the same chain stands, with the window that it solved last.
-    fn copy_from(&mut self, other: &Self)
-    where
-        Self: Sized;
+    fn copy_from(&mut self, other: &Self);
     /// Writes the state where the chain stands.
     fn store(&self, y: &mut [f64]);
     /// Tells what contacts did in the window that was solved last, by bond, if that is logged.
@@ -215,7 +212,7 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
     }
 
     /// What contacts did in the last window, by bond, if that is logged; and when the window began.
-    pub fn pieces(&self) -> (f64, impl Iterator<Item = Piece>) {
+    pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
         (self.t.value(), self.windows.pieces())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Windows,
-    block::{ALONG, Cover, Left, OWN, Piece, Start, Verdict},
+    block::{ALONG, Left, OWN, Piece, Share, Start, Verdict},
     bond::Contact,
     goal::Window,
     sites::{Phases, Site, Sites},
@@ -18,17 +18,6 @@ pub const BLOCK: usize = OWN;
 /// Bonds at either end of a part that its neighbours are told of: those that their blocks take
 /// along, and one more, which pushes the outermost site of these.
 pub const EDGE: usize = ALONG + 1;
-
-/// A part of a chain, by bonds as they are counted in the chain that holds no more than it.
-#[derive(Clone, Debug)]
-pub struct Share {
-    /// The bonds that it solves for.
-    pub own: Range<usize>,
-    /// Those, and up to 12 on either side that its blocks take along.
-    pub reach: Range<usize>,
-    /// Number of its first own bond in the whole chain, and of bonds there.
-    pub place: (usize, usize),
-}
 
 /// The bonds of a chain that windows are solved for in one place, and their sites.
 ///
@@ -50,8 +39,7 @@ pub(super) struct Held<C, const S: usize> {
     pub(super) chain: C,
     pub(super) links: Links<S>,
     recoil: Vec<f64>,
-    cover: Cover,
-    place: (usize, usize),
+    share: Share,
     /// Most threads; as many as there are if not given.
     threads: Option<usize>,
 }
@@ -63,7 +51,7 @@ impl<C, const S: usize> Held<C, S> {
         let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
         #[cfg(not(feature = "parallel"))]
         let threads = self.threads.unwrap_or(1);
-        self.cover.blocks().min(threads).max(1)
+        self.share.blocks().min(threads).max(1)
     }
 }
 
@@ -102,22 +90,20 @@ impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
 impl<C: ContactChain<S>, const S: usize> Section<C, S> {
     /// The whole of a chain, whose sites begin on the paths `start`; on at most so many threads.
     pub(super) fn whole(chain: C, start: impl Fn(&C, usize) -> Path, threads: Option<usize>) -> Self {
-        let bonds = chain.bonds();
-        let mut section = Self::part(chain, Share { own: 0..bonds, reach: 0..bonds, place: (0, bonds) }, threads);
+        let share = Share::whole(chain.bonds(), chain.ring());
+        let mut section = Self::at_rest(chain, share, threads);
         (0..section.sites()).for_each(|i| section.set(i, start(&section.held.chain, i)));
         section.begin();
         section
     }
 
-    /// A part of a longer chain, at rest: `chain` has the sites of the bonds within its reach and
-    /// the bonds on both sides of each; on at most so many threads.
-    pub fn part(chain: C, share: Share, threads: Option<usize>) -> Self {
+    /// A share of a chain, at rest; on at most so many threads. That of a part is of a `chain` that
+    /// has the sites of the bonds within its reach, and the bonds on both sides of each.
+    pub fn at_rest(chain: C, share: Share, threads: Option<usize>) -> Self {
         let (links, bonds, phases) = (Links::of(&chain), chain.bonds(), Phases::new(&chain));
         let recoil = (0..bonds).map(|b| links.recoil(&chain, b)).collect();
-        let Share { own, reach, place } = share;
-        let cover = Cover { ring: chain.ring() && own == (0..bonds), own, reach };
         let state = State { sites: vec![Site::default(); chain.sites()], ongoing: vec![None; bonds], phases };
-        let held = Arc::new(Held { chain, links, recoil, cover, place, threads });
+        let held = Arc::new(Held { chain, links, recoil, share, threads });
         Self { held, state, solver: None, left: vec![Left::NONE; bonds], h: 0.0 }
     }
 
@@ -135,7 +121,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
     pub fn begin(&mut self) {
         let (chain, State { sites, phases, ongoing }) = (&self.held.chain, &mut self.state);
         let at_start = Sites { chain, sites, phases };
-        for b in self.held.cover.reach.clone() {
+        for b in self.held.share.reach() {
             let (path, largest) = at_start.overlap(b, 0.0);
             let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c);
             ongoing[b] = (overlap > chain.dead_band(largest)).then(Contact::from_the_start);
@@ -149,9 +135,8 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
     }
 
     /// What contacts did in the last window, by bond, if that is logged.
-    pub fn pieces(&self) -> impl Iterator<Item = Piece> {
-        let pieces = self.solver.as_ref().map(|solver| solver.pieces());
-        pieces.into_iter().flatten().map(|piece| Piece { bond: self.number(piece.bond), ..*piece })
+    pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.solver.iter().flat_map(|solver| solver.pieces())
     }
 
     /// Bytes that a bond and its site take: what moves, as much for samples, and its recoil.
@@ -162,23 +147,17 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
 
     /// What the last window has left behind in the [`EDGE`] first or last own bonds, appended.
     pub fn edge(&self, last: bool, numbers: &mut Vec<f64>) {
-        let Range { start, end } = self.held.cover.own;
+        let Range { start, end } = self.held.share.own;
         let edge = if last { end - EDGE..end } else { start..start + EDGE };
         self.left[edge].iter().for_each(|left| left.write(numbers));
     }
 
     /// Takes what it has left behind in as many bonds before the first or behind the last own one.
     pub fn take_edge(&mut self, behind: bool, numbers: &[f64]) {
-        let Range { start, end } = self.held.cover.own;
+        let Range { start, end } = self.held.share.own;
         let edge = if behind { end..end + EDGE } else { start - EDGE..start };
         let bonds = numbers.chunks_exact(Left::<S>::NUMBERS);
         self.left[edge].iter_mut().zip(bonds).for_each(|(left, numbers)| *left = Left::of_numbers(numbers));
-    }
-
-    /// How the whole chain counts a bond.
-    fn number(&self, bond: usize) -> usize {
-        let (first, all) = self.held.place;
-        (first + all + bond - self.held.cover.own.start) % all
     }
 }
 
@@ -189,17 +168,15 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
 
     fn solve(&mut self, window: &Window) -> Verdict {
         let Self { held, state: State { sites, ongoing, phases }, solver, left, h } = self;
-        let Held { chain, links, recoil, cover, .. } = &**held;
+        let Held { chain, links, recoil, share, .. } = &**held;
         if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
             *solver = None;
         }
         let solver = solver.get_or_insert_with(|| solver::with_nodes(window.nodes, held.threads()));
         let bonds = &Sites { chain, sites, phases };
-        let start = Start { links, bonds, ongoing, recoil, cover };
+        let start = Start { links, bonds, ongoing, recoil, share };
         *h = window.h;
-        let mut verdict = solver.window(&start, window, &mut left[cover.own.clone()]);
-        verdict.failure = verdict.failure.map(|(bond, residual)| (self.number(bond), residual));
-        verdict
+        solver.window(&start, window, &mut left[share.own.clone()])
     }
 
     fn advance(&mut self) {
@@ -227,6 +204,6 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
     }
 
     fn tell(&self, told: &mut dyn FnMut(&Piece)) {
-        self.pieces().for_each(|piece| told(&piece));
+        self.pieces().for_each(told);
     }
 }

@@ -81,17 +81,17 @@ impl<const M: usize, const S: usize> Nodes<M, S> {
 impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
     fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> Verdict {
         let Window { h, log, ref goal, .. } = *window;
-        let (links, cover) = (start.links, start.cover);
+        let (links, share) = (start.links, start.share);
         let frames = Frames { rule: self.rule, links, cuts: &goal.cuts, h };
         // Each thread takes consecutive blocks.
-        let count = cover.blocks();
-        let share = count.div_ceil(self.workspaces.len()).max(1);
+        let count = share.blocks();
+        let each = count.div_ceil(self.workspaces.len()).max(1);
         let work = |(k, (workspace, left)): (usize, (&mut Workspace<M, S>, &mut [Left<S>]))| {
             workspace.pieces.clear();
             let mut rest = left;
             let mut verdict = Verdict::default();
-            for block in k * share..((k + 1) * share).min(count) {
-                let own = cover.own(block);
+            for block in k * each..((k + 1) * each).min(count) {
+                let own = share.own(block);
                 let (mine, others) = rest.split_at_mut(own.len());
                 verdict = verdict.and(workspace.solve(start, &frames, goal, own, mine, log));
                 rest = others;
@@ -101,7 +101,7 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         if self.workspaces.len() == 1 {
             return work((0, (&mut self.workspaces[0], left)));
         }
-        let parts = self.workspaces.iter_mut().zip(left.chunks_mut(share * OWN)).enumerate();
+        let parts = self.workspaces.iter_mut().zip(left.chunks_mut(each * OWN)).enumerate();
         #[cfg(feature = "parallel")]
         {
             use rayon::prelude::*;

@@ -95,11 +95,11 @@ impl How {
     ///
     /// # Errors
     /// A closed form, which needs none; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
-                let long = LongRun::new(scene, method, setting, wording, interval)?;
+                let long = LongRun::new(scene, method, setting, wording, interval, parts)?;
                 Ok(if events { long.with_contacts() } else { long })
             }
             Self::ClosedForm(_) => {

@@ -102,6 +102,11 @@ mod tests {
             assert!(lines.contains(part), "{part}: {lines}");
         }
         assert_eq!(plan(&[], "verlet", 1).unwrap().len(), 2);
+        // Contact collocation: as many sites in whole blocks, 3815 of 256 bonds, and 13 bonds beside.
+        let lines = plan(&["chain.sites=1000000000"], "collocation", 1024).unwrap().join("\n");
+        for part in ["976640 each, and 13 bonds of each", "48.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
+            assert!(lines.contains(part), "{part}: {lines}");
+        }
     }
 
     #[test]
@@ -109,7 +114,8 @@ mod tests {
         let refused = |name, parts| plan(&[], name, parts).unwrap_err().to_string();
         assert_eq!(refused("verlet", 101), "ranks = 101 is not valid: from 1 to the number of sites");
         assert!(refused("verlet", 0).contains("ranks = 0"));
-        assert!(refused("collocation", 2).contains("only splitting schemes"));
+        assert!(refused("dop853", 2).contains("only splitting schemes"));
+        assert!(refused("collocation", 2).contains("ranks = 2 > 1"));
     }
 
     #[test]
