@@ -47,10 +47,10 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         say_why();
         return print(&text).map(|()| DONE);
     }
-    how.takes(&parts)?;
+    how.takes(&scene, &parts)?;
     si(args, &scene)?;
     if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval)?.in_parts(parts)?;
+        let long = how.in_legs(scene, args.events, interval, parts)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
         say_why();
         return go_on(args, long, &folder);

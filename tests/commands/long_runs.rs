@@ -5,6 +5,7 @@ use hertzchain::{
     Error,
     chain::Contact,
     output::{Archive, Folder, npz_with},
+    parts::Parts,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
@@ -30,7 +31,7 @@ fn cradle() -> Scene {
 }
 
 fn long(method: &str, setting: Setting, interval: f64) -> LongRun {
-    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval).unwrap()
+    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval, Parts::Whole).unwrap()
 }
 
 fn same(a: &Trajectory, b: &Trajectory) -> bool {
@@ -193,7 +194,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         assert!(refusal(LongRun::load(&path).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
     }
     for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let new = LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval);
+        let new =
+            LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval, Parts::Whole);
         assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
     }
 }

@@ -205,7 +205,8 @@ fn a_chain_over_ranks_goes_on_with_another_number_of_them() {
 #[test]
 fn what_ranks_cannot_do_is_refused_once() {
     for (line, words) in [
-        ("run impact --until 1 --tol 1e-6", "only splitting schemes"),
+        ("run impact --until 1 --tol 1e-6", "ranks = 3 > 1 is not valid"),
+        ("run impact --until 1 --tol 1e-6 --integrator dop853", "only splitting schemes"),
         ("run impact --until 1 --integrator verlet --set chain.sites=2", "ranks = 3 is not valid"),
         ("run nowhere", "unknown scene"),
     ] {

@@ -18,12 +18,15 @@ use std::{
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
 
-/// Chains with ends and rings, with resonators and without, on both splits.
-pub(crate) const RUNS: [&str; 4] = [
+/// Chains with ends and rings, with resonators and without, on both splits; and seven blocks of bonds
+/// by contact collocation.
+pub(crate) const RUNS: [&str; 6] = [
     "run impact --set chain.sites=1000 --integrator verlet --until 20 --samples 7",
     "run tw-q15 --integrator strang-linear --until 30 --samples 7",
     "run cradle --integrator aba864-linear --until 5 --samples 7 --events",
     "run tw-q15 --integrator yoshida4 --until 3 --samples 7 --checkpoint 1",
+    "run impact --set chain.sites=1800 --tol 1e-6 --until 20 --samples 7 --events",
+    "run tw-q15 --set chain.sites=1800 --tol 1e-5 --until 1.5 --samples 7 --checkpoint 0.6",
 ];
 
 /// The files of a run, but for wall times and the checkpoint that holds them.
@@ -58,19 +61,13 @@ fn threads_have_the_files_of_one() {
     }
 }
 
-#[test]
-fn a_run_goes_on_in_another_number_of_parts() {
-    // Truth: the same legs in one thread, not interrupted.
-    let scene = || Scene::load("tw-q15").unwrap().until(8.0).unwrap();
-    let long = || {
-        let method = Method::named("strang-linear").unwrap();
-        LongRun::new(scene(), method, Setting::Steps(1000), "words".to_owned(), 1.5).unwrap()
-    };
+/// Begins a run, breaks it off three times in other numbers of parts, and ends it in two.
+fn goes_on(begin: impl Fn() -> LongRun) {
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
-    let want = long().run(&whole, &mut |_| ()).unwrap();
+    let want = begin().run(&whole, &mut |_| ()).unwrap();
     for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 7.0)] {
-        let begun = LongRun::load(broken.path()).unwrap_or_else(|_| long());
+        let begun = LongRun::load(broken.path()).unwrap_or_else(|_| begin());
         let begun = begun.in_parts(Parts::Threads(threads)).unwrap();
         let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
         assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
@@ -78,6 +75,19 @@ fn a_run_goes_on_in_another_number_of_parts() {
     let last = LongRun::load(broken.path()).unwrap().in_parts(Parts::Threads(2)).unwrap();
     let got = last.run(&broken, &mut |_| ()).unwrap();
     assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
+    assert!(got.contacts == want.contacts);
+}
+
+#[test]
+fn a_run_goes_on_in_another_number_of_parts() {
+    // Truth: the same legs in one process, not interrupted.
+    let long = |scene: Scene, name, setting| {
+        let (scene, method) = (scene.until(8.0).unwrap(), Method::named(name).unwrap());
+        LongRun::new(scene, method, setting, "words".to_owned(), 1.5, Parts::Whole).unwrap()
+    };
+    goes_on(|| long(Scene::load("tw-q15").unwrap(), "strang-linear", Setting::Steps(1000)));
+    let impact = || Scene::load_with("impact", &["chain.sites=1300".to_owned()]).unwrap();
+    goes_on(|| long(impact(), "collocation", Setting::Tolerance(1e-6)).with_contacts());
 }
 
 #[test]
@@ -86,14 +96,17 @@ fn what_cannot_run_in_parts_is_refused() {
     for (line, words) in [
         ("run impact --until 1 --integrator verlet --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
         ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
-        ("run impact --until 1 --tol 1e-6 --threads 2", "integrator = collocation is not valid: only splitting"),
+        ("run impact --until 1 --tol 1e-6 --threads 2", "threads = 2 > 1 is not valid: a part has at least one site"),
+        ("run impact --until 1 --integrator dop853 --threads 2", "integrator = dop853 is not valid: only splitting"),
+        ("run dimer --until 1 --tol 1e-6 --set chain.sites=600 --threads 2", "run in one part"),
         ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
         ("run trivial-breather --threads 2", "an exact solution has no parts"),
         ("run impact --engine mpi --threads 2", "a rank has one part"),
         ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
         ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
+        ("run impact --plan --ranks 2 --integrator collocation", "ranks = 2 > 1"),
         ("run impact --ranks 2", "--plan"),
-        (&format!("{impact} --checkpoint 0.5 --out nowhere --tol 1e-6"), "only splitting schemes"),
+        (&format!("{impact} --checkpoint 0.5 --out nowhere --tol 1e-6"), "2 > 1"),
     ] {
         let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
         let said = String::from_utf8(ended.stderr).unwrap();
@@ -112,6 +125,9 @@ fn a_plan_says_what_parts_need() {
     // More sites than memory: from the numbers of the scene alone.
     let large = said("run tw-q15 --plan --ranks 1024 --set chain.sites=1000000000");
     assert!(large.contains("at most 976563 each") && large.contains("refused if run"), "{large}");
+    let windows = said("run impact --plan --ranks 3 --set chain.sites=1000 --integrator collocation");
+    assert!(windows.contains("1000 sites in 3 parts: at most 487 each, and 13 bonds of each"), "{windows}");
+    assert!(windows.contains("every window an order of 136 B goes to all; a part sends 728 B"), "{windows}");
     let own = said("run impact --integrator strang-linear --plan --threads 3");
     assert!(own.contains("100 sites in 3 parts: at most 34 each, and 33 of each neighbour"), "{own}");
     assert!(own.contains("t from 0 to 100"), "what is said of any run is there too: {own}");

@@ -3,7 +3,7 @@
 use super::{Chain, ContactLaw, Differing, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
-    collocation::{ContactChain, Pace, Path, Response, monodromy},
+    collocation::{ContactChain, Pace, Path, Response, Section, monodromy},
 };
 
 impl Chain<f64> {
@@ -11,7 +11,7 @@ impl Chain<f64> {
     ///
     /// # Errors
     /// A state, a span or a pace outside its rule; a chain with details.
-    pub fn collocation(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Collocation<Self>, Error> {
+    pub fn collocation(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Collocation<Section<Self>>, Error> {
         self.uniform_sites()?;
         Collocation::new(self.clone(), y0, span, pace)
     }
@@ -42,7 +42,7 @@ impl Chain<f64> {
         y0: &[f64],
         span: (f64, f64),
         pace: Pace,
-    ) -> Result<Collocation<Differing, 2>, Error> {
+    ) -> Result<Collocation<Section<Differing, 2>>, Error> {
         Collocation::new(Differing::new(self.clone())?, y0, span, pace)
     }
 
@@ -57,6 +57,19 @@ impl Chain<f64> {
             None => monodromy(self.clone(), y0, span, pace),
             Some(_) => monodromy(Differing::new(self.clone())?, y0, span, pace),
         }
+    }
+
+    /// The path of a site at `t = 0`, from its `[u, v, u', v']`.
+    pub(crate) fn path_of(&self, state: [f64; 4]) -> Path {
+        let [r, r_dot, p, p_dot] = self.modes.split(state);
+        let omega = self.modes.omega.value();
+        [r, r_dot, p, if omega > 0.0 { p_dot / omega } else { p_dot }]
+    }
+
+    /// `[u, v, u', v']` of a site, from the free and the oscillating part of its position and their
+    /// rates; those of a resonator mean nothing unless it moves.
+    pub(crate) fn state_of(&self, parts: [f64; 4]) -> [f64; 4] {
+        self.modes.join(parts)
     }
 
     /// [`uniform`](Self::uniform) as an error of an integrator.
@@ -116,15 +129,12 @@ impl ContactChain for Chain<f64> {
     fn path(&self, y: &[f64], i: usize) -> Path {
         let layout = self.layout;
         let of = |array: Option<&[f64]>| array.map_or(0.0, |array| array[i]);
-        let [r, r_dot, p, p_dot] =
-            self.modes.split([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))]);
-        let omega = self.modes.omega.value();
-        [r, r_dot, p, if omega > 0.0 { p_dot / omega } else { p_dot }]
+        self.path_of([layout.u(y)[i], of(layout.v(y)), layout.u_dot(y)[i], of(layout.v_dot(y))])
     }
 
     fn place(&self, modes: [f64; 4], i: usize, y: &mut [f64]) {
         let (n, half) = (self.sites(), self.layout.half());
-        let [u, v, u_dot, v_dot] = self.modes.join(modes);
+        let [u, v, u_dot, v_dot] = self.state_of(modes);
         (y[i], y[half + i]) = (u, u_dot);
         if self.layout.resonators() {
             (y[n + i], y[half + n + i]) = (v, v_dot);

@@ -117,6 +117,16 @@ impl<R: Real> Chain<R> {
             Boundary::Ring => Boundary::Free,
             other => other,
         };
+        self.with_sites(boundary, sites)
+    }
+
+    /// So many neighbouring sites, and the bonds on both sides of each: the outermost are as if at
+    /// walls. Or so many strains on a ring, which are their bonds.
+    pub(crate) fn stretch(&self, sites: usize) -> Self {
+        self.with_sites(if self.topology.strains() { Boundary::StrainRing } else { Boundary::Fixed }, sites)
+    }
+
+    fn with_sites(&self, boundary: Boundary, sites: usize) -> Self {
         let layout = Layout::new(sites, self.layout.resonators());
         Self { topology: Topology::new(boundary, sites), layout, ..self.clone() }
     }

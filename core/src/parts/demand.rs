@@ -1,7 +1,8 @@
 //! What a run in parts will ask for, before anything is allocated.
 
-use super::Division;
-use crate::chain::{Boundary, Params, Resonators, Topology};
+use super::{Division, Motion};
+use crate::chain::{Boundary, Chain, Params, Resonators, Topology};
+use hertzchain_integrators::collocation::{Section, Verdict, Window};
 
 /// Whole states that part 0 has beside its sites: that of the scene, of the run, and of its record.
 const WHOLE_STATES: u64 = 3;
@@ -11,44 +12,62 @@ const NUMBER: u64 = size_of::<f64>() as u64;
 /// Memory and messages of a run in parts, in bytes.
 ///
 /// ```
-/// use hertzchain_core::{Boundary, Params, parts::Demand};
+/// use hertzchain_core::{Boundary, Params, chain::Split, parts::{Demand, Motion}};
 /// let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
-/// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024);
+/// let kicks = Motion::Kicks(Split::Linear);
+/// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, kicks);
 /// assert_eq!((demand.sites, demand.ghosts, demand.message), (976_563, 64, 2048));
 /// // The sites and the ghosts, with resonators, twice; three whole states.
 /// assert_eq!(demand.memory, 2 * 4 * 8 * (976_563 + 128));
 /// assert_eq!(demand.whole, 96_000_000_000);
+/// // Whole blocks of 256 bonds; 13 of each neighbour, of which seven numbers say what they left.
+/// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, Motion::Windows);
+/// assert_eq!((demand.sites, demand.ghosts, demand.message), (3815 * 256, 13, 728));
 /// # Ok::<(), hertzchain_core::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Demand {
     /// Sites of the longest part.
     pub sites: u64,
-    /// Ghosts on a side where there is a neighbour, and kicks from one exchange to the next.
+    /// Sites, or bonds by contact collocation, that come from each neighbour there is: see
+    /// [`Division::ghosts`].
     pub ghosts: u64,
-    /// Memory of a part: the variables of its sites and ghosts, and as much for samples.
+    /// Memory of a part: what moves of its sites and ghosts, and as much for samples; not the panels
+    /// of one block, which contact collocation has besides.
     pub memory: u64,
     /// What part 0 holds besides.
     pub whole: u64,
     /// A message to a neighbour: each part sends one to either side in every exchange.
     pub message: u64,
+    /// An order for a window, and what each part sends to part 0 when it is solved; zero for kicks.
+    pub window: [u64; 2],
     /// What a sample brings to part 0.
     pub sample: u64,
 }
 
 impl Demand {
-    /// Of so many sites in so many parts, from one to as many as there are sites.
-    pub fn new(params: Params, boundary: Boundary, sites: usize, parts: usize) -> Self {
+    /// Of so many sites in so many parts, from one to [`Motion::most_parts`].
+    pub fn new(params: Params, boundary: Boundary, sites: usize, parts: usize, motion: Motion) -> Self {
         let numbers = if params.resonators() == Resonators::Moving { 4 } else { 2 };
-        let division = Division::new(Topology::new(boundary, sites), parts);
-        let (longest, ghosts) = (sites.div_ceil(parts) as u64, division.ghosts() as u64);
+        let division = Division::new(Topology::new(boundary, sites), parts, motion);
+        let ghosts = division.ghosts() as u64;
         let state = numbers * NUMBER * sites as u64;
+        let (longest, site, message, window) = match motion {
+            Motion::Kicks(_) => (sites.div_ceil(parts), 2 * numbers * NUMBER, numbers * NUMBER * ghosts, [0, 0]),
+            Motion::Windows => {
+                let longest = (0..parts).map(|part| division.sites(part).len()).max();
+                let edge = if parts > 1 { Section::<Chain<f64>>::EDGE_NUMBERS } else { 0 };
+                let window = [2 + Window::NUMBERS, Verdict::NUMBERS].map(|count| NUMBER * count as u64);
+                (longest.unwrap_or(0), Section::<Chain<f64>>::BYTES as u64, NUMBER * edge as u64, window)
+            }
+        };
         Self {
-            sites: longest,
+            sites: longest as u64,
             ghosts,
-            memory: 2 * numbers * NUMBER * (longest + 2 * ghosts),
+            memory: site * (longest as u64 + 2 * ghosts),
             whole: WHOLE_STATES * state,
-            message: numbers * NUMBER * ghosts,
+            message,
+            window,
             sample: state - numbers * NUMBER * division.sites(0).len() as u64,
         }
     }

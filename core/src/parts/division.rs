@@ -1,24 +1,31 @@
 //! Which sites belong to which part.
 
+use super::Motion;
 use crate::chain::Topology;
+use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::ops::Range;
 
-/// Most ghosts on either side of a part. Chosen: with a part of 10^5 sites they are a thousandth of
-/// the work, and a message is sent every 64 kicks.
+/// Most ghosts on either side of a part that is kicked. Chosen: with a part of 10^5 sites they are a
+/// thousandth of the work, and a message is sent every 64 kicks.
 pub const GHOSTS: usize = 64;
 
 /// A chain in parts of nearly the same length.
+///
+/// Parts that are kicked have any sites. Parts by contact collocation have whole blocks of bonds,
+/// see [`BLOCK`]; what a block of less than [`EDGE`] bonds at the end has belongs to the part of the
+/// block before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Division {
     topology: Topology,
     parts: usize,
+    motion: Motion,
 }
 
 impl Division {
-    /// So many parts, from one to as many as there are sites.
-    pub fn new(topology: Topology, parts: usize) -> Self {
-        debug_assert!((1..=topology.sites()).contains(&parts));
-        Self { topology, parts }
+    /// So many parts, from one to [`Motion::most_parts`].
+    pub fn new(topology: Topology, parts: usize, motion: Motion) -> Self {
+        debug_assert!((1..=motion.most_parts(topology)).contains(&parts));
+        Self { topology, parts, motion }
     }
 
     /// Number of parts.
@@ -26,24 +33,69 @@ impl Division {
         self.parts
     }
 
+    /// Where a part begins, if sites or blocks are dealt out and each is so long.
+    fn start(self, part: usize, length: usize) -> usize {
+        let units = self.motion.most_parts(self.topology) as u128;
+        length * (units * part as u128 / self.parts as u128) as usize
+    }
+
     /// The sites of a part.
     pub fn sites(self, part: usize) -> Range<usize> {
-        let start = |part: usize| (self.topology.sites() as u128 * part as u128 / self.parts as u128) as usize;
+        let start = |part: usize| match (part, self.motion) {
+            (0, _) => 0,
+            _ if part == self.parts => self.topology.sites(),
+            (_, Motion::Kicks(_)) => self.start(part, 1),
+            (_, Motion::Windows) => self.bonds(part).start,
+        };
         start(part)..start(part + 1)
     }
 
-    /// Number of ghosts on a side of a part that has a neighbour there, and so of kicks between two
-    /// exchanges: all come from one neighbour, so there are at most as many as the shortest part
-    /// has sites. None if the chain is not divided.
+    /// The bonds of a part by contact collocation: each has the site behind it. The outermost bonds
+    /// of a free chain belong to none.
+    pub fn bonds(self, part: usize) -> Range<usize> {
+        let Range { start, end } = self.topology.touching();
+        let last = part + 1 == self.parts;
+        start + self.start(part, BLOCK)..if last { end } else { start + self.start(part + 1, BLOCK) }
+    }
+
+    /// The sites that a part needs to begin; beyond the last site of a ring they count on. By kicks
+    /// these are its own, and ghosts come from their parts. By contact collocation they are those of
+    /// all bonds that its blocks work on.
+    pub fn held(self, part: usize) -> Range<usize> {
+        let (n, topology) = (self.topology.sites(), self.topology);
+        if self.parts == 1 || self.motion != Motion::Windows {
+            return self.sites(part);
+        }
+        let Range { start, end } = self.bonds(part);
+        let around = if topology.ring() { n } else { 0 };
+        // A strain belongs to one bond and not to two; that of the last bond counts as well.
+        let behind = if topology.strains() { EDGE } else { EDGE - 1 };
+        let first = self.before(part).map_or(0, |_| start + around - EDGE);
+        first..self.after(part).map_or(n, |_| end + around + behind)
+    }
+
+    /// What neighbours hand each other: so many sites to be kicked, which makes so many kicks from
+    /// one exchange to the next, or what so many bonds have left behind in a window. All come from
+    /// one neighbour, so there are at most as many as the shortest part has. None if the chain is
+    /// not divided.
     ///
     /// ```
-    /// use hertzchain_core::{Boundary, chain::Topology, parts::Division};
-    /// let division = Division::new(Topology::new(Boundary::Ring, 50), 7);
+    /// use hertzchain_core::{Boundary, chain::{Split, Topology}, parts::{Division, Motion}};
+    /// let topology = Topology::new(Boundary::Ring, 50);
+    /// let division = Division::new(topology, 7, Motion::Kicks(Split::Kinetic));
     /// assert_eq!((division.sites(0), division.sites(6), division.ghosts()), (0..7, 42..50, 7));
     /// assert_eq!((division.before(0), division.after(0)), (Some(6), Some(1)));
+    /// // Blocks of 256 bonds, of which the last has 188.
+    /// let topology = Topology::new(Boundary::Ring, 700);
+    /// let division = Division::new(topology, 2, Motion::Windows);
+    /// assert_eq!((division.sites(0), division.sites(1), division.ghosts()), (0..256, 256..700, 13));
     /// ```
     pub fn ghosts(self) -> usize {
-        if self.parts == 1 { 0 } else { GHOSTS.min(self.topology.sites() / self.parts) }
+        match self.motion {
+            _ if self.parts == 1 => 0,
+            Motion::Kicks(_) => GHOSTS.min(self.topology.sites() / self.parts),
+            Motion::Windows => EDGE,
+        }
     }
 
     /// The part before a part.

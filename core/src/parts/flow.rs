@@ -1,15 +1,19 @@
-//! The flow of a chain in parts, as part 0 has it.
+//! A chain in parts, as part 0 has it.
 
 use super::{
-    Carrier, Division, Parts,
+    Carrier, Division, Motion, Parts,
+    bonds::receive_pieces,
     order::Order,
     part::{Part, blocks, numbers, parted},
 };
 use crate::{
-    chain::{Chain, Layout, Split},
+    chain::{Chain, Layout},
     error::Result,
 };
-use hertzchain_integrators::{SplitFlow, Twofold};
+use hertzchain_integrators::{
+    SplitFlow, Twofold,
+    collocation::{Piece, Verdict, Window, Windows},
+};
 use std::{
     ops::Range,
     sync::{
@@ -21,13 +25,15 @@ use std::{
 /// The next number of a flow. One for the process, as flows of several runs may meet at a carrier.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
-/// A chain in parts, on one of its two splits: each kick and drift is made by all parts at once.
+/// A chain in parts: on one of its two splits, each kick and drift is made by all parts at once; by
+/// contact collocation each window is solved by all of them.
 ///
-/// What is loaded and stored is the whole state. The bits are those of [`KineticFlow`] and
-/// [`LinearFlow`], for any number of parts.
+/// What is loaded and stored is the whole state. The bits are those of [`KineticFlow`],
+/// [`LinearFlow`] and [`Section`], for any number of parts.
 ///
 /// [`KineticFlow`]: crate::chain::KineticFlow
 /// [`LinearFlow`]: crate::chain::LinearFlow
+/// [`Section`]: hertzchain_integrators::collocation::Section
 pub struct Parted {
     carrier: Arc<Mutex<Box<dyn Carrier>>>,
     flow: u64,
@@ -37,33 +43,79 @@ pub struct Parted {
 }
 
 impl Parted {
-    /// The chain at rest; load a state into it.
+    /// The chain in a state.
     ///
     /// # Errors
-    /// More parts than sites.
-    pub fn new(chain: &Chain<f64>, split: Split, parts: &Parts) -> Result<Self> {
-        parts.check(chain.sites())?;
-        let division = Division::new(chain.topology(), parts.count());
+    /// More parts than the chain has.
+    pub fn new(chain: &Chain<f64>, motion: Motion, parts: &Parts, y: &[f64]) -> Result<Self> {
+        parts.check_for(motion, chain.topology())?;
+        let division = Division::new(chain.topology(), parts.count(), motion);
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
         let carrier = Arc::new(Mutex::new(parts.carrier()));
-        let own = Part::new(chain, division, 0, split);
-        let parted = Self { carrier, flow, layout: chain.layout(), division, own };
-        drop(parted.order(&Order::Begin(flow, split, Box::new(chain.clone()))));
+        let own = Part::new(chain, division, 0, motion);
+        let mut parted = Self { carrier, flow, layout: chain.layout(), division, own };
+        drop(parted.order(&Order::Begin(flow, motion, Box::new(chain.clone()))));
+        parted.set(y);
         Ok(parted)
     }
 
     /// Tells the other parts what to do; the carrier, for what is then sent.
     fn order(&self, order: &Order) -> MutexGuard<'_, Box<dyn Carrier>> {
-        let mut carrier = self.carrier.lock().unwrap_or_else(PoisonError::into_inner);
-        carrier.broadcast(&mut order.words());
-        carrier
+        tell(&self.carrier, order)
     }
 
-    /// The other parts, with the blocks in which their states are sent.
-    fn others(&self) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
-        let division = self.division;
-        (1..division.parts()).flat_map(move |part| blocks(division.sites(part)).map(move |block| (part, block)))
+    /// Brings a state to all parts.
+    fn set(&mut self, y: &[f64]) {
+        let Self { carrier, flow, layout, division, own } = self;
+        let (arrays, mut message) = (layout.arrays(y), Vec::new());
+        let mut carrier = tell(carrier, &Order::Load(*flow));
+        for part in 0..division.parts() {
+            let held = division.held(part);
+            for block in blocks(held.clone()) {
+                message.clear();
+                arrays.iter().flat_map(|array| around(array, &block)).for_each(|run| message.extend_from_slice(run));
+                match part {
+                    0 => own.read(block.start - held.start, parted(&message, block.len())),
+                    _ => carrier.send(part, &message),
+                }
+            }
+        }
     }
+
+    /// Brings the state of all parts here.
+    fn get(&self, y: &mut [f64]) {
+        let mut message = Vec::new();
+        let mut carrier = self.order(&Order::Store(self.flow));
+        self.own.write(within(self.layout.arrays_mut(y), &self.own.own()));
+        let division = self.division;
+        for (part, block) in (1..division.parts()).flat_map(|p| blocks(division.sites(p)).map(move |b| (p, b))) {
+            message.resize(numbers(self.layout.resonators()) * block.len(), 0.0);
+            carrier.receive(part, &mut message);
+            let arrays = within(self.layout.arrays_mut(y), &block);
+            for (to, from) in arrays.into_iter().zip(parted(&message, block.len())) {
+                to.copy_from_slice(from);
+            }
+        }
+    }
+
+    fn another(&self) -> Self {
+        let flow = NEXT.fetch_add(1, Ordering::Relaxed);
+        drop(self.order(&Order::Duplicate(self.flow, flow)));
+        let Self { carrier, layout, division, own, .. } = self;
+        Self { carrier: carrier.clone(), flow, layout: *layout, division: *division, own: own.duplicate() }
+    }
+
+    fn follow(&mut self, other: &Self) {
+        drop(self.order(&Order::Copy(other.flow, self.flow)));
+        self.own.copy_from(&other.own);
+    }
+}
+
+/// Tells the parts beside this one what to do; the carrier, for what is then sent.
+fn tell<'a>(carrier: &'a Mutex<Box<dyn Carrier>>, order: &Order) -> MutexGuard<'a, Box<dyn Carrier>> {
+    let mut carrier = carrier.lock().unwrap_or_else(PoisonError::into_inner);
+    carrier.broadcast(&mut order.words());
+    carrier
 }
 
 impl SplitFlow<f64> for Parted {
@@ -72,46 +124,23 @@ impl SplitFlow<f64> for Parted {
     }
 
     fn moved(&self) -> usize {
-        self.dim().div_ceil(self.division.parts())
+        self.layout.dim().div_ceil(self.division.parts())
     }
 
     fn load(&mut self, y: &[f64]) {
-        let arrays = self.layout.arrays(y);
-        let mut message = Vec::new();
-        let mut carrier = self.order(&Order::Load(self.flow));
-        for (part, block) in self.others() {
-            message.clear();
-            within(arrays, &block).into_iter().for_each(|array| message.extend_from_slice(array));
-            carrier.send(part, &message);
-        }
-        drop(carrier);
-        self.own.read(within(arrays, &self.own.own()));
+        self.set(y);
     }
 
     fn store(&self, y: &mut [f64]) {
-        let mut message = Vec::new();
-        let mut carrier = self.order(&Order::Store(self.flow));
-        self.own.write(within_mut(self.layout.arrays_mut(y), &self.own.own()));
-        for (part, block) in self.others() {
-            message.resize(numbers(self.layout.resonators()) * block.len(), 0.0);
-            carrier.receive(part, &mut message);
-            let arrays = within_mut(self.layout.arrays_mut(y), &block);
-            for (to, from) in arrays.into_iter().zip(parted(&message, block.len())) {
-                to.copy_from_slice(from);
-            }
-        }
+        self.get(y);
     }
 
     fn duplicate(&self) -> Self {
-        let flow = NEXT.fetch_add(1, Ordering::Relaxed);
-        drop(self.order(&Order::Duplicate(self.flow, flow)));
-        let Self { carrier, layout, division, own, .. } = self;
-        Self { carrier: carrier.clone(), flow, layout: *layout, division: *division, own: own.duplicate() }
+        self.another()
     }
 
     fn copy_from(&mut self, other: &Self) {
-        drop(self.order(&Order::Copy(other.flow, self.flow)));
-        self.own.copy_from(&other.own);
+        self.follow(other);
     }
 
     fn drift(&mut self, dt: Twofold<f64>) {
@@ -125,9 +154,48 @@ impl SplitFlow<f64> for Parted {
 
     fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)]) {
         let Self { carrier, own, flow, .. } = self;
-        let mut carrier = carrier.lock().unwrap_or_else(PoisonError::into_inner);
-        carrier.broadcast(&mut Order::Kicks(*flow, pairs.to_vec()).words());
+        let mut carrier = tell(carrier, &Order::Kicks(*flow, pairs.to_vec()));
         own.kick_drifts(pairs, &mut **carrier);
+    }
+}
+
+impl Windows for Parted {
+    fn dim(&self) -> usize {
+        self.layout.dim()
+    }
+
+    fn solve(&mut self, window: &Window) -> Verdict {
+        let Self { carrier, own, flow, division, .. } = self;
+        let mut carrier = tell(carrier, &Order::Solve(*flow, *window));
+        let own = own.windows_mut().solve(window, &mut **carrier);
+        let mut numbers = [0.0; Verdict::NUMBERS];
+        (1..division.parts()).fold(own, |all, part| {
+            carrier.receive(part, &mut numbers);
+            all.and(Verdict::of_numbers(&numbers))
+        })
+    }
+
+    fn advance(&mut self) {
+        drop(self.order(&Order::Advance(self.flow)));
+        self.own.windows_mut().advance();
+    }
+
+    fn duplicate(&self) -> Self {
+        self.another()
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.follow(other);
+    }
+
+    fn store(&self, y: &mut [f64]) {
+        self.get(y);
+    }
+
+    fn tell(&self, told: &mut dyn FnMut(&Piece)) {
+        let mut carrier = self.order(&Order::Tell(self.flow));
+        self.own.windows().pieces().for_each(&mut *told);
+        (1..self.division.parts()).for_each(|part| receive_pieces(part, &mut **carrier, told));
     }
 }
 
@@ -138,13 +206,18 @@ impl Drop for Parted {
 }
 
 /// Some sites of arrays of all; empty arrays stay empty.
-fn within<'a>(arrays: [&'a [f64]; 4], sites: &Range<usize>) -> [&'a [f64]; 4] {
-    arrays.map(|array| array.get(sites.clone()).unwrap_or_default())
+fn within<'a>(arrays: [&'a mut [f64]; 4], sites: &Range<usize>) -> [&'a mut [f64]; 4] {
+    arrays.map(|array| array.get_mut(sites.clone()).unwrap_or_default())
 }
 
-/// The same, to be written.
-fn within_mut<'a>(arrays: [&'a mut [f64]; 4], sites: &Range<usize>) -> [&'a mut [f64]; 4] {
-    arrays.map(|array| array.get_mut(sites.clone()).unwrap_or_default())
+/// Some sites of an array of all, in which the first follow the last; none of an empty array.
+fn around<'a>(array: &'a [f64], sites: &Range<usize>) -> [&'a [f64]; 2] {
+    if array.is_empty() {
+        return [array; 2];
+    }
+    let (start, len) = (sites.start % array.len(), sites.len());
+    let before = len.min(array.len() - start);
+    [&array[start..][..before], &array[..len - before]]
 }
 
 #[cfg(test)]
@@ -202,19 +275,71 @@ mod tests {
     }
 
     #[test]
-    fn all_splitting_schemes_run_in_parts_and_no_other_method_does() {
+    fn splitting_schemes_and_collocation_run_in_parts_and_no_other_method_does() {
         for method in Method::all() {
             let name = method.name();
             let run = run(Boundary::Ring, (1.5, 1.0), 40, &name);
-            if method.divisible() {
+            if let Ok(Motion::Kicks(_)) = method.motion() {
                 holds(&run, &[3]);
                 continue;
             }
+            let words = if method == Method::Collocation { "3 > 1" } else { "only splitting schemes" };
             let run = if method.tolerant() { run.tolerance(1e-6).unwrap() } else { run };
             for run in [run.clone(), run.contacts()] {
                 let refused = run.in_parts(Parts::Threads(3)).unwrap().start().unwrap_err().to_string();
-                assert!(refused.contains(&name) && refused.contains("only splitting schemes"), "{refused}");
+                assert!(refused.contains(words), "{name}: {refused}");
             }
+        }
+    }
+
+    /// A run by collocation with contacts everywhere, or where a bead is struck.
+    fn collocation(boundary: Boundary, model: (f64, f64), sites: usize, struck: Option<usize>) -> Run {
+        let mut state = run(boundary, model, sites, "collocation").initial().clone();
+        if let Some(struck) = struck {
+            state.as_mut_slice().fill(0.0);
+            state.u_dot_mut()[struck..struck + 2].copy_from_slice(&[-1.0, 0.5]);
+        }
+        let chain = Chain::new(Params::new(model.0, 1.0, model.1).unwrap(), boundary, sites).unwrap();
+        let chain = if struck.is_some() { chain } else { chain.clone().precompressed(0.05).unwrap_or(chain) };
+        let end = if struck.is_some() { 8.0 } else { 1.0 };
+        let times = [0.0, 0.1, 0.5003 * end, 0.501 * end, end];
+        let run = Run::new(chain, state).until(end).unwrap().tolerance(1e-7).unwrap().contacts();
+        run.records(Records::Profiles).samples_at(&times).unwrap()
+    }
+
+    fn windows_hold(run: &Run, counts: &[usize]) {
+        let log = |run: &Run| run.start().unwrap().contacts.unwrap();
+        let (whole, several) = (log(run), counts.last().unwrap());
+        assert!(whole.len() > 5, "{}", whole.len());
+        assert!(log(&run.clone().in_parts(Parts::Threads(*several)).unwrap()) == whole, "{:?}", run.chain().boundary());
+        holds(run, counts);
+    }
+
+    #[test]
+    fn windows_in_parts_have_the_bits_of_the_whole_chain() {
+        // Truth: the same run in one process, to the bit: states, samples inside windows, energies,
+        // counts, contacts. Contacts are everywhere, also in bonds between parts; the last block of
+        // 1283 sites is too short to be a part, that of 1300 is not.
+        for boundary in BOUNDARIES {
+            windows_hold(&collocation(boundary, (1.5, 1.0 / 3.0), 1283, None), &[2, 5]);
+            windows_hold(&collocation(boundary, (2.0, 0.0), 1300, None), &[3, 6]);
+        }
+        let equal = collocation(Boundary::Fixed, (1.5, f64::INFINITY), 600, None);
+        windows_hold(&equal.setting(Setting::Windows(20, 6)), &[2]);
+    }
+
+    #[test]
+    fn pulses_pass_from_part_to_part() {
+        // Truth: as above. At first all blocks sleep but one or two.
+        for (boundary, struck) in [
+            (Boundary::Free, 255),
+            (Boundary::Free, 511),
+            (Boundary::Fixed, 256),
+            (Boundary::Ring, 698),
+            (Boundary::Ring, 0),
+            (Boundary::StrainRing, 254),
+        ] {
+            windows_hold(&collocation(boundary, (1.5, 1.0), 700, Some(struck)), &[2, 3]);
         }
     }
 
@@ -234,5 +359,12 @@ mod tests {
         assert_eq!(refused(0), "threads = 0 is not valid: from 1 to 1024 threads");
         assert_eq!(refused(6), "threads = 6 is not valid: a chain has at most as many parts as sites: ask for fewer");
         assert!(refused(1025).contains("1024"));
+        let run = collocation(Boundary::Free, (1.5, 0.0), 525, None);
+        let refused = run.in_parts(Parts::Threads(3)).unwrap().start().unwrap_err().to_string();
+        // 524 bonds: the third block has 12, one too few.
+        assert_eq!(
+            refused,
+            "threads = 3 > 2 is not valid: a part has at least one site, by collocation one block of 256 bonds: ask for fewer"
+        );
     }
 }

@@ -13,12 +13,20 @@
 //! hand each other the outermost `g` of their own sites, in the variables of the flow, and go on.
 //! A message is paid once for many kicks.
 //!
+//! Windows of contact collocation are solved in blocks of 256 bonds that take 12 bonds of each
+//! neighbour along, and need nothing else from them. A part has whole blocks, and the sites of the
+//! bonds that these take along. After each window the parts hand each other what 13 bonds at either
+//! end have left behind. With it a part moves those sites as well, so that it has them at the start
+//! of the next window. Part 0 alone decides which windows are solved, from counts and largest values
+//! of all parts: sums of integers and maxima, which do not depend on their order.
+//!
 //! The bits are those of one process. A kernel does the same operations for a site wherever in an
 //! array it is, numbers that are handed over are copied, and phase and time depend on durations
 //! alone. Part 0 has the run: it tells the others what to do, has the whole state wherever somebody
 //! looks at it, and takes energies from it. So nothing that is computed depends on the number of
 //! parts, and no sum has to be brought together.
 
+mod bonds;
 mod demand;
 mod division;
 mod flow;
@@ -32,8 +40,45 @@ pub use division::{Division, GHOSTS};
 pub use flow::Parted;
 pub use serve::{end, serve};
 
-use crate::error::{Error, Result};
+use crate::{
+    chain::{Split, Topology},
+    error::{Error, Result},
+};
+use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::{fmt::Debug, sync::Arc};
+
+/// How the sites of a part are moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// By kicks and drifts on one of the two splits.
+    Kicks(Split),
+    /// Over windows of contact collocation.
+    Windows,
+}
+
+impl Motion {
+    /// The largest number of parts that a chain has.
+    pub fn most_parts(self, topology: Topology) -> usize {
+        match self {
+            Self::Kicks(_) => topology.sites(),
+            // A part tells its neighbours of as many bonds as it has at least.
+            Self::Windows => ((topology.touching().len() + BLOCK - EDGE) / BLOCK).max(1),
+        }
+    }
+
+    /// Refuses more parts than that, named `name`.
+    ///
+    /// # Errors
+    /// A number outside its rule.
+    pub fn check(self, name: &'static str, count: usize, topology: Topology) -> Result<()> {
+        let most = self.most_parts(topology);
+        if count <= most {
+            return Ok(());
+        }
+        let rule = "a part has at least one site, by collocation one block of 256 bonds: ask for fewer";
+        Err(Error::parameter(name, format!("{count} > {most}"), rule))
+    }
+}
 
 /// Takes numbers from one part of a chain to another. Each part has one of its own.
 ///
@@ -121,6 +166,15 @@ impl Parts {
             return Err(Error::parameter(self.name(), count, rule));
         }
         Ok(())
+    }
+
+    /// Refuses more parts than a chain has for this motion.
+    ///
+    /// # Errors
+    /// A number outside its rule.
+    pub fn check_for(&self, motion: Motion, topology: Topology) -> Result<()> {
+        self.check(topology.sites())?;
+        motion.check(self.name(), self.count(), topology)
     }
 
     /// The carrier of part 0.

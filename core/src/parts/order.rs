@@ -3,14 +3,15 @@
 use crate::{
     chain::{Boundary, Chain, Params, Split},
     error::Result,
+    parts::Motion,
 };
-use hertzchain_integrators::Twofold;
+use hertzchain_integrators::{Twofold, collocation::Window};
 
 /// What a part is to do next. A part may have several flows, each with a number.
 #[derive(Debug)]
 pub(super) enum Order {
     /// Begin a flow of a chain, at rest.
-    Begin(u64, Split, Box<Chain<f64>>),
+    Begin(u64, Motion, Box<Chain<f64>>),
     /// Receive its state.
     Load(u64),
     /// Send its state.
@@ -23,12 +24,18 @@ pub(super) enum Order {
     Copy(u64, u64),
     /// Forget a flow.
     Forget(u64),
+    /// Solve for a window, and send how it went.
+    Solve(u64, Window),
+    /// Move over the last window.
+    Advance(u64),
+    /// Send what contacts did in the last window.
+    Tell(u64),
     /// End.
     End,
 }
 
 const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
-const SPLITS: [Split; 2] = [Split::Kinetic, Split::Linear];
+const MOTIONS: [Motion; 3] = [Motion::Kicks(Split::Kinetic), Motion::Kicks(Split::Linear), Motion::Windows];
 
 fn place<T: PartialEq>(of: &T, all: &[T]) -> u64 {
     all.iter().position(|one| one == of).unwrap_or_default() as u64
@@ -38,11 +45,11 @@ impl Order {
     /// As words.
     pub(super) fn words(&self) -> Vec<u64> {
         match self {
-            Self::Begin(flow, split, chain) => {
+            Self::Begin(flow, motion, chain) => {
                 let Params { alpha, kappa, rho } = chain.params();
                 let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
                 let boundary = place(&chain.boundary(), &BOUNDARIES);
-                let head = [0, *flow, place(split, &SPLITS), boundary, chain.sites() as u64];
+                let head = [0, *flow, place(motion, &MOTIONS), boundary, chain.sites() as u64];
                 [&head[..], &numbers].concat()
             }
             Self::Load(flow) => vec![1, *flow],
@@ -52,6 +59,9 @@ impl Order {
             Self::Duplicate(from, to) => vec![5, *from, *to],
             Self::Copy(from, to) => vec![6, *from, *to],
             Self::Forget(flow) => vec![7, *flow],
+            Self::Solve(flow, window) => [9, *flow].into_iter().chain(window.numbers().map(f64::to_bits)).collect(),
+            Self::Advance(flow) => vec![10, *flow],
+            Self::Tell(flow) => vec![11, *flow],
             Self::End => vec![8],
         }
     }
@@ -59,13 +69,13 @@ impl Order {
     /// The order in words, if it is one.
     pub(super) fn of(words: &[u64]) -> Option<Self> {
         Some(match *words {
-            [0, flow, split, boundary, sites, alpha, kappa, rho, rest] => {
+            [0, flow, motion, boundary, sites, alpha, kappa, rho, rest] => {
                 let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
                 let chain = || -> Result<Chain<f64>> {
                     let boundary = BOUNDARIES[boundary as usize % BOUNDARIES.len()];
                     Chain::new(Params::new(alpha, kappa, rho)?, boundary, sites as usize)?.precompressed(rest)
                 };
-                Self::Begin(flow, *SPLITS.get(split as usize)?, Box::new(chain().ok()?))
+                Self::Begin(flow, *MOTIONS.get(motion as usize)?, Box::new(chain().ok()?))
             }
             [1, flow] => Self::Load(flow),
             [2, flow] => Self::Store(flow),
@@ -77,6 +87,12 @@ impl Order {
             [5, from, to] => Self::Duplicate(from, to),
             [6, from, to] => Self::Copy(from, to),
             [7, flow] => Self::Forget(flow),
+            [9, flow, ref window @ ..] => {
+                let window: &[u64; Window::NUMBERS] = window.try_into().ok()?;
+                Self::Solve(flow, Window::of_numbers(&window.map(f64::from_bits)))
+            }
+            [10, flow] => Self::Advance(flow),
+            [11, flow] => Self::Tell(flow),
             [8] => Self::End,
             _ => return None,
         })
@@ -103,7 +119,8 @@ mod tests {
         let chain = Chain::new(Params::new(1.5, 1.0, f64::INFINITY).unwrap(), Boundary::Fixed, 9).unwrap();
         let chain = Box::new(chain.precompressed(0.1).unwrap());
         let orders = [
-            Order::Begin(3, Split::Linear, chain),
+            Order::Begin(3, Motion::Kicks(Split::Linear), chain.clone()),
+            Order::Begin(4, Motion::Windows, chain),
             Order::Load(1),
             Order::Store(2),
             Order::Drift(4, third),
@@ -112,6 +129,10 @@ mod tests {
             Order::Duplicate(6, 7),
             Order::Copy(8, 9),
             Order::Forget(10),
+            Order::Solve(11, Window::of_numbers(&std::array::from_fn(|k| 1.0 / (k + 1) as f64))),
+            Order::Solve(12, Window::of_numbers(&[f64::INFINITY; Window::NUMBERS])),
+            Order::Advance(13),
+            Order::Tell(14),
             Order::End,
         ];
         for order in orders {

@@ -1,6 +1,6 @@
 //! A part of a chain: its own sites, and ghosts on either side.
 
-use super::{Carrier, Division};
+use super::{Carrier, Division, Motion, bonds::Bonds};
 use crate::chain::{Chain, Divisible, KineticFlow, LinearFlow, Split};
 use hertzchain_integrators::{SplitFlow, Twofold};
 use std::ops::Range;
@@ -8,54 +8,60 @@ use std::ops::Range;
 /// Sites whose states go into one message.
 const BLOCK: usize = 1 << 16;
 
-/// A part of a chain, on one of the two splits.
+/// A part of a chain, on one of the two splits or by contact collocation.
 pub(super) enum Part {
     Kinetic(Box<Sites<KineticFlow<f64>>>),
     Linear(Box<Sites<LinearFlow<f64>>>),
+    Windows(Box<Bonds>),
 }
 
-/// Does the same with either kind.
-macro_rules! either {
+/// Does the same with any kind.
+macro_rules! each {
     ($part:expr, $sites:ident => $what:expr) => {
         match $part {
             Part::Kinetic($sites) => $what,
             Part::Linear($sites) => $what,
+            Part::Windows($sites) => $what,
         }
     };
 }
 
+const KICKED: &str = "windows are solved, and splits are kicked";
+
 impl Part {
     /// The part of this number, at rest.
-    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, split: Split) -> Self {
-        match split {
-            Split::Kinetic => Self::Kinetic(Box::new(Sites::new(chain, division, number))),
-            Split::Linear => Self::Linear(Box::new(Sites::new(chain, division, number))),
+    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, motion: Motion) -> Self {
+        match motion {
+            Motion::Kicks(Split::Kinetic) => Self::Kinetic(Box::new(Sites::new(chain, division, number))),
+            Motion::Kicks(Split::Linear) => Self::Linear(Box::new(Sites::new(chain, division, number))),
+            Motion::Windows => Self::Windows(Box::new(Bonds::new(chain, division, number))),
         }
     }
 
     /// The sites that are its own, as the chain counts them.
     pub(super) fn own(&self) -> Range<usize> {
-        either!(self, sites => sites.division.sites(sites.number))
+        each!(self, sites => sites.division.sites(sites.number))
     }
 
-    /// Sets its own sites to states from arrays of all of them.
-    pub(super) fn read(&mut self, arrays: [&[f64]; 4]) {
-        either!(self, sites => sites.read(0, arrays));
+    /// Sets sites to states from arrays of them: those that it needs to begin from this one on.
+    pub(super) fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
+        each!(self, sites => sites.read(first, arrays));
     }
 
     /// Writes the states of its own sites into arrays of all of them.
     pub(super) fn write(&self, arrays: [&mut [f64]; 4]) {
-        either!(self, sites => sites.flow.write(sites.left, arrays));
+        each!(self, sites => sites.write(0, arrays));
     }
 
-    /// Receives the states of its own sites from part 0.
+    /// Receives the states of the sites that it needs to begin from part 0.
     pub(super) fn receive(&mut self, carrier: &mut dyn Carrier) {
-        let (own, resonators) = (self.own(), self.resonators());
+        let held = each!(self, sites => sites.division.held(sites.number));
+        let resonators = self.resonators();
         let mut buffer = Vec::new();
-        for block in blocks(0..own.len()) {
+        for block in blocks(0..held.len()) {
             buffer.resize(numbers(resonators) * block.len(), 0.0);
             carrier.receive(0, &mut buffer);
-            either!(self, sites => sites.read(block.start, parted(&buffer, block.len())));
+            self.read(block.start, parted(&buffer, block.len()));
         }
     }
 
@@ -66,37 +72,63 @@ impl Part {
         for block in blocks(0..own.len()) {
             buffer.resize(numbers(resonators) * block.len(), 0.0);
             let arrays = parted_mut(&mut buffer, block.len());
-            either!(self, sites => sites.flow.write(sites.left + block.start, arrays));
+            each!(self, sites => sites.write(block.start, arrays));
             carrier.send(0, &buffer);
         }
     }
 
     fn resonators(&self) -> bool {
-        either!(self, sites => sites.resonators)
+        each!(self, sites => sites.resonators)
     }
 
     pub(super) fn drift(&mut self, dt: Twofold<f64>) {
-        either!(self, sites => sites.flow.drift(dt));
+        match self {
+            Self::Kinetic(sites) => sites.flow.drift(dt),
+            Self::Linear(sites) => sites.flow.drift(dt),
+            Self::Windows(_) => unreachable!("{KICKED}"),
+        }
     }
 
     /// Kicks and drifts, with exchanges of ghosts where these are used up.
     pub(super) fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
-        either!(self, sites => sites.kick_drifts(pairs, carrier));
+        match self {
+            Self::Kinetic(sites) => sites.kick_drifts(pairs, carrier),
+            Self::Linear(sites) => sites.kick_drifts(pairs, carrier),
+            Self::Windows(_) => unreachable!("{KICKED}"),
+        }
+    }
+
+    /// What solves its windows.
+    pub(super) fn windows(&self) -> &Bonds {
+        match self {
+            Self::Windows(bonds) => bonds,
+            _ => unreachable!("{KICKED}"),
+        }
+    }
+
+    /// The same, to solve them.
+    pub(super) fn windows_mut(&mut self) -> &mut Bonds {
+        match self {
+            Self::Windows(bonds) => bonds,
+            _ => unreachable!("{KICKED}"),
+        }
     }
 
     pub(super) fn duplicate(&self) -> Self {
         match self {
             Self::Kinetic(sites) => Self::Kinetic(Box::new(sites.duplicate())),
             Self::Linear(sites) => Self::Linear(Box::new(sites.duplicate())),
+            Self::Windows(bonds) => Self::Windows(Box::new(bonds.duplicate())),
         }
     }
 
-    /// Copies a part of the same chain and split.
+    /// Copies a part of the same chain and motion.
     pub(super) fn copy_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Kinetic(sites), Self::Kinetic(other)) => sites.copy_from(other),
             (Self::Linear(sites), Self::Linear(other)) => sites.copy_from(other),
-            _ => unreachable!("a copy is of the same split"),
+            (Self::Windows(bonds), Self::Windows(other)) => bonds.copy_from(other),
+            _ => unreachable!("a copy is of the same motion"),
         }
     }
 }
@@ -153,6 +185,10 @@ impl<F: Divisible<f64>> Sites<F> {
     fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
         self.flow.read(self.left + first, arrays);
         self.fresh = 0;
+    }
+
+    fn write(&self, first: usize, arrays: [&mut [f64]; 4]) {
+        self.flow.write(self.left + first, arrays);
     }
 
     fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {

@@ -14,9 +14,9 @@ pub fn serve(carrier: &mut dyn Carrier) {
         carrier.broadcast(&mut words);
         let order = Order::of(&words).expect("part 0 sends orders");
         match order {
-            Order::Begin(flow, split, chain) => {
-                let division = Division::new(chain.topology(), carrier.parts());
-                flows.insert(flow, Part::new(&chain, division, carrier.part(), split));
+            Order::Begin(flow, motion, chain) => {
+                let division = Division::new(chain.topology(), carrier.parts(), motion);
+                flows.insert(flow, Part::new(&chain, division, carrier.part(), motion));
             }
             Order::Load(flow) => of(&mut flows, flow).receive(carrier),
             Order::Store(flow) => of(&mut flows, flow).send(carrier),
@@ -32,6 +32,12 @@ pub fn serve(carrier: &mut dyn Carrier) {
                 flows.insert(to, copy);
             }
             Order::Forget(flow) => drop(flows.remove(&flow)),
+            Order::Solve(flow, window) => {
+                let verdict = of(&mut flows, flow).windows_mut().solve(&window, carrier);
+                carrier.send(0, &verdict.numbers());
+            }
+            Order::Advance(flow) => of(&mut flows, flow).windows_mut().advance(),
+            Order::Tell(flow) => of(&mut flows, flow).windows().send_pieces(carrier),
             Order::End => return,
         }
     }

@@ -3,13 +3,16 @@
 use super::Run;
 pub use crate::chain::Split;
 use crate::{
-    chain::{Bonded, Chain, Details, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Turns, max_norm},
+    chain::{
+        Bonded, Chain, Details, Differing, Field, KineticFlow, LinearFlow, SiteFlow, SitewiseFlow, Topology, Turns,
+        max_norm,
+    },
     error::{Error, Result},
-    parts::{Parted, Parts},
+    parts::{Motion, Parted, Parts},
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
-    collocation::{ContactStepper, Pace},
+    collocation::{ContactStepper, Pace, Section, Windows},
     conserving::{DiscreteGradient, Quadratised},
     dop853::Options,
     splitting::{self, Corrected, First, Landed, tables},
@@ -131,7 +134,7 @@ const TELLING: [&str; 13] = [
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
 /// What is said to somebody who asks for parts of a method that has none.
-const NOT_DIVISIBLE: &str = "only splitting schemes run in parts, as --integrator strang-linear or verlet: \
+const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
                                  leave threads and ranks out, or take one";
 
 /// Smallest tolerance that collocation accepts.
@@ -240,20 +243,25 @@ impl Method {
         self.adaptive() || matches!(self, Self::Corrected(splitting::Parts { corrected: true, .. }, _))
     }
 
-    /// Whether it can run with the chain in [`parts`](crate::parts).
-    pub fn divisible(&self) -> bool {
-        matches!(self, Self::Splitting(..))
-    }
-
-    /// Refuses parts if it cannot run in them.
+    /// How it moves the [`parts`](crate::parts) of a chain.
     ///
     /// # Errors
-    /// More than one part, or ranks, for a method that is not [`divisible`](Self::divisible).
-    pub fn takes(&self, parts: &Parts) -> Result<()> {
-        if parts.whole() || self.divisible() {
-            return Ok(());
+    /// A method that cannot run in them.
+    pub fn motion(&self) -> Result<Motion> {
+        match self {
+            Self::Splitting(_, split) => Ok(Motion::Kicks(*split)),
+            Self::Collocation => Ok(Motion::Windows),
+            _ => Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE)),
         }
-        Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE))
+    }
+
+    /// Refuses parts if it cannot run a chain in them.
+    ///
+    /// # Errors
+    /// More than one part, or ranks, for a method without a [`motion`](Self::motion); more parts
+    /// than the chain has for it.
+    pub fn takes(&self, parts: &Parts, topology: Topology) -> Result<()> {
+        if parts.whole() { Ok(()) } else { parts.check_for(self.motion()?, topology) }
     }
 
     /// Whether its tolerance holds for the whole run, not for a step.
@@ -358,13 +366,13 @@ impl Method {
         span: (f64, f64),
         setting: Setting,
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
-        self.takes(run.parts())?;
+        self.takes(run.parts(), run.chain().topology())?;
         self.runs(run.chain())?;
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
             (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
-                let flow = loaded(Parted::new(&chain, split, run.parts())?, y);
+                let flow = Parted::new(&chain, Motion::Kicks(split), run.parts(), y)?;
                 Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
             }
             (Self::Splitting(scheme, split), Setting::Steps(steps)) if chain.details().is_some() => {
@@ -421,10 +429,7 @@ impl Method {
                 Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
             }
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
-                if chain.details().is_some() {
-                    return Ok(Box::new(chain.differing_collocation(y, span, pace(setting)?)?));
-                }
-                Ok(Box::new(collocation(&chain, y, span, setting)?))
+                Ok(collocated(run, y, span, setting, false)?)
             }
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
@@ -452,16 +457,10 @@ pub fn start_logged(
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
-    method.takes(run.parts())?;
+    method.takes(run.parts(), run.chain().topology())?;
     method.runs(run.chain())?;
     match (method, setting) {
-        (Method::Collocation, _) => {
-            let chain = run.chain();
-            Ok(Some(match chain.details() {
-                None => Box::new(collocation(chain, y, span, setting)?.logged()),
-                Some(_) => Box::new(chain.differing_collocation(y, span, pace(setting)?)?.logged()),
-            }))
-        }
+        (Method::Collocation, _) => Ok(Some(collocated(run, y, span, setting, true)?)),
         (
             Method::Corrected(parts @ splitting::Parts { corrected: true, .. }, split),
             Setting::Steps(_) | Setting::Tolerance(_),
@@ -478,6 +477,29 @@ pub fn start_logged(
         }
         _ => Ok(None),
     }
+}
+
+/// Contact collocation of a run, wherever its sites are moved, with or without a log.
+fn collocated(
+    run: &Run,
+    y: &[f64],
+    span: (f64, f64),
+    setting: Setting,
+    log: bool,
+) -> Result<Box<dyn ContactStepper + Send>> {
+    fn boxed<W: Windows + 'static>(run: Collocation<W>, log: bool) -> Box<dyn ContactStepper + Send> {
+        Box::new(if log { run.logged() } else { run })
+    }
+    let (chain, parts, pace) = (run.chain(), run.parts(), pace(setting)?);
+    let threads = matches!(parts, Parts::Threads(_)).then_some(1);
+    Ok(if !parts.whole() {
+        let windows = Parted::new(chain, Motion::Windows, parts, y)?;
+        boxed(Collocation::by(windows, chain, y, span, pace)?, log)
+    } else if chain.details().is_some() {
+        boxed(Collocation::on_threads(Differing::new(chain.clone())?, y, span, pace, threads)?, log)
+    } else {
+        boxed(Collocation::on_threads(chain.clone(), y, span, pace, threads)?, log)
+    })
 }
 
 /// Contact-corrected splitting on the given split of the chain.
@@ -500,7 +522,7 @@ pub fn collocation(
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
-) -> Result<Collocation<Chain<f64>>> {
+) -> Result<Collocation<Section<Chain<f64>>>> {
     Ok(chain.collocation(y, span, pace(setting)?)?)
 }
 

@@ -223,8 +223,9 @@ impl Run {
         self
     }
 
-    /// Moves the chain in [`parts`](crate::parts), with the same bits; splitting schemes only, any
-    /// other method is refused when the run starts.
+    /// Moves the chain in [`parts`](crate::parts), with the same bits; splitting schemes and
+    /// collocation only, any other method is refused when the run starts. Without this, collocation
+    /// solves blocks of a long chain on all threads of the process.
     ///
     /// # Errors
     /// No part, or more parts than sites; several parts of a chain with

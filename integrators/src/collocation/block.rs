@@ -25,9 +25,7 @@ use std::ops::{Range, RangeInclusive};
 /// 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum
 /// that blocks lose to each other.
 pub(crate) const OWN: usize = 256;
-const ALONG: usize = 12;
-/// A chain up to this is one block.
-const WHOLE: usize = OWN;
+pub(crate) const ALONG: usize = 12;
 /// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
 /// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more,
@@ -44,6 +42,71 @@ pub(crate) struct Start<'a, const S: usize> {
     pub(crate) links: &'a Links<S>,
     pub(crate) bonds: &'a dyn Bonds<S>,
     pub(crate) ongoing: &'a [Option<Contact>],
+    /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
+    pub(crate) recoil: &'a [f64],
+    pub(crate) share: &'a Share,
+}
+
+/// Which bonds of a chain are solved for in one place, as they are counted there.
+#[derive(Clone, Debug)]
+pub struct Share {
+    /// Solved for; blocks are counted from the first.
+    pub(crate) own: Range<usize>,
+    /// Those, and bonds on either side of them, which may be taken along.
+    reach: Range<usize>,
+    /// Whether these are all bonds of a ring.
+    ring: bool,
+    /// Number of the first own bond in the whole chain, and of bonds there.
+    place: (usize, usize),
+}
+
+impl Share {
+    /// All of so many bonds, of a chain with ends or a ring.
+    pub fn whole(bonds: usize, ring: bool) -> Self {
+        Self { own: 0..bonds, reach: 0..bonds, ring, place: (0, bonds) }
+    }
+
+    /// Some bonds with those around them, which are within `reach` of their blocks; with the number
+    /// of the first in the whole chain, and of bonds there.
+    pub fn part(own: Range<usize>, reach: Range<usize>, place: (usize, usize)) -> Self {
+        Self { own, reach, ring: false, place }
+    }
+
+    /// Those, and the bonds around them that blocks may take along.
+    pub(crate) fn reach(&self) -> Range<usize> {
+        self.reach.clone()
+    }
+
+    /// Number of blocks.
+    pub(crate) fn blocks(&self) -> usize {
+        self.own.len().div_ceil(OWN)
+    }
+
+    /// The bonds that a block answers for.
+    pub(crate) fn own(&self, block: usize) -> Range<usize> {
+        let first = self.own.start + block * OWN;
+        first..self.own.end.min(first + OWN)
+    }
+
+    /// How the whole chain counts a bond.
+    fn number(&self, bond: usize) -> usize {
+        let (first, all) = self.place;
+        (first + all + bond - self.own.start) % all
+    }
+
+    /// The first bond that a block works on, and how many: beyond the last bond of a ring comes the
+    /// first again.
+    fn along(&self, own: &Range<usize>) -> (usize, usize) {
+        let Range { start, end } = self.reach;
+        if own.len() == self.reach.len() {
+            (start, own.len())
+        } else if self.ring {
+            ((own.start + end - ALONG) % end, own.len() + 2 * ALONG)
+        } else {
+            let first = own.start.saturating_sub(ALONG).max(start);
+            (first, (own.end + ALONG).min(end) - first)
+        }
+    }
 }
 
 /// What a window leaves behind in a bond.
@@ -79,7 +142,7 @@ pub struct Piece {
 
 /// How it went.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Verdict {
+pub struct Verdict {
     pub(crate) sweeps: u64,
     /// What it cost, see [`BOND`].
     pub(crate) work: u64,
@@ -95,7 +158,10 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
-    pub(crate) fn and(self, other: Self) -> Self {
+    /// This and that of bonds behind them. Numbers are added as integers and the largest taken, so
+    /// that it is the same in whatever groups bonds are.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
         Self {
             sweeps: self.sweeps.max(other.sweeps),
             work: self.work + other.work,
@@ -106,16 +172,6 @@ impl Verdict {
             failure: self.failure.or(other.failure),
         }
     }
-}
-
-/// The number of blocks of a chain with so many bonds.
-pub(crate) fn blocks(bonds: usize) -> usize {
-    if bonds <= WHOLE { 1 } else { bonds.div_ceil(OWN) }
-}
-
-/// The bonds that block `k` answers for.
-pub(crate) fn own(bonds: usize, k: usize) -> Range<usize> {
-    if bonds <= WHOLE { 0..bonds } else { k * OWN..((k + 1) * OWN).min(bonds) }
 }
 
 /// Memory for one block at a time.
@@ -140,17 +196,10 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         left: &mut [Left<S>],
         log: bool,
     ) -> Verdict {
-        let (links, all) = (start.links, start.links.bonds);
-        let whole = own.len() == all;
+        let (links, all, share) = (start.links, start.links.bonds, start.share);
+        let whole = own.len() == share.reach.len();
         // Local index i stands for bond (first + i) mod all.
-        let (first, len) = if whole {
-            (0, all)
-        } else if links.ring {
-            ((own.start + all - ALONG) % all, own.len() + 2 * ALONG)
-        } else {
-            let first = own.start.saturating_sub(ALONG);
-            (first, (own.end + ALONG).min(all) - first)
-        };
+        let (first, len) = share.along(&own);
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
         if !whole && !links.precompressed && (first..first + len).all(|b| asleep(b % all)) {
             left.fill(Left::NONE);
@@ -163,22 +212,22 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let bonds = &mut self.bonds[..len];
         let mut b = first;
         for bond in bonds.iter_mut() {
-            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, links.recoil[b]));
+            bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.recoil[b]));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
         // Contacts that begin in a window far too long for them are seen before anything is solved.
         let approach = |bond: &Bond<M, S>| bond.approach(&frames.of(bond.initial.bond), goal.stiffest);
         if let Some((b, stiffness)) = too_stiff(bonds.iter().map(approach), goal) {
             return Verdict {
-                failure: Some(((first + b) % all, stiffness)),
+                failure: Some((share.number(first + b), stiffness)),
                 work: BOND * len as u64,
                 ..Verdict::default()
             };
         }
-        let ring = whole && links.ring && all > 1;
+        let ring = whole && share.ring && all > 1;
         let mut verdict =
             Work { stretch: Stretch { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
-        verdict.failure = verdict.failure.map(|(b, residual)| ((first + b) % all, residual));
+        verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
         for bond in &bonds[mine.clone()] {
@@ -191,7 +240,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         }
         if verdict.failure.is_none() {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
-            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
+            verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
         if const { S != 1 } {
             if let Some(open) = links.open.as_ref().filter(|_| verdict.failure.is_none()) {
@@ -204,9 +253,9 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         if log && verdict.failure.is_none() {
             for i in mine {
                 let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
-                let frame = &frames.of(bonds[i].initial.bond);
+                let (frame, number) = (&frames.of(bonds[i].initial.bond), share.number(bonds[i].initial.bond));
                 for contact in &bonds[i].contacts.found {
-                    bonds[i].pieces_of(frame, contact, beside, &mut self.pieces);
+                    bonds[i].pieces_of((frame, number), contact, beside, &mut self.pieces);
                 }
             }
         }

@@ -464,10 +464,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         slack.is_some()
     }
 
-    /// What a contact did in this window, panel by panel, appended.
+    /// What a contact did in this window, panel by panel, appended, with the number of the bond.
     pub(crate) fn pieces_of(
         &self,
-        frame: &Frame<'_, M, S>,
+        (frame, bond): (&Frame<'_, M, S>, usize),
         contact: &Contact,
         beside: [Beside<M, S>; 2],
         out: &mut Vec<Piece>,
@@ -505,7 +505,6 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             (t, speed(t))
         };
         let first = out.len();
-        let bond = self.initial.bond;
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
         out.extend(panels.iter().map(|panel| piece(panel.impulse(rule), panel.curve(rule))));
         if panels.is_empty() {

@@ -1,4 +1,4 @@
-//! When a window counts as solved.
+//! A window to be solved, and when it counts as solved.
 
 use super::layout::Cuts;
 
@@ -6,6 +6,18 @@ use super::layout::Cuts;
 /// `omega` from 0.01 to 10^4 times the frequency of contacts; `methods
 /// resonators_much_faster_than_contacts_keep_loose_tolerances` measures the upper end again.
 const RESOLVED: f64 = 0.3;
+
+/// A window to be solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    /// Its length.
+    pub(crate) h: f64,
+    /// Nodes a panel.
+    pub(crate) nodes: usize,
+    /// Whether to keep what contacts do.
+    pub(crate) log: bool,
+    pub(crate) goal: Goal,
+}
 
 /// When a window counts as solved.
 #[derive(Clone, Copy, Debug)]

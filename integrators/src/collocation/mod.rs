@@ -126,41 +126,31 @@ mod foresee;
 mod goal;
 mod known;
 mod layout;
+mod numbers;
 mod open;
 mod panel;
 mod panels;
 mod rule;
 pub(crate) use rule::Rule;
+mod section;
 mod sites;
 mod solver;
 mod system;
 mod tangent;
 
-pub use block::Piece;
+pub use block::{Piece, Share, Verdict};
 pub use control::Pace;
+pub use goal::Window;
+pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};
 
-use crate::{
-    clock::Twofold,
-    drive::Stepper,
-    error::Error,
-    real::{Kernel, Real},
-    stats::Stats,
-};
-use block::{Left, Start};
-use bond::Contact;
+use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
 use control::Control;
-use open::{Open, Window};
-use sites::{Phases, Site, Sites};
-use solver::Solver;
 use system::Links;
 
 /// Parts that a window is cut into at most, to show the state inside it. Chosen, not measured.
 const MOST_PARTS: u32 = 1 << 10;
-
-/// Length of the window that shows drives as they are when a run begins.
-const AT_ONCE: f64 = 1e-9;
 
 /// Times that a window is shortened for what drives do in it, each by a tenth at least. Chosen: a
 /// signal that is rounding by then is resolved by nothing.
@@ -173,180 +163,131 @@ pub trait ContactStepper: Stepper<f64> {
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
 }
 
-impl<C: ContactChain<S>, const S: usize> ContactStepper for Collocation<C, S> {
-    fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
-        let (start, pieces) = self.pieces();
-        pieces.for_each(|piece| told(piece, start));
+/// Solves the windows that a run decides on: in one place, or in parts of the chain wherever these
+/// are.
+pub trait Windows: Send + Sized {
+    /// Number of components of the state.
+    fn dim(&self) -> usize;
+    /// The longest windows that may begin where the chain stands: until a signal of a drive is not
+    /// smooth, and until flows of damped sites are not resolved.
+    fn longest(&self) -> [f64; 2] {
+        [f64::INFINITY; 2]
     }
-}
-
-/// What moves: sites, the contacts that bonds are in, and the time.
-#[derive(Clone)]
-struct State<const S: usize> {
-    sites: Vec<Site>,
-    ongoing: Vec<Option<Contact>>,
-    phases: Phases<S>,
-    t: Twofold<f64>,
-    /// What was dissipated and driven, see [`ContactChain::ledger`].
-    ledger: Site,
-    /// What drives do in the window at hand.
-    window: Window,
-}
-
-impl<const S: usize> State<S> {
-    fn bonds<'a, C: ContactChain<S>>(&'a self, chain: &'a C, links: &'a Links<S>) -> Sites<'a, C, S> {
-        let open = links.open.as_ref().map(|open| (open, &self.window));
-        Sites { chain, sites: &self.sites, phases: &self.phases, open }
-    }
-
     /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if this
     /// is not resolved to a tolerance, else infinity.
-    fn foresee<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, (h, tol): (f64, f64)) -> f64 {
-        let at = (self.t.value(), h, tol);
-        links.open.as_ref().map_or(f64::INFINITY, |open| open.window(chain, at, &mut self.window))
+    fn foresee(&mut self, _h: f64, _tol: f64) -> f64 {
+        f64::INFINITY
     }
-
-    /// Over a window of length `h`, with what bonds have left behind in it.
-    fn advance<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, left: &[Left<S>], h: f64) {
-        if const { S != 1 } {
-            if let Some(open) = &links.open {
-                for &site in &open.alone {
-                    let gains = self.bonds(chain, links).gains_alone(h, site);
-                    self.ledger.take(&gains);
-                }
-                left.iter().for_each(|left| self.ledger.take(&left.ledger));
-            }
-        }
-        let Self { sites, phases, window, .. } = self;
-        let open = links.open.as_ref().map(|open| (open, &*window));
-        f64::run(Advance { chain, sites, left, h, phases, open });
-        for (ongoing, left) in self.ongoing.iter_mut().zip(left) {
-            *ongoing = left.ongoing;
-        }
-        self.phases.advance(h);
-        self.t = self.t + Twofold::new(h);
-    }
-
-    fn store<C: ContactChain<S>>(&self, chain: &C, y: &mut [f64]) {
-        for (i, site) in self.sites.iter().enumerate() {
-            let [r, v, c, s] = site.path(self.phases.sin_cos(i));
-            chain.place([r, v, c, chain.response(i).omega.value() * s], i, y);
-        }
-        chain.complete(self.ledger.path((0.0, 1.0)), self.t.value(), y);
-    }
-
-    fn copy_from(&mut self, other: &Self) {
-        self.sites.copy_from_slice(&other.sites);
-        self.ongoing.copy_from_slice(&other.ongoing);
-        self.phases.copy_from(&other.phases);
-        (self.t, self.ledger) = (other.t, other.ledger);
-        self.window.clone_from(&other.window);
-    }
+    /// Solves for a window from where the chain stands, and leaves it there.
+    fn solve(&mut self, window: &Window) -> Verdict;
+    /// Moves the chain over the window that was solved last.
+    fn advance(&mut self);
+    /// Another one, where this one stands.
+    fn duplicate(&self) -> Self;
+    /// Goes to where another one of the same chain stands, with the window that it solved last.
+    fn copy_from(&mut self, other: &Self);
+    /// Writes the state where the chain stands.
+    fn store(&self, y: &mut [f64]);
+    /// Tells what contacts did in the window that was solved last, by bond, if that is logged.
+    fn tell(&self, told: &mut dyn FnMut(&Piece));
 }
 
-/// Moves sites over a window.
-struct Advance<'a, C, const S: usize> {
-    chain: &'a C,
-    sites: &'a mut [Site],
-    left: &'a [Left<S>],
-    h: f64,
-    phases: &'a Phases<S>,
-    open: Option<(&'a Open, &'a Window)>,
-}
-
-impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { chain, sites, left, h, phases, open } = self;
-        for (i, site) in sites.iter_mut().enumerate() {
-            let mut push = chain.push(i, |b| left[b].path);
-            if S != 1
-                && let Some((open, window)) = open
-            {
-                open.push(window, i, &mut push);
-                if let Some(flow) = open.damped(i) {
-                    site.flow(&push, flow, h);
-                    continue;
-                }
-            }
-            if !(site.at_rest() && push == [0.0; 4]) {
-                site.advance(&push, h, phases.sin_cos(i));
-            }
-        }
-    }
-}
-
-/// A run by contact collocation, of a chain whose bonds see `S` different sites, see
-/// [`ContactChain`].
-pub struct Collocation<C: ContactChain<S>, const S: usize = 1> {
-    chain: C,
-    links: Links<S>,
-    /// At the start of the last window.
-    state: State<S>,
-    solver: Box<dyn Solver<S>>,
+/// A run by contact collocation. It decides which windows are solved and how well, and when one
+/// counts; a [`Section`] or another `W` solves them.
+pub struct Collocation<W> {
+    windows: W,
     control: Control,
     /// The tolerance, or zero.
     tol: f64,
-    /// What the last window left behind, and its length; zero if there is none.
-    left: Vec<Left<S>>,
+    /// Start of the last window, its length and its nodes a panel; the length is zero if there is
+    /// none.
+    t: Twofold<f64>,
     h: f64,
+    nodes: usize,
     end: Twofold<f64>,
     log: bool,
     stats: Stats,
     /// For states inside a window; made when first asked for.
-    inside: Option<Inside<S>>,
+    inside: Option<W>,
 }
 
-struct Inside<const S: usize> {
-    state: State<S>,
-    solver: Box<dyn Solver<S>>,
-    left: Vec<Left<S>>,
-}
-
-impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
-    /// A run from the state `y0` over `span`.
+impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
+    /// A run from the state `y0` over `span`, of a chain whose bonds see `S` different sites, see
+    /// [`ContactChain`].
     ///
     /// # Errors
     /// A span, a pace or a state outside its rule.
     pub fn new(chain: C, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Self, Error> {
+        Self::on_threads(chain, y0, span, pace, None)
+    }
+
+    /// The same on at most so many threads; without a number, on all that there are.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on_threads(
+        chain: C,
+        y0: &[f64],
+        span: (f64, f64),
+        pace: Pace,
+        threads: Option<usize>,
+    ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
-        let sites: Vec<Site> = (0..chain.sites()).map(|i| Site { hi: chain.path(y0, i), lo: [0.0; 4] }).collect();
-        let (phases, links) = (Phases::new(&chain), Links::of(&chain));
-        let (t, mut ledger) = (Twofold::new(span.0), Site::default());
-        ledger.take(&chain.ledger(y0, span.0));
-        let mut state = State { sites, ongoing: Vec::new(), phases, t, ledger, window: Window::default() };
-        state.foresee(&chain, &links, (AT_ONCE, 0.0));
-        let at_start = state.bonds(&chain, &links);
-        let closed = |b| {
-            let (path, largest) = at_start.overlap(b, 0.0);
-            let known = at_start.known(b).map_or(0.0, |known| known.ends[0][0]);
-            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known;
-            (overlap > chain.dead_band(largest)).then(Contact::from_the_start)
-        };
-        let ongoing = (0..chain.bonds()).map(closed).collect();
-        state.ongoing = ongoing;
-        let end = Twofold::new(span.1) - Twofold::new(span.0);
-        let control = Control::new((&chain, &links), &state.sites, pace, end)?;
-        let solver = solver::with_nodes(control.nodes(), chain.bonds());
-        Ok(Self {
-            left: vec![Left::NONE; chain.bonds()],
-            links,
-            state,
-            solver,
+        let section = Section::whole(chain, (y0, span.0), threads);
+        let control = control(&section.held.chain, &section.held.links, y0, span, pace)?;
+        Ok(Self::steered(section, control, (span, pace)))
+    }
+
+    /// What contacts did in the last window, by bond, if that is logged; and when the window began.
+    pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
+        (self.t.value(), self.windows.pieces())
+    }
+}
+
+/// The control of a run of a chain from a state over a span.
+fn control<C: ContactChain<S>, const S: usize>(
+    chain: &C,
+    links: &Links<S>,
+    y0: &[f64],
+    span: (f64, f64),
+    pace: Pace,
+) -> Result<Control, Error> {
+    Control::new((chain, links), &|i| chain.path(y0, i), pace, Twofold::new(span.1) - Twofold::new(span.0))
+}
+
+impl<W: Windows> Collocation<W> {
+    /// A run of `chain` from the state `y0` over `span`, whose windows are solved by `windows`:
+    /// these stand at `y0`.
+    ///
+    /// # Errors
+    /// A span, a pace or a state outside its rule.
+    pub fn by<C: ContactChain<S>, const S: usize>(
+        windows: W,
+        chain: &C,
+        y0: &[f64],
+        span: (f64, f64),
+        pace: Pace,
+    ) -> Result<Self, Error> {
+        crate::dop853::check_start(chain.dim(), y0, span)?;
+        Ok(Self::steered(windows, control(chain, &Links::of(chain), y0, span, pace)?, (span, pace)))
+    }
+
+    fn steered(windows: W, control: Control, (span, pace): ((f64, f64), Pace)) -> Self {
+        Self {
+            nodes: control.nodes(),
+            windows,
             control,
             tol: if let Pace::Tolerance(tol) = pace { tol } else { 0.0 },
+            t: Twofold::new(span.0),
             h: 0.0,
             end: Twofold::new(span.1),
             log: false,
             stats: Stats::default(),
             inside: None,
-            chain,
-        })
+        }
     }
 
-    /// Keeps what contacts do, see [`pieces`](Self::pieces).
+    /// Keeps what contacts do, for [`ContactStepper::tell`].
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.log = true;
@@ -355,11 +296,10 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
 
     /// The length of the next window, with what drives do in it.
     fn propose(&mut self, left: f64) -> f64 {
-        let Some(open) = &self.links.open else { return self.control.propose(left) };
-        let stop = open.until_break(self.state.t.value());
-        let mut h = self.control.propose(left.min(stop)).min(stop).min(open.longest());
+        let [smooth, resolved] = self.windows.longest();
+        let mut h = self.control.propose(left.min(smooth)).min(smooth).min(resolved);
         for _ in 0..MOST_SHORTENED {
-            let shorter = self.state.foresee(&self.chain, &self.links, (h, self.tol));
+            let shorter = self.windows.foresee(h, self.tol);
             if shorter >= h {
                 break;
             }
@@ -368,19 +308,38 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
         h
     }
 
-    /// What contacts did in the last window, by bond, if that is logged; and when the window began.
-    pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
-        (self.state.t.value(), self.solver.pieces())
+    /// A window of length `h`.
+    fn window(&self, h: f64, log: bool) -> Window {
+        Window { h, nodes: self.nodes, log, goal: self.control.goal(h) }
+    }
+
+    /// Moves what is inside the last window by so much, in so many parts; `false` if one of them
+    /// does not settle.
+    fn moves_inside(&self, inside: &mut W, by: f64, parts: u32) -> bool {
+        let window = self.window(by / f64::from(parts), false);
+        (0..parts).all(|_| {
+            inside.foresee(window.h, 0.0);
+            let settled = inside.solve(&window).failure.is_none();
+            inside.advance();
+            settled
+        })
     }
 }
 
-impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
+impl<W: Windows> ContactStepper for Collocation<W> {
+    fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
+        let start = self.t.value();
+        self.windows.tell(&mut |piece| told(piece, start));
+    }
+}
+
+impl<W: Windows> Stepper<f64> for Collocation<W> {
     fn dim(&self) -> usize {
-        self.chain.dim()
+        self.windows.dim()
     }
 
     fn time(&self) -> f64 {
-        if self.done() { self.end.value() } else { (self.state.t + Twofold::new(self.h)).value() }
+        if self.done() { self.end.value() } else { (self.t + Twofold::new(self.h)).value() }
     }
 
     fn done(&self) -> bool {
@@ -389,21 +348,17 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
 
     fn step(&mut self) -> Result<(), Error> {
         if self.h > 0.0 {
-            self.state.advance(&self.chain, &self.links, &self.left, self.h);
+            self.windows.advance();
+            self.t = self.t + Twofold::new(self.h);
             self.h = 0.0;
         }
-        if self.control.nodes() != self.solver.nodes() {
-            self.solver = solver::with_nodes(self.control.nodes(), self.chain.bonds());
-            self.inside = None;
-        }
+        self.nodes = self.control.nodes();
         loop {
-            let left_to_go = (self.end - self.state.t).value();
+            let left_to_go = (self.end - self.t).value();
             let h = self.propose(left_to_go);
-            let bonds = &self.state.bonds(&self.chain, &self.links);
-            let start = Start { links: &self.links, bonds, ongoing: &self.state.ongoing };
-            let goal = self.control.goal(h);
-            let verdict = self.solver.window(&start, h, &goal, &mut self.left, self.log);
-            self.stats.force_evaluations += verdict.sweeps * self.solver.nodes() as u64;
+            let window = self.window(h, self.log);
+            let verdict = self.windows.solve(&window);
+            self.stats.force_evaluations += verdict.sweeps * self.nodes as u64;
             let Some((bond, residual)) = verdict.failure else {
                 self.control.accept(&verdict, h, h >= left_to_go);
                 self.h = h;
@@ -412,7 +367,7 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
             };
             self.stats.rejected += 1;
             if !self.control.reject(h) {
-                return Err(Error::NoContraction { t: self.state.t.value(), h, bond, residual });
+                return Err(Error::NoContraction { t: self.t.value(), h, bond, residual });
             }
         }
     }
@@ -420,21 +375,15 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
     /// The state inside the last window is that of a window that ends there: as accurate as at its
     /// end.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let time = self.time();
-        let inside = self.inside.get_or_insert_with(|| Inside {
-            state: self.state.clone(),
-            solver: self.solver.another(self.chain.bonds()),
-            left: self.left.clone(),
-        });
-        let State { t: start, .. } = self.state;
-        inside.state.copy_from(&self.state);
-        let by = (Twofold::new(t) - start).value();
-        if self.h > 0.0 && (t >= time || by >= self.h) {
-            inside.state.advance(&self.chain, &self.links, &self.left, self.h);
+        let mut inside = self.inside.take().unwrap_or_else(|| self.windows.duplicate());
+        inside.copy_from(&self.windows);
+        let by = (Twofold::new(t) - self.t).value();
+        if self.h > 0.0 && (t >= self.time() || by >= self.h) {
+            inside.advance();
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
-            while !inside.advance((&self.chain, &self.links), &self.control, by, parts) {
-                inside.state.copy_from(&self.state);
+            while !self.moves_inside(&mut inside, by, parts) {
+                inside.copy_from(&self.windows);
                 parts *= 2;
                 if parts > MOST_PARTS {
                     // No state is better than a wrong one.
@@ -442,30 +391,11 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
                 }
             }
         }
-        inside.state.store(&self.chain, y);
+        inside.store(y);
+        self.inside = Some(inside);
     }
 
     fn stats(&self) -> Stats {
         self.stats
-    }
-}
-
-impl<const S: usize> Inside<S> {
-    fn advance<C: ContactChain<S>>(
-        &mut self,
-        (chain, links): (&C, &Links<S>),
-        control: &Control,
-        by: f64,
-        parts: u32,
-    ) -> bool {
-        let h = by / f64::from(parts);
-        (0..parts).all(|_| {
-            self.state.foresee(chain, links, (h, 0.0));
-            let bonds = &self.state.bonds(chain, links);
-            let start = Start { links, bonds, ongoing: &self.state.ongoing };
-            let verdict = self.solver.window(&start, h, &control.goal(h), &mut self.left, false);
-            self.state.advance(chain, links, &self.left, h);
-            verdict.failure.is_none()
-        })
     }
 }

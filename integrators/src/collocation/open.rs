@@ -99,7 +99,7 @@ impl Open {
         &self,
         chain: &C,
         at: (f64, f64, f64),
-        window: &mut Window,
+        window: &mut Signals,
     ) -> f64 {
         window.start = at.0;
         window.driven.clear();
@@ -115,7 +115,7 @@ impl Open {
     }
 
     /// Adds what a drive pushes a site by in a window.
-    pub(crate) fn push(&self, window: &Window, site: usize, path: &mut Path) {
+    pub(crate) fn push(&self, window: &Signals, site: usize, path: &mut Path) {
         if let Some(k) = self.drive(site) {
             let left = &window.driven[k].left;
             *path = std::array::from_fn(|i| path[i] + left[i]);
@@ -300,7 +300,7 @@ const NEAR: f64 = 1e-12;
 
 /// What drives do in a window.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Window {
+pub(crate) struct Signals {
     /// When it begins.
     pub(crate) start: f64,
     pub(crate) driven: Vec<Driven>,

@@ -3,7 +3,7 @@
 use super::{
     flow::Flow,
     known::Known,
-    open::{Open, Window},
+    open::{Open, Signals},
     system::{ContactChain, Path},
 };
 use crate::clock::Twofold;
@@ -77,7 +77,7 @@ pub(crate) struct Sites<'a, C, const S: usize> {
     pub(crate) sites: &'a [Site],
     pub(crate) phases: &'a Phases<S>,
     /// What is damped and driven, and what drives do in the window at hand.
-    pub(crate) open: Option<(&'a Open, &'a Window)>,
+    pub(crate) open: Option<(&'a Open, &'a Signals)>,
 }
 
 impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {

@@ -147,8 +147,6 @@ pub(crate) struct Links<const S: usize> {
     links: Vec<Link<S>>,
     /// Whether bonds touch where all sites rest at the origin.
     pub(crate) precompressed: bool,
-    /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
-    pub(crate) recoil: Vec<f64>,
     /// What is damped and driven, if anything is.
     pub(crate) open: Option<Open>,
 }
@@ -159,19 +157,16 @@ impl<const S: usize> Links<S> {
         let kinds = if S == 1 { 1 } else { bonds };
         let open = Open::of(chain);
         let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, open.as_ref(), b)).collect();
-        let unit = |b: usize, c: usize| [[f64::from(u8::from(c == b)); 4]; S];
+        Self { bonds, ring: chain.ring(), precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0), links, open }
+    }
+
+    /// How strongly a unit force of a bond opens it: 2 between two sites of mass 1, 1 at a wall.
+    pub(crate) fn recoil<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
+        let unit = |c: usize| [[f64::from(u8::from(c == bond)); 4]; S];
         // Where all are alike a wall shows in what bonds push; else in its answer.
-        let recoil = |b: usize| match S {
-            1 => -chain.across(b, |i| chain.push(i, |c| unit(b, c)))[0][0],
-            _ => links[b].sides.iter().map(|side| side.weight).sum(),
-        };
-        Self {
-            recoil: (0..bonds).map(recoil).collect(),
-            bonds,
-            ring: chain.ring(),
-            precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0),
-            links,
-            open,
+        match S {
+            1 => -chain.across(bond, |i| chain.push(i, unit))[0][0],
+            _ => self.links[bond].sides.iter().map(|side| side.weight).sum(),
         }
     }
 

@@ -16,8 +16,8 @@
 //! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
 
 use super::{
-    Collocation,
-    block::blocks,
+    Collocation, Section,
+    block::OWN,
     bond::Bond,
     panel::{Frames, Panel, dot, product},
     panels::{Panels, Shared},
@@ -78,7 +78,7 @@ impl<const S: usize> Tangent<S> {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn identity<C: ContactChain<S>>(run: &Collocation<C, S>) -> Result<Self, Error> {
+    pub fn identity<C: ContactChain<S>>(run: &Collocation<Section<C, S>>) -> Result<Self, Error> {
         let dim = run.dim();
         let mut columns = vec![0.0; dim * dim];
         columns.iter_mut().step_by(dim + 1).for_each(|entry| *entry = 1.0);
@@ -90,12 +90,12 @@ impl<const S: usize> Tangent<S> {
     /// # Errors
     /// Not a whole number of columns, an entry that is not finite, a chain that is damped or driven,
     /// or one of more than 256 bonds.
-    pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
-        let (chain, dim) = (&run.chain, run.dim());
-        if run.links.open.is_some() {
+    pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
+        let (chain, dim) = (&run.windows.held.chain, run.dim());
+        if run.windows.held.links.open.is_some() {
             return Err(argument("sites", chain.sites(), "a tangent map is there without damping and drives"));
         }
-        if blocks(chain.bonds()) != 1 {
+        if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
         }
         if !columns.len().is_multiple_of(dim) {
@@ -104,7 +104,7 @@ impl<const S: usize> Tangent<S> {
         if let Some(&value) = columns.iter().find(|value| !value.is_finite()) {
             return Err(Error::Argument { name: "columns", value, rule: "the entries of a column are finite" });
         }
-        let mut phases = run.state.phases.clone();
+        let mut phases = run.windows.state.phases.clone();
         phases.advance(run.h);
         let count = columns.len() / dim;
         let mut blocks = vec![vec![[[0.0; LANES]; 4]; chain.sites()]; count.div_ceil(LANES)];
@@ -122,21 +122,23 @@ impl<const S: usize> Tangent<S> {
     /// # Errors
     /// Not the window after the last one that was followed; or sweeps that do not settle (windows
     /// far too long), after which the columns are of no use.
-    pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<C, S>) -> Result<(), Error> {
+    pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
-        let (cuts, phases) = (run.control.goal(h).cuts, &run.state.phases);
-        let chain = &run.chain;
+        let (cuts, phases) = (run.control.goal(h).cuts, &run.windows.state.phases);
+        let chain = &run.windows.held.chain;
         let across = |block: &Block| {
             let of = |b| across(chain, b, block, phases);
             (0..chain.bonds()).map(of).collect()
         };
         let mut bonds: Vec<BondBlock<S>> = self.blocks.iter().map(across).collect();
-        let result = run.solver.differentiate(&run.links, h, &cuts, &mut bonds);
-        result.map_err(|(bond, residual)| Error::NoContraction { t: run.state.t.value(), h, bond, residual })?;
+        let Section { held, solver, .. } = &run.windows;
+        let solver = solver.as_ref().expect("a window was solved");
+        let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
+        result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
             advance(chain, left, block, h, phases);
         }
@@ -151,9 +153,9 @@ impl<const S: usize> Tangent<S> {
     ///
     /// # Errors
     /// A run of another chain.
-    pub fn matrix<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<Vec<f64>, Error> {
+    pub fn matrix<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<Vec<f64>, Error> {
         self.check(run)?;
-        let chain = &run.chain;
+        let chain = &run.windows.held.chain;
         let mut columns = vec![0.0; self.columns * self.dim];
         for (c, column) in columns.chunks_exact_mut(self.dim).enumerate() {
             for (i, site) in self.blocks[c / LANES].iter().enumerate() {
@@ -169,8 +171,8 @@ impl<const S: usize> Tangent<S> {
         self.columns
     }
 
-    fn check<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
-        if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.chain.sites()) {
+    fn check<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
+        if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.windows.held.chain.sites()) {
             return Ok(());
         }
         Err(argument("dim", run.dim(), "columns follow the run that they were made for"))

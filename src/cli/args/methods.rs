@@ -69,17 +69,17 @@ pub(crate) struct RunArgs {
     /// and what failures say. Momenta are in kg m/s. Names of fields and columns stay.
     #[arg(long, conflicts_with = "plan", hide_short_help = true)]
     pub(crate) si: bool,
-    /// Threads that move parts of the chain [default: 1].
+    /// Threads that move parts of the chain [default: 1; by collocation as many as there are].
     ///
-    /// For splitting schemes on long chains: each thread moves neighbouring sites, and the bits are
-    /// those of one. With --resume any number, whatever it was before.
+    /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites, and
+    /// the bits are those of one. With --resume any number, whatever it was before.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.
     ///
     /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part each,
-    /// for splitting schemes; rank 0 reads the scene, has the whole state, writes and prints, and the
-    /// bits are those of one process. Needs a build with the feature mpi.
+    /// for splitting schemes and collocation; rank 0 reads the scene, has the whole state, writes and
+    /// prints, and the bits are those of one process. Needs a build with the feature mpi.
     #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
     pub(crate) engine: String,
     /// Say what this scene needs and what is left out, and stop.
@@ -129,4 +129,5 @@ In legs that are kept, and gone on with:
 
 A long chain in parts:
   hertzchain run impact --set chain.sites=2000000 --integrator verlet --until 1 --threads 2
-  hertzchain run impact --set chain.sites=1000000000 --integrator verlet --plan --ranks 1024";
+  hertzchain run impact --set chain.sites=1000000000 --integrator verlet --plan --ranks 1024
+  hertzchain run impact --set chain.sites=2000000 --tol 1e-6 --until 1 --threads 2";

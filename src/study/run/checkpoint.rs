@@ -97,15 +97,22 @@ impl LongRun {
     /// A run of a scene in legs of length `interval`, not begun; `wording`: the setting in words.
     ///
     /// # Errors
-    /// An interval outside its rule; what [`Run::stepper`] refuses.
-    pub fn new(scene: Scene, method: Method, setting: Setting, wording: String, interval: f64) -> Result<Self> {
+    /// An interval outside its rule; what [`Run::in_parts`] and [`Run::stepper`] refuse.
+    pub fn new(
+        scene: Scene,
+        method: Method,
+        setting: Setting,
+        wording: String,
+        interval: f64,
+        parts: Parts,
+    ) -> Result<Self> {
         if !(interval.is_finite() && interval > 0.0) {
             return Err(Error::parameter("checkpoint", interval, "an interval of time, finite and positive"));
         }
         if scene.end() / interval > MOST_LEGS {
             return Err(Error::parameter("checkpoint", interval, "a run has at most 10^6 intervals"));
         }
-        let run = scene.run().method(method).setting(setting).records(Records::Profiles);
+        let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
         let kept = Kept::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
@@ -127,7 +134,7 @@ impl LongRun {
     /// # Errors
     /// A method that does not run in parts; more parts than sites.
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
-        self.method.takes(&parts)?;
+        self.method.takes(&parts, self.run.chain().topology())?;
         self.run = self.run.in_parts(parts)?;
         Ok(self)
     }

@@ -95,11 +95,11 @@ impl How {
     ///
     /// # Errors
     /// A closed form, which needs none; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
-                let long = LongRun::new(scene, method, setting, wording, interval)?;
+                let long = LongRun::new(scene, method, setting, wording, interval, parts)?;
                 Ok(if events { long.with_contacts() } else { long })
             }
             Self::ClosedForm(_) => {
@@ -117,7 +117,7 @@ impl How {
     pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                self.takes(parts)?;
+                self.takes(scene, parts)?;
                 let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
                 if parts.whole() {
                     run.stepper()?;
@@ -126,17 +126,17 @@ impl How {
                 let own = parts_plan(scene.file(), *method, parts.count())?;
                 Ok(scene.plan(events).into_iter().chain(own).collect())
             }
-            Self::ClosedForm(_) => self.takes(parts).map(|()| scene.plan_in_closed_form()),
+            Self::ClosedForm(_) => self.takes(scene, parts).map(|()| scene.plan_in_closed_form()),
         }
     }
 
     /// Refuses parts of what cannot run in them.
     ///
     /// # Errors
-    /// An exact solution, or a method that does not run in parts.
-    pub fn takes(&self, parts: &Parts) -> Result<()> {
+    /// An exact solution, or a method that does not run the scene in so many parts.
+    pub fn takes(&self, scene: &Scene, parts: &Parts) -> Result<()> {
         match self {
-            Self::Integrated(method, ..) => method.takes(parts),
+            Self::Integrated(method, ..) => method.takes(parts, scene.chain().topology()),
             Self::ClosedForm(_) if parts.whole() => Ok(()),
             Self::ClosedForm(_) => {
                 let rule = "an exact solution has no parts: name a splitting scheme, as --integrator strang-linear";

@@ -1,8 +1,9 @@
 //! What a run in parts needs, in words.
 
 use crate::{
+    chain::Topology,
     error::{Error, Result},
-    parts::{Demand, Parts},
+    parts::{Demand, Motion},
     run::Method,
     scene::{MOST_SITES, SceneFile},
 };
@@ -22,23 +23,41 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<
     if !(1..=chain.sites).contains(&parts) {
         return Err(Error::parameter("ranks", parts, "from 1 to the number of sites"));
     }
-    if parts > 1 && !method.divisible() {
-        method.takes(&Parts::Threads(parts))?;
-    }
-    let Demand { sites, ghosts, memory, whole, message, sample } =
-        Demand::new(chain.params(), chain.boundary, chain.sites, parts);
-    let (memory, whole) = (bytes(memory), bytes(whole));
+    let motion = method.motion()?;
+    motion.check("ranks", parts, Topology::new(chain.boundary, chain.sites))?;
+    let demand = Demand::new(chain.params(), chain.boundary, chain.sites, parts, motion);
+    let Demand { sites, ghosts, .. } = demand;
+    let [memory, whole, message, sample] = [demand.memory, demand.whole, demand.message, demand.sample].map(bytes);
+    let (of_bonds, panels) = match motion {
+        Motion::Kicks(_) => ("", ""),
+        Motion::Windows => (" bonds", " and the panels of a block"),
+    };
     let mut lines = vec![
-        format!("{} sites in {parts} parts: at most {sites} each, and {ghosts} of each neighbour", chain.sites),
-        format!("memory: {memory} a part, half of it for samples; the first besides three whole states, {whole}"),
+        format!(
+            "{} sites in {parts} parts: at most {sites} each, and {ghosts}{of_bonds} of each neighbour",
+            chain.sites
+        ),
+        format!(
+            "memory: {memory}{panels} a part, half of it for samples; the first besides three whole states, {whole}"
+        ),
     ];
     if parts > 1 {
-        let (steps, message, order) = (ghosts as f64 / method.stages() as f64, bytes(message), bytes(order(method)));
-        lines.push(format!(
-            "messages: every {ghosts} kicks ({steps:.4} steps) a part sends {message} to each neighbour; \
-             every {ORDERED} steps or oftener an order of {order} goes to all"
-        ));
-        let sample = bytes(sample);
+        lines.push(match motion {
+            Motion::Kicks(_) => {
+                let (steps, order) = (ghosts as f64 / method.stages() as f64, bytes(order(method)));
+                format!(
+                    "messages: every {ghosts} kicks ({steps:.4} steps) a part sends {message} to each neighbour; \
+                     every {ORDERED} steps or oftener an order of {order} goes to all"
+                )
+            }
+            Motion::Windows => {
+                let [order, verdict] = demand.window.map(bytes);
+                format!(
+                    "messages: every window an order of {order} goes to all; a part sends {message} to each \
+                     neighbour and {verdict} to the first"
+                )
+            }
+        });
         lines.push(format!("samples: each brings {sample} to the first part, which checks, counts and writes"));
     }
     if chain.sites > MOST_SITES {
@@ -83,6 +102,11 @@ mod tests {
             assert!(lines.contains(part), "{part}: {lines}");
         }
         assert_eq!(plan(&[], "verlet", 1).unwrap().len(), 2);
+        // Contact collocation: as many sites in whole blocks, 3815 of 256 bonds, and 13 bonds beside.
+        let lines = plan(&["chain.sites=1000000000"], "collocation", 1024).unwrap().join("\n");
+        for part in ["976640 each, and 13 bonds of each", "48.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
+            assert!(lines.contains(part), "{part}: {lines}");
+        }
     }
 
     #[test]
@@ -90,7 +114,8 @@ mod tests {
         let refused = |name, parts| plan(&[], name, parts).unwrap_err().to_string();
         assert_eq!(refused("verlet", 101), "ranks = 101 is not valid: from 1 to the number of sites");
         assert!(refused("verlet", 0).contains("ranks = 0"));
-        assert!(refused("collocation", 2).contains("only splitting schemes"));
+        assert!(refused("dop853", 2).contains("only splitting schemes"));
+        assert!(refused("collocation", 2).contains("ranks = 2 > 1"));
     }
 
     #[test]

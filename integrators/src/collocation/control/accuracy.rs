@@ -4,8 +4,7 @@ use super::{
     super::{
         goal::Goal,
         layout::Cuts,
-        sites::Site,
-        system::{ContactChain, Links},
+        system::{ContactChain, Links, Path},
     },
     Pace,
     nodes::analytic,
@@ -92,18 +91,18 @@ impl Contacts {
 impl Accuracy {
     pub(super) fn new<const S: usize, C: ContactChain<S>>(
         (chain, links): (&C, &Links<S>),
-        sites: &[Site],
+        start: &dyn Fn(usize) -> Path,
         pace: Pace,
         span: f64,
     ) -> Self {
         let mut size = 0.0f64;
-        for (i, site) in sites.iter().enumerate() {
-            let omega = chain.response(i).omega.value();
-            size = size.max(site.hi[1].abs() + omega * site.hi[2].hypot(site.hi[3]));
+        for i in 0..chain.sites() {
+            let ([_, v, c, s], omega) = (start(i), chain.response(i).omega.value());
+            size = size.max(v.abs() + omega * c.hypot(s));
         }
         for b in 0..chain.bonds() {
             let mut now = chain.rest(b);
-            for [r, _, c, _] in chain.across(b, |i| sites[i].hi) {
+            for [r, _, c, _] in chain.across(b, start) {
                 now = now + r + c;
             }
             if now > 0.0 {

@@ -2,8 +2,7 @@
 
 use super::super::{
     block::Verdict,
-    sites::Site,
-    system::{ContactChain, Links},
+    system::{ContactChain, Links, Path},
 };
 use super::nodes::MOST_HALVED;
 
@@ -55,10 +54,10 @@ struct Stiffness {
 impl Lengths {
     pub(super) fn new<const S: usize, C: ContactChain<S>>(
         (chain, links): (&C, &Links<S>),
-        sites: &[Site],
+        start: &dyn Fn(usize) -> Path,
         span: f64,
     ) -> Self {
-        let reach = sites.iter().fold(0.0f64, |far, site| far.max(site.hi[0].abs() + site.hi[2].hypot(site.hi[3])));
+        let reach = (0..chain.sites()).map(start).fold(0.0f64, |far, [r, _, c, s]| far.max(r.abs() + c.hypot(s)));
         let kinds = |all: usize| if S == 1 { 1 } else { all };
         let stiffness = |b: usize| links.link(b).stiffness(chain.rest(b) + 2.0 * reach) * links.link(b).lightest();
         let stiffness = (0..kinds(chain.bonds())).map(stiffness).fold(0.0, f64::max);

@@ -14,9 +14,8 @@ mod nodes;
 use super::{
     block::Verdict,
     goal::Goal,
-    sites::Site,
     solver::NODES,
-    system::{ContactChain, Links},
+    system::{ContactChain, Links, Path},
 };
 use crate::{clock::Twofold, error::Error};
 use accuracy::Accuracy;
@@ -86,13 +85,14 @@ fn rule(name: &'static str, value: f64, rule: &'static str) -> Error {
 }
 
 impl Control {
+    /// For a chain whose sites have the paths `start` at first.
     pub(crate) fn new<const S: usize, C: ContactChain<S>>(
         chain: (&C, &Links<S>),
-        sites: &[Site],
+        start: &dyn Fn(usize) -> Path,
         pace: Pace,
         span: Twofold<f64>,
     ) -> Result<Self, Error> {
-        let accuracy = Accuracy::new(chain, sites, pace, span.value());
+        let accuracy = Accuracy::new(chain, start, pace, span.value());
         let plan = match pace {
             Pace::Windows { windows, nodes, .. } => {
                 if windows == 0 {
@@ -108,7 +108,7 @@ impl Control {
                 if !(1e-15..=0.1).contains(&tol) {
                     return Err(rule("tol", tol, "from 1e-15 to 0.1"));
                 }
-                let lengths = Lengths::new(chain, sites, span.value());
+                let lengths = Lengths::new(chain, start, span.value());
                 let nodes = NodeChoice::new(tol, accuracy.contacts().analytic);
                 Plan::Adapted(Adapted { lengths, nodes, halved: 0.0 })
             }

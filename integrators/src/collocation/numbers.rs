@@ -1,0 +1,156 @@
+//! What the parts of a chain tell each other, as numbers.
+
+use super::{
+    block::{Left, Piece, Verdict},
+    bond::Contact,
+    goal::{Goal, Window},
+    layout::Cuts,
+};
+use crate::events::Curve;
+
+impl Window {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 15;
+
+    /// These numbers.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { h, nodes, log, goal } = *self;
+        let Goal { change, rounded, tail, slow, least_impulse, stiffest, cuts } = goal;
+        let Cuts { neighbours, merge, near, event_impulse, least_overlap, least_move_beside } = cuts;
+        let [nodes, log, neighbours] = [nodes as f64, f64::from(u8::from(log)), f64::from(u8::from(neighbours))];
+        let goal = [change, rounded, tail, slow, least_impulse, stiffest];
+        let cuts = [neighbours, merge, near, event_impulse, least_overlap, least_move_beside];
+        let mut numbers = [h; Self::NUMBERS];
+        let all = [nodes, log].into_iter().chain(goal).chain(cuts);
+        numbers[1..].iter_mut().zip(all).for_each(|(number, value)| *number = value);
+        numbers
+    }
+
+    /// The window of these numbers.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
+        let [h, nodes, log, change, rounded, tail, slow, least_impulse, stiffest, cuts @ ..] = *numbers;
+        let [neighbours, merge, near, event_impulse, least_overlap, least_move_beside] = cuts;
+        let neighbours = neighbours != 0.0;
+        let cuts = Cuts { neighbours, merge, near, event_impulse, least_overlap, least_move_beside };
+        let goal = Goal { change, rounded, tail, slow, least_impulse, stiffest, cuts };
+        Self { h, nodes: nodes as usize, log: log != 0.0, goal }
+    }
+}
+
+impl Verdict {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 8;
+
+    /// These numbers; counts are exact up to 2^53.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { sweeps, work, stiffness, tail, touching, halved, failure } = *self;
+        let (bond, residual) = failure.map_or((f64::NAN, 0.0), |(bond, residual)| (bond as f64, residual));
+        [sweeps as f64, work as f64, stiffness, tail, touching as f64, halved as f64, bond, residual]
+    }
+
+    /// The verdict of these numbers.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
+        let [sweeps, work, stiffness, tail, touching, halved, bond, residual] = *numbers;
+        let (sweeps, work) = (sweeps as u64, work as u64);
+        let failure = (!bond.is_nan()).then_some((bond as usize, residual));
+        Self { sweeps, work, stiffness, tail, touching: touching as usize, halved: halved as usize, failure }
+    }
+}
+
+impl<const S: usize> Left<S> {
+    /// How many numbers say all of it.
+    pub(crate) const NUMBERS: usize = 4 * S + 3;
+
+    /// Appends these numbers.
+    pub(crate) fn write(&self, numbers: &mut Vec<f64>) {
+        let contact = |ongoing: Contact| [ongoing.onset, ongoing.slopes[0], ongoing.slopes[1]];
+        numbers.extend(self.path.as_flattened());
+        numbers.extend(self.ongoing.map_or([f64::NAN; 3], contact));
+    }
+
+    /// What these numbers say.
+    pub(crate) fn of_numbers(numbers: &[f64]) -> Self {
+        let (paths, contact) = numbers.split_at(4 * S);
+        let mut left = Self::NONE;
+        left.path.as_flattened_mut().copy_from_slice(paths);
+        if let [onset, a, b] = *contact
+            && !onset.is_nan()
+        {
+            left.ongoing = Some(Contact::new(onset, f64::INFINITY, [a, b]));
+        }
+        left
+    }
+}
+
+impl Piece {
+    /// How many numbers say all of it.
+    pub const NUMBERS: usize = 6 + Curve::NUMBERS;
+
+    /// These numbers.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { bond, onset, release, impulse, curve } = *self;
+        let event = |event: Option<(f64, f64)>| event.unwrap_or((f64::NAN, f64::NAN));
+        let (onset, release) = (event(onset), event(release));
+        let head = [bond as f64, onset.0, onset.1, release.0, release.1, impulse];
+        let mut numbers = [0.0; Self::NUMBERS];
+        let (start, rest) = numbers.split_at_mut(head.len());
+        start.copy_from_slice(&head);
+        rest.copy_from_slice(&curve.map_or([0.0; Curve::NUMBERS], |curve| curve.numbers()));
+        numbers
+    }
+
+    /// The piece of these numbers.
+    pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
+        let [bond, onset, onset_rate, release, release_rate, impulse, ref curve @ ..] = *numbers;
+        let event = |t: f64, rate| (!t.is_nan()).then_some((t, rate));
+        let (onset, release) = (event(onset, onset_rate), event(release, release_rate));
+        Self { bond: bond as usize, onset, release, impulse, curve: Curve::of_numbers(curve) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_told_arrives_as_it_was() {
+        // Truth: all that the structures show of themselves.
+        fn same(a: impl std::fmt::Debug, b: impl std::fmt::Debug) {
+            assert_eq!(format!("{a:?}"), format!("{b:?}"));
+        }
+        let cuts = Cuts {
+            neighbours: true,
+            merge: 0.1,
+            near: 0.2,
+            event_impulse: 0.3,
+            least_overlap: 0.4,
+            least_move_beside: 0.5,
+        };
+        let goal = Goal {
+            change: 1.0,
+            rounded: 2.0,
+            tail: f64::INFINITY,
+            slow: 3.0,
+            least_impulse: 4.0,
+            stiffest: f64::INFINITY,
+            cuts,
+        };
+        let window = Window { h: 5.0, nodes: 6, log: true, goal };
+        same(window, Window::of_numbers(&window.numbers()));
+        let (sweeps, work) = (7, 1 << 52);
+        let verdict = Verdict { sweeps, work, stiffness: 0.1, tail: 0.2, touching: 8, halved: 9, failure: None };
+        let failed = Verdict { failure: Some((0, f64::INFINITY)), ..verdict };
+        [verdict, failed].into_iter().for_each(|verdict| same(verdict, Verdict::of_numbers(&verdict.numbers())));
+        let lasting = Contact::new(f64::NEG_INFINITY, f64::INFINITY, [0.1, -0.2]);
+        for ongoing in [None, Some(lasting)] {
+            let (left, mut numbers) =
+                (Left { path: [[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0]], ongoing, ..Left::NONE }, Vec::new());
+            left.write(&mut numbers);
+            same(left, Left::<2>::of_numbers(&numbers));
+        }
+        let curve = Curve::over((0.1, 0.7), [(0.0, 1.0), (0.3, 2.0), (1.0, 0.5)]);
+        let piece = Piece { bond: 3, onset: Some((0.1, 2.0)), release: None, impulse: 0.3, curve: Some(curve) };
+        let over = Piece { onset: None, release: Some((0.0, -1.0)), curve: None, ..piece };
+        [piece, over].into_iter().for_each(|piece| same(piece, Piece::of_numbers(&piece.numbers())));
+    }
+}

@@ -1,0 +1,268 @@
+//! The bonds of a chain that windows are solved for in one place: all of them, or a part.
+
+use super::{
+    Windows,
+    block::{ALONG, Left, OWN, Piece, Share, Start, Verdict},
+    bond::Contact,
+    goal::Window,
+    open::{Open, Signals},
+    sites::{Phases, Site, Sites},
+    solver::{self, Solver},
+    system::{ContactChain, Links, Path},
+};
+use crate::clock::Twofold;
+use crate::real::{Kernel, Real};
+use std::{ops::Range, sync::Arc};
+
+/// Length of the window that shows drives as they are when a run begins.
+const AT_ONCE: f64 = 1e-9;
+
+/// Bonds of a block. A part of a chain has whole blocks, counted from the first bond of the chain;
+/// the last may be shorter.
+pub const BLOCK: usize = OWN;
+/// Bonds at either end of a part that its neighbours are told of: those that their blocks take
+/// along, and one more, which pushes the outermost site of these.
+pub const EDGE: usize = ALONG + 1;
+
+/// The bonds of a chain that windows are solved for in one place, and their sites.
+///
+/// One that is a part of a longer chain has more bonds than its own. What those at its edges leave
+/// behind in a window it must be told by its neighbours, before it is moved over that window.
+pub struct Section<C, const S: usize = 1> {
+    pub(super) held: Arc<Held<C, S>>,
+    /// At the start of the last window.
+    pub(super) state: State<S>,
+    /// There is one once a window was solved.
+    pub(super) solver: Option<Box<dyn Solver<S>>>,
+    /// What the last window left behind, and its length.
+    left: Vec<Left<S>>,
+    h: f64,
+}
+
+/// What does not move.
+pub(super) struct Held<C, const S: usize> {
+    pub(super) chain: C,
+    pub(super) links: Links<S>,
+    recoil: Vec<f64>,
+    share: Share,
+    /// Most threads; as many as there are if not given.
+    threads: Option<usize>,
+}
+
+impl<C, const S: usize> Held<C, S> {
+    /// What is damped and driven, with what drives do in the window at hand.
+    fn open<'a>(&'a self, signals: &'a Signals) -> Option<(&'a Open, &'a Signals)> {
+        self.links.open.as_ref().map(|open| (open, signals))
+    }
+
+    /// The number of threads that blocks are solved on.
+    fn threads(&self) -> usize {
+        #[cfg(feature = "parallel")]
+        let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
+        #[cfg(not(feature = "parallel"))]
+        let threads = self.threads.unwrap_or(1);
+        self.share.blocks().min(threads).max(1)
+    }
+}
+
+/// What moves: sites, the contacts that bonds are in, and the time.
+#[derive(Clone)]
+pub(super) struct State<const S: usize> {
+    sites: Vec<Site>,
+    ongoing: Vec<Option<Contact>>,
+    pub(super) phases: Phases<S>,
+    t: Twofold<f64>,
+    /// What was dissipated and driven, see [`ContactChain::ledger`].
+    ledger: Site,
+    /// What drives do in the window at hand.
+    signals: Signals,
+}
+
+/// Moves sites over a window.
+struct Advance<'a, C, const S: usize> {
+    chain: &'a C,
+    sites: &'a mut [Site],
+    left: &'a [Left<S>],
+    h: f64,
+    phases: &'a Phases<S>,
+    open: Option<(&'a Open, &'a Signals)>,
+}
+
+impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { chain, sites, left, h, phases, open } = self;
+        for (i, site) in sites.iter_mut().enumerate() {
+            let mut push = chain.push(i, |b| left[b].path);
+            if S != 1
+                && let Some((open, signals)) = open
+            {
+                open.push(signals, i, &mut push);
+                if let Some(flow) = open.damped(i) {
+                    site.flow(&push, flow, h);
+                    continue;
+                }
+            }
+            if !(site.at_rest() && push == [0.0; 4]) {
+                site.advance(&push, h, phases.sin_cos(i));
+            }
+        }
+    }
+}
+
+impl<C: ContactChain<S>, const S: usize> Section<C, S> {
+    /// The whole of a chain, from the state `y0` at the time `t`; on at most so many threads.
+    pub(super) fn whole(chain: C, (y0, t): (&[f64], f64), threads: Option<usize>) -> Self {
+        let share = Share::whole(chain.bonds(), chain.ring());
+        let mut section = Self::at_rest(chain, share, threads);
+        (0..section.sites()).for_each(|i| section.set(i, section.held.chain.path(y0, i)));
+        section.state.t = Twofold::new(t);
+        section.state.ledger.take(&section.held.chain.ledger(y0, t));
+        section.begin();
+        section
+    }
+
+    /// A share of a chain, at rest; on at most so many threads. That of a part is of a `chain` that
+    /// has the sites of the bonds within its reach, and the bonds on both sides of each.
+    pub fn at_rest(chain: C, share: Share, threads: Option<usize>) -> Self {
+        let (links, bonds, phases) = (Links::of(&chain), chain.bonds(), Phases::new(&chain));
+        let recoil = (0..bonds).map(|b| links.recoil(&chain, b)).collect();
+        let state = State {
+            sites: vec![Site::default(); chain.sites()],
+            ongoing: vec![None; bonds],
+            phases,
+            t: Twofold::new(0.0),
+            ledger: Site::default(),
+            signals: Signals::default(),
+        };
+        let held = Arc::new(Held { chain, links, recoil, share, threads });
+        Self { held, state, solver: None, left: vec![Left::NONE; bonds], h: 0.0 }
+    }
+
+    /// Number of sites.
+    pub fn sites(&self) -> usize {
+        self.state.sites.len()
+    }
+
+    /// Sets the path of a site at the start of the run.
+    pub fn set(&mut self, site: usize, path: Path) {
+        self.state.sites[site] = Site { hi: path, lo: [0.0; 4] };
+    }
+
+    /// All sites are set: finds the contacts that are there when the run begins.
+    pub fn begin(&mut self) {
+        self.foresee(AT_ONCE, 0.0);
+        let (held, State { sites, phases, ongoing, signals, .. }) = (&self.held, &mut self.state);
+        let at_start = Sites { chain: &held.chain, sites, phases, open: held.open(signals) };
+        for b in held.share.reach() {
+            let (path, largest) = at_start.overlap(b, 0.0);
+            let known = at_start.known(b).map_or(0.0, |known| known.ends[0][0]);
+            let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known;
+            ongoing[b] = (overlap > held.chain.dead_band(largest)).then(Contact::from_the_start);
+        }
+    }
+
+    /// The free and the oscillating part of the position of a site, and their rates.
+    pub fn get(&self, site: usize) -> [f64; 4] {
+        let [r, v, c, s] = self.state.sites[site].path(self.state.phases.sin_cos(site));
+        [r, v, c, self.held.chain.response(site).omega.value() * s]
+    }
+
+    /// What contacts did in the last window, by bond, if that is logged.
+    pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.solver.iter().flat_map(|solver| solver.pieces())
+    }
+
+    /// Bytes that a bond and its site take: what moves, as much for samples, and its recoil.
+    pub const BYTES: usize =
+        2 * (size_of::<Site>() + size_of::<Option<Contact>>() + size_of::<Left<S>>()) + size_of::<f64>();
+    /// Numbers of an edge.
+    pub const EDGE_NUMBERS: usize = EDGE * Left::<S>::NUMBERS;
+
+    /// What the last window has left behind in the [`EDGE`] first or last own bonds, appended.
+    pub fn edge(&self, last: bool, numbers: &mut Vec<f64>) {
+        let Range { start, end } = self.held.share.own;
+        let edge = if last { end - EDGE..end } else { start..start + EDGE };
+        self.left[edge].iter().for_each(|left| left.write(numbers));
+    }
+
+    /// Takes what it has left behind in as many bonds before the first or behind the last own one.
+    pub fn take_edge(&mut self, behind: bool, numbers: &[f64]) {
+        let Range { start, end } = self.held.share.own;
+        let edge = if behind { end..end + EDGE } else { start - EDGE..start };
+        let bonds = numbers.chunks_exact(Left::<S>::NUMBERS);
+        self.left[edge].iter_mut().zip(bonds).for_each(|(left, numbers)| *left = Left::of_numbers(numbers));
+    }
+}
+
+impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
+    fn dim(&self) -> usize {
+        self.held.chain.dim()
+    }
+
+    fn longest(&self) -> [f64; 2] {
+        let open = self.held.links.open.as_ref();
+        open.map_or([f64::INFINITY; 2], |open| [open.until_break(self.state.t.value()), open.longest()])
+    }
+
+    fn foresee(&mut self, h: f64, tol: f64) -> f64 {
+        let Self { held, state: State { t, signals, .. }, .. } = self;
+        let open = held.links.open.as_ref();
+        open.map_or(f64::INFINITY, |open| open.window(&held.chain, (t.value(), h, tol), signals))
+    }
+
+    fn solve(&mut self, window: &Window) -> Verdict {
+        let Self { held, state: State { sites, ongoing, phases, signals, .. }, solver, left, h } = self;
+        let Held { chain, links, recoil, share, .. } = &**held;
+        if solver.as_ref().is_none_or(|solver| solver.nodes() != window.nodes) {
+            *solver = None;
+        }
+        let solver = solver.get_or_insert_with(|| solver::with_nodes(window.nodes, held.threads()));
+        let bonds = &Sites { chain, sites, phases, open: held.open(signals) };
+        let start = Start { links, bonds, ongoing, recoil, share };
+        *h = window.h;
+        solver.window(&start, window, &mut left[share.own.clone()])
+    }
+
+    fn advance(&mut self) {
+        let Self { held, state: State { sites, ongoing, phases, t, ledger, signals }, left, h, .. } = self;
+        let (chain, h, open) = (&held.chain, *h, held.open(signals));
+        if S != 1
+            && let Some((about, _)) = open
+        {
+            let bonds = &Sites { chain, sites, phases, open };
+            about.alone.iter().for_each(|&site| ledger.take(&bonds.gains_alone(h, site)));
+            left.iter().for_each(|left| ledger.take(&left.ledger));
+        }
+        f64::run(Advance { chain, sites, left, h, phases, open });
+        ongoing.iter_mut().zip(left).for_each(|(ongoing, left)| *ongoing = left.ongoing);
+        phases.advance(h);
+        *t = *t + Twofold::new(h);
+    }
+
+    fn duplicate(&self) -> Self {
+        let Self { held, state, left, h, .. } = self;
+        Self { held: held.clone(), state: state.clone(), solver: None, left: left.clone(), h: *h }
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.state.sites.copy_from_slice(&other.state.sites);
+        self.state.ongoing.copy_from_slice(&other.state.ongoing);
+        self.state.phases.copy_from(&other.state.phases);
+        (self.state.t, self.state.ledger) = (other.state.t, other.state.ledger);
+        self.state.signals.clone_from(&other.state.signals);
+        self.left.copy_from_slice(&other.left);
+        self.h = other.h;
+    }
+
+    fn store(&self, y: &mut [f64]) {
+        (0..self.sites()).for_each(|i| self.held.chain.place(self.get(i), i, y));
+        self.held.chain.complete(self.state.ledger.path((0.0, 1.0)), self.state.t.value(), y);
+    }
+
+    fn tell(&self, told: &mut dyn FnMut(&Piece)) {
+        self.pieces().for_each(told);
+    }
+}
