@@ -63,10 +63,11 @@ pub(crate) struct RunArgs {
     /// contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
-    /// Threads that move parts of the chain [default: 1; by collocation as many as there are].
+    /// Threads that move parts of the chain [default: 1].
     ///
     /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites, and
-    /// the bits are those of one. With --resume any number, whatever it was before.
+    /// the bits are those of one. Without it collocation takes all threads that there are. With
+    /// --resume any number, whatever it was before.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.
