@@ -69,10 +69,11 @@ pub(crate) struct RunArgs {
     /// and what failures say. Momenta are in kg m/s. Names of fields and columns stay.
     #[arg(long, conflicts_with = "plan", hide_short_help = true)]
     pub(crate) si: bool,
-    /// Threads that move parts of the chain [default: 1; by collocation as many as there are].
+    /// Threads that move parts of the chain [default: 1].
     ///
     /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites, and
-    /// the bits are those of one. With --resume any number, whatever it was before.
+    /// the bits are those of one. Without it collocation takes all threads that there are. With
+    /// --resume any number, whatever it was before.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.

@@ -288,7 +288,7 @@ impl LongRun {
         let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
-        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval);
+        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, Parts::Whole);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
         let run = Self { done: settings.legs, kept: kept(file, &settings, &new.scene)?, ..new };
