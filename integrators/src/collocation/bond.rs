@@ -44,6 +44,8 @@ impl Contact {
 #[derive(Clone, Debug)]
 pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) initial: Initial<S>,
+    /// What drives make of the overlap, besides its path.
+    pub(crate) known: Option<Known>,
     pub(crate) forecast: Forecast,
     pub(crate) contacts: Contacts,
     pub(crate) panels: Panels<M, S>,
@@ -65,8 +67,6 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) recoil: f64,
     /// The overlap along the linear path, as the sum of what its sides make.
     pub(crate) path: [Path; S],
-    /// What drives make of the overlap besides.
-    pub(crate) known: Option<Known>,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
     /// Overlap and its rate.
@@ -79,14 +79,7 @@ pub(crate) struct Initial<const S: usize> {
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
-        let (path, overlap, force) = ([[0.0; 4]; S], [0.0; 2], [0.0; 2]);
-        Self { bond: 0, recoil: 0.0, path, known: None, band: 0.0, overlap, force, ongoing: None }
-    }
-
-    /// What drives make of the overlap. Where sites are alike there are none, for the compiler too.
-    #[inline(always)]
-    pub(super) fn known(&self) -> Option<&Known> {
-        if S == 1 { None } else { self.known.as_ref() }
+        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None }
     }
 
     /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
@@ -158,6 +151,12 @@ pub(crate) struct Pending {
     pub(crate) sweep: bool,
     /// Newton's method found events that contradict the contacts: these must be searched for again.
     pub(crate) search: bool,
+}
+
+/// What drives make of an overlap. Where sites are alike there are none, for the compiler too.
+#[inline(always)]
+pub(super) fn known<const S: usize>(known: &Option<Known>) -> Option<&Known> {
+    if S == 1 { None } else { known.as_ref() }
 }
 
 /// A neighbour that may not be there.
@@ -247,6 +246,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         };
         Self {
             initial: Initial::none(),
+            known: None,
             forecast: Forecast::default(),
             contacts,
             panels: Panels::new(),
@@ -264,7 +264,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         ongoing: Option<Contact>,
         (bond, recoil): (usize, f64),
     ) {
-        let (Free { path, known, band }, link) = (free, frame.link);
+        let (Free { path, band }, link) = (free, frame.link);
         let mut overlap = [path[0][0], path[0][1]];
         for side in 1..S {
             overlap[1] += path[side][1];
@@ -273,7 +273,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             overlap[0] += path[side][2];
             overlap[1] += link.sides[side].omega * path[side][3];
         }
-        if let Some(known) = &known {
+        if let Some(known) = known::<S>(&self.known) {
             for k in 0..2 {
                 overlap[k] += known.ends[0][k];
             }
@@ -285,7 +285,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, known, band, overlap, force, ongoing };
+        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing };
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
@@ -312,7 +312,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             swing += size;
             swings += kernel.omega * size;
         }
-        if let Some(known) = self.initial.known() {
+        if let Some(known) = known::<S>(&self.known) {
             let [far, fast] = known.reach();
             (swing, swings) = (swing + far, swings + fast);
         }
@@ -360,7 +360,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
                 g[j] = panel.times().along(&path, j) + driven;
             }
-            panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
+            panel.besides(frame.link.lags, self.known.is_some(), &path, &mut g);
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
@@ -436,7 +436,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 for j in 0..M {
                     g[j] += panel.times().along(&path, j);
                 }
-                panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
+                panel.besides(frame.link.lags, self.known.is_some(), &path, &mut g);
                 let force = frame.link.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {

@@ -3,7 +3,7 @@
 
 use super::{
     block::Piece,
-    bond::{Beside, Bond, Contact, Contacts, Initial, ramps},
+    bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     known::Known,
     panel::{Frame, Times, sin_cos},
@@ -201,8 +201,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
         let drive = &self.drive(beside);
-        let known = self.initial.known().copied();
-        let course = (&path, known.as_ref());
+        let course = (&path, known::<S>(&self.known));
         let end = predicted_at(frame, course, drive, h, turn);
         let rate = self.predicted_rate(frame, drive, turn);
         self.forecast.at_end = end;
@@ -289,7 +288,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             second += by;
             fourth += square * by;
         }
-        if let Some(known) = self.initial.known() {
+        if let Some(known) = known::<S>(&self.known) {
             second += known.bends[0];
             fourth += known.bends[1];
         }
@@ -307,7 +306,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 None => omega * omega * (c.abs() + s.abs()),
             };
         }
-        self.initial.known().map_or(linear, |known| linear + known.bends[0])
+        known::<S>(&self.known).map_or(linear, |known| linear + known.bends[0])
     }
 
     /// The rate of the predicted overlap at the end of the window.
@@ -319,7 +318,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate += path[1];
         }
         for side in 0..S {
-            let (path, kernel, Turned { sin, cos, lag }) = (&self.initial.path[side], &frame.link.sides[side], turn[side]);
+            let (path, kernel, Turned { sin, cos, lag }) =
+                (&self.initial.path[side], &frame.link.sides[side], turn[side]);
             if let Some(flow) = frame.link.flow(side) {
                 let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
                 rate += v * (h + lag) + (c * cos + s * sin);
@@ -335,19 +335,19 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate += kernel.omega * (path[3] * cos - path[2] * sin);
             rate = rate + drive[side][0] * k1 + drive[side][1] * k2;
         }
-        self.initial.known().map_or(rate, |known| rate + known.ends[1][1])
+        known::<S>(&self.known).map_or(rate, |known| rate + known.ends[1][1])
     }
 
     /// Searches the prediction.
     #[inline(never)]
     fn look(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, end: (f64, f64)) -> bool {
-        let (path, known, linear) = (self.initial.path, self.initial.known().copied(), self.linear(frame));
+        let (path, given, linear) = (self.initial.path, self.known, self.linear(frame));
         let driven = |t: f64| {
             let by = |side: usize| frame.link.weight(side) * (drive[side][0].abs() + drive[side][1].abs() * t);
             (1..S).fold(by(0), |sum, side| sum + by(side))
         };
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
-        let g = |t| predicted(frame, (&path, known.as_ref()), drive, t);
+        let g = |t| predicted(frame, (&path, known::<S>(&given)), drive, t);
         let found = self.search(frame.h, frame.cuts.least_overlap.max(rounding), |t| linear + driven(t), g);
         if self.contacts.found.last().is_some_and(|contact| contact.release > frame.h) {
             self.look_ahead(frame, drive, end);
@@ -358,7 +358,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Estimates when a contact that outlasts the window will end.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
-        let (h, course) = (frame.h, (&self.initial.path, self.initial.known()));
+        let (h, course) = (frame.h, (&self.initial.path, known::<S>(&self.known)));
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
         }
@@ -387,11 +387,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// differ from those assumed; `None` if there are too many to be sure.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
-        let known = self.initial.known().copied();
+        let given = self.known;
         let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let g = |t: f64| overlap_at((&path, known.as_ref()), (&panels, own), frame, beside, t);
+        let g = |t: f64| overlap_at((&path, known::<S>(&given)), (&panels, own), frame, beside, t);
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
         let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
@@ -486,7 +486,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                     path[side][i] -= own * left[side][i];
                 }
             }
-            let g = |t: f64| driven_at((&path, self.initial.known()), frame, beside, t);
+            let g = |t: f64| driven_at((&path, known::<S>(&self.known)), frame, beside, t);
             // dg/dt of the parabola through three points nearby.
             let speed = |t: f64| {
                 let near = SPEED_STEP * frame.h;

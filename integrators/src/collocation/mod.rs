@@ -152,7 +152,7 @@ use block::{Left, Start};
 use bond::Contact;
 use control::Control;
 use open::{Open, Window};
-use sites::{Phases, Site, Sites};
+use sites::{Bonds, Phases, Site, Sites};
 use solver::Solver;
 use system::Links;
 
@@ -199,8 +199,8 @@ impl<const S: usize> State<S> {
         Sites { chain, sites: &self.sites, phases: &self.phases, open }
     }
 
-    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if this
-    /// is not resolved to a tolerance, else infinity.
+    /// Looks at what drives do in a window of length `h`. Returns the length of a shorter one if
+    /// this is not resolved to a tolerance, else infinity.
     fn foresee<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, (h, tol): (f64, f64)) -> f64 {
         let at = (self.t.value(), h, tol);
         links.open.as_ref().map_or(f64::INFINITY, |open| open.window(chain, at, &mut self.window))
@@ -209,13 +209,7 @@ impl<const S: usize> State<S> {
     /// Over a window of length `h`, with what bonds have left behind in it.
     fn advance<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, left: &[Left<S>], h: f64) {
         if const { S != 1 } {
-            if let Some(open) = &links.open {
-                for &site in &open.alone {
-                    let gains = self.bonds(chain, links).gains_alone(h, site);
-                    self.ledger.take(&gains);
-                }
-                left.iter().for_each(|left| self.ledger.take(&left.ledger));
-            }
+            self.keep_ledger(chain, links, left, h);
         }
         let Self { sites, phases, window, .. } = self;
         let open = links.open.as_ref().map(|open| (open, &*window));
@@ -225,6 +219,16 @@ impl<const S: usize> State<S> {
         }
         self.phases.advance(h);
         self.t = self.t + Twofold::new(h);
+    }
+
+    /// Adds what the ledger gains over a window.
+    fn keep_ledger<C: ContactChain<S>>(&mut self, chain: &C, links: &Links<S>, left: &[Left<S>], h: f64) {
+        let Some(open) = &links.open else { return };
+        for &site in &open.alone {
+            let gains = open.gains::<4, S>(&self.bonds(chain, links), h, site, [None; 2]);
+            self.ledger.take(&gains);
+        }
+        left.iter().for_each(|left| self.ledger.take(&left.ledger));
     }
 
     fn store<C: ContactChain<S>>(&self, chain: &C, y: &mut [f64]) {

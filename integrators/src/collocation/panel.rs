@@ -84,6 +84,8 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     /// sites are damped what stands for them, see [`Flow`](super::flow::Flow).
     pub(crate) tau: [f64; M],
     pub(crate) lag: [[f64; M]; S],
+    /// Whether a lag of it was ever not zero.
+    lags: bool,
     pub(crate) cos: [[f64; M]; S],
     pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
@@ -201,6 +203,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             per_half: 0.0,
             tau: zeros,
             lag: [zeros; S],
+            lags: false,
             cos: [zeros; S],
             sin: [zeros; S],
             rate: zeros,
@@ -228,6 +231,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         for view in &mut self.views {
             view.version = 0;
         }
+    }
+
+    /// Whether its variable is not the time.
+    pub(crate) fn singular(&self) -> bool {
+        self.q > 1
     }
 
     /// The nodes.
@@ -281,9 +289,10 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             let omega = frame.link.sides[side].omega;
             if let Some(flow) = frame.link.flow(side) {
                 [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
+                self.lags = true;
                 continue;
             }
-            if S != 1 {
+            if S != 1 && self.lags {
                 self.lag[side] = [0.0; M];
             }
             if omega != 0.0 {
@@ -383,6 +392,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     #[inline(always)]
     pub(crate) fn force_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [f64; L] {
         value(&product(&rule.series, &self.force), &self.variable(t))
+    }
+
+    /// `int f v dt` with a smooth function `v` of the time.
+    pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> f64 {
+        (0..M).map(|j| rule.weights[j] * self.rate[j] * self.force[j] * v(self.tau[j])).sum()
     }
 
     /// `int f dt`.
