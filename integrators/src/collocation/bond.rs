@@ -190,10 +190,6 @@ pub(super) fn ramps<const M: usize, const S: usize>(
     t: f64,
     Turned { sin, cos, .. }: Turned,
 ) -> (f64, f64) {
-    if let Some(flow) = frame.link.flow(side) {
-        let [_, k2, k3] = flow.ramps(t);
-        return (k2, k3);
-    }
     let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));
     if kernel.omega * frame.h < 1e-3 {

@@ -2,7 +2,7 @@
 //! again in what the sweeps found.
 
 use super::{
-    block::Piece,
+    block::{Piece, apart},
     bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     known::Known,
@@ -10,6 +10,7 @@ use super::{
     panels::{Panels, Shared},
     system::Path,
 };
+use crate::real::Kernel;
 
 /// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
 /// release is too far to be felt.
@@ -48,14 +49,35 @@ pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f
     let mut turn = [Turned::NONE; S];
     for side in 0..S {
         let omega = frame.link.sides[side].omega;
-        if let Some(flow) = frame.link.flow(side) {
-            let [[lag], [cos], [sin]] = flow.position(&[t]);
-            turn[side] = Turned { sin, cos, lag };
-        } else if omega != 0.0 {
+        if omega != 0.0 {
             (turn[side].sin, turn[side].cos) = sin_cos(omega * t);
         }
     }
+    if frame.link.damped() {
+        apart(TurnDamped { frame, t, turn: &mut turn });
+    }
     turn
+}
+
+/// Replaces what [`turn`] finds on sides whose sites are damped.
+struct TurnDamped<'a, const M: usize, const S: usize> {
+    frame: &'a Frame<'a, M, S>,
+    t: f64,
+    turn: &'a mut Turn<S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for side in 0..S {
+            if let Some(flow) = self.frame.link.flow(side) {
+                let [[lag], [cos], [sin]] = flow.position(&[self.t]);
+                self.turn[side] = Turned { sin, cos, lag };
+            }
+        }
+    }
 }
 
 /// An overlap without contact forces at a time.
@@ -89,11 +111,33 @@ fn predicted_at<const M: usize, const S: usize>(
     turn: &Turn<S>,
 ) -> f64 {
     let mut overlap = along(course, t, turn);
+    if frame.link.damped() {
+        return overlap + ramped_damped(frame, drive, t, turn);
+    }
     for side in 0..S {
         let (k2, k3) = ramps(frame, side, t, turn[side]);
         overlap = overlap + drive[side][0] * k2 + drive[side][1] * k3;
     }
     overlap
+}
+
+/// What extrapolated forces add to an overlap where a site is damped.
+#[inline(never)]
+fn ramped_damped<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    drive: &Drive<S>,
+    t: f64,
+    turn: &Turn<S>,
+) -> f64 {
+    let mut sum = 0.0;
+    for side in 0..S {
+        let (k2, k3) = match frame.link.flow(side) {
+            Some(flow) => (flow.ramps(t)[1], flow.ramps(t)[2]),
+            None => ramps(frame, side, t, turn[side]),
+        };
+        sum += drive[side][0] * k2 + drive[side][1] * k3;
+    }
+    sum
 }
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
@@ -272,17 +316,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     fn bounds(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
         let (mut second, mut fourth) = (0.0, 0.0);
+        if frame.link.damped() {
+            return self.bounds_damped(frame, drive);
+        }
         for side in 0..S {
             let [_, _, c, s] = self.initial.path[side];
             let (omega, weight) = (frame.link.sides[side].omega, frame.link.weight(side));
             let square = omega * omega;
-            if let Some(flow) = frame.link.flow(side) {
-                let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
-                let [k2, k3] = flow.bends(frame.h);
-                second += flow.bend(path, frame.h) + weight * (d0 + d1 * frame.h);
-                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
-                continue;
-            }
             let by =
                 square * (c.abs() + s.abs()) + weight * drive[side][0].abs() + weight * drive[side][1].abs() * frame.h;
             second += by;
@@ -291,6 +331,26 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if let Some(known) = known::<S>(&self.known) {
             second += known.bends[0];
             fourth += known.bends[1];
+        }
+        (second, fourth)
+    }
+
+    /// The same where a site is damped.
+    #[inline(never)]
+    fn bounds_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
+        let [mut second, mut fourth] = known::<S>(&self.known).map_or([0.0; 2], |known| known.bends);
+        for side in 0..S {
+            let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
+            let by_forces = frame.link.weight(side) * (d0 + d1 * frame.h);
+            if let Some(flow) = frame.link.flow(side) {
+                let [k2, k3] = flow.bends(frame.h);
+                second += flow.bend(path, frame.h) + by_forces;
+                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
+            } else {
+                let square = frame.link.sides[side].omega.powi(2);
+                let by = square * (path[2].abs() + path[3].abs()) + by_forces;
+                (second, fourth) = (second + by, fourth + square * by);
+            }
         }
         (second, fourth)
     }
@@ -317,15 +377,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for path in &self.initial.path {
             rate += path[1];
         }
+        if frame.link.damped() {
+            return rate + self.rate_damped(frame, drive, turn);
+        }
         for side in 0..S {
-            let (path, kernel, Turned { sin, cos, lag }) =
+            let (path, kernel, Turned { sin, cos, .. }) =
                 (&self.initial.path[side], &frame.link.sides[side], turn[side]);
-            if let Some(flow) = frame.link.flow(side) {
-                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
-                rate += v * (h + lag) + (c * cos + s * sin);
-                rate += drive[side][0] * k1 + drive[side][1] * k2;
-                continue;
-            }
             let k1 = if kernel.omega == 0.0 {
                 frame.link.weight(side) * h
             } else {
@@ -336,6 +393,25 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate = rate + drive[side][0] * k1 + drive[side][1] * k2;
         }
         known::<S>(&self.known).map_or(rate, |known| rate + known.ends[1][1])
+    }
+
+    /// What it has besides free motions where a site is damped.
+    #[inline(never)]
+    fn rate_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
+        let (h, mut rate) = (frame.h, known::<S>(&self.known).map_or(0.0, |known| known.ends[1][1]));
+        for side in 0..S {
+            let (path, kernel, [d0, d1]) = (&self.initial.path[side], &frame.link.sides[side], drive[side]);
+            let Turned { sin, cos, lag } = turn[side];
+            if let Some(flow) = frame.link.flow(side) {
+                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
+                rate += v * (h + lag) + (c * cos + s * sin) + d0 * k1 + d1 * k2;
+            } else {
+                let swing = if kernel.omega == 0.0 { kernel.mu * h } else { kernel.mu * sin / kernel.omega };
+                let (k2, _) = ramps(frame, side, h, turn[side]);
+                rate += kernel.omega * (path[3] * cos - path[2] * sin) + d0 * (kernel.m * h + swing) + d1 * k2;
+            }
+        }
+        rate
     }
 
     /// Searches the prediction.

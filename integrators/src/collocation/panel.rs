@@ -8,12 +8,13 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
 use super::{
+    block::apart,
     flow::Flow,
     layout::Cuts,
     rule::Rule,
     system::{Link, Links, Path},
 };
-use crate::events::Curve;
+use crate::{events::Curve, real::Kernel};
 
 /// What all bonds share in a window.
 #[derive(Clone, Copy, Debug)]
@@ -287,11 +288,6 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
         for side in 0..S {
             let omega = frame.link.sides[side].omega;
-            if let Some(flow) = frame.link.flow(side) {
-                [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
-                self.lags = true;
-                continue;
-            }
             if S != 1 && self.lags {
                 self.lag[side] = [0.0; M];
             }
@@ -306,18 +302,18 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         for side in 0..S {
             self.weigh(frame, side);
         }
+        if frame.link.damped() {
+            apart(PlaceDamped { panel: self, frame });
+        }
     }
 
     /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
     /// the weights of the integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M, S>, side: usize) {
-        let rule = frame.rule;
-        if let Some(flow) = frame.link.flow(side) {
-            return self.weigh_damped(rule, flow, side);
-        }
         let Self { tau, rate, left, .. } = self;
         let (cos, sin, reaction) = (&self.cos[side], &self.sin[side], &mut self.reaction[side]);
+        let rule = frame.rule;
         let (m, mu) = (frame.link.sides[side].m, frame.link.sides[side].mu_per_omega);
         for k in 0..M {
             let rate = rate[k];
@@ -336,9 +332,12 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// The same on a side whose site is damped.
+    /// Replaces what [`place`](Self::place) and [`weigh`](Self::weigh) do on a side whose site is
+    /// damped.
     #[inline(always)]
-    fn weigh_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+    fn place_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+        [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
+        self.lags = true;
         let answer = flow.answer(&self.tau);
         for k in 0..M {
             let (mut path, mut kernel) = ([0.0; 4], [0.0; M]);
@@ -464,6 +463,25 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             }
         }
         even
+    }
+}
+
+/// See [`Panel::place_damped`].
+struct PlaceDamped<'a, const M: usize, const S: usize> {
+    panel: &'a mut Panel<M, S>,
+    frame: &'a Frame<'a, M, S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for PlaceDamped<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for side in 0..S {
+            if let Some(flow) = self.frame.link.flow(side) {
+                self.panel.place_damped(self.frame.rule, flow, side);
+            }
+        }
     }
 }
 
