@@ -356,7 +356,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
                 g[j] = panel.times().along(&path, j) + driven;
             }
-            panel.besides(frame.link.lags, self.known.is_some(), &path, &mut g);
+            if S != 1 && (frame.link.lags || self.known.is_some()) {
+                g = panel.besides(self.known.is_some(), path, g);
+            }
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
@@ -432,7 +434,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 for j in 0..M {
                     g[j] += panel.times().along(&path, j);
                 }
-                panel.besides(frame.link.lags, self.known.is_some(), &path, &mut g);
+                if S != 1 && (frame.link.lags || self.known.is_some()) {
+                    g = panel.besides(self.known.is_some(), path, g);
+                }
                 let force = frame.link.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {

@@ -245,22 +245,19 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         Times { tau: &self.tau, lag: &self.lag, cos: &self.cos, sin: &self.sin }
     }
 
-    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do.
-    #[inline(always)]
-    pub(super) fn besides(&self, lags: bool, known: bool, path: &[Path; S], out: &mut [f64; M]) {
-        if S == 1 {
-            return;
-        }
-        if lags {
-            for j in 0..M {
-                out[j] += self.times().lagging(path, j);
-            }
+    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do. Not
+    /// inlined, and by value, so that other bonds keep their overlaps in registers.
+    #[inline(never)]
+    pub(super) fn besides(&self, known: bool, path: [Path; S], mut overlap: [f64; M]) -> [f64; M] {
+        for j in 0..M {
+            overlap[j] += self.times().lagging(&path, j);
         }
         if known {
             for j in 0..M {
-                out[j] += self.known[j];
+                overlap[j] += self.known[j];
             }
         }
+        overlap
     }
 
     /// Places the nodes.
