@@ -212,6 +212,9 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let bonds = &mut self.bonds[..len];
         let mut b = first;
         for bond in bonds.iter_mut() {
+            if S != 1 && links.open.is_some() {
+                bond.known = start.bonds.known(b);
+            }
             bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.recoil[b]));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
@@ -243,12 +246,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
         if const { S != 1 } {
-            if let Some(open) = links.open.as_ref().filter(|_| verdict.failure.is_none()) {
-                for (left, i) in left.iter_mut().zip(mine.clone()) {
-                    let next = beside(i, len, ring)[1].map(|i| &bonds[i].panels);
-                    left.ledger = open.gains_beside((start.bonds, frames.h), &bonds[i], next);
-                }
-            }
+            keep_ledger(start, frames.h, (&*bonds, mine.start, ring), left);
         }
         if log && verdict.failure.is_none() {
             for i in mine {
@@ -260,6 +258,20 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             }
         }
         verdict
+    }
+}
+
+/// Writes what the ledger gains, of bonds from `first` on among those of a block.
+fn keep_ledger<const M: usize, const S: usize>(
+    start: &Start<S>,
+    h: f64,
+    (bonds, first, ring): (&[Bond<M, S>], usize, bool),
+    left: &mut [Left<S>],
+) {
+    let Some(open) = &start.links.open else { return };
+    for (i, left) in (first..).zip(left) {
+        let next = beside(i, bonds.len(), ring)[1].map(|i| &bonds[i].panels);
+        left.ledger = open.gains_beside((start.bonds, h), &bonds[i], next);
     }
 }
 

@@ -44,6 +44,8 @@ impl Contact {
 #[derive(Clone, Debug)]
 pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) initial: Initial<S>,
+    /// What drives make of the overlap, besides its path.
+    pub(crate) known: Option<Known>,
     pub(crate) forecast: Forecast,
     pub(crate) contacts: Contacts,
     pub(crate) panels: Panels<M, S>,
@@ -65,8 +67,6 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) recoil: f64,
     /// The overlap along the linear path, as the sum of what its sides make.
     pub(crate) path: [Path; S],
-    /// What drives make of the overlap besides.
-    pub(crate) known: Option<Known>,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
     /// Overlap and its rate.
@@ -79,14 +79,7 @@ pub(crate) struct Initial<const S: usize> {
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
-        let (path, overlap, force) = ([[0.0; 4]; S], [0.0; 2], [0.0; 2]);
-        Self { bond: 0, recoil: 0.0, path, known: None, band: 0.0, overlap, force, ongoing: None }
-    }
-
-    /// What drives make of the overlap. Where sites are alike there are none, for the compiler too.
-    #[inline(always)]
-    pub(super) fn known(&self) -> Option<&Known> {
-        if S == 1 { None } else { self.known.as_ref() }
+        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None }
     }
 
     /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
@@ -160,6 +153,12 @@ pub(crate) struct Pending {
     pub(crate) search: bool,
 }
 
+/// What drives make of an overlap. Where sites are alike there are none, for the compiler too.
+#[inline(always)]
+pub(super) fn known<const S: usize>(known: &Option<Known>) -> Option<&Known> {
+    if S == 1 { None } else { known.as_ref() }
+}
+
 /// A neighbour that may not be there.
 pub(crate) type Beside<'a, const M: usize, const S: usize> = Option<&'a Bond<M, S>>;
 
@@ -191,10 +190,6 @@ pub(super) fn ramps<const M: usize, const S: usize>(
     t: f64,
     Turned { sin, cos, .. }: Turned,
 ) -> (f64, f64) {
-    if let Some(flow) = frame.link.flow(side) {
-        let [_, k2, k3] = flow.ramps(t);
-        return (k2, k3);
-    }
     let (kernel, weight) = (&frame.link.sides[side], frame.link.weight(side));
     let (free2, free3) = (0.5 * t * t, t * t * t * (1.0 / 6.0));
     if kernel.omega * frame.h < 1e-3 {
@@ -247,6 +242,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         };
         Self {
             initial: Initial::none(),
+            known: None,
             forecast: Forecast::default(),
             contacts,
             panels: Panels::new(),
@@ -264,7 +260,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         ongoing: Option<Contact>,
         (bond, recoil): (usize, f64),
     ) {
-        let (Free { path, known, band }, link) = (free, frame.link);
+        let (Free { path, band }, link) = (free, frame.link);
         let mut overlap = [path[0][0], path[0][1]];
         for side in 1..S {
             overlap[1] += path[side][1];
@@ -273,7 +269,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             overlap[0] += path[side][2];
             overlap[1] += link.sides[side].omega * path[side][3];
         }
-        if let Some(known) = &known {
+        if let Some(known) = known::<S>(&self.known) {
             for k in 0..2 {
                 overlap[k] += known.ends[0][k];
             }
@@ -285,7 +281,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, known, band, overlap, force, ongoing };
+        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing };
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
@@ -312,7 +308,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             swing += size;
             swings += kernel.omega * size;
         }
-        if let Some(known) = self.initial.known() {
+        if let Some(known) = known::<S>(&self.known) {
             let [far, fast] = known.reach();
             (swing, swings) = (swing + far, swings + fast);
         }
@@ -360,7 +356,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 let driven = (t * t) * t.mul_add(t.mul_add(c, b), a);
                 g[j] = panel.times().along(&path, j) + driven;
             }
-            panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
+            if S != 1 && (frame.link.lags || self.known.is_some()) {
+                g = panel.besides(self.known.is_some(), path, g);
+            }
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
@@ -436,7 +434,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 for j in 0..M {
                     g[j] += panel.times().along(&path, j);
                 }
-                panel.besides(frame.link.lags, self.initial.known().is_some(), &path, &mut g);
+                if S != 1 && (frame.link.lags || self.known.is_some()) {
+                    g = panel.besides(self.known.is_some(), path, g);
+                }
                 let force = frame.link.forces(&g);
                 let mut by = [0.0; M];
                 for j in 0..M {

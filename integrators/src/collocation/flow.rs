@@ -304,8 +304,8 @@ mod tests {
 
     #[test]
     fn answers_and_motions_belong_together() {
-        // Truth: K(t - s) = e exp(A t) exp(-A s) b; motions over two times are those over their sum;
-        // integrals of K by the rule of Gauss.
+        // Truth: K(t - s) = e exp(A t) exp(-A s) b; motions over two times are those over their
+        // sum; integrals of K by the rule of Gauss.
         let site = flow(0.6, 0.5, 1.7, [0.8, 0.3]);
         let (t, s) = (0.45, 0.17);
         let answer = site.answer(&[s]).map(|x| x[0]);

@@ -2,14 +2,15 @@
 //! again in what the sweeps found.
 
 use super::{
-    block::Piece,
-    bond::{Beside, Bond, Contact, Contacts, Initial, ramps},
+    block::{Piece, apart},
+    bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     known::Known,
     panel::{Frame, Times, sin_cos},
     panels::{Panels, Shared},
     system::Path,
 };
+use crate::real::Kernel;
 
 /// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
 /// release is too far to be felt.
@@ -48,14 +49,35 @@ pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f
     let mut turn = [Turned::NONE; S];
     for side in 0..S {
         let omega = frame.link.sides[side].omega;
-        if let Some(flow) = frame.link.flow(side) {
-            let [[lag], [cos], [sin]] = flow.position(&[t]);
-            turn[side] = Turned { sin, cos, lag };
-        } else if omega != 0.0 {
+        if omega != 0.0 {
             (turn[side].sin, turn[side].cos) = sin_cos(omega * t);
         }
     }
+    if frame.link.damped() {
+        apart(TurnDamped { frame, t, turn: &mut turn });
+    }
     turn
+}
+
+/// Replaces what [`turn`] finds on sides whose sites are damped.
+struct TurnDamped<'a, const M: usize, const S: usize> {
+    frame: &'a Frame<'a, M, S>,
+    t: f64,
+    turn: &'a mut Turn<S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for side in 0..S {
+            if let Some(flow) = self.frame.link.flow(side) {
+                let [[lag], [cos], [sin]] = flow.position(&[self.t]);
+                self.turn[side] = Turned { sin, cos, lag };
+            }
+        }
+    }
 }
 
 /// An overlap without contact forces at a time.
@@ -89,11 +111,33 @@ fn predicted_at<const M: usize, const S: usize>(
     turn: &Turn<S>,
 ) -> f64 {
     let mut overlap = along(course, t, turn);
+    if frame.link.damped() {
+        return overlap + ramped_damped(frame, drive, t, turn);
+    }
     for side in 0..S {
         let (k2, k3) = ramps(frame, side, t, turn[side]);
         overlap = overlap + drive[side][0] * k2 + drive[side][1] * k3;
     }
     overlap
+}
+
+/// What extrapolated forces add to an overlap where a site is damped.
+#[inline(never)]
+fn ramped_damped<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    drive: &Drive<S>,
+    t: f64,
+    turn: &Turn<S>,
+) -> f64 {
+    let mut sum = 0.0;
+    for side in 0..S {
+        let (k2, k3) = match frame.link.flow(side) {
+            Some(flow) => (flow.ramps(t)[1], flow.ramps(t)[2]),
+            None => ramps(frame, side, t, turn[side]),
+        };
+        sum += drive[side][0] * k2 + drive[side][1] * k3;
+    }
+    sum
 }
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
@@ -201,8 +245,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
         let drive = &self.drive(beside);
-        let known = self.initial.known().copied();
-        let course = (&path, known.as_ref());
+        let course = (&path, known::<S>(&self.known));
         let end = predicted_at(frame, course, drive, h, turn);
         let rate = self.predicted_rate(frame, drive, turn);
         self.forecast.at_end = end;
@@ -273,25 +316,41 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     fn bounds(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
         let (mut second, mut fourth) = (0.0, 0.0);
+        if frame.link.damped() {
+            return self.bounds_damped(frame, drive);
+        }
         for side in 0..S {
             let [_, _, c, s] = self.initial.path[side];
             let (omega, weight) = (frame.link.sides[side].omega, frame.link.weight(side));
             let square = omega * omega;
-            if let Some(flow) = frame.link.flow(side) {
-                let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
-                let [k2, k3] = flow.bends(frame.h);
-                second += flow.bend(path, frame.h) + weight * (d0 + d1 * frame.h);
-                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
-                continue;
-            }
             let by =
                 square * (c.abs() + s.abs()) + weight * drive[side][0].abs() + weight * drive[side][1].abs() * frame.h;
             second += by;
             fourth += square * by;
         }
-        if let Some(known) = self.initial.known() {
+        if let Some(known) = known::<S>(&self.known) {
             second += known.bends[0];
             fourth += known.bends[1];
+        }
+        (second, fourth)
+    }
+
+    /// The same where a site is damped.
+    #[inline(never)]
+    fn bounds_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
+        let [mut second, mut fourth] = known::<S>(&self.known).map_or([0.0; 2], |known| known.bends);
+        for side in 0..S {
+            let (path, [d0, d1]) = (&self.initial.path[side], drive[side].map(f64::abs));
+            let by_forces = frame.link.weight(side) * (d0 + d1 * frame.h);
+            if let Some(flow) = frame.link.flow(side) {
+                let [k2, k3] = flow.bends(frame.h);
+                second += flow.bend(path, frame.h) + by_forces;
+                fourth += flow.bend(&flow.rates(&flow.rates(path)), frame.h) + k3 * d0 + k2 * d1;
+            } else {
+                let square = frame.link.sides[side].omega.powi(2);
+                let by = square * (path[2].abs() + path[3].abs()) + by_forces;
+                (second, fourth) = (second + by, fourth + square * by);
+            }
         }
         (second, fourth)
     }
@@ -307,7 +366,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 None => omega * omega * (c.abs() + s.abs()),
             };
         }
-        self.initial.known().map_or(linear, |known| linear + known.bends[0])
+        known::<S>(&self.known).map_or(linear, |known| linear + known.bends[0])
     }
 
     /// The rate of the predicted overlap at the end of the window.
@@ -318,14 +377,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for path in &self.initial.path {
             rate += path[1];
         }
+        if frame.link.damped() {
+            return rate + self.rate_damped(frame, drive, turn);
+        }
         for side in 0..S {
-            let (path, kernel, Turned { sin, cos, lag }) = (&self.initial.path[side], &frame.link.sides[side], turn[side]);
-            if let Some(flow) = frame.link.flow(side) {
-                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
-                rate += v * (h + lag) + (c * cos + s * sin);
-                rate += drive[side][0] * k1 + drive[side][1] * k2;
-                continue;
-            }
+            let (path, kernel, Turned { sin, cos, .. }) =
+                (&self.initial.path[side], &frame.link.sides[side], turn[side]);
             let k1 = if kernel.omega == 0.0 {
                 frame.link.weight(side) * h
             } else {
@@ -335,19 +392,38 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             rate += kernel.omega * (path[3] * cos - path[2] * sin);
             rate = rate + drive[side][0] * k1 + drive[side][1] * k2;
         }
-        self.initial.known().map_or(rate, |known| rate + known.ends[1][1])
+        known::<S>(&self.known).map_or(rate, |known| rate + known.ends[1][1])
+    }
+
+    /// What it has besides free motions where a site is damped.
+    #[inline(never)]
+    fn rate_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
+        let (h, mut rate) = (frame.h, known::<S>(&self.known).map_or(0.0, |known| known.ends[1][1]));
+        for side in 0..S {
+            let (path, kernel, [d0, d1]) = (&self.initial.path[side], &frame.link.sides[side], drive[side]);
+            let Turned { sin, cos, lag } = turn[side];
+            if let Some(flow) = frame.link.flow(side) {
+                let ([_, v, c, s], [k1, k2, _]) = (flow.rates(path), flow.ramps(h));
+                rate += v * (h + lag) + (c * cos + s * sin) + d0 * k1 + d1 * k2;
+            } else {
+                let swing = if kernel.omega == 0.0 { kernel.mu * h } else { kernel.mu * sin / kernel.omega };
+                let (k2, _) = ramps(frame, side, h, turn[side]);
+                rate += kernel.omega * (path[3] * cos - path[2] * sin) + d0 * (kernel.m * h + swing) + d1 * k2;
+            }
+        }
+        rate
     }
 
     /// Searches the prediction.
     #[inline(never)]
     fn look(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, end: (f64, f64)) -> bool {
-        let (path, known, linear) = (self.initial.path, self.initial.known().copied(), self.linear(frame));
+        let (path, given, linear) = (self.initial.path, self.known, self.linear(frame));
         let driven = |t: f64| {
             let by = |side: usize| frame.link.weight(side) * (drive[side][0].abs() + drive[side][1].abs() * t);
             (1..S).fold(by(0), |sum, side| sum + by(side))
         };
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
-        let g = |t| predicted(frame, (&path, known.as_ref()), drive, t);
+        let g = |t| predicted(frame, (&path, known::<S>(&given)), drive, t);
         let found = self.search(frame.h, frame.cuts.least_overlap.max(rounding), |t| linear + driven(t), g);
         if self.contacts.found.last().is_some_and(|contact| contact.release > frame.h) {
             self.look_ahead(frame, drive, end);
@@ -358,7 +434,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// Estimates when a contact that outlasts the window will end.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
-        let (h, course) = (frame.h, (&self.initial.path, self.initial.known()));
+        let (h, course) = (frame.h, (&self.initial.path, known::<S>(&self.known)));
         if rate >= 0.0 || end + AHEAD * h * rate > 0.0 {
             return;
         }
@@ -387,11 +463,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// differ from those assumed; `None` if there are too many to be sure.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
-        let known = self.initial.known().copied();
+        let given = self.known;
         let (linear, own) = (self.linear(frame), self.initial.own());
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
-        let g = |t: f64| overlap_at((&path, known.as_ref()), (&panels, own), frame, beside, t);
+        let g = |t: f64| overlap_at((&path, known::<S>(&given)), (&panels, own), frame, beside, t);
         // Between nodes a force may be a little larger than at any.
         let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
         let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
@@ -486,7 +562,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                     path[side][i] -= own * left[side][i];
                 }
             }
-            let g = |t: f64| driven_at((&path, self.initial.known()), frame, beside, t);
+            let g = |t: f64| driven_at((&path, known::<S>(&self.known)), frame, beside, t);
             // dg/dt of the parabola through three points nearby.
             let speed = |t: f64| {
                 let near = SPEED_STEP * frame.h;

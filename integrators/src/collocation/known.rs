@@ -58,7 +58,7 @@ impl Known {
         Self { series, h, ends, bends: [size(&second), size(&fourth)] }
     }
 
-    /// Where it takes an overlap besides, with the sign that its side has.
+    /// The sum of what two drives make of an overlap.
     pub(crate) fn plus(self, other: Self) -> Self {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
@@ -69,6 +69,7 @@ impl Known {
         }
     }
 
+    /// The same with the other sign.
     pub(crate) fn minus(mut self) -> Self {
         self.series = self.series.map(|c| -c);
         self.ends = self.ends.map(|end| end.map(|x| -x));
@@ -140,9 +141,8 @@ impl Kernel for Foresight<'_> {
         let left = parts.map(|part| super::panel::dot(&rule.weights, &part));
         let [r, v, c, s] = parts.map(|part| super::panel::product(&rule.integral, &part));
         let [lag, cos, sin] = flow.position(&times);
-        let position = std::array::from_fn(|j| {
-            (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j])
-        });
+        let position =
+            std::array::from_fn(|j| (r[j] + v[j] * times[j]) + (v[j] * lag[j] + c[j] * cos[j] + s[j] * sin[j]));
         let end = flow.moved(&left, h);
         let y: Path = std::array::from_fn(|k| left[k] + end[k]);
         let rates = flow.rates(&y);

@@ -2,7 +2,7 @@
 
 use super::{
     block::apart,
-    bond::{Beside, Bond, Contact},
+    bond::{Beside, Bond, Contact, known},
     panel::{Frame, Origin},
     panels::Panels,
     system::Link,
@@ -84,7 +84,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         for panel in &mut self.panels.list[..self.panels.len] {
             panel.place(frame);
-            if let Some(known) = self.initial.known() {
+            if let Some(known) = known::<S>(&self.known) {
                 panel.known = known.at(&panel.tau);
             }
         }

@@ -8,12 +8,13 @@
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
 
 use super::{
+    block::apart,
     flow::Flow,
     layout::Cuts,
     rule::Rule,
     system::{Link, Links, Path},
 };
-use crate::events::Curve;
+use crate::{events::Curve, real::Kernel};
 
 /// What all bonds share in a window.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +85,8 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     /// sites are damped what stands for them, see [`Flow`](super::flow::Flow).
     pub(crate) tau: [f64; M],
     pub(crate) lag: [[f64; M]; S],
+    /// Whether a lag of it was ever not zero.
+    lags: bool,
     pub(crate) cos: [[f64; M]; S],
     pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
@@ -201,6 +204,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             per_half: 0.0,
             tau: zeros,
             lag: [zeros; S],
+            lags: false,
             cos: [zeros; S],
             sin: [zeros; S],
             rate: zeros,
@@ -230,28 +234,30 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
+    /// Whether its variable is not the time.
+    pub(crate) fn singular(&self) -> bool {
+        self.q > 1
+    }
+
     /// The nodes.
     #[inline(always)]
     pub(crate) fn times(&self) -> Times<'_, M, S> {
         Times { tau: &self.tau, lag: &self.lag, cos: &self.cos, sin: &self.sin }
     }
 
-    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do.
-    #[inline(always)]
-    pub(super) fn besides(&self, lags: bool, known: bool, path: &[Path; S], out: &mut [f64; M]) {
-        if S == 1 {
-            return;
-        }
-        if lags {
-            for j in 0..M {
-                out[j] += self.times().lagging(path, j);
-            }
+    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do. Not
+    /// inlined, and by value, so that other bonds keep their overlaps in registers.
+    #[inline(never)]
+    pub(super) fn besides(&self, known: bool, path: [Path; S], mut overlap: [f64; M]) -> [f64; M] {
+        for j in 0..M {
+            overlap[j] += self.times().lagging(&path, j);
         }
         if known {
             for j in 0..M {
-                out[j] += self.known[j];
+                overlap[j] += self.known[j];
             }
         }
+        overlap
     }
 
     /// Places the nodes.
@@ -279,11 +285,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
         for side in 0..S {
             let omega = frame.link.sides[side].omega;
-            if let Some(flow) = frame.link.flow(side) {
-                [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
-                continue;
-            }
-            if S != 1 {
+            if S != 1 && self.lags {
                 self.lag[side] = [0.0; M];
             }
             if omega != 0.0 {
@@ -297,18 +299,18 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         for side in 0..S {
             self.weigh(frame, side);
         }
+        if frame.link.damped() {
+            apart(PlaceDamped { panel: self, frame });
+        }
     }
 
     /// Makes [`reaction`](Self::reaction) and [`left`](Self::left): `K(t - s)` at the nodes, times
     /// the weights of the integrals over `s`.
     #[inline(always)]
     fn weigh(&mut self, frame: &Frame<'_, M, S>, side: usize) {
-        let rule = frame.rule;
-        if let Some(flow) = frame.link.flow(side) {
-            return self.weigh_damped(rule, flow, side);
-        }
         let Self { tau, rate, left, .. } = self;
         let (cos, sin, reaction) = (&self.cos[side], &self.sin[side], &mut self.reaction[side]);
+        let rule = frame.rule;
         let (m, mu) = (frame.link.sides[side].m, frame.link.sides[side].mu_per_omega);
         for k in 0..M {
             let rate = rate[k];
@@ -327,9 +329,12 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// The same on a side whose site is damped.
+    /// Replaces what [`place`](Self::place) and [`weigh`](Self::weigh) do on a side whose site is
+    /// damped.
     #[inline(always)]
-    fn weigh_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+    fn place_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
+        [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
+        self.lags = true;
         let answer = flow.answer(&self.tau);
         for k in 0..M {
             let (mut path, mut kernel) = ([0.0; 4], [0.0; M]);
@@ -383,6 +388,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     #[inline(always)]
     pub(crate) fn force_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [f64; L] {
         value(&product(&rule.series, &self.force), &self.variable(t))
+    }
+
+    /// `int f v dt` with a smooth function `v` of the time.
+    pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> f64 {
+        (0..M).map(|j| rule.weights[j] * self.rate[j] * self.force[j] * v(self.tau[j])).sum()
     }
 
     /// `int f dt`.
@@ -450,6 +460,25 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             }
         }
         even
+    }
+}
+
+/// See [`Panel::place_damped`].
+struct PlaceDamped<'a, const M: usize, const S: usize> {
+    panel: &'a mut Panel<M, S>,
+    frame: &'a Frame<'a, M, S>,
+}
+
+impl<const M: usize, const S: usize> Kernel for PlaceDamped<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for side in 0..S {
+            if let Some(flow) = self.frame.link.flow(side) {
+                self.panel.place_damped(self.frame.rule, flow, side);
+            }
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     bond::Contact,
     goal::Window,
     open::{Open, Signals},
-    sites::{Phases, Site, Sites},
+    sites::{Bonds, Phases, Site, Sites},
     solver::{self, Solver},
     system::{ContactChain, Links, Path},
 };
@@ -233,7 +233,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
             && let Some((about, _)) = open
         {
             let bonds = &Sites { chain, sites, phases, open };
-            about.alone.iter().for_each(|&site| ledger.take(&bonds.gains_alone(h, site)));
+            about.alone.iter().for_each(|&site| ledger.take(&about.gains::<4, S>(bonds, h, site, [None; 2])));
             left.iter().for_each(|left| ledger.take(&left.ledger));
         }
         f64::run(Advance { chain, sites, left, h, phases, open });

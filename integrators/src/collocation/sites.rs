@@ -107,31 +107,18 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
             path[side] = [0.0, 0.0, c * cos + s * sin, s * cos - c * sin];
         }
         (path[0][0], path[0][1]) = (rest + r, v);
-        let lags = |site: usize| open.and_then(|(open, _)| open.damped(site)).is_some_and(|flow| flow.lags());
-        if S != 1 && ends.into_iter().flatten().any(lags) {
-            // What drag makes of a velocity is a matter of each side.
-            for side in 0..S {
-                path[side][1] = hi[side][1] + lo[side][1];
+        if S != 1
+            && let Some((open, _)) = open
+        {
+            let lags = |site: usize| open.damped(site).is_some_and(|flow| flow.lags());
+            if ends.into_iter().flatten().any(lags) {
+                // What drag makes of a velocity is a matter of each side.
+                for side in 0..S {
+                    path[side][1] = hi[side][1] + lo[side][1];
+                }
             }
         }
         (path, largest)
-    }
-
-    /// What the ledger of a site gains that is in no bond.
-    pub(crate) fn gains_alone(&self, h: f64, site: usize) -> Path {
-        self.open.map_or([0.0; 4], |(open, _)| open.gains::<4, S>(self, h, site, [None; 2]))
-    }
-
-    /// What drives make of an overlap.
-    pub(crate) fn known(&self, bond: usize) -> Option<Known> {
-        let (open, window) = self.open?;
-        let of = |site: Option<usize>| Some(window.driven[open.drive(site?)?].known);
-        let ends = self.chain.ends(bond);
-        let (before, behind) = (of(ends[0]), of(ends[S - 1]).map(Known::minus));
-        match (before, behind) {
-            (Some(before), Some(behind)) => Some(before.plus(behind)),
-            (before, behind) => before.or(behind),
-        }
     }
 }
 
@@ -141,6 +128,8 @@ pub(crate) trait Bonds<const S: usize>: Sync {
     fn at_rest(&self, bond: usize) -> bool;
     /// How a bond moves in a window of length `h` without forces.
     fn free(&self, bond: usize, h: f64) -> Free<S>;
+    /// What drives make of the overlap of a bond besides.
+    fn known(&self, bond: usize) -> Option<Known>;
     /// The path of a site.
     fn site(&self, site: usize) -> Path;
     /// What drives a site at a time of the window.
@@ -152,8 +141,6 @@ pub(crate) trait Bonds<const S: usize>: Sync {
 pub(crate) struct Free<const S: usize> {
     /// The path of its overlap.
     pub(crate) path: [Path; S],
-    /// What drives make of it besides.
-    pub(crate) known: Option<Known>,
     /// Overlaps up to this are rounding.
     pub(crate) band: f64,
 }
@@ -174,11 +161,24 @@ impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
 
     fn free(&self, bond: usize, h: f64) -> Free<S> {
         let (path, mut largest) = self.overlap(bond, h);
-        let known = if S == 1 { None } else { self.known(bond) };
-        if let Some(known) = &known {
+        if S != 1
+            && self.open.is_some()
+            && let Some(known) = self.known(bond)
+        {
             largest += known.reach()[0];
         }
-        Free { path, known, band: self.chain.dead_band(largest) }
+        Free { path, band: self.chain.dead_band(largest) }
+    }
+
+    fn known(&self, bond: usize) -> Option<Known> {
+        let (open, window) = self.open?;
+        let of = |site: Option<usize>| Some(window.driven[open.drive(site?)?].known);
+        let ends = self.chain.ends(bond);
+        let (before, behind) = (of(ends[0]), of(ends[S - 1]).map(Known::minus));
+        match (before, behind) {
+            (Some(before), Some(behind)) => Some(before.plus(behind)),
+            (before, behind) => before.or(behind),
+        }
     }
 
     fn site(&self, site: usize) -> Path {

@@ -36,7 +36,7 @@ pub struct Drive {
     pub site: usize,
     /// Whether its position is given; else it is pushed by a force.
     pub moved: bool,
-    /// A bound of the signal, and the scale of its rate.
+    /// A bound of the signal.
     pub size: f64,
     /// The scale of the signal's rate.
     pub rate: f64,
@@ -80,7 +80,8 @@ pub(crate) struct Link<const S: usize> {
     pub(crate) q: u32,
     /// The largest weight of a side; 1 between a wall and a site that is moved.
     lightest: f64,
-    /// Whether drag acts on the free motion of a side.
+    /// Whether a site is damped, and whether drag acts on its free motion.
+    damped: bool,
     pub(crate) lags: bool,
 }
 
@@ -96,10 +97,17 @@ impl<const S: usize> Link<S> {
         if S == 1 { 1.0 } else { self.sides[side].weight }
     }
 
+    /// Whether a site is damped. What is done then is not a part of the kernels, where it would keep
+    /// the two sides of other bonds from being worked on in one register.
+    #[inline(always)]
+    pub(crate) fn damped(&self) -> bool {
+        S != 1 && self.damped
+    }
+
     /// The motion of the site on a side, if it is damped.
     #[inline(always)]
     pub(crate) fn flow(&self, side: usize) -> Option<&Flow> {
-        if S == 1 { None } else { self.sides[side].flow.as_deref() }
+        if S == 1 || !self.damped { None } else { self.sides[side].flow.as_deref() }
     }
 
     /// The largest change of velocity that a unit impulse makes.
@@ -199,6 +207,7 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
             0.0 => 1.0,
             most => most,
         },
+        damped: sides.iter().any(|side| side.flow.is_some()),
         lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),
         sides,
     }

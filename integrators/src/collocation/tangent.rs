@@ -88,8 +88,8 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, a chain that is damped or driven,
-    /// or one of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, a chain that is damped or
+    /// driven, or one of more than 256 bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
         if run.windows.held.links.open.is_some() {

@@ -108,8 +108,8 @@ impl Study for Compare {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.set.set)?;
-        if scene.chain().open() {
-            let rule = "comparisons are of chains without damping, dissipation and drives";
+        if scene.chain().dissipative_contacts() {
+            let rule = "comparisons are of chains whose contacts do not dissipate";
             return Err(Error::parameter("scene", &self.scene, rule));
         }
         self.options.methods(&scene)?;

@@ -188,9 +188,9 @@ fn computed(scene: &Scene, budget: f64) -> Result<Vec<End>> {
 /// Whether a run to a tolerance fits, by the time of a short trial.
 fn affordable(scene: &Scene, (method, tolerance): (&str, f64), budget: f64) -> bool {
     let trial = || {
-        let short = scene.clone().until(TRIAL_SHARE * scene.end())?;
-        let run = short.run().method(Method::named(method)?).setting(Setting::Tolerance(tolerance));
-        run.records(Records::End).start()
+        // Of a run, not a scene, which would refuse to end before its drives are in full swing.
+        let run = scene.run().until(TRIAL_SHARE * scene.end())?.samples(0)?;
+        run.method(Method::named(method)?).setting(Setting::Tolerance(tolerance)).records(Records::End).start()
     };
     trial().is_ok_and(|trial| trial.failure.is_none() && trial.wall.as_secs_f64() <= TRIAL_SHARE * budget)
 }

@@ -72,9 +72,9 @@ impl Differing {
         self.parts().drives().iter().filter(move |drive| drive.site == site && drive.means == means)
     }
 
-    /// The scale of the velocities that a drive makes: of the bead that it moves; or, of a force, that
-    /// of the free bead at each frequency, and for a constant one the speed with which a contact
-    /// takes it up.
+    /// The scale of the velocities that a drive makes: of the bead that it moves; or, of a force,
+    /// that of the free bead at each frequency, and for a constant one the speed with which a
+    /// contact takes it up.
     fn speed(&self, drive: &super::Drive) -> f64 {
         if drive.means == Means::Moved {
             return drive.signal.speed();
