@@ -422,7 +422,7 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
             &["--sites"],
         ),
         (&["breather", "evolve", &orbit], &["--until", "--tol"], &[]),
-        (&["orbit", "mode", "--to", "0.1"], &["--step"], &["--mode"]),
+        (&["orbit", "mode", "--to", "0.1"], &["--step"], &["--linear-mode"]),
         (&["orbit", "continue", "granular-crystal", "--to", "1e-5"], &["--step"], &["--turns", "--settle"]),
         (&["study", "end-driven"], &["--rho", "--to", "--step"], &["--max-points"]),
         (&["dps", "integrals", "--b", "0", "--r", "1"], &["--alpha", "--kappa"], &[]),

@@ -41,6 +41,6 @@ Example:
     #[command(after_long_help = "\
 Examples:
   hertzchain orbit mode defect --to 1.5
-  hertzchain orbit mode precompressed --mode 5 --to 0.2 --out out/mode")]
+  hertzchain orbit mode precompressed --linear-mode 5 --to 0.2 --out out/mode")]
     Mode(Told<FollowMode>),
 }

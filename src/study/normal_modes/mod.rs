@@ -34,7 +34,7 @@ pub struct ModeWay {
     /// Number of the linear mode, from 1 on, the lowest frequency first.
     ///
     /// [default: the most localised one]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
+    #[cfg_attr(feature = "cli", arg(long = "linear-mode", value_name = "K"))]
     pub mode: Option<usize>,
     /// Amplitude at which the branch ends.
     ///
