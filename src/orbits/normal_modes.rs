@@ -316,7 +316,7 @@ impl ModeContinuation {
         let count = modes.linear.len();
         if self.mode >= count {
             let value = format!("{} of {count}", self.mode.wrapping_add(1));
-            return Err(Error::parameter("mode", value, "linear modes are numbered from 1, by frequency"));
+            return Err(Error::parameter("linear_mode", value, "linear modes are numbered from 1, by frequency"));
         }
         if !(self.to.is_finite() && self.to > 0.0) {
             return Err(Error::parameter("to", self.to, "an amplitude is finite and positive"));

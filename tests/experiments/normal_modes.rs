@@ -190,7 +190,7 @@ fn chains_without_normal_modes_are_refused() {
         let way = ModeContinuation { mode, to, step, most_points: 10 };
         way.follow(&modes, |_| {}).unwrap_err().to_string()
     };
-    assert!(refused(3, 0.1, 1.0).contains("mode = 4 of 3"));
+    assert!(refused(3, 0.1, 1.0).contains("linear_mode = 4 of 3"));
     assert!(refused(0, 0.1, f64::NAN).contains("to = NaN"));
     assert!(refused(0, 0.0, 1.0).contains("step = 0"));
     assert!(refused(0, 2.0, 1.0).contains("step = 2"));

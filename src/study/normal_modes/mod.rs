@@ -36,14 +36,15 @@ pub struct ModeWay {
     /// [default: the most localised one]
     #[cfg_attr(feature = "cli", arg(long = "linear-mode", value_name = "K"))]
     pub mode: Option<usize>,
-    /// Amplitude at which the branch ends.
+    /// Where it ends.
     ///
-    /// The displacement at the start of that bead or resonator of which the linear mode has most.
+    /// An amplitude: the displacement at the start of that bead or resonator of which the linear mode
+    /// has most.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
     pub to: f64,
-    /// Amplitude of the first orbit, and its largest change from point to point.
+    /// Its largest change from point to point.
     ///
-    /// [default: a twentieth of the last amplitude]
+    /// It begins at this amplitude [default: a twentieth of the last one].
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA"))]
     pub step: Option<f64>,
     /// Points of the branch at most.
@@ -67,7 +68,9 @@ impl ModeWay {
         let &Self { mode, to, step, max_points: most_points } = self;
         let mode = match mode {
             None => modes.most_localised(),
-            Some(0) => return Err(Error::parameter("mode", 0, "linear modes are numbered from 1, by frequency")),
+            Some(0) => {
+                return Err(Error::parameter("linear_mode", 0, "linear modes are numbered from 1, by frequency"));
+            }
             Some(number) => number - 1,
         };
         let continuation = ModeContinuation { mode, to, step: step.unwrap_or(0.05 * to), most_points };
