@@ -362,6 +362,18 @@ fn wrong_details_are_refused_by_name_and_rule() {
         ),
         (drive(3, Means::Pushed, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
         (drive(0, Means::Moved, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
+        (
+            // What moves a bead takes up what pushes it.
+            Details {
+                drives: [Means::Moved, Means::Pushed]
+                    .map(|means| Drive { site: 0, means, signal: Signal::sine(1.0, 1.0, 0.0) })
+                    .to_vec(),
+                rho: vec![0.0, 1.0, 1.0],
+                ..none()
+            },
+            "drive.site = 0",
+            "has no other drive",
+        ),
         (drive(0, Means::Pushed, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
         (drive(0, Means::Pushed, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),
         (drive(0, Means::Pushed, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),

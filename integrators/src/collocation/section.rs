@@ -10,8 +10,10 @@ use super::{
     solver::{self, Solver},
     system::{ContactChain, Links, Path},
 };
-use crate::clock::Twofold;
-use crate::real::{Kernel, Real};
+use crate::{
+    clock::Twofold,
+    real::{Kernel, Real},
+};
 use std::{ops::Range, sync::Arc};
 
 /// Length of the window that shows drives as they are when a run begins.

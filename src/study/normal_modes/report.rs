@@ -14,10 +14,6 @@ use serde_json::{Value, json};
 const NEIGHBOURS: usize = 3;
 
 impl ModeStudy {
-    fn linear(&self) -> &LinearMode {
-        &self.modes.linear()[self.branch.continuation.mode]
-    }
-
     /// Site of the largest share of a linear mode, and whether it is that of a resonator.
     fn site_of(&self, mode: &LinearMode) -> (usize, bool) {
         self.modes.place(mode.leading)
@@ -196,7 +192,7 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
         branch.points.len(),
         branch.continuation.mode + 1,
         study.modes.linear().len(),
-        study.linear().omega,
+        study.modes.linear()[branch.continuation.mode].omega,
         last.orbit.amplitude,
         last.orbit.residual
     );

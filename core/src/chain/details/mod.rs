@@ -246,9 +246,10 @@ impl Details {
                 return Err(Error::parameter("drive.site", drive.site, "a site of the chain, counted from 0"));
             }
             drive.signal.check()?;
-            let twice = |other: &Drive| other.site == drive.site && other.means == Means::Moved;
-            if drive.means == Means::Moved && self.drives[..k].iter().any(twice) {
-                return Err(Error::parameter("drive.site", drive.site, "a bead is moved by one drive"));
+            // A push of a moved bead would do nothing: what moves it takes it up.
+            let also = |other: &Drive| other.site == drive.site && [drive.means, other.means].contains(&Means::Moved);
+            if self.drives[..k].iter().any(also) {
+                return Err(Error::parameter("drive.site", drive.site, "a bead that is moved has no other drive"));
             }
         }
         Ok(())
