@@ -18,7 +18,7 @@ use hertzchain::{
 use std::sync::{Mutex, PoisonError};
 
 /// Numbers from 0 to 1, the same in every run.
-fn random(mut seed: u64) -> impl FnMut() -> f64 {
+pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 53) as f64
@@ -54,25 +54,25 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
     (chain, state.unwrap().as_slice().to_vec())
 }
 
-fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {
+pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {
     let mut run = chain.differing_collocation(y0, (0.0, end), pace).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
 }
 
-fn of(chain: &Chain<f64>, y0: &[f64], end: f64) -> Run {
+pub(crate) fn of(chain: &Chain<f64>, y0: &[f64], end: f64) -> Run {
     let mut state = State::rest(chain);
     state.as_mut_slice().copy_from_slice(y0);
     Run::new(chain.clone(), state).until(end).unwrap()
 }
 
-fn regularised(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
+pub(crate) fn regularised(chain: &Chain<f64>, y0: &[f64], end: f64) -> Vec<f64> {
     let run = of(chain, y0, end).method(Method::named("dop853-regularised").unwrap()).records(Records::End);
     run.setting(Setting::Tolerance(3e-15)).start().unwrap().complete().unwrap().state
 }
 
-const BOUNDARIES: [Boundary; 3] = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
+pub(crate) const BOUNDARIES: [Boundary; 3] = [Boundary::Free, Boundary::Fixed, Boundary::Ring];
 
 #[test]
 fn twelve_beads_and_two_hundred_contacts_are_those_of_another_program() {
@@ -231,24 +231,42 @@ fn energy_is_kept_over_a_long_time() {
     assert!(error < 7e-14, "{error:e}");
 }
 
-/// Instruction sets are those of all threads: one test at a time chooses them.
-static SETS: Mutex<()> = Mutex::new(());
-
-#[test]
-fn instruction_sets_and_samples_and_legs_do_not_change_bits() {
+/// The runs of a chain at three tolerances, which have the same bits for every instruction set; with
+/// samples too.
+pub(crate) fn same_for_every_set(chain: &Chain<f64>, y0: &[f64], end: f64) {
+    // Instruction sets are those of all threads: one test at a time chooses them.
+    static SETS: Mutex<()> = Mutex::new(());
     let _alone = SETS.lock().unwrap_or_else(PoisonError::into_inner);
-    let (chain, y0) = varied(3, Boundary::Ring, 12);
     let (widest, ends) = (Instructions::used(), |set: Instructions| {
         assert!(set.select());
-        [1e-5, 1e-8, 1e-12].map(|tol| collocation(&chain, &y0, 6.0, Pace::Tolerance(tol)))
+        [1e-5, 1e-8, 1e-12].map(|tol| collocation(chain, y0, end, Pace::Tolerance(tol)))
     });
     let all: Vec<_> = Instructions::ALL.into_iter().filter(|set| set.available()).map(ends).collect();
     assert!(widest.select());
     for other in &all[1..] {
         assert_eq!(&all[0], other);
     }
-    let seen = of(&chain, &y0, 6.0).tolerance(1e-8).unwrap().samples(100).unwrap().start().unwrap().complete().unwrap();
-    assert_eq!(seen.state, all[0][1]);
+    let run = of(chain, y0, end).method(Method::Collocation).tolerance(1e-8).unwrap();
+    assert_eq!(run.samples(100).unwrap().start().unwrap().complete().unwrap().state, all[0][1]);
+}
+
+#[test]
+fn instruction_sets_and_samples_do_not_change_bits() {
+    let (chain, y0) = varied(3, Boundary::Ring, 12);
+    same_for_every_set(&chain, &y0, 6.0);
+}
+
+/// The end of a run, which has the same bits on one, two and three threads.
+#[cfg(feature = "parallel")]
+pub(crate) fn same_on_any_threads(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| collocation(chain, y0, end, Pace::Tolerance(tol)))
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(3));
+    one
 }
 
 #[cfg(feature = "parallel")]
@@ -259,13 +277,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for part in y0.chunks_mut(1000) {
         part[600..].fill(0.0);
     }
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| collocation(&chain, &y0, 2.0, Pace::Tolerance(1e-9)))
-    };
-    let one = with(1);
-    assert_eq!(one, with(2));
-    assert_eq!(one, with(3));
+    let one = same_on_any_threads(&chain, &y0, 2.0, 1e-9);
     // Blocks are solved separately and fit together.
     let drift = (chain.energy(&one).total() / chain.energy(&y0).total() - 1.0).abs();
     println!("energy {drift:e}");
