@@ -26,6 +26,7 @@ from ._errors import (
     SceneError,
     UnknownNameError,
 )
+from ._modes import NormalMode, normal_mode
 from ._native import __version__
 from ._orbits import Branch, BranchPoint, DarkBreather, Orbit, continue_branch, monodromy
 from ._run import Interrupted, Trajectory, integrators, run
@@ -46,6 +47,7 @@ __all__ = [
     "FileError",
     "InternalError",
     "Interrupted",
+    "NormalMode",
     "Orbit",
     "ParameterError",
     "RunError",
@@ -62,6 +64,7 @@ __all__ = [
     "driven_orbit",
     "integrators",
     "monodromy",
+    "normal_mode",
     "run",
     "sweep",
     "sweep_plan",

@@ -220,6 +220,14 @@ class Scene:
         return self._scene.chain[0]
 
     @property
+    def units(self) -> dict[str, float] | None:
+        """What one of each quantity is in SI units, of a scene with the table ``[units]``.
+
+        Keys: ``length_m, mass_kg, time_s, velocity_m_per_s, force_n, energy_j``.
+        """
+        return self._scene.units
+
+    @property
     def period(self) -> float:
         """Unit of time of "steps per period"."""
         return self._scene.period

@@ -103,20 +103,25 @@ class DrivenBranch:
         return f"DrivenBranch({self.parameter}, {len(self)} points, {len(self.bifurcations)} bifurcations, {self.end})"
 
     def plot(self, ax: Any = None, color: str = "C0", label: str | None = None) -> Any:
-        """The response over the parameter, dashed where orbits are unstable, with bifurcations."""
+        """The response over the parameter, dotted where orbits are unstable, with bifurcations."""
         import matplotlib.pyplot as plt
 
         ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
-        for which, line, name in ((self.stable, "-", label), (~self.stable, ":", None)):
-            # A stretch ends at the first point of the next one.
-            near = which | np.append(which[1:], False) | np.insert(which[:-1], 0, False) if line == ":" else which
-            ax.plot(self.values, np.where(near, self.response, np.nan), line, color=color, label=name)
+        stretches(ax, self.values, self.response, self.stable, color, label)
         for kind, marker in (("fold", "v"), ("period-doubling", "s"), ("torus", "o"), ("plus-one", "x")):
             here = [(one["parameter"], one["response"]) for one in self.bifurcations if one["kind"] == kind]
             if here:
                 ax.plot(*zip(*here), marker, color=color, markersize=5)
         ax.set(xlabel=self.parameter, ylabel="largest half range of a bead")
         return ax
+
+
+def stretches(ax: Any, x: Vector, y: Vector, stable: NDArray[np.bool_], color: str, label: str | None) -> None:
+    """A branch, dotted where it is unstable."""
+    for which, line, name in ((stable, "-", label), (~stable, ":", None)):
+        # A stretch ends at the first point of the next one.
+        near = which | np.append(which[1:], False) | np.insert(which[:-1], 0, False) if line == ":" else which
+        ax.plot(x, np.where(near, y, np.nan), line, color=color, label=name)
 
 
 def driven_orbit(

@@ -27,6 +27,7 @@ __all__ = [
     "integrators",
     "load_branch",
     "monodromy",
+    "normal_mode",
     "program",
     "run",
     "scenes",
@@ -55,6 +56,8 @@ class Scene:
     @property
     def tables(self) -> dict[str, Any] | None: ...
     def masses(self) -> list[_V]: ...
+    @property
+    def units(self) -> dict[str, float] | None: ...
     @property
     def period(self) -> float: ...
     @property
@@ -128,6 +131,15 @@ def driven_branch(
     turns: int,
     settle: int,
     parameter: str,
+    to: float,
+    step: float | None,
+    points: int,
+    progress: Callable[[float], Any] | None,
+) -> str: ...
+def normal_mode(
+    scene: Scene,
+    *,
+    mode: int | None,
     to: float,
     step: float | None,
     points: int,

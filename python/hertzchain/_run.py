@@ -18,6 +18,13 @@ from ._progress import Progress, shown
 ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
 CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
 DEFAULT_SAMPLES = 400
+# Columns of contacts by their units; the bond has none.
+CONTACT_UNITS = {
+    **dict.fromkeys(("onset", "release", "t_largest"), ("time_s",)),
+    **dict.fromkeys(("approach", "separation"), ("velocity_m_per_s",)),
+    **dict.fromkeys(("largest_overlap", "onset_overlap", "release_overlap"), ("length_m",)),
+    "impulse": ("force_n", "time_s"),
+}
 
 
 class Interrupted(KeyboardInterrupt):
@@ -70,10 +77,14 @@ class Trajectory:
         State at this time; it can be the ``y0`` of another run.
     integrator, setting, reason : str
         The method, its accuracy, and why it was chosen if nobody named one.
+    units : dict or None
+        What one of each quantity is in SI units, of a scene or chain with ``[units]``.
     """
 
-    def __init__(self, chain: Chain, record: dict[str, Any]) -> None:
+    def __init__(self, chain: Chain, record: dict[str, Any], units: dict[str, float] | None = None) -> None:
         self.chain = chain
+        self.units = units
+        self._record = record
         strains = chain.boundary == STRAIN_RING
         self._names = names(strains)
         self.t: Vector = record["t"]
@@ -148,6 +159,51 @@ class Trajectory:
             wall = np.zeros((len(u), 1))
             return np.diff(np.hstack([wall, u, wall]), axis=1)
         return np.diff(u, axis=1)
+
+    def in_si(self) -> Trajectory:
+        """The trajectory in SI units: metres, seconds, joules, momenta in kilogram metres per second.
+
+        Times, states, energies and contacts are those of ``hertzchain run --si``. What a failure says
+        stays dimensionless, and so does the chain: `end` cannot be the ``y0`` of another run.
+
+        Raises
+        ------
+        ParameterError
+            If the scene or chain has no ``[units]``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.run(hc.Scene.load("granular-crystal"), until=110.0, tol=1e-8)
+        >>> si = run.in_si()
+        >>> bool(si.t[-1] == run.t[-1] * run.units["time_s"])
+        True
+        """
+        if self.units is None:
+            raise ParameterError("the scene is not valid: SI units are those of its table [units], which it does not have")
+        units, record = self.units, self._record
+        length, energy = units["length_m"], units["energy_j"]
+        momentum = units["mass_kg"] * units["velocity_m_per_s"]
+
+        def scaled(name: str, by: float) -> dict[str, Any]:
+            return {} if record.get(name) is None else {name: record[name] * by}
+
+        def states(name: str) -> dict[str, Any]:
+            arrays = zip(record.get(name) or (), (length, length, momentum, momentum))
+            both = [None if array is None else array * by for array, by in arrays]
+            return {name: both} if both else {}
+
+        contacts = {}
+        if self._contacts is not None:
+            table = self._contacts.copy()
+            for k, name in enumerate(_native.CONTACT_COLUMNS):
+                for unit in CONTACT_UNITS.get(name, ()):
+                    table[:, k] *= units[unit]
+            contacts = {"contacts": table}
+        work = {"dissipated": [energy * one for one in record["dissipated"]]} if "dissipated" in record else {}
+        in_si = scaled("t", units["time_s"]) | scaled("t_end", units["time_s"]) | states("states") | states("end")
+        in_si |= scaled("energies", energy) | scaled("driven", energy) | contacts | work
+        return Trajectory(self.chain, record | in_si)
 
     def plot(self, ax: Any = None) -> Any:
         """Strain over space and time, by matplotlib.
@@ -291,7 +347,7 @@ def run(
             seen=on_sample,
             told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers)),
         )
-    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record)
+    trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole.units)
     if isinstance(raised, KeyboardInterrupt):
         raise Interrupted(trajectory) from None
     if raised is not None:

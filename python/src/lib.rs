@@ -40,6 +40,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studies::load_branch, module)?)?;
     module.add_function(wrap_pyfunction!(studies::driven_orbit, module)?)?;
     module.add_function(wrap_pyfunction!(studies::driven_branch, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::normal_mode, module)?)?;
     module.add_function(wrap_pyfunction!(studies::compare_json, module)?)?;
     module.add_function(wrap_pyfunction!(studies::sweep_plan, module)?)?;
     module.add_function(wrap_pyfunction!(studies::monodromy, module)?)?;

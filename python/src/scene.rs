@@ -4,13 +4,14 @@ use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
     chain::{Details, Envelope, Kind, Means},
-    scene::{ChainSection, Initial, Record, SceneFile, Span},
+    scene::{ChainSection, Initial, Record, SceneFile, Span, Units},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::{
     prelude::*,
     types::{PyDict, PyList},
 };
+use std::collections::BTreeMap;
 
 /// A scene that has been checked and can be run.
 #[pyclass(frozen, module = "hertzchain._native")]
@@ -103,6 +104,20 @@ impl Scene {
     /// Masses of beads and of resonators, zero where none moves.
     fn masses<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
         masses(self.0.chain()).map(|list| PyArray1::from_vec(py, list))
+    }
+
+    /// What one of each quantity is in SI units, of a scene with `[units]`.
+    #[getter]
+    fn units(&self) -> Option<BTreeMap<&'static str, f64>> {
+        let &Units { length_m, mass_kg, time_s, velocity_m_per_s, force_n, energy_j } = self.0.units()?;
+        Some(BTreeMap::from([
+            ("length_m", length_m),
+            ("mass_kg", mass_kg),
+            ("time_s", time_s),
+            ("velocity_m_per_s", velocity_m_per_s),
+            ("force_n", force_n),
+            ("energy_j", energy_j),
+        ]))
     }
 
     #[getter]

@@ -11,7 +11,8 @@ use hertzchain::{
     orbits::{DriveParameter, Formulation, Trail},
     output::Folder,
     study::{
-        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, Plan, Report, Ring, Study, compare, planned,
+        self, CompareOptions, Continue, Dark, DrivenSearch, DrivenWay, ModeWay, Plan, Report, Ring, Study, compare,
+        planned,
     },
     sweep::Engine,
 };
@@ -169,6 +170,25 @@ pub(crate) fn driven_branch<'py>(
         let search = DrivenSearch { turns, settle };
         let way = DrivenWay { vary: DriveParameter::named(parameter)?, to, step, max_points: points };
         let branch = study::driven_branch(scene.0.clone(), &search, &way, &|share, _| watched.tell(share))?;
+        Ok(text(&branch.json()))
+    })
+}
+
+/// The branch of a normal mode of a scene, as JSON.
+#[pyfunction]
+#[pyo3(signature = (scene, *, mode, to, step, points, progress))]
+pub(crate) fn normal_mode<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    mode: Option<usize>,
+    to: f64,
+    step: Option<f64>,
+    points: usize,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<String> {
+    finished(py, progress.as_ref(), |watched| {
+        let way = ModeWay { mode, to, step, max_points: points };
+        let branch = study::follow_mode(scene.0.clone(), &way, &|share, _| watched.tell(share))?;
         Ok(text(&branch.json()))
     })
 }

@@ -221,3 +221,26 @@ def test_pictures() -> None:
     for one in (hc.run(hc.Scene.load("impact").until(5.0)), hc.DarkBreather(sites=7, omega_b=2.05).solve()):
         figure = one.plot().figure
         figure.canvas.draw()
+
+
+def test_normal_mode_has_the_bits_of_the_program_and_returns(program: Any) -> None:
+    mode = hc.normal_mode(hc.Scene.load("defect"), to=0.2, step=0.1)
+    printed = program("orbit", "mode", "defect", "--to", "0.2", "--step", "0.1")
+    assert mode.record == printed and mode.mode == len(mode.linear) == 21 and len(mode.stable) == len(mode)
+    assert mode.amplitude[[0, -1]].tolist() == [0.1, 0.2] and abs(np.prod(mode.multipliers) - 1) < 1e-10
+    chain = hc.Scene.load("defect").chain
+    run = hc.run(chain, y0=mode.y0, until=mode.period, tol=1e-13)
+    assert np.abs(run.u[-1] - mode.y0["u"]).max() < 1e-12 and np.abs(run.pu[-1]).max() < 1e-12
+
+
+def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
+    # Truth: two beads between walls with the stiffness k = 3/2 of each contact, omega^2 = k and 3 k.
+    held = hc.Chain(sites=2, boundary="fixed", precompression=1.0)
+    mode = hc.normal_mode(held, to=0.02, mode=2, step=0.01)
+    assert np.allclose(mode.linear["omega"] ** 2, [1.5, 4.5], rtol=1e-14, atol=0)
+    with pytest.raises(hc.ParameterError, match="held"):
+        hc.normal_mode(hc.Chain(sites=2), to=0.1)
+    with pytest.raises(hc.ParameterError, match="numbered from 1"):
+        hc.normal_mode(held, to=0.1, mode=0)
+    with pytest.raises(hc.ParameterError, match="driven|dissipat"):
+        hc.normal_mode(bead(), to=0.1)

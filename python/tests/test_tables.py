@@ -148,3 +148,30 @@ def test_pictures_of_a_sweep_in_both_formats(tmp_path: Any) -> None:
     assert "<svg" in (tmp_path / "out" / "sweep.svg").read_text()
     with pytest.raises(hc.UnknownNameError, match="jpg"):
         hc.sweep(plan, out=tmp_path / "other", format="jpg")
+
+
+def test_si_units_are_those_of_the_program(program: Any, tmp_path: Any) -> None:
+    flags = ["--until", "120", "--tol", "1e-9", "--events", "--si", "--out", str(tmp_path)]
+    printed = program("run", "granular-crystal", *flags)
+    run = hc.run(hc.Scene.load("granular-crystal"), until=120.0, tol=1e-9, events=True)
+    si = run.in_si()
+    assert si.t_end == printed["t"] and si.driven == printed["driven"] and si.dissipated == printed["dissipated"]
+    assert si.end["u"].tolist() == printed["u"] and si.t[-1] == si.t_end
+    contacts = np.genfromtxt(tmp_path / "contacts.csv", delimiter=",", names=True)
+    assert si.contacts is not None and si.contacts.dtype.names == contacts.dtype.names
+    for name in contacts.dtype.names:
+        assert np.array_equal(si.contacts[name], contacts[name], equal_nan=True), name
+    # The program multiplies in another order.
+    assert np.allclose(si.end["pu"], printed["pu"], rtol=4e-16, atol=0)
+    units = run.units
+    assert units is not None and si.energy is not None and run.energy is not None
+    assert np.allclose(si.energy, run.energy * units["energy_j"], rtol=1e-15, atol=0)
+
+
+def test_si_units_need_spheres() -> None:
+    run = hc.run(hc.Chain(sites=2), y0={"pu": [1.0, 0.0]}, until=1.0)
+    assert run.units is None
+    with pytest.raises(hc.ParameterError, match="units"):
+        run.in_si()
+    with pytest.raises(hc.ParameterError, match="units"):
+        run.in_si().in_si()

@@ -65,6 +65,7 @@ impl Report for ModeStudy {
         });
         let last = self.last();
         let [u, v] = self.displacements(last);
+        let start = modes.state(&last.orbit);
         json!({
             "scene": scene.name(),
             "mode": branch.continuation.mode + 1,
@@ -74,6 +75,7 @@ impl Report for ModeStudy {
             "last": {
                 "u": u,
                 "v": v,
+                "start": { "u": start.u(), "v": start.v() },
                 "newton": last.orbit.newton,
                 "multipliers": last.spectrum.multipliers,
                 "quality": last.spectrum.quality,

@@ -1,0 +1,144 @@
+"""Nonlinear normal modes of conservative chains that contacts hold."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._arrays import Vector, number, optional, whole
+from ._chain import Chain, Scene
+from ._driven import stretches
+from ._progress import Progress, shown
+from ._run import scene_of
+
+
+class NormalMode:
+    """A branch of periodic orbits that begins as a linear mode; :func:`normal_mode` follows it.
+
+    Attributes
+    ----------
+    linear : structured ndarray, shape (modes,)
+        The linear modes by frequency: ``omega``, ``participation``, and the ``site`` with most of
+        each, with ``resonator`` true where it is a resonator.
+    mode : int
+        Number of the one that is followed, from 1 on.
+    amplitude, omega, energy, participation, least_overlap, max_modulus : ndarray, shape (points,)
+        Amplitude; frequency; energy above the equilibrium; how many coordinates share the orbit;
+        the least overlap at the two times of rest, negative where beads are apart; the largest
+        modulus of a multiplier.
+    stable : bool ndarray, shape (points,)
+        Whether no multiplier is outside the unit circle.
+    y0 : dict of ndarray
+        The last orbit at rest, ``u`` and ``v``, for :func:`run`.
+    period : float
+        Its period.
+    multipliers : complex ndarray
+        Its multipliers.
+    end : str
+        Why the branch ended.
+    record : dict
+        All that ``hertzchain orbit mode --json`` prints.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.record: dict[str, Any] = json.loads(text)
+        points, last = self.record["points"], self.record["last"]
+        kinds = [("omega", np.float64), ("participation", np.float64), ("site", np.int64), ("resonator", np.bool_)]
+        rows = [tuple(one[name] for name, _ in kinds) for one in self.record["linear"]]
+        self.linear: NDArray[Any] = np.array(rows, dtype=kinds)
+        self.mode: int = self.record["mode"]
+        self.end: str = self.record["end"]
+
+        def column(name: str) -> Vector:
+            return np.array([point[name] for point in points], dtype=np.float64)
+
+        self.amplitude, self.omega, self.energy = column("amplitude"), column("omega"), column("energy")
+        self.participation, self.least_overlap = column("participation"), column("least_overlap")
+        self.max_modulus = column("max_modulus")
+        self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
+        start = last["start"].items()
+        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) for name, array in start if array}
+        self.period = float(2.0 * np.pi / self.omega[-1])
+        multipliers = [complex(one["re"], one["im"]) for one in last["multipliers"]]
+        self.multipliers: NDArray[np.complex128] = np.array(multipliers)
+
+    def __len__(self) -> int:
+        return len(self.amplitude)
+
+    def __repr__(self) -> str:
+        first = self.linear["omega"][self.mode - 1]
+        return f"NormalMode({self.mode}, omega_0={first:g}, {len(self)} points, {self.end})"
+
+    def plot(self, ax: Any = None, color: str = "C0", label: str | None = None) -> Any:
+        """The frequency over the amplitude, dotted where orbits are unstable, by matplotlib."""
+        import matplotlib.pyplot as plt
+
+        ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
+        stretches(ax, self.amplitude, self.omega, self.stable, color, label)
+        ax.set(xlabel="amplitude a", ylabel="frequency")
+        return ax
+
+
+def normal_mode(
+    scene: Scene | Chain,
+    *,
+    to: float,
+    mode: int | None = None,
+    step: float | None = None,
+    points: int = 200,
+    progress: Progress = False,
+) -> NormalMode:
+    """A nonlinear normal mode of a conservative chain, from the linear mode on.
+
+    Parameters
+    ----------
+    scene : Scene or Chain
+        One whose contacts are closed at rest: a static overlap, between walls or on a ring. The
+        initial state of a scene does not matter.
+    to : float
+        The amplitude where the branch ends: the displacement at the start of that bead or resonator
+        of which the linear mode has most.
+    mode : int, optional
+        Number of the linear mode, from 1 on, by frequency; by default the most localised one.
+    step : float, optional
+        The first amplitude and its largest change; by default a twentieth of `to`.
+    points : int
+        Points of the branch at most.
+    progress : bool or callable
+        As in :func:`run`.
+
+    Raises
+    ------
+    ParameterError
+        For a chain that dissipates, is driven, or whose beads contacts do not hold.
+    ConvergenceError
+        If no first orbit is found.
+
+    Examples
+    --------
+    A bead between two walls with the overlap 1 has ``omega^2 = 2 alpha`` for small amplitudes.
+
+    >>> import hertzchain as hc
+    >>> mode = hc.normal_mode(hc.Chain(sites=1, boundary="fixed", precompression=1.0), to=0.1)
+    >>> bool(abs(mode.linear["omega"][0] - 3**0.5) < 1e-14), bool(mode.omega[-1] < mode.omega[0])
+    (True, True)
+    """
+    if isinstance(scene, Chain):
+        scene = scene_of(scene, {}, 1.0)
+    elif not isinstance(scene, Scene):
+        scene = scene_of(scene, None, None)
+    with shown(progress, "mode") as tell:
+        return NormalMode(
+            _native.normal_mode(
+                scene._scene,
+                mode=None if mode is None else whole("mode", mode),
+                to=number("to", to),
+                step=optional("step", step),
+                points=whole("points", points),
+                progress=tell,
+            )
+        )
