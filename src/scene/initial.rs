@@ -1,0 +1,253 @@
+//! The initial state of a scene, kind by kind.
+
+use super::{
+    Theory,
+    file::{Initial, TrivialSection},
+};
+use crate::{
+    breathers::{BrightBreather, TrivialBreather},
+    chain::{Boundary, Chain, Site, State, max_norm},
+    dps::Center,
+    error::{Error, Result},
+    waves::{PerturbedWave, Shape, Size, TravellingWave},
+};
+use std::f64::consts::PI;
+
+/// Least size of the contact forces of a state. Forces below about 1e-250 count as zero; this is
+/// far above.
+const LEAST_FORCE: f64 = 1e-200;
+/// Largest energy of a state; beyond it intermediate results would overflow.
+const MOST_ENERGY: f64 = 1e300;
+
+const DEFAULT_SEED: u64 = 1;
+const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
+const REST: Site<f64> = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
+
+/// The initial state of a scene, and the theory that it follows.
+pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, Option<Theory>)> {
+    match *initial {
+        Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
+            chain.uniform("a travelling wave")?;
+            on_the_ring(chain, q_over_pi)?;
+            let shape = Shape { q: q_over_pi * PI, a, b, phi };
+            let wave = TravellingWave::new(chain.params(), shape, size(epsilon, detuning)?)?;
+            travelling_wave(chain, wave, zeta.unwrap_or(0.0), seed)
+        }
+        Initial::SingleBead { site, displacement, velocity } => {
+            let bead = Site { u: displacement, u_dot: velocity, ..REST };
+            Ok((single_bead(chain, site, bead)?.driven(chain), None))
+        }
+        Initial::NormalMode { mode, amplitude } => Ok((normal_mode(chain, mode, amplitude)?.driven(chain), None)),
+        Initial::TrivialBreather(ref section) => {
+            chain.uniform("a trivial breather")?;
+            let breather = trivial_breather(chain, section)?;
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
+        }
+        Initial::BrightBreather { center, epsilon } => {
+            let breather = bright_breather(chain, center, epsilon)?;
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Bright(breather))))
+        }
+        Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
+            let state = given(chain, [u, v, u_dot, v_dot])?.driven(chain);
+            let exact = match chain.details() {
+                None => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
+                Some(_) => None,
+            };
+            Ok((state, exact))
+        }
+    }
+}
+
+/// Refuses a wave number that is none of the ring.
+fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64) -> Result<()> {
+    if chain.boundary() != Boundary::StrainRing {
+        let rule = "a travelling wave lives on a strain-ring";
+        return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+    }
+    if !(-1.0..=1.0).contains(&q_over_pi) {
+        let rule = "the wave number is from -pi to pi: a lattice knows no other";
+        return Err(Error::parameter("q_over_pi", q_over_pi, rule));
+    }
+    let waves = 0.5 * q_over_pi * chain.sites() as f64;
+    if (waves - waves.round()).abs() > 1e-9 * waves.abs().max(1.0) {
+        let rule = "a whole number of waves fits the ring: q sites / (2 pi) is an integer";
+        return Err(Error::parameter("q_over_pi", q_over_pi, rule));
+    }
+    Ok(())
+}
+
+fn size(epsilon: Option<f64>, detuning: Option<f64>) -> Result<Size> {
+    match (epsilon, detuning) {
+        (Some(epsilon), None) => Ok(Size::Epsilon(epsilon)),
+        (None, Some(detuning)) => Ok(Size::Detuning(detuning)),
+        _ => Err(Error::parameter("initial", "[initial]", "give exactly one of `epsilon` and `detuning`")),
+    }
+}
+
+/// The wave, perturbed by `zeta`.
+fn travelling_wave(
+    chain: &Chain<f64>,
+    wave: TravellingWave,
+    zeta: f64,
+    seed: Option<u64>,
+) -> Result<(State<f64>, Option<Theory>)> {
+    if zeta == 0.0 && zeta.is_sign_positive() {
+        return match seed {
+            Some(seed) => Err(Error::parameter("seed", seed, NOTHING_DRAWN)),
+            None => Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
+        };
+    }
+    let perturbed = PerturbedWave::new(wave, chain.sites(), zeta, seed.unwrap_or(DEFAULT_SEED))?;
+    let sites = perturbed.initial(perturbed.constraint())?;
+    Ok((State::from_fn(chain, |i| sites[i])?, Some(Theory::PerturbedWave(perturbed))))
+}
+
+fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<State<f64>> {
+    if site >= chain.sites() {
+        return Err(Error::parameter("site", site, "a site of the chain, counted from 0"));
+    }
+    finite("displacement", bead.u)?;
+    finite("velocity", bead.u_dot)?;
+    State::from_fn(chain, |i| if i == site { bead } else { REST })
+}
+
+/// Beads and resonators alike in a mode of a chain between walls.
+fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<State<f64>> {
+    let n = chain.sites();
+    if mode == 0 || mode as usize > n {
+        return Err(Error::parameter("mode", mode, "from 1 to the number of sites"));
+    }
+    finite("amplitude", amplitude)?;
+    let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
+    State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..REST })
+}
+
+fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<BrightBreather> {
+    chain.uniform("a bright breather")?;
+    if chain.boundary() == Boundary::StrainRing {
+        let rule = "a bright breather is a state of displacements: free, fixed or ring";
+        return Err(Error::parameter("boundary", "strain-ring", rule));
+    }
+    if chain.precompression() > 0.0 {
+        let rule = "a bright breather lives on a chain without precompression";
+        return Err(Error::parameter("precompression", chain.precompression(), rule));
+    }
+    BrightBreather::new(chain.params(), center, epsilon, chain.sites())
+}
+
+/// The state of four arrays; one that is empty is zero.
+fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
+    let n = chain.sites();
+    for (name, array) in ["u", "v", "u_dot", "v_dot"].into_iter().zip(arrays) {
+        if !array.is_empty() && array.len() != n {
+            let rule = "an array of the state has one number a site, or is left out";
+            return Err(Error::parameter(name, numbers_for(array, n), rule));
+        }
+        array.iter().try_for_each(|&value| finite(name, value))?;
+    }
+    let [u, v, u_dot, v_dot] = arrays;
+    if !(chain.layout().resonators() || v.is_empty() && v_dot.is_empty()) {
+        let rule = "no resonator moves in this chain: leave `v` and `v_dot` out";
+        return Err(Error::parameter("v", format!("{} numbers", v.len().max(v_dot.len())), rule));
+    }
+    let at = |array: &[f64], i: usize| array.get(i).copied().unwrap_or(0.0);
+    State::from_fn(chain, |i| Site { u: at(u, i), v: at(v, i), u_dot: at(u_dot, i), v_dot: at(v_dot, i) })
+}
+
+fn finite(name: &'static str, value: f64) -> Result<()> {
+    if value.is_finite() { Ok(()) } else { Err(Error::parameter(name, value, "a finite number")) }
+}
+
+fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
+    if chain.boundary() != Boundary::Free {
+        let rule = "a trivial breather has free ends";
+        return Err(Error::parameter("boundary", format!("{:?}", chain.boundary()), rule));
+    }
+    let (params, amplitudes, phases) =
+        (chain.params(), amplitudes(chain.sites(), section)?, phases(chain.sites(), section)?);
+    match (&section.b, &section.d, section.gap) {
+        (Some(b), None, None) => TrivialBreather::with_means(params, amplitudes, phases, b.clone()),
+        (None, Some(d), None) => TrivialBreather::new(params, amplitudes, phases, d),
+        (None, None, gap) => {
+            let gap = gap.unwrap_or(0.0);
+            if !(gap.is_finite() && gap >= 0.0 && gap.is_sign_positive()) {
+                return Err(Error::parameter("gap", gap, "finite and at least zero"));
+            }
+            let even: Vec<f64> = (0..amplitudes.len()).map(|n| gap * n as f64).collect();
+            Ok(TrivialBreather::new(params, amplitudes, phases, &even)?.centred())
+        }
+        _ => Err(Error::parameter("initial", "[initial]", "give at most one of `b`, `d` and `gap`")),
+    }
+}
+
+fn amplitudes(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
+    match (&section.amplitudes, section.center, section.amplitude, section.decay) {
+        (Some(amplitudes), None, None, None) => site_by_site("amplitudes", amplitudes, sites),
+        (None, Some(center), Some(amplitude), Some(decay)) => {
+            if !(decay.is_finite() && decay > 0.0) {
+                return Err(Error::parameter("decay", decay, "finite and positive"));
+            }
+            finite("center", center)?;
+            finite("amplitude", amplitude)?;
+            Ok((0..sites).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect())
+        }
+        _ => {
+            let rule = "give either `amplitudes` or `center`, `amplitude` and `decay`";
+            Err(Error::parameter("initial", "[initial]", rule))
+        }
+    }
+}
+
+fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
+    match (&section.phases, section.phase_step_over_pi) {
+        (Some(phases), None) => site_by_site("phases", phases, sites),
+        (None, step) => {
+            let step = step.unwrap_or(1.0);
+            finite("phase_step_over_pi", step)?;
+            // Phases are needed up to whole turns only.
+            Ok((0..sites).map(|i| PI * (i as f64 * step % 2.0)).collect())
+        }
+        _ => Err(Error::parameter("initial", "[initial]", "give at most one of `phases` and `phase_step_over_pi`")),
+    }
+}
+
+fn site_by_site(name: &'static str, values: &[f64], sites: usize) -> Result<Vec<f64>> {
+    if values.len() == sites {
+        return Ok(values.to_vec());
+    }
+    Err(Error::parameter(name, numbers_for(values, sites), "one number a site"))
+}
+
+/// How many numbers there are for how many sites.
+fn numbers_for(values: &[f64], sites: usize) -> String {
+    format!("{} numbers for {sites} sites", values.len())
+}
+
+/// Refuses a state whose contact forces would underflow or whose energy would overflow.
+pub(super) fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Result<()> {
+    let (y, law, alpha) = (state.as_slice(), chain.law(), chain.params().alpha);
+    let [far, fast] = [&y[..y.len() / 2], &y[y.len() / 2..]].map(|half| max_norm(half.iter().copied()));
+    let size = far.max(fast);
+    let name = match (initial, fast > far) {
+        (Initial::SingleBead { .. }, false) => "displacement",
+        (Initial::SingleBead { .. }, true) => "velocity",
+        (Initial::State { .. }, false) => "u",
+        (Initial::State { .. }, true) => "u_dot",
+        _ => "amplitude",
+    };
+    // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
+    let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
+    let at_rest = chain.precompression() == 0.0 && chain.details().is_none_or(|details| details.overlap.is_empty());
+    if size > 0.0 && at_rest && force < LEAST_FORCE {
+        let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
+        return Err(Error::parameter(name, size, rule));
+    }
+    let energy = if chain.has_energy(y) { chain.energy(y).total() } else { 0.0 };
+    let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
+    if most.is_nan() || most > MOST_ENERGY {
+        let rule =
+            "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
+        return Err(Error::parameter(name, size, rule));
+    }
+    Ok(())
+}
