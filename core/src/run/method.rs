@@ -409,25 +409,7 @@ impl Method {
             (Self::Conserving(Conserved::Quadratised), Setting::Steps(steps)) => {
                 Ok(Box::new(Quadratised::new(chain, y, span, steps)?))
             }
-            (Self::Dop853(contacts), Setting::Tolerance(tol)) => {
-                let field = Field::new(chain.clone());
-                // The unit of the absolute tolerance is the largest entry of the initial state, so
-                // that waves of small amplitude are integrated with the same relative accuracy.
-                // A chain that drives take from rest has theirs.
-                let size = match max_norm(run.initial().as_slice().iter().copied()) {
-                    0.0 => chain.details().map_or(0.0, Details::scale),
-                    size => size,
-                };
-                let atol = if size > 0.0 { tol * size } else { tol };
-                let options = Options { atol, ..Options::new(tol) };
-                let (alpha, power) = chain.powers_at_events(self.order());
-                let q = match contacts {
-                    Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
-                    Contacts::Landed => 1,
-                    Contacts::Regularised => power,
-                };
-                Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
-            }
+            (&Self::Dop853(contacts), Setting::Tolerance(tol)) => dop853(run, contacts, y, span, tol),
             (Self::Collocation, Setting::Tolerance(_) | Setting::Windows(..)) => {
                 Ok(collocated(run, y, span, setting, false)?)
             }
@@ -500,6 +482,34 @@ fn collocated(
     } else {
         boxed(Collocation::on_threads(chain.clone(), y, span, pace, threads)?, log)
     })
+}
+
+/// DOP853 of a run, across its contacts or from event to event.
+fn dop853(
+    run: &Run,
+    contacts: Contacts,
+    y: &[f64],
+    span: (f64, f64),
+    tol: f64,
+) -> Result<Box<dyn Stepper<f64> + Send>> {
+    let chain = run.chain().clone();
+    let field = Field::new(chain.clone());
+    // The unit of the absolute tolerance is the largest entry of the initial state, so that waves of
+    // small amplitude are integrated with the same relative accuracy. A chain that drives take from
+    // rest has theirs.
+    let size = match max_norm(run.initial().as_slice().iter().copied()) {
+        0.0 => chain.details().map_or(0.0, Details::scale),
+        size => size,
+    };
+    let atol = if size > 0.0 { tol * size } else { tol };
+    let options = Options { atol, ..Options::new(tol) };
+    let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).order());
+    let q = match contacts {
+        Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
+        Contacts::Landed => 1,
+        Contacts::Regularised => power,
+    };
+    Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
 }
 
 /// Contact-corrected splitting on the given split of the chain.
