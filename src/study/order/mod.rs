@@ -149,16 +149,21 @@ pub struct OrderStudy {
     pub rows: Vec<OrderRow>,
 }
 
-/// The order that theory gives a method of order `p`.
+/// The order that theory gives a method, of order `p` where nothing limits it.
 ///
 /// `min(p, alpha + 1)` for the state and `min(p, alpha)` for the tangent when events are crossed;
 /// the same when they are landed on, unless `alpha` is an integer and the force analytic on either
-/// side; one more when kicks are averaged; two more when they are corrected, or `alpha + 1` if that
-/// is less; `p` when regularised.
-pub fn theory(p: u32, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
-    let p = f64::from(p);
-    let limit = if quantity == Quantity::State { alpha + 1.0 } else { alpha };
+/// side; one more when kicks are averaged, as discrete gradients do over a step; two more when they
+/// are corrected, or `alpha + 1` if that is less; `p` when regularised. Energy quadratisation divides
+/// by the square root of the energy of all contacts: where all of them open at once this is like the
+/// overlap to the power `(alpha + 1)/2`, and that is the limit for its state.
+pub fn theory(method: Method, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
+    let p = f64::from(method.order());
+    let lost = if quantity == Quantity::State { 0.0 } else { 1.0 };
+    let limit = alpha + 1.0 - lost;
     match mode {
+        _ if method == Method::Conserving(Conserved::Quadratised) => p.min(0.5 * (alpha + 1.0) - lost),
+        _ if method == Method::Conserving(Conserved::Energy) => p.min(limit + 1.0),
         Mode::Regularised => p,
         Mode::Landed if alpha.fract() == 0.0 => p,
         Mode::Averaged => p.min(limit + 1.0),
@@ -430,7 +435,7 @@ impl Problem {
             mode,
             quantity,
             slope: None,
-            theory: theory(method.order(), self.alpha, mode, quantity),
+            theory: theory(method, self.alpha, mode, quantity),
             errors: Vec::new(),
             steps: Vec::new(),
         });
