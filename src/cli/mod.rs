@@ -132,6 +132,7 @@ fn run_command(command: &Command) -> Exit {
             StudyAction::Taper(told) => told.run(),
             StudyAction::Disorder(told) => told.run(),
             StudyAction::EndDriven(told) => told.run(),
+            StudyAction::BoundaryWave(told) => told.run(),
         },
         Command::Wave(args) => match &args.action {
             Some(WaveAction::Modulation(told)) => told.run(),

@@ -6,6 +6,7 @@
 //! runs all of them in one way.
 
 mod barrier;
+mod boundary_wave;
 mod breather;
 mod charts;
 mod compare;
@@ -33,6 +34,7 @@ mod wave;
 pub(crate) use barrier::barrier_columns;
 pub use barrier::*;
 pub(crate) use barrier::{barrier_caption, barrier_tables};
+pub use boundary_wave::*;
 pub(crate) use breather::bright_tables;
 pub use breather::*;
 pub use charts::{

@@ -3,8 +3,8 @@
 use crate::{
     cli::runner::Told,
     study::{
-        Bound, Charts, DimerOptions, DisorderOptions, Drift, EndDriven, ImpurityOptions, LifetimeOptions, OrderOptions,
-        ScalingOptions, TaperOptions, TheoremOptions,
+        Bound, BoundaryWave, Charts, DimerOptions, DisorderOptions, Drift, EndDriven, ImpurityOptions, LifetimeOptions,
+        OrderOptions, ScalingOptions, TaperOptions, TheoremOptions,
     },
 };
 use clap::{Args, Subcommand};
@@ -116,6 +116,15 @@ Example:
 Example:
   hertzchain study end-driven --lengths 10 --omegas 2.05 --out out/end-driven")]
     EndDriven(Told<EndDriven>),
+    /// Launch travelling waves into a chain from one end.
+    ///
+    /// A chain under a static overlap whose first bead is moved at frequencies above omega. The wave
+    /// number that is measured along the chain is held against that of the first-order wave of the
+    /// paper with the same frequency, amplitude and mean strain.
+    #[command(after_long_help = "\
+Example:
+  hertzchain study boundary-wave --omegas 2.006 --amplitude 0.02 --out out/boundary-wave")]
+    BoundaryWave(Told<BoundaryWave>),
 }
 
 /// The rule of the verdict, and an example.

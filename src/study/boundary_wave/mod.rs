@@ -1,0 +1,270 @@
+//! Travelling waves launched into a chain from one end.
+//!
+//! A chain under a static overlap lies between walls. Its first bead is moved as `A sin(omega_d t)`,
+//! after a ramp, and sends a wave into the chain; dashpots in the last sites take it up. Far from
+//! both ends the strain is `X_b + Re(c_b exp(-i omega_d t))` and harmonics.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `omega_d` | frequency of the drive, above that of a free site, `omega` |
+//! | `X, r` | mean strain and amplitude `abs(c_b)`, means over the measured bonds |
+//! | `q` | wave number: mean of the angle from `c_b` to `c_{b+1}` |
+//! | `q_tw` | wave number of the first-order wave with this frequency, `X` and `r` |
+//!
+//! By (eq:w_tw) with `epsilon = 1`, `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`.
+//! For a weak wave `h` is `kappa alpha g_0^{alpha-1}`, `g_0` the static overlap.
+
+mod report;
+
+use super::{Progress, Study, Work};
+use crate::{
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State},
+    dps::Averages,
+    error::{Error, Result},
+    run::{Method, Run},
+    sweep::map,
+};
+use nalgebra::Complex;
+use serde::Serialize;
+use std::{
+    f64::consts::TAU,
+    ops::{Range, RangeInclusive},
+};
+
+const ALPHA: f64 = 1.5;
+const KAPPA: f64 = 1.0;
+const SITES: RangeInclusive<usize> = 80..=1000;
+/// Sites in which dashpots grow like the cube of the distance, to this at the last.
+const ABSORBING: usize = 40;
+const DASHPOT: f64 = 0.05;
+/// Bonds beside the bead that is moved, and before the dashpots, that are not measured.
+const NEAR: usize = 10;
+const BEFORE: usize = 5;
+/// Periods of the ramp, and periods over which the wave is measured, with samples in each.
+const RAMP: f64 = 30.0;
+const PERIODS: usize = 40;
+const SAMPLES: usize = 32;
+/// A run lasts so many times as long as a weak wave takes to the dashpots.
+const TRANSITS: f64 = 2.0;
+const TOLERANCE: f64 = 1e-9;
+
+/// Travelling waves launched into a chain from one end.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct BoundaryWave {
+    /// Number of sites.
+    ///
+    /// From 80 to 1000. The first is moved, the last 40 take the wave up.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 90))]
+    pub sites: usize,
+    /// Drive frequencies.
+    ///
+    /// Above omega = sqrt(1 + 1/rho), and below the end of the band of weak waves.
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "W,..",
+            value_delimiter = ',',
+            default_value = "2.002,2.004,2.006,2.008,2.01,2.015,2.02"
+        )
+    )]
+    pub omegas: Vec<f64>,
+    /// Amplitude with which the first bead is moved.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.05"))]
+    pub amplitude: f64,
+    /// Static overlap of all contacts.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "G", default_value = "0.05"))]
+    pub overlap: f64,
+    /// Mass ratio resonator to bead, positive.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
+    pub rho: f64,
+}
+
+impl Default for BoundaryWave {
+    fn default() -> Self {
+        let omegas = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02];
+        Self { sites: 90, omegas, amplitude: 0.05, overlap: 0.05, rho: 1.0 / 3.0 }
+    }
+}
+
+/// The strain of a bond.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BondStrain {
+    /// Between the sites `bond - 1` and `bond`.
+    pub bond: usize,
+    /// Mean.
+    pub mean: f64,
+    /// `abs(c_b)`.
+    pub amplitude: f64,
+    /// Angle from `c_b` to `c_{b+1}`.
+    pub angle: f64,
+}
+
+/// A wave in the chain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LaunchedWave {
+    /// `omega_d`.
+    pub omega: f64,
+    /// End of the run.
+    pub end: f64,
+    /// `X`.
+    pub mean_strain: f64,
+    /// `r`.
+    pub amplitude: f64,
+    /// Standard deviation of the amplitude over the measured bonds, in units of `r`.
+    pub spread: f64,
+    /// Whether measured contacts open.
+    pub opens: bool,
+    /// `q`.
+    pub q: f64,
+    /// `q_tw`; `None` if the frequency is outside of the band of such waves.
+    pub q_theory: Option<f64>,
+    /// All bonds between beads but the last.
+    #[serde(skip)]
+    pub bonds: Vec<BondStrain>,
+}
+
+/// The outcome of the study.
+#[derive(Clone, Debug)]
+pub struct BoundaryWaveStudy {
+    /// What was asked for.
+    pub options: BoundaryWave,
+    /// A wave a frequency, in their order.
+    pub waves: Vec<LaunchedWave>,
+}
+
+impl Study for BoundaryWave {
+    const FILES: &'static str = "Files: boundary-wave.csv, strains.csv, boundary-wave.json and boundary-wave.png.";
+
+    fn begin(&self) -> Result<Work<'_>> {
+        self.check()?;
+        Ok(Box::new(|_, progress| Ok(Box::new(self.study(progress)?))))
+    }
+}
+
+/// `sin^2(q/2) = (omega_d - omega) omega^3/(2 h)`, if that is at most 1.
+fn wave_number(omega: f64, omega_d: f64, h: f64) -> Option<f64> {
+    let square = (omega_d - omega) * omega.powi(3) / (2.0 * h);
+    (0.0..=1.0).contains(&square).then(|| 2.0 * square.sqrt().asin())
+}
+
+impl BoundaryWave {
+    fn params(&self) -> Result<Params> {
+        Params::new(ALPHA, KAPPA, self.rho)
+    }
+
+    /// `h` of a weak wave.
+    fn weak(&self) -> Result<f64> {
+        Ok(Averages::new(ALPHA, KAPPA)?.h(-self.overlap, 0.0))
+    }
+
+    fn check(&self) -> Result<()> {
+        if !SITES.contains(&self.sites) {
+            return Err(Error::parameter("sites", self.sites, "from 80 to 1000"));
+        }
+        for (name, value) in [("amplitude", self.amplitude), ("overlap", self.overlap), ("rho", self.rho)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::parameter(name, value, "finite and positive"));
+            }
+        }
+        let (omega, weak) = (self.params()?.omega(), self.weak()?);
+        let inside = |omega_d: &&f64| **omega_d > omega && wave_number(omega, **omega_d, weak).is_some();
+        if let Some(omega_d) = self.omegas.iter().find(|omega_d| !inside(omega_d)) {
+            let rule = "above sqrt(1 + 1/rho), by at most 3 overlap^(1/2)/(1 + 1/rho)^(3/2)";
+            return Err(Error::parameter("omegas", omega_d, rule));
+        }
+        Ok(())
+    }
+
+    /// The chain.
+    ///
+    /// # Errors
+    /// Numbers outside their rules.
+    pub fn chain(&self, omega_d: f64) -> Result<Chain<f64>> {
+        let depth = |i: usize| (i + 1 + ABSORBING).saturating_sub(self.sites) as f64 / ABSORBING as f64;
+        let signal = Signal {
+            harmonics: vec![Harmonic { amplitude: self.amplitude, omega: omega_d, phase: 0.0 }],
+            envelope: Envelope::Ramp(RAMP * TAU / omega_d),
+        };
+        let details = Details {
+            rho: (0..self.sites).map(|i| if i == 0 { 0.0 } else { self.rho }).collect(),
+            dashpot: (0..self.sites).map(|i| DASHPOT * depth(i).powi(3)).collect(),
+            drives: vec![Drive { site: 0, means: Means::Moved, signal }],
+            ..Details::default()
+        };
+        Chain::new(self.params()?, Boundary::Fixed, self.sites)?.precompressed(self.overlap)?.with(&details)
+    }
+
+    /// The bonds that are measured.
+    fn measured(&self) -> Range<usize> {
+        NEAR..self.sites - ABSORBING - BEFORE
+    }
+
+    /// When the wave is measured: twice the time that a weak wave takes to the dashpots. Its speed is
+    /// `d omega/d q = (omega_d - omega) cot(q/2)`.
+    fn end(&self, omega_d: f64) -> Result<f64> {
+        let omega = self.params()?.omega();
+        let q = wave_number(omega, omega_d, self.weak()?).unwrap_or_default();
+        let way = (self.sites - ABSORBING) as f64;
+        let transit = way * (0.5 * q).tan() / (omega_d - omega);
+        Ok((RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit)
+    }
+
+    /// The wave of a frequency.
+    ///
+    /// ```
+    /// use hertzchain::study::BoundaryWave;
+    /// let study = BoundaryWave { amplitude: 0.01, ..BoundaryWave::default() };
+    /// let wave = study.wave(2.01)?;
+    /// assert!((wave.q / wave.q_theory.unwrap() - 1.0).abs() < 0.02 && !wave.opens);
+    /// # Ok::<(), hertzchain::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Numbers outside their rules; a run that fails; a signal.
+    pub fn wave(&self, omega_d: f64) -> Result<LaunchedWave> {
+        let (chain, end) = (self.chain(omega_d)?, self.end(omega_d)?);
+        let start = State::rest(&chain).driven(&chain);
+        let (count, step) = (PERIODS * SAMPLES, TAU / omega_d / SAMPLES as f64);
+        let times: Vec<f64> = (1..=count).map(|k| end - (count - k) as f64 * step).collect();
+        let run = Run::new(chain.clone(), start).until(end)?.method(Method::Collocation).tolerance(TOLERANCE)?;
+        let (mut sums, mut least) = (vec![(0.0, Complex::default()); self.sites], f64::INFINITY);
+        for (state, t) in run.at(&times)?.zip(&times) {
+            let overlaps = chain.overlaps(state?.u());
+            for (b, (mean, c)) in sums.iter_mut().enumerate() {
+                *mean -= overlaps[b] / count as f64;
+                *c -= Complex::from_polar(2.0 * overlaps[b] / count as f64, omega_d * t);
+            }
+            least = overlaps[self.measured()].iter().copied().fold(least, f64::min);
+        }
+        let strain = |b: usize| {
+            let (mean, c) = sums[b];
+            BondStrain { bond: b, mean, amplitude: c.norm(), angle: (sums[b + 1].1 * c.conj()).arg() }
+        };
+        self.launched(omega_d, end, least, (1..self.sites - 1).map(strain).collect())
+    }
+
+    /// What the strains say of the wave.
+    fn launched(&self, omega: f64, end: f64, least: f64, bonds: Vec<BondStrain>) -> Result<LaunchedWave> {
+        let measured: Vec<&BondStrain> = bonds.iter().filter(|one| self.measured().contains(&one.bond)).collect();
+        let count = measured.len() as f64;
+        let mean = |of: &dyn Fn(&BondStrain) -> f64| measured.iter().map(|one| of(one)).sum::<f64>() / count;
+        let (mean_strain, amplitude, q) = (mean(&|one| one.mean), mean(&|one| one.amplitude), mean(&|one| one.angle));
+        let spread = mean(&|one| (one.amplitude / amplitude - 1.0).powi(2)).sqrt();
+        let h = Averages::new(ALPHA, KAPPA)?.h(mean_strain, 0.5 * amplitude / KAPPA);
+        let q_theory = wave_number(self.params()?.omega(), omega, h);
+        Ok(LaunchedWave { omega, end, mean_strain, amplitude, spread, opens: least < 0.0, q, q_theory, bonds })
+    }
+
+    fn study(&self, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let waves = map(&self.omegas, |&omega_d| {
+            let wave = self.wave(omega_d);
+            let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            progress(count as f64 / self.omegas.len() as f64, &format!("omega = {omega_d}"));
+            wave
+        });
+        Ok(BoundaryWaveStudy { options: self.clone(), waves: waves.into_iter().collect::<Result<_>>()? })
+    }
+}
