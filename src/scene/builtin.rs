@@ -22,5 +22,6 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("disorder", include_str!("builtin/disorder.toml")),
     ("defect", include_str!("builtin/defect.toml")),
     ("end-driven", include_str!("builtin/end-driven.toml")),
+    ("boundary-wave", include_str!("builtin/boundary-wave.toml")),
     ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
 ];

@@ -182,7 +182,7 @@ fn run_writes_files_that_read_back() {
 #[test]
 fn scenes_and_integrators_are_listed() {
     let scenes = json(&["scenes", "--json"]);
-    assert_eq!(scenes["scenes"].as_array().unwrap().len(), 21);
+    assert_eq!(scenes["scenes"].as_array().unwrap().len(), 22);
     for scene in scenes["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();
         assert!(!scene["summary"].as_str().unwrap().is_empty());

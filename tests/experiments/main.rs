@@ -6,6 +6,7 @@ mod common;
 mod properties;
 
 mod barrier;
+mod boundary_wave;
 mod branch_files;
 mod breathers;
 mod charts;

@@ -7,8 +7,8 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `omega_d` | frequency of the drive, above that of a free site, `omega` |
-//! | `X, r` | mean strain and amplitude `abs(c_b)`, means over the measured bonds |
-//! | `q` | wave number: mean of the angle from `c_b` to `c_{b+1}` |
+//! | `X, r` | mean strain and amplitude `abs(c_b)`, weighted means over the measured bonds |
+//! | `q` | wave number: slope of the phase of `c_b`, by least squares |
 //! | `q_tw` | wave number of the first-order wave with this frequency, `X` and `r` |
 //!
 //! By (eq:w_tw) with `epsilon = 1`, `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`.
@@ -112,7 +112,7 @@ pub struct LaunchedWave {
     pub mean_strain: f64,
     /// `r`.
     pub amplitude: f64,
-    /// Standard deviation of the amplitude over the measured bonds, in units of `r`.
+    /// Standard deviation of the amplitude over the measured bonds, weighted, in units of `r`.
     pub spread: f64,
     /// Whether measured contacts open.
     pub opens: bool,
@@ -154,11 +154,6 @@ impl BoundaryWave {
         Params::new(ALPHA, KAPPA, self.rho)
     }
 
-    /// `h` of a weak wave.
-    fn weak(&self) -> Result<f64> {
-        Ok(Averages::new(ALPHA, KAPPA)?.h(-self.overlap, 0.0))
-    }
-
     fn check(&self) -> Result<()> {
         if !SITES.contains(&self.sites) {
             return Err(Error::parameter("sites", self.sites, "from 80 to 1000"));
@@ -168,13 +163,14 @@ impl BoundaryWave {
                 return Err(Error::parameter(name, value, "finite and positive"));
             }
         }
-        let (omega, weak) = (self.params()?.omega(), self.weak()?);
-        let inside = |omega_d: &&f64| **omega_d > omega && wave_number(omega, **omega_d, weak).is_some();
-        if let Some(omega_d) = self.omegas.iter().find(|omega_d| !inside(omega_d)) {
-            let rule = "above sqrt(1 + 1/rho), by at most 3 overlap^(1/2)/(1 + 1/rho)^(3/2)";
-            return Err(Error::parameter("omegas", omega_d, rule));
-        }
-        Ok(())
+        self.omegas.iter().try_for_each(|&omega_d| self.weak_wave_number(omega_d).map(drop))
+    }
+
+    /// Wave number of a weak wave.
+    fn weak_wave_number(&self, omega_d: f64) -> Result<f64> {
+        let (omega, h) = (self.params()?.omega(), Averages::new(ALPHA, KAPPA)?.h(-self.overlap, 0.0));
+        let rule = "above sqrt(1 + 1/rho), by at most 3 overlap^(1/2)/(1 + 1/rho)^(3/2)";
+        wave_number(omega, omega_d, h).filter(|q| *q > 0.0).ok_or(Error::parameter("omegas", omega_d, rule))
     }
 
     /// The chain.
@@ -204,10 +200,8 @@ impl BoundaryWave {
     /// When the wave is measured: twice the time that a weak wave takes to the dashpots. Its speed is
     /// `d omega/d q = (omega_d - omega) cot(q/2)`.
     fn end(&self, omega_d: f64) -> Result<f64> {
-        let omega = self.params()?.omega();
-        let q = wave_number(omega, omega_d, self.weak()?).unwrap_or_default();
-        let way = (self.sites - ABSORBING) as f64;
-        let transit = way * (0.5 * q).tan() / (omega_d - omega);
+        let (omega, q) = (self.params()?.omega(), self.weak_wave_number(omega_d)?);
+        let transit = (self.sites - ABSORBING) as f64 * (0.5 * q).tan() / (omega_d - omega);
         Ok((RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit)
     }
 
@@ -224,6 +218,7 @@ impl BoundaryWave {
     /// # Errors
     /// Numbers outside their rules; a run that fails; a signal.
     pub fn wave(&self, omega_d: f64) -> Result<LaunchedWave> {
+        self.check()?;
         let (chain, end) = (self.chain(omega_d)?, self.end(omega_d)?);
         let start = State::rest(&chain).driven(&chain);
         let (count, step) = (PERIODS * SAMPLES, TAU / omega_d / SAMPLES as f64);
@@ -248,8 +243,12 @@ impl BoundaryWave {
     /// What the strains say of the wave.
     fn launched(&self, omega: f64, end: f64, least: f64, bonds: Vec<BondStrain>) -> Result<LaunchedWave> {
         let measured: Vec<&BondStrain> = bonds.iter().filter(|one| self.measured().contains(&one.bond)).collect();
-        let count = measured.len() as f64;
-        let mean = |of: &dyn Fn(&BondStrain) -> f64| measured.iter().map(|one| of(one)).sum::<f64>() / count;
+        // Weights of the slope of a straight line through all phases: ends count little, so that what
+        // the dashpots throw back cancels.
+        let count = measured.len();
+        let weighted = |of: &dyn Fn(&BondStrain) -> f64, k: usize| ((k + 1) * (count - k)) as f64 * of(measured[k]);
+        let sum = |of: &dyn Fn(&BondStrain) -> f64| (0..count).map(|k| weighted(of, k)).sum::<f64>();
+        let mean = |of: &dyn Fn(&BondStrain) -> f64| sum(of) / sum(&|_| 1.0);
         let (mean_strain, amplitude, q) = (mean(&|one| one.mean), mean(&|one| one.amplitude), mean(&|one| one.angle));
         let spread = mean(&|one| (one.amplitude / amplitude - 1.0).powi(2)).sqrt();
         let h = Averages::new(ALPHA, KAPPA)?.h(mean_strain, 0.5 * amplitude / KAPPA);
