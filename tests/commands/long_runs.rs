@@ -487,6 +487,19 @@ mod processes {
         }
     }
 
+    // Truth: the run that nobody stops. Checkpoints are dimensionless; results are not.
+    #[test]
+    fn a_run_in_si_units_goes_on_in_si_units() {
+        let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        let [out, whole] = folders.each_ref().map(|folder| folder.path().to_str().unwrap());
+        let args = ["run", "granular-crystal", "--si", "--until", "20000", "--checkpoint", "200", "--out"];
+        let kept = || time(folders[0].path()).is_some_and(|t| t >= 400.0);
+        assert_eq!(asked(&[&args[..], &[out]].concat(), "TERM", &kept).0, Some(143));
+        assert!(output(&["run", "--resume", out, "--si"]).status.success());
+        assert!(output(&[&args[..], &[whole]].concat()).status.success());
+        assert!(files(folders[0].path()) == files(folders[1].path()));
+    }
+
     #[test]
     fn a_signal_ends_studies_with_what_was_done() {
         let folder = tempfile::tempdir().unwrap();
