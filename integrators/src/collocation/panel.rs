@@ -661,8 +661,8 @@ mod tests {
 
     #[test]
     fn angles_that_need_no_reduction_have_the_same_bits() {
-        // Truth: the function that reduces, around the largest angle for which this is left out; and
-        // the system's library, to 2 units in the last place.
+        // Truth: the function that reduces, around the largest angle for which this is left out;
+        // and the system's library, to 2 units in the last place.
         const { assert!(UNREDUCED < std::f64::consts::FRAC_PI_4) };
         for i in 0..4000_u32 {
             let last = UNREDUCED * (0.5 + f64::from(i) / 4000.0);
