@@ -8,7 +8,7 @@
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
-    foresee::{Turned, turn},
+    foresee::turn,
     goal::Goal,
     panel::Frames,
     panels::Panels,
@@ -172,6 +172,15 @@ impl Verdict {
             failure: self.failure.or(other.failure),
         }
     }
+
+    /// Counts what bonds did.
+    fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>]) {
+        for bond in bonds {
+            self.touching += usize::from(!bond.contacts.found.is_empty());
+            self.halved += usize::from(bond.resolution.halvings > 0);
+            self.stiffness = bond.sweeps.stiffness.max(self.stiffness);
+        }
+    }
 }
 
 /// Memory for one block at a time.
@@ -233,11 +242,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         verdict.failure = verdict.failure.map(|(b, residual)| (share.number(first + b), residual));
         let mine = offset..offset + own.len();
         verdict.work += BOND * len as u64;
-        for bond in &bonds[mine.clone()] {
-            verdict.touching += usize::from(!bond.contacts.found.is_empty());
-            verdict.halved += usize::from(bond.resolution.halvings > 0);
-            verdict.stiffness = bond.sweeps.stiffness.max(verdict.stiffness);
-        }
+        verdict.count(&bonds[mine.clone()]);
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frames.h), ledger: [0.0; 4] };
         }
@@ -245,7 +250,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
             verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
-        if const { S != 1 } {
+        if const { S != 1 } && verdict.failure.is_none() {
             keep_ledger(start, frames.h, (&*bonds, mine.start, ring), left);
         }
         if log && verdict.failure.is_none() {
@@ -324,14 +329,19 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
     #[inline(always)]
     fn run(self) -> bool {
         let Self { mut stretch, frames } = self;
-        let (mut sure, mut end) = (true, [Turned::NONE; S]);
+        let (mut sure, mut end) = (true, None);
         for b in 0..stretch.bonds.len() {
             let (me, beside) = stretch.at(b);
             let frame = &frames.of(me.initial.bond);
-            if b == 0 || S != 1 {
-                end = turn(frame, frame.h);
+            if me.stays_open(frame, beside) {
+                continue;
             }
-            sure &= me.predict(frame, beside, &end);
+            let at_end = match end {
+                Some(end) if S == 1 => end,
+                _ => turn(frame, frame.h),
+            };
+            end = Some(at_end);
+            sure &= me.predict(frame, beside, &at_end);
         }
         sure
     }

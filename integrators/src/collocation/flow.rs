@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `y = [r, v, c, s]` | a site at the start of a window: position `r + c`, velocity `v + omega s` |
+//! | `y = [r, v, c, s]` | a site as a window starts: position `r + c`, velocity `v + omega s` |
 //! | `A` | generator: `y' = A y + b f` under a force `f` |
 //! | `b = [0, m, 0, mu/omega]` | what a unit impulse adds to `y` |
 //! | `e = [1, 0, 1, 0]` | position: `q = e y` |
@@ -309,7 +309,8 @@ mod tests {
         let site = flow(0.6, 0.5, 1.7, [0.8, 0.3]);
         let (t, s) = (0.45, 0.17);
         let answer = site.answer(&[s]).map(|x| x[0]);
-        // Terms are below 1; each of some ten sums and products rounds by half of 2.2e-16 of its size.
+        // Terms are below 1; each of some ten sums and products rounds by half of 2.2e-16 of its
+        // size.
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15 * a.abs().max(b.abs()).max(0.5), "{a:e} {b:e}");
         near(at(&site, answer, t)[0], site.ramps(t - s)[0]);
         let y = [0.3, -0.4, 0.2, 0.7];

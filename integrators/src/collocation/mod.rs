@@ -173,8 +173,8 @@ pub trait Windows: Send + Sized {
     fn longest(&self) -> [f64; 2] {
         [f64::INFINITY; 2]
     }
-    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if this
-    /// is not resolved to a tolerance, else infinity.
+    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if
+    /// this is not resolved to a tolerance, else infinity.
     fn foresee(&mut self, _h: f64, _tol: f64) -> f64 {
         f64::INFINITY
     }

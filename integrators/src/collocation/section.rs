@@ -231,7 +231,7 @@ impl<C: ContactChain<S>, const S: usize> Windows for Section<C, S> {
     fn advance(&mut self) {
         let Self { held, state: State { sites, ongoing, phases, t, ledger, signals }, left, h, .. } = self;
         let (chain, h, open) = (&held.chain, *h, held.open(signals));
-        if S != 1
+        if const { S != 1 }
             && let Some((about, _)) = open
         {
             let bonds = &Sites { chain, sites, phases, open };

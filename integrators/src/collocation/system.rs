@@ -97,8 +97,8 @@ impl<const S: usize> Link<S> {
         if S == 1 { 1.0 } else { self.sides[side].weight }
     }
 
-    /// Whether a site is damped. What is done then is not a part of the kernels, where it would keep
-    /// the two sides of other bonds from being worked on in one register.
+    /// Whether a site is damped. What is done then is not a part of the kernels, where it would
+    /// keep the two sides of other bonds from being worked on in one register.
     #[inline(always)]
     pub(crate) fn damped(&self) -> bool {
         S != 1 && self.damped
