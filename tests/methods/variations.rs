@@ -58,6 +58,13 @@ fn monodromy(chain: &Chain<f64>, y: &[f64], t: f64, tol: f64) -> DMatrix<f64> {
     DMatrix::from_fn(free.len(), free.len(), |i, j| end[free[i] * free.len() + j])
 }
 
+/// The same by contact collocation, in so many windows.
+fn collocated(chain: &Chain<f64>, y: &[f64], t: f64, windows: u64) -> DMatrix<f64> {
+    let (free, dim) = (free(chain), y.len());
+    let columns = chain.monodromy(y, (0.0, t), crate::windows(windows, 12)).unwrap();
+    DMatrix::from_fn(free.len(), free.len(), |i, j| columns[free[j] * dim + free[i]])
+}
+
 fn direction(dim: usize, k: usize) -> Vec<f64> {
     (0..dim).map(|i| ((2.399_963 + 0.618 * k as f64) * i as f64 + 1.0).sin()).collect()
 }
@@ -103,14 +110,29 @@ fn it_agrees_with_differences_in_double_double_and_follows_its_tolerance() {
 }
 
 #[test]
+fn that_of_collocation_agrees_with_both() {
+    // Truth: the same differences, and the matrix by DOP853.
+    let (chain, t) = (chain::<f64>(), 9.0);
+    let (y, w) = (start(&chain), direction(free(&chain).len(), 0));
+    let got = collocated(&chain, &y, t, 720);
+    let (other, truth) = (monodromy(&chain, &y, t, 1e-14), difference(&w, t));
+    let (off, apart) = (error(&applied(&got, &w), &truth), (&got - &other).amax() / other.amax());
+    println!("differences {off:e}, DOP853 {apart:e}");
+    assert!(off < 1e-9 && apart < 1e-11, "{off:e} {apart:e}");
+}
+
+#[test]
 fn its_determinant_is_liouvilles() {
     // Truth: det = exp(t div), and the divergence is minus the sum of drag and dashpots over masses.
     let (chain, t) = (chain::<f64>(), 9.0);
-    let m = monodromy(&chain, &start(&chain), t, 1e-12);
     let beads = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07;
     let resonators = 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
-    let got = m.determinant().ln();
-    assert!((got + t * (beads + resonators)).abs() < 1e-9, "{got} {}", -t * (beads + resonators));
+    let y = start(&chain);
+    for m in [monodromy(&chain, &y, t, 1e-12), collocated(&chain, &y, t, 720)] {
+        let off = m.determinant().ln() + t * (beads + resonators);
+        println!("{off:e}");
+        assert!(off.abs() < 1e-9, "{off:e}");
+    }
 }
 
 #[test]

@@ -14,11 +14,15 @@
 //! but the force is zero there: to first order nothing is felt of that. What is felt is an end that
 //! is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
 //! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
+//!
+//! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
+//! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.
 
 use super::{
     Collocation, Section,
     block::OWN,
     bond::Bond,
+    open::Open,
     panel::{Frames, Panel, dot, product},
     panels::{Panels, Shared},
     sites::Phases,
@@ -88,13 +92,9 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, a chain that is damped or
-    /// driven, or one of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
-        if run.windows.held.links.open.is_some() {
-            return Err(argument("sites", chain.sites(), "a tangent map is there without damping and drives"));
-        }
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
         }
@@ -140,7 +140,7 @@ impl<const S: usize> Tangent<S> {
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
         result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
-            advance(chain, left, block, h, phases);
+            advance((chain, held.links.open.as_ref()), left, block, h, phases);
         }
         self.phases.copy_from(phases);
         self.phases.advance(h);
@@ -337,6 +337,9 @@ fn laid_out<const M: usize, const S: usize>(
                     bonds[b].panels.influence_at_nodes(at, Shared::with::<S>(k), 1.0, &mut g);
                 }
             }
+            if S != 1 && (frames.links.link(b).lags || me.known.is_some()) {
+                g = panel.besides(me.known.is_some(), me.initial.path, g);
+            }
             panel.overlap = g;
         }
         out.push(me.panels);
@@ -362,7 +365,10 @@ fn rows<const M: usize, const S: usize>(
             let link = frames.links.link(b);
             let stiffness = panel.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
-            let side = |k| [stiffness, scaled(&panel.tau), scaled(&panel.cos[k]), scaled(&panel.sin[k])];
+            let side = |k: usize| {
+                let free = std::array::from_fn(|j| panel.tau[j] + panel.lag[k][j]);
+                [stiffness, scaled(&free), scaled(&panel.cos[k]), scaled(&panel.sin[k])]
+            };
             let path = (0..S).flat_map(side).collect();
             rows.push(Row { bond: b, stiffness, path, from: Vec::new() });
             all.push(panel);
@@ -581,7 +587,7 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
 /// The derivative of what [`State::advance`](super::State) does.
 #[inline(always)]
 fn advance<const S: usize, C: ContactChain<S>>(
-    chain: &C,
+    (chain, open): (&C, Option<&Open>),
     left: &BondBlock<S>,
     block: &mut Block,
     h: f64,
@@ -589,9 +595,16 @@ fn advance<const S: usize, C: ContactChain<S>>(
 ) {
     for (i, site) in block.iter_mut().enumerate() {
         let (sin, cos) = phases.sin_cos(i);
+        let flow = open.and_then(|open| open.damped(i));
         for lane in 0..LANES {
             let by = chain.push(i, |b| left[b].each_ref().map(|left| get(left, lane)));
             let [r, v, c, s] = get(site, lane);
+            if let Some(flow) = flow {
+                let y = [r + by[0], v + by[1], c + by[2], s + by[3]];
+                let moved = flow.moved(&y, h);
+                set(site, lane, std::array::from_fn(|k| y[k] + moved[k]));
+                continue;
+            }
             let v = v + by[1];
             let (c, s) = (c + (by[2] * cos - by[3] * sin), s + (by[2] * sin + by[3] * cos));
             set(site, lane, [(r + by[0]) + v * h, v, c, s]);
