@@ -79,17 +79,18 @@ fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
 #[test]
 fn two_hundred_contacts_of_damped_and_driven_beads_are_those_of_another_program() {
     // Truth: `tests/reference/quad.c`, with 33 digits: state, what is dissipated and driven.
-    // Measured: 8.8e-13, balance 1.2e-14.
+    // Measured: 8.8e-13, balance 1.2e-14; DOP853 7.0e-12.
     let (chain, state, end, want) = stored("driven");
     let asked = of(&chain, state.as_slice(), end).method(Method::Collocation).tolerance(1e-14).unwrap().contacts();
     let got = asked.start().unwrap().complete().unwrap();
     let contacts = got.contacts.unwrap().len();
     let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
-    let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(3e-15)).state;
+    // Its tolerance is that of a step, and the map from velocities at the start has entries of 1000:
+    // at 3e-15 it errs by 1.5e-11, in 32 digits by 1.3e-11.
+    let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
     println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
     assert!(error < 2e-12 && off < 2.5e-14 && contacts >= 200, "{error:e} {off:e} {contacts}");
-    // Measured: 1.5e-11.
-    assert!(distance(&other, &want) < 3e-11);
+    assert!(distance(&other, &want) < 1e-11);
     let ledger = chain.layout().ledger(&want).unwrap();
     assert!(ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 0.1);
 }

@@ -118,7 +118,8 @@ fn that_of_collocation_agrees_with_both() {
     let (other, truth) = (monodromy(&chain, &y, t, 1e-14), difference(&w, t));
     let (off, apart) = (error(&applied(&got, &w), &truth), (&got - &other).amax() / other.amax());
     println!("differences {off:e}, DOP853 {apart:e}");
-    assert!(off < 1e-9 && apart < 1e-11, "{off:e} {apart:e}");
+    // Measured: 1.2e-14, 1.0e-13.
+    assert!(off < 3e-14 && apart < 2e-13, "{off:e} {apart:e}");
 }
 
 #[test]
@@ -128,10 +129,11 @@ fn its_determinant_is_liouvilles() {
     let beads = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07;
     let resonators = 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
     let y = start(&chain);
-    for m in [monodromy(&chain, &y, t, 1e-12), collocated(&chain, &y, t, 720)] {
+    // Measured: 1.6e-11, and 0.
+    for (m, bound) in [(monodromy(&chain, &y, t, 1e-12), 4e-11), (collocated(&chain, &y, t, 720), 1e-14)] {
         let off = m.determinant().ln() + t * (beads + resonators);
         println!("{off:e}");
-        assert!(off.abs() < 1e-9, "{off:e}");
+        assert!(off.abs() < bound, "{off:e}");
     }
 }
 

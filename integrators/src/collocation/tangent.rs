@@ -22,6 +22,7 @@ use super::{
     Collocation, Section,
     block::OWN,
     bond::Bond,
+    flow::Flow,
     open::Open,
     panel::{Frames, Panel, dot, product},
     panels::{Panels, Shared},
@@ -53,7 +54,8 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 }
 
 /// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along
-/// the trajectory of the run.
+/// the trajectory of the run. Sites that are moved have none, and a ledger is not followed: their
+/// entries are zero.
 ///
 /// ```text
 /// let mut tangent = Tangent::identity(&run)?;
@@ -139,8 +141,9 @@ impl<const S: usize> Tangent<S> {
         let solver = solver.as_ref().expect("a window was solved");
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
         result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
+        let flows = flows(held.links.open.as_ref(), chain.sites(), h);
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
-            advance((chain, held.links.open.as_ref()), left, block, h, phases);
+            advance((chain, &flows), left, block, h, phases);
         }
         self.phases.copy_from(phases);
         self.phases.advance(h);
@@ -584,25 +587,37 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
     }
 }
 
+/// `exp(A h)` of each damped site, by columns.
+fn flows(open: Option<&Open>, sites: usize, h: f64) -> Vec<Option<[Path; 4]>> {
+    let column = |flow: &Flow, k: usize| {
+        let unit = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        let moved = flow.moved(&unit, h);
+        std::array::from_fn(|i| unit[i] + moved[i])
+    };
+    let of = |i: usize| {
+        let flow = open?.damped(i)?;
+        Some(std::array::from_fn(|k| column(flow, k)))
+    };
+    (0..sites).map(of).collect()
+}
+
 /// The derivative of what [`State::advance`](super::State) does.
 #[inline(always)]
 fn advance<const S: usize, C: ContactChain<S>>(
-    (chain, open): (&C, Option<&Open>),
+    (chain, flows): (&C, &[Option<[Path; 4]>]),
     left: &BondBlock<S>,
     block: &mut Block,
     h: f64,
     phases: &Phases<S>,
 ) {
-    for (i, site) in block.iter_mut().enumerate() {
+    for ((i, site), flow) in block.iter_mut().enumerate().zip(flows) {
         let (sin, cos) = phases.sin_cos(i);
-        let flow = open.and_then(|open| open.damped(i));
         for lane in 0..LANES {
             let by = chain.push(i, |b| left[b].each_ref().map(|left| get(left, lane)));
             let [r, v, c, s] = get(site, lane);
-            if let Some(flow) = flow {
+            if let Some(columns) = flow {
                 let y = [r + by[0], v + by[1], c + by[2], s + by[3]];
-                let moved = flow.moved(&y, h);
-                set(site, lane, std::array::from_fn(|k| y[k] + moved[k]));
+                set(site, lane, product(columns, &y));
                 continue;
             }
             let v = v + by[1];
