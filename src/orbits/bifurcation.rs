@@ -69,8 +69,8 @@ const LOCATED: f64 = 1e-10;
 /// at least `ALIKE` of that here.
 const NEAR: f64 = 0.05;
 const ALIKE: f64 = 0.3;
-/// Values of `tau` that are no farther apart are made equal by a symmetry, and cross together: as one
-/// bifurcation. Chosen between errors of `tau` and distances that are no symmetry's.
+/// Values of `tau` that are no farther apart are made equal by a symmetry, and cross together: as
+/// one bifurcation. Chosen between errors of `tau` and distances that are no symmetry's.
 const EQUAL: f64 = 1e-8;
 /// The value of `weak` inside a stretch, where bifurcations are separated.
 const WEAK_INSIDE: f64 = 1e-4;

@@ -6,14 +6,14 @@
 //! | `q` | displacements from the equilibrium, of beads and of resonators that move |
 //! | `m` | their masses |
 //! | `K` | stiffness, `m q'' = -K q + O(q^{3/2})`; `K s = omega_0^2 m s` for a linear mode |
-//! | `a` | amplitude: the displacement `q_j(0)` of that one, `j`, of which the linear mode has most |
+//! | `a` | amplitude: the displacement `q_j(0)` of that `j` of which the linear mode has most |
 //! | `xi` | shape, `q(0) = a xi` with `xi_j = 1` |
 //! | `w` | logarithm of the frequency, `omega = omega_0 exp(w)` |
 //! | `M_h` | derivative of the flow over half of the period, `T/2 = pi/omega` |
 //!
 //! Orbits begin at rest. By reversibility they are those at rest after half of their period, too:
-//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0` this
-//! is the linear mode. A ring can move as a whole: there the centre of mass is held.
+//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0`
+//! this is the linear mode. A ring can move as a whole: there the centre of mass is held.
 
 use super::{
     arclength::{self, End, Family, Scales, Solution, Spot, Way},
@@ -86,8 +86,9 @@ impl NormalModes {
     ///
     /// ```
     /// use hertzchain::{chain::{Boundary, Chain, Params}, orbits::NormalModes};
-    /// // Two beads between walls: in phase and in antiphase, with the stiffness 2 d of each contact.
-    /// let chain = Chain::new(Params::new(2.0, 0.0, 0.0)?, Boundary::Fixed, 2)?.precompressed(0.5)?;
+    /// // Two beads between walls: in phase and in antiphase; each contact has the stiffness 2 d.
+    /// let params = Params::new(2.0, 0.0, 0.0)?;
+    /// let chain = Chain::new(params, Boundary::Fixed, 2)?.precompressed(0.5)?;
     /// let modes = NormalModes::new(&chain)?;
     /// let squares: Vec<f64> = modes.linear().iter().map(|mode| mode.omega.powi(2)).collect();
     /// assert!((squares[0] - 1.0).abs() < 1e-14 && (squares[1] - 3.0).abs() < 1e-14);

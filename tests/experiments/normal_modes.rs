@@ -220,7 +220,8 @@ fn a_mode_of_a_ring_loses_its_stability_where_collocation_has_two_more_multiplie
     }
 }
 
-/// `omega^2 = k (1/m + 1/M) -+ k ((1/m + 1/M)^2 - 4 sin^2(q/2)/(m M))^{1/2}` for cells of two beads.
+/// `omega^2 = k (1/m + 1/M) -+ k ((1/m + 1/M)^2 - 4 sin^2(q/2)/(m M))^{1/2}` for cells of two
+/// beads.
 #[test]
 fn a_precompressed_dimer_has_the_bands_of_a_diatomic_chain() {
     let (cells, light) = (12, 0.3428);

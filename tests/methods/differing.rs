@@ -77,8 +77,8 @@ pub(crate) const BOUNDARIES: [Boundary; 3] = [Boundary::Free, Boundary::Fixed, B
 #[test]
 fn twelve_beads_and_two_hundred_contacts_are_those_of_another_program() {
     // Truth: `tests/reference/details.py` and `quad.c`, with 34 and 33 digits, whose own errors are
-    // below 1e-17 and 1e-14. Measured: 5.6e-16 and 5.3e-13; DOP853, whose tolerance is that of a step,
-    // 6.2e-12 on the second, which enlarges a change of a velocity up to 600 times.
+    // below 1e-17 and 1e-14. Measured: 5.6e-16 and 5.3e-13; DOP853, whose tolerance is that of a
+    // step, 6.2e-12 on the second, which enlarges a change of a velocity up to 600 times.
     for (name, bound, least) in [("conservative", 2e-15, 5), ("twelve", 1.1e-12, 200)] {
         let (chain, state, end, want) = stored(name);
         assert_eq!(Method::by_tolerance(&chain), Method::Collocation);
@@ -233,8 +233,8 @@ fn energy_is_kept_over_a_long_time() {
     assert!(error < 7e-14, "{error:e}");
 }
 
-/// The runs of a chain at three tolerances, which have the same bits for every instruction set; with
-/// samples too.
+/// The runs of a chain at three tolerances, which have the same bits for every instruction set;
+/// with samples too.
 pub(crate) fn same_for_every_set(chain: &Chain<f64>, y0: &[f64], end: f64) {
     // Instruction sets are those of all threads: one test at a time chooses them.
     static SETS: Mutex<()> = Mutex::new(());

@@ -85,8 +85,8 @@ fn two_hundred_contacts_of_damped_and_driven_beads_are_those_of_another_program(
     let got = asked.start().unwrap().complete().unwrap();
     let contacts = got.contacts.unwrap().len();
     let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
-    // Its tolerance is that of a step, and the map from velocities at the start has entries of 1000:
-    // at 3e-15 it errs by 1.5e-11, in 32 digits by 1.3e-11.
+    // Its tolerance is that of a step, and the map from velocities at the start has entries of
+    // 1000: at 3e-15 it errs by 1.5e-11, in 32 digits by 1.3e-11.
     let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
     println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
     assert!(error < 2e-12 && off < 2.5e-14 && contacts >= 200, "{error:e} {off:e} {contacts}");
@@ -164,9 +164,9 @@ fn the_order_of_windows_is_that_of_closed_chains() {
 
 #[test]
 fn motions_without_contacts_are_their_closed_forms() {
-    // Truth: u = e^{-n t} (u0 cos w t + (u0' + n u0)/w sin w t) of a bead on a spring to a resonator
-    // at rest, w^2 = kappa/m - n^2, n = c/2m, by drag or by a dashpot, weak or strong. What it
-    // dissipates is the energy that it lacks.
+    // Truth: u = e^{-n t} (u0 cos w t + (u0' + n u0)/w sin w t) of a bead on a spring to a
+    // resonator at rest, w^2 = kappa/m - n^2, n = c/2m, by drag or by a dashpot, weak or strong.
+    // What it dissipates is the energy that it lacks.
     let params = Params::new(1.5, 1.0, f64::INFINITY).unwrap();
     let alone = Chain::<f64>::new(params, Boundary::Free, 1).unwrap();
     for (drag, dashpot) in [(0.3, 0.0), (0.0, 0.3), (0.5, 0.6), (2.0, 0.0), (0.0, 7.0)] {
@@ -331,8 +331,8 @@ fn the_tangent_map_is_that_of_the_variational_equation() {
 
 #[test]
 fn the_tangent_map_of_one_damped_bead_is_its_closed_form() {
-    // Truth: exp(A t) of m u'' = -kappa u - c u', as in the test of motions above, whatever the state
-    // and the push; the bead does not touch anything, and the resonator rests.
+    // Truth: exp(A t) of m u'' = -kappa u - c u', as in the test of motions above, whatever the
+    // state and the push; the bead does not touch anything, and the resonator rests.
     let (mass, kappa, t) = (1.5, 2.0, 9.0f64);
     for (drag, dashpot) in [(0.3, 0.0), (0.0, 0.3), (0.5, 0.6), (2.0, 0.0), (0.0, 7.0)] {
         let push = Drive { site: 0, means: Means::Pushed, signal: Signal::sine(0.4, 1.3, 0.0) };

@@ -124,7 +124,8 @@ fn that_of_collocation_agrees_with_both() {
 
 #[test]
 fn its_determinant_is_liouvilles() {
-    // Truth: det = exp(t div), and the divergence is minus the sum of drag and dashpots over masses.
+    // Truth: det = exp(t div), and the divergence is minus the sum of drag and dashpots over
+    // masses.
     let (chain, t) = (chain::<f64>(), 9.0);
     let beads = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07;
     let resonators = 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
@@ -140,8 +141,8 @@ fn its_determinant_is_liouvilles() {
 #[test]
 fn on_a_uniform_chain_it_is_that_of_collocation() {
     // Truth: the tangent map of contact collocation, on chains that open and close. Between walls,
-    // without resonators, a contact of this start all but grazes; collocation itself then changes by
-    // 1e-8 with its windows.
+    // without resonators, a contact of this start all but grazes; collocation itself then changes
+    // by 1e-8 with its windows.
     for (rho, boundary) in [(1.0 / 3.0, Boundary::Free), (2.0, Boundary::Ring)] {
         let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, 8).unwrap();
         let y = start(&chain);

@@ -4,15 +4,15 @@
 //! |---|---|
 //! | `dg, df` | changes of overlaps and forces at the nodes of a window |
 //! | `D` | `f'(g)` at the nodes, a diagonal |
-//! | `T` | influences: the overlaps at the nodes that forces at the nodes make, `int K(t - s) f(s) ds` |
+//! | `T` | influences: what forces at the nodes make of overlaps there, `int K(t - s) f(s) ds` |
 //! | `dg_lin` | change of the overlaps along the linear paths |
 //! | `G` | `(I - D T_pp)^{-1}` of one panel: its answer to what others do |
 //!
 //! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`: a linear system with a block
 //! for each pair of panels. What a panel does to itself is solved once a window, so that a sweep is
-//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move too,
-//! but the force is zero there: to first order nothing is felt of that. What is felt is an end that
-//! is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
+//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move
+//! too, but the force is zero there: to first order nothing is felt of that. What is felt is an end
+//! that is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
 //! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
 //!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
@@ -94,7 +94,8 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
+    /// bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
         if chain.bonds() > OWN {
