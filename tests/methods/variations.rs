@@ -130,8 +130,8 @@ fn its_determinant_is_liouvilles() {
     let beads = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07;
     let resonators = 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
     let y = start(&chain);
-    // Measured: 1.6e-11, and 0.
-    for (m, bound) in [(monodromy(&chain, &y, t, 1e-12), 4e-11), (collocated(&chain, &y, t, 720), 1e-14)] {
+    // Measured: 1.6e-11, and 1.5e-13: a rounding in each of 720 windows.
+    for (m, bound) in [(monodromy(&chain, &y, t, 1e-12), 4e-11), (collocated(&chain, &y, t, 720), 3e-13)] {
         let off = m.determinant().ln() + t * (beads + resonators);
         println!("{off:e}");
         assert!(off.abs() < bound, "{off:e}");
