@@ -69,6 +69,9 @@ const LOCATED: f64 = 1e-10;
 /// at least `ALIKE` of that here.
 const NEAR: f64 = 0.05;
 const ALIKE: f64 = 0.3;
+/// Values of `tau` that are no farther apart are made equal by a symmetry, and cross together: as
+/// one bifurcation. Chosen between errors of `tau` and distances that are no symmetry's.
+const EQUAL: f64 = 1e-8;
 /// The value of `weak` inside a stretch, where bifurcations are separated.
 const WEAK_INSIDE: f64 = 1e-4;
 
@@ -84,48 +87,100 @@ enum Test {
     Fold,
 }
 
+/// A branch of reversible orbits with their multipliers, between whose points bifurcations are
+/// sought.
+pub(super) trait Branch {
+    /// An orbit with its multipliers.
+    type Point;
+    /// The largest `psi` of a point that counts as the bifurcation where the corrector fails: it is
+    /// singular where another branch crosses.
+    const NEAR: f64;
+    /// The multipliers of a point.
+    fn spectrum<'a>(&self, point: &'a Self::Point) -> &'a Spectrum;
+    /// Unknowns and parameter of a point.
+    fn place(&self, point: &Self::Point) -> (Vec<f64>, f64);
+    /// Units of both for the stretch that begins at these unknowns, where the parameter changes by
+    /// so much.
+    fn scales(&self, from: (&[f64], f64), change: f64) -> Scales;
+    /// The point that the corrector finds at a distance along the unit chord from a point.
+    fn step(&self, from: &Self::Point, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<Self::Point>;
+    /// The unit tangent at a point, with a positive product with `before`.
+    fn tangent(&self, at: &Self::Point, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>>;
+}
+
+/// A bifurcation of a branch, with the point there.
+pub(super) struct Located<P> {
+    pub(super) kind: BifurcationKind,
+    pub(super) tau: f64,
+    pub(super) point: P,
+}
+
 /// An orbit with its multipliers.
-struct Known {
+pub(super) struct Known {
     orbit: Orbit,
     spectrum: Spectrum,
 }
 
+impl Branch for Continuation {
+    type Point = Known;
+    const NEAR: f64 = 0.0;
+
+    fn spectrum<'a>(&self, point: &'a Known) -> &'a Spectrum {
+        &point.spectrum
+    }
+
+    fn place(&self, Known { orbit, .. }: &Known) -> (Vec<f64>, f64) {
+        (orbit.z.clone(), orbit.setting.get(self.parameter))
+    }
+
+    fn scales(&self, (z, p): (&[f64], f64), change: f64) -> Scales {
+        let range = (self.to - p).abs();
+        Scales::new(z, change.abs().max(1e-3 * range))
+    }
+
+    fn step(&self, from: &Known, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<Known> {
+        let place = Place { orbit: from.orbit.clone(), tangent: chord.clone() };
+        let orbit = Continuation::step(self, &place, scales, ds)?;
+        let spectrum = orbit.spectrum(&self.shooting)?;
+        Ok(Known { orbit, spectrum })
+    }
+
+    fn tangent(&self, at: &Known, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
+        Continuation::tangent(self, &at.orbit, scales, before)
+    }
+}
+
 /// A part of a branch, over the chord of its ends.
-struct Stretch<'a> {
-    continuation: &'a Continuation,
-    place: Place,
+struct Stretch<'a, B: Branch> {
+    branch: &'a B,
+    from: &'a B::Point,
+    chord: DVector<f64>,
     scales: Scales,
     length: f64,
 }
 
-impl<'a> Stretch<'a> {
-    fn new(continuation: &'a Continuation, a: &Orbit, b: &Orbit) -> Self {
-        let p = |orbit: &Orbit| orbit.setting.get(continuation.parameter);
-        let mut scales = continuation.scales(a, p(a));
-        scales.parameter = (p(b) - p(a)).abs().max(1e-3 * scales.parameter);
-        let chord = continuation.chord(a, b, scales);
+impl<'a, B: Branch> Stretch<'a, B> {
+    fn new(branch: &'a B, a: &'a B::Point, b: &B::Point) -> Self {
+        let ((z, p), (w, q)) = (branch.place(a), branch.place(b));
+        let scales = branch.scales((&z, p), q - p);
+        let chord = scales.chord((&z, p), (&w, q));
         let length = chord.norm();
-        Self { continuation, place: Place { orbit: a.clone(), tangent: chord / length }, scales, length }
+        Self { branch, from: a, chord: chord / length, scales, length }
     }
 
-    fn orbit(&self, s: f64) -> Result<Orbit> {
-        self.continuation.step(&self.place, self.scales, s * self.length)
-    }
-
-    fn known(&self, s: f64) -> Result<Known> {
-        let orbit = self.orbit(s)?;
-        let spectrum = orbit.spectrum(&self.continuation.shooting)?;
-        Ok(Known { orbit, spectrum })
+    fn point(&self, s: f64) -> Result<B::Point> {
+        self.branch.step(self.from, &self.chord, self.scales, s * self.length)
     }
 
     /// The value of `psi`, and its `tau`.
-    fn test(&self, test: Test, at: &Known) -> Option<(f64, f64)> {
+    fn test(&self, test: Test, at: &B::Point) -> Option<(f64, f64)> {
+        let spectrum = self.branch.spectrum(at);
         match test {
-            Test::MinusOne(k) => reals(&at.spectrum).get(k).map(|&tau| (tau + 1.0, tau)),
-            Test::PlusOne(k) => reals(&at.spectrum).iter().rev().nth(k).map(|&tau| (1.0 - tau, tau)),
-            Test::Collision(near) => pair_near(&at.spectrum, near).map(|(mean, discriminant)| (discriminant, mean)),
+            Test::MinusOne(k) => reals(spectrum).get(k).map(|&tau| (tau + 1.0, tau)),
+            Test::PlusOne(k) => reals(spectrum).iter().rev().nth(k).map(|&tau| (1.0 - tau, tau)),
+            Test::Collision(near) => pair_near(spectrum, near).map(|(mean, discriminant)| (discriminant, mean)),
             Test::Fold => {
-                let tangent = self.continuation.tangent(&at.orbit, self.scales, &self.place.tangent).ok()?;
+                let tangent = self.branch.tangent(at, self.scales, &self.chord).ok()?;
                 Some((tangent[tangent.len() - 1], 1.0))
             }
         }
@@ -133,20 +188,23 @@ impl<'a> Stretch<'a> {
 
     /// The zero of `psi` by the rule of false position (Illinois variant), with the values at both
     /// ends known.
-    fn locate(&self, mut test: Test, a: &Known, b: &Known) -> Option<Bifurcation> {
+    fn locate(&self, mut test: Test, a: &B::Point, b: &B::Point) -> Option<Located<B::Point>> {
         let (mut left, mut right) = ((0.0, self.test(test, a)?.0), (1.0, self.test(test, b)?.0));
         if left.1 * right.1 > 0.0 {
             return None;
         }
-        let mut last: Option<(Known, f64)> = None;
+        let mut last: Option<(B::Point, f64)> = None;
         for _ in 0..MOST_TRIALS {
             let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-            let known = self.known(s).ok()?;
-            let (psi, tau) = self.test(test, &known)?;
+            let Ok(point) = self.point(s) else {
+                last = last.filter(|_| right.1.abs() <= B::NEAR);
+                break;
+            };
+            let (psi, tau) = self.test(test, &point)?;
             if let Test::Collision(near) = &mut test {
                 *near = tau;
             }
-            last = Some((known, tau));
+            last = Some((point, tau));
             if psi * right.1 < 0.0 {
                 left = right;
             } else {
@@ -158,7 +216,7 @@ impl<'a> Stretch<'a> {
                 break;
             }
         }
-        let (Known { orbit, spectrum }, tau) = last?;
+        let (point, tau) = last?;
         let kind = match test {
             Test::MinusOne(_) => BifurcationKind::PeriodDoubling,
             Test::PlusOne(_) => BifurcationKind::PlusOne,
@@ -166,9 +224,7 @@ impl<'a> Stretch<'a> {
             Test::Collision(_) => BifurcationKind::RealCollision,
             Test::Fold => BifurcationKind::Fold,
         };
-        let single = matches!(test, Test::MinusOne(_) | Test::PlusOne(_));
-        let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
-        Some(Bifurcation { kind, parameter: orbit.setting.get(self.continuation.parameter), tau, orbit, mode })
+        Some(Located { kind, tau, point })
     }
 }
 
@@ -234,7 +290,10 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
         for tau in wanted.of(ours) {
             let same = |other: &Complex<f64>| (other.re - tau.re).abs() <= NEAR && other.im >= ALIKE * tau.im;
             if !any.of(theirs).iter().any(same) {
-                found.push(Test::Collision(tau.re));
+                let again = |test: &Test| matches!(test, Test::Collision(near) if (near - tau.re).abs() <= EQUAL);
+                if !found.iter().any(again) {
+                    found.push(Test::Collision(tau.re));
+                }
                 // Each collision takes two tau from the real axis.
                 real_pairs[0] -= 2 * sign * i64::from(tau.re < -1.0);
                 real_pairs[1] -= 2 * sign * i64::from(tau.re > 1.0);
@@ -250,13 +309,68 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
     for side in 0..2 {
         let change = after[side] as i64 - before[side] as i64 - real_pairs[side];
         let k = before[side].min(after[side]);
-        match change.abs() {
-            0 => {}
-            1 => found.push(if side == 0 { Test::MinusOne(k) } else { Test::PlusOne(k) }),
-            _ => whole = false,
+        if change == 0 {
+            continue;
+        }
+        let crossing = k..k + change.unsigned_abs() as usize;
+        let together = [a, b].into_iter().all(|spectrum| {
+            let mut reals = reals(spectrum);
+            if side == 1 {
+                reals.reverse();
+            }
+            reals.get(crossing.clone()).is_some_and(|tau| (tau[tau.len() - 1] - tau[0]).abs() <= EQUAL)
+        });
+        if together {
+            found.push(if side == 0 { Test::MinusOne(k) } else { Test::PlusOne(k) });
+        } else {
+            whole = false;
         }
     }
     (found, whole)
+}
+
+/// The bifurcations between the points of a branch, in the order of the points, with the folds
+/// last.
+///
+/// Quartets with a modulus up to `1 + weak` are left out. A stretch with several bifurcations is
+/// halved up to 5 times. Also returned is the number of stretches whose bifurcations are not
+/// separated then; these are left out.
+pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> (Vec<Located<B::Point>>, usize) {
+    let (mut out, mut left_out) = (Vec::new(), 0);
+    for pair in points.windows(2) {
+        left_out += between(branch, [&pair[0], &pair[1]], &Quartets { weak, near: None }, MOST_CUTS, &mut out);
+    }
+    let p = |point: &B::Point| branch.place(point).1;
+    for three in points.windows(3) {
+        if (p(&three[1]) - p(&three[0])) * (p(&three[2]) - p(&three[1])) < 0.0 {
+            let stretch = Stretch::new(branch, &three[0], &three[2]);
+            out.extend(stretch.locate(Test::Fold, &three[0], &three[2]));
+        }
+    }
+    (out, left_out)
+}
+
+fn between<B: Branch>(
+    branch: &B,
+    [a, b]: [&B::Point; 2],
+    wanted: &Quartets,
+    cuts: u32,
+    out: &mut Vec<Located<B::Point>>,
+) -> usize {
+    let (found, whole) = tests(branch.spectrum(a), branch.spectrum(b), wanted);
+    if found.is_empty() && whole {
+        return 0;
+    }
+    let stretch = Stretch::new(branch, a, b);
+    if let ([test], true) = (&found[..], whole)
+        && let Some(bifurcation) = stretch.locate(*test, a, b)
+    {
+        out.push(bifurcation);
+        return 0;
+    }
+    let (1.., Ok(middle)) = (cuts, stretch.point(0.5)) else { return 1 };
+    let wanted = wanted.among(&found);
+    between(branch, [a, &middle], &wanted, cuts - 1, out) + between(branch, [&middle, b], &wanted, cuts - 1, out)
 }
 
 impl Continuation {
@@ -271,36 +385,12 @@ impl Continuation {
             .zip(spectra)
             .map(|(orbit, spectrum)| Known { orbit: orbit.clone(), spectrum: spectrum.clone() })
             .collect();
-        let mut out = Vec::new();
-        for pair in known.windows(2) {
-            self.between(&pair[0], &pair[1], &Quartets { weak, near: None }, MOST_CUTS, &mut out);
-        }
-        let p = |known: &Known| known.orbit.setting.get(self.parameter);
-        for three in known.windows(3) {
-            if (p(&three[1]) - p(&three[0])) * (p(&three[2]) - p(&three[1])) < 0.0 {
-                let stretch = Stretch::new(self, &three[0].orbit, &three[2].orbit);
-                out.extend(stretch.locate(Test::Fold, &three[0], &three[2]));
-            }
-        }
-        out
-    }
-
-    fn between(&self, a: &Known, b: &Known, wanted: &Quartets, cuts: u32, out: &mut Vec<Bifurcation>) {
-        let (found, whole) = tests(&a.spectrum, &b.spectrum, wanted);
-        if found.is_empty() && whole {
-            return;
-        }
-        let stretch = Stretch::new(self, &a.orbit, &b.orbit);
-        if let ([test], true) = (&found[..], whole)
-            && let Some(bifurcation) = stretch.locate(*test, a, b)
-        {
-            return out.push(bifurcation);
-        }
-        if let (1.., Ok(middle)) = (cuts, stretch.known(0.5)) {
-            let wanted = wanted.among(&found);
-            self.between(a, &middle, &wanted, cuts - 1, out);
-            self.between(&middle, b, &wanted, cuts - 1, out);
-        }
+        let bifurcation = |Located { kind, tau, point: Known { orbit, spectrum } }: Located<Known>| {
+            let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
+            let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
+            Bifurcation { kind, parameter: orbit.setting.get(self.parameter), tau, orbit, mode }
+        };
+        located(self, &known, weak).0.into_iter().map(bifurcation).collect()
     }
 }
 

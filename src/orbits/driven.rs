@@ -23,6 +23,7 @@ use crate::{
     error::{Error, Iterate, Result},
     interrupt,
 };
+use hertzchain_integrators::collocation::Pace;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -99,8 +100,8 @@ pub struct DrivenSetting {
 
 /// Largest number of periods of the drive in a period of an orbit.
 const MOST_TURNS: u32 = 64;
-/// Largest number of sites.
-const MOST_SITES: usize = 256;
+/// Largest number of contacts.
+const MOST_CONTACTS: usize = 256;
 /// Frequencies of a periodic drive are multiples of the least one over a whole number up to this.
 const MOST_SUBDIVISIONS: u32 = 64;
 /// Relative error of such multiples.
@@ -121,8 +122,8 @@ impl DrivenSetting {
     ///
     /// # Errors
     /// A chain without a drive, or whose drives are bursts, or have frequencies that are no
-    /// multiples of one; a strain ring; contacts that dissipate; `alpha <= 1`; more than 256 sites;
-    /// `turns` outside 1 to 64.
+    /// multiples of one; a strain ring; contacts that dissipate; `alpha <= 1`; more than 256
+    /// contacts; `turns` outside 1 to 64.
     pub fn new(chain: &Chain<f64>, turns: u32) -> Result<Self> {
         let refused = |value: &str| Error::parameter("drive", value, "an orbit needs a periodic drive");
         let Some(details) = chain.details().filter(|details| !details.drives.is_empty()) else {
@@ -131,8 +132,9 @@ impl DrivenSetting {
         if !(1..=MOST_TURNS).contains(&turns) {
             return Err(Error::parameter("turns", turns, "from 1 to 64 periods of the drive"));
         }
-        if chain.sites() > MOST_SITES {
-            return Err(Error::parameter("sites", chain.sites(), "at most 256 sites for a tangent map"));
+        let contacts = chain.touching().len();
+        if contacts > MOST_CONTACTS {
+            return Err(Error::parameter("contacts", contacts, "at most 256 contacts for a tangent map"));
         }
         let mut details = details.clone();
         for drive in &mut details.drives {
@@ -292,7 +294,8 @@ impl DrivenSetting {
 pub struct DrivenShooting {
     /// Tolerance of a step of the flow.
     pub tol: f64,
-    /// Tolerance of a step of the tangent map.
+    /// Tolerance of the run by contact collocation that the tangent map follows, and of a step of
+    /// [samples](DrivenOrbit::samples).
     pub tangent_tol: f64,
     /// Largest number of steps of Newton's method.
     pub most_steps: usize,
@@ -357,17 +360,17 @@ impl DrivenShooting {
     fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<DMatrix<f64>> {
         let chain = setting.chain()?;
         let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
-        // Column `j` is the displacement `free[j]`, column `m + j` its velocity over omega.
-        let mut columns = vec![0.0; 2 * half * 2 * m];
-        for (j, &i) in setting.free.iter().enumerate() {
-            columns[i * 2 * m + j] = 1.0;
-            columns[(half + i) * 2 * m + m + j] = omega;
-        }
-        let start = setting.start(&chain, z);
-        let end = Variations::flow(&chain, &start, (0.0, setting.period()), &columns, self.tangent_tol)?.columns;
-        let entry = |k: usize, j: usize| match k.checked_sub(m) {
-            None => end[setting.free[k] * 2 * m + j],
-            Some(k) => end[(half + setting.free[k]) * 2 * m + j] / omega,
+        let (start, dim) = (setting.start(&chain, z), chain.layout().dim());
+        let span = (0.0, setting.period());
+        let columns = chain.monodromy(&start, span, Pace::Tolerance(self.tangent_tol))?;
+        // Unknown `k` is the displacement `free[k]`; unknown `m + k` its velocity over omega.
+        let place = |k: usize| match k.checked_sub(m) {
+            None => (setting.free[k], 1.0),
+            Some(k) => (half + setting.free[k], omega),
+        };
+        let entry = |k: usize, j: usize| {
+            let ((row, unit), (column, per)) = (place(k), place(j));
+            columns[column * dim + row] * per / unit
         };
         Ok(DMatrix::from_fn(2 * m, 2 * m, entry))
     }

@@ -110,8 +110,9 @@ struct Vectors {
 }
 
 impl Spectrum {
-    /// The multipliers of a reversible orbit from the tangent map `half` of half of its time, `dim x
-    /// dim`, in the coordinates of the frame. `exact` has the `tau` that are known, with their kinds.
+    /// The multipliers of a reversible orbit from the tangent map `half` of half of its time, `dim
+    /// x dim`, in the coordinates of the frame. `exact` has the `tau` that are known, with their
+    /// kinds.
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
     pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, exact: &[(f64, Kind)]) -> Option<Self> {
@@ -333,7 +334,8 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
 pub(crate) struct Frame {
     /// `G`: `G P` is conjugate to `Q`.
     metric: DMatrix<f64>,
-    /// Vectors that are left out of the symplectic form: on a strain ring uniform strains and rates.
+    /// Vectors that are left out of the symplectic form: on a strain ring uniform strains and
+    /// rates.
     uniform: Vec<DVector<f64>>,
 }
 
@@ -342,7 +344,8 @@ impl Frame {
     pub(crate) fn at_rest(chain: &Chain<f64>) -> Self {
         let (metric, sites) = (metric(chain), chain.sites());
         let n = 2 * metric.nrows();
-        // Not of unit length: the mean of a column is more accurate than its product with such a vector.
+        // Not of unit length: the mean of a column is more accurate than its product with such a
+        // vector.
         let ones = |first: usize| DVector::from_fn(n, |i, _| f64::from((first..first + sites).contains(&i)));
         let uniform = match chain.boundary() {
             Boundary::StrainRing => (0..n).step_by(sites).map(ones).collect(),

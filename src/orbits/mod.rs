@@ -38,7 +38,7 @@ pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub(crate) use flow::{Moment, flow};
 pub use kantorovich::Kantorovich;
 pub(crate) use kantorovich::Shot;
-pub use normal_modes::{LinearMode, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, NormalModes};
+pub use normal_modes::{LinearMode, ModeBifurcation, ModeBranch, ModeContinuation, ModeOrbit, ModePoint, NormalModes};
 pub use orbit::Extent;
 pub use setting::{Parameter, Setting};
 pub(crate) use shooting::least_squares;

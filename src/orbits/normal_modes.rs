@@ -6,17 +6,18 @@
 //! | `q` | displacements from the equilibrium, of beads and of resonators that move |
 //! | `m` | their masses |
 //! | `K` | stiffness, `m q'' = -K q + O(q^{3/2})`; `K s = omega_0^2 m s` for a linear mode |
-//! | `a` | amplitude: the displacement `q_j(0)` of that one, `j`, of which the linear mode has most |
+//! | `a` | amplitude: the displacement `q_j(0)` of that `j` of which the linear mode has most |
 //! | `xi` | shape, `q(0) = a xi` with `xi_j = 1` |
 //! | `w` | logarithm of the frequency, `omega = omega_0 exp(w)` |
 //! | `M_h` | derivative of the flow over half of the period, `T/2 = pi/omega` |
 //!
 //! Orbits begin at rest. By reversibility they are those at rest after half of their period, too:
-//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0` this
-//! is the linear mode. A ring can move as a whole: there the centre of mass is held.
+//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0`
+//! this is the linear mode. A ring can move as a whole: there the centre of mass is held.
 
 use super::{
-    arclength::{self, End, Family, Solution, Way},
+    arclength::{self, End, Family, Scales, Solution, Spot, Way},
+    bifurcation::{self, BifurcationKind, Located},
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
 };
@@ -73,14 +74,21 @@ const SOLVED: f64 = 1e-11;
 const ROUNDED: f64 = 1e-2;
 /// A step of Newton's method below this is the last one.
 const LAST_STEP: f64 = 1e-9;
+/// Least unit of the amplitude between two points, as a share of it: beside a fold both have nearly
+/// the same.
+const LEAST_CHANGE: f64 = 1e-3;
+/// Collisions that lead to no modulus above `1 + WEAK` are not located. Chosen: long chains have
+/// many weaker ones.
+const WEAK: f64 = 1e-3;
 
 impl NormalModes {
     /// The linear modes of a chain about its equilibrium, the lowest frequency first.
     ///
     /// ```
     /// use hertzchain::{chain::{Boundary, Chain, Params}, orbits::NormalModes};
-    /// // Two beads between walls: in phase and in antiphase, with the stiffness 2 d of each contact.
-    /// let chain = Chain::new(Params::new(2.0, 0.0, 0.0)?, Boundary::Fixed, 2)?.precompressed(0.5)?;
+    /// // Two beads between walls: in phase and in antiphase; each contact has the stiffness 2 d.
+    /// let params = Params::new(2.0, 0.0, 0.0)?;
+    /// let chain = Chain::new(params, Boundary::Fixed, 2)?.precompressed(0.5)?;
     /// let modes = NormalModes::new(&chain)?;
     /// let squares: Vec<f64> = modes.linear().iter().map(|mode| mode.omega.powi(2)).collect();
     /// assert!((squares[0] - 1.0).abs() < 1e-14 && (squares[1] - 3.0).abs() < 1e-14);
@@ -296,6 +304,17 @@ pub struct ModeContinuation {
     pub most_points: usize,
 }
 
+/// A bifurcation of a branch of orbits.
+#[derive(Clone, Debug)]
+pub struct ModeBifurcation {
+    /// The kind of bifurcation.
+    pub kind: BifurcationKind,
+    /// `tau = (lambda + 1/lambda)/2` of the multipliers that meet; 1 at a fold.
+    pub tau: f64,
+    /// The orbit there.
+    pub point: ModePoint,
+}
+
 /// A branch of orbits in the amplitude.
 #[derive(Clone, Debug)]
 pub struct ModeBranch {
@@ -303,6 +322,10 @@ pub struct ModeBranch {
     pub continuation: ModeContinuation,
     /// Its points, at least one.
     pub points: Vec<ModePoint>,
+    /// The bifurcations between them, in their order, with the folds last.
+    pub bifurcations: Vec<ModeBifurcation>,
+    /// Number of stretches with several bifurcations that were not separated.
+    pub unresolved: usize,
     /// Why it ended.
     pub end: End,
 }
@@ -328,7 +351,9 @@ impl ModeContinuation {
         Ok(())
     }
 
-    /// Follows the branch, past folds; `seen` is called with every point.
+    /// Follows the branch, past folds, and locates the bifurcations between its points; `seen` is
+    /// called with every point. Collisions of multipliers that lead to no modulus above 1.001 are
+    /// left out.
     ///
     /// # Errors
     /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
@@ -349,7 +374,10 @@ impl ModeContinuation {
             points.push(point);
             Ok(None)
         })?;
-        Ok(ModeBranch { continuation: *self, points, end })
+        let (found, unresolved) = bifurcation::located(&family, &points, WEAK);
+        let one = |Located { kind, tau, point }| ModeBifurcation { kind, tau, point };
+        let bifurcations = found.into_iter().map(one).collect();
+        Ok(ModeBranch { continuation: *self, points, bifurcations, unresolved, end })
     }
 }
 
@@ -373,6 +401,14 @@ impl<'a> ModeFamily<'a> {
         let mut shape = z[..z.len() - 1].to_vec();
         shape.insert(self.linear.leading, 1.0);
         (shape, self.linear.omega * z[z.len() - 1].exp())
+    }
+
+    /// The unknowns of an orbit.
+    fn unknowns(&self, orbit: &ModeOrbit) -> Vec<f64> {
+        let mut z = orbit.shape.clone();
+        z.remove(self.linear.leading);
+        z.push((orbit.omega / self.linear.omega).ln());
+        z
     }
 
     fn point(&self, solution: &Solution) -> Result<ModePoint> {
@@ -459,5 +495,33 @@ impl Family for ModeFamily<'_> {
 
     fn solved(&self) -> f64 {
         SOLVED
+    }
+}
+
+impl bifurcation::Branch for ModeFamily<'_> {
+    type Point = ModePoint;
+    const NEAR: f64 = 5e-8;
+
+    fn spectrum<'a>(&self, point: &'a ModePoint) -> &'a Spectrum {
+        &point.spectrum
+    }
+
+    fn place(&self, ModePoint { orbit, .. }: &ModePoint) -> (Vec<f64>, f64) {
+        (self.unknowns(orbit), orbit.amplitude)
+    }
+
+    fn scales(&self, (z, a): (&[f64], f64), change: f64) -> Scales {
+        Scales::new(z, change.abs().max(LEAST_CHANGE * a))
+    }
+
+    fn step(&self, from: &ModePoint, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<ModePoint> {
+        let z = self.unknowns(&from.orbit);
+        let spot = Spot { z: &z, p: from.orbit.amplitude, tangent: chord };
+        self.point(&arclength::correct(self, spot, scales, ds)?)
+    }
+
+    fn tangent(&self, at: &ModePoint, scales: Scales, before: &DVector<f64>) -> Result<DVector<f64>> {
+        let z = self.unknowns(&at.orbit);
+        arclength::tangent(self, (&z, at.orbit.amplitude), scales, before)
     }
 }

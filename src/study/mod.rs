@@ -174,6 +174,11 @@ fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
     files.map(|(name, file)| (name.to_owned(), file)).into()
 }
 
+/// A unit variant by its name in files.
+fn word(value: &impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
 /// A scene by its name, with changes, for studies of uniform chains.
 fn scene(name: &str, changes: &Changes) -> Result<Scene> {
     let scene = Scene::load_with(name, &changes.set)?;

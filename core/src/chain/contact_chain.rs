@@ -47,11 +47,11 @@ impl Chain<f64> {
     }
 
     /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see
-    /// [`monodromy`].
+    /// [`monodromy`]. Entries of beads that drives move, and of the ledger, are zero.
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain that dissipates or is driven, or has
-    /// more than 256 bonds.
+    /// A state, a span or a pace outside its rule; a chain whose contacts dissipate, or one of more
+    /// than 256 bonds.
     pub fn monodromy(&self, y0: &[f64], span: (f64, f64), pace: Pace) -> Result<Vec<f64>, Error> {
         match self.details() {
             None => monodromy(self.clone(), y0, span, pace),

@@ -4,21 +4,26 @@
 //! |---|---|
 //! | `dg, df` | changes of overlaps and forces at the nodes of a window |
 //! | `D` | `f'(g)` at the nodes, a diagonal |
-//! | `T` | influences: the overlaps at the nodes that forces at the nodes make, `int K(t - s) f(s) ds` |
+//! | `T` | influences: what forces at the nodes make of overlaps there, `int K(t - s) f(s) ds` |
 //! | `dg_lin` | change of the overlaps along the linear paths |
 //! | `G` | `(I - D T_pp)^{-1}` of one panel: its answer to what others do |
 //!
 //! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`: a linear system with a block
 //! for each pair of panels. What a panel does to itself is solved once a window, so that a sweep is
-//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move too,
-//! but the force is zero there: to first order nothing is felt of that. What is felt is an end that
-//! is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
+//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move
+//! too, but the force is zero there: to first order nothing is felt of that. What is felt is an end
+//! that is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
 //! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
+//!
+//! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
+//! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.
 
 use super::{
     Collocation, Section,
     block::OWN,
     bond::Bond,
+    flow::Flow,
+    open::Open,
     panel::{Frames, Panel, dot, product},
     panels::{Panels, Shared},
     sites::Phases,
@@ -49,7 +54,8 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 }
 
 /// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along
-/// the trajectory of the run.
+/// the trajectory of the run. Sites that are moved have none, and a ledger is not followed: their
+/// entries are zero.
 ///
 /// ```text
 /// let mut tangent = Tangent::identity(&run)?;
@@ -88,13 +94,10 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, a chain that is damped or
-    /// driven, or one of more than 256 bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
+    /// bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
-        if run.windows.held.links.open.is_some() {
-            return Err(argument("sites", chain.sites(), "a tangent map is there without damping and drives"));
-        }
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
         }
@@ -139,8 +142,9 @@ impl<const S: usize> Tangent<S> {
         let solver = solver.as_ref().expect("a window was solved");
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
         result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
+        let flows = flows(held.links.open.as_ref(), chain.sites(), h);
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
-            advance(chain, left, block, h, phases);
+            advance((chain, &flows), left, block, h, phases);
         }
         self.phases.copy_from(phases);
         self.phases.advance(h);
@@ -337,6 +341,9 @@ fn laid_out<const M: usize, const S: usize>(
                     bonds[b].panels.influence_at_nodes(at, Shared::with::<S>(k), 1.0, &mut g);
                 }
             }
+            if S != 1 && (frames.links.link(b).lags || me.known.is_some()) {
+                g = panel.besides(me.known.is_some(), me.initial.path, g);
+            }
             panel.overlap = g;
         }
         out.push(me.panels);
@@ -362,7 +369,10 @@ fn rows<const M: usize, const S: usize>(
             let link = frames.links.link(b);
             let stiffness = panel.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 });
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
-            let side = |k| [stiffness, scaled(&panel.tau), scaled(&panel.cos[k]), scaled(&panel.sin[k])];
+            let side = |k: usize| {
+                let free = std::array::from_fn(|j| panel.tau[j] + panel.lag[k][j]);
+                [stiffness, scaled(&free), scaled(&panel.cos[k]), scaled(&panel.sin[k])]
+            };
             let path = (0..S).flat_map(side).collect();
             rows.push(Row { bond: b, stiffness, path, from: Vec::new() });
             all.push(panel);
@@ -578,20 +588,39 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
     }
 }
 
+/// `exp(A h)` of each damped site, by columns.
+fn flows(open: Option<&Open>, sites: usize, h: f64) -> Vec<Option<[Path; 4]>> {
+    let column = |flow: &Flow, k: usize| {
+        let unit = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        let moved = flow.moved(&unit, h);
+        std::array::from_fn(|i| unit[i] + moved[i])
+    };
+    let of = |i: usize| {
+        let flow = open?.damped(i)?;
+        Some(std::array::from_fn(|k| column(flow, k)))
+    };
+    (0..sites).map(of).collect()
+}
+
 /// The derivative of what [`State::advance`](super::State) does.
 #[inline(always)]
 fn advance<const S: usize, C: ContactChain<S>>(
-    chain: &C,
+    (chain, flows): (&C, &[Option<[Path; 4]>]),
     left: &BondBlock<S>,
     block: &mut Block,
     h: f64,
     phases: &Phases<S>,
 ) {
-    for (i, site) in block.iter_mut().enumerate() {
+    for ((i, site), flow) in block.iter_mut().enumerate().zip(flows) {
         let (sin, cos) = phases.sin_cos(i);
         for lane in 0..LANES {
             let by = chain.push(i, |b| left[b].each_ref().map(|left| get(left, lane)));
             let [r, v, c, s] = get(site, lane);
+            if let Some(columns) = flow {
+                let y = [r + by[0], v + by[1], c + by[2], s + by[3]];
+                set(site, lane, product(columns, &y));
+                continue;
+            }
             let v = v + by[1];
             let (c, s) = (c + (by[2] * cos - by[3] * sin), s + (by[2] * sin + by[3] * cos));
             set(site, lane, [(r + by[0]) + v * h, v, c, s]);

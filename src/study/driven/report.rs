@@ -6,7 +6,7 @@ use crate::{
     orbits::{DriveParameter, DrivenBifurcation, DrivenMultiplier, DrivenPoint, End},
     output::csv,
     present::table,
-    study::{File, Report, named, scene_json},
+    study::{File, Report, named, scene_json, word},
 };
 use serde_json::{Value, json};
 
@@ -199,10 +199,6 @@ impl Report for DrivenBranchStudy {
     fn succeeded(&self) -> bool {
         matches!(self.branch.end, End::Reached | End::TurnedBack)
     }
-}
-
-fn word(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// Multipliers in the complex plane: inside the circle, and outside.

@@ -38,8 +38,8 @@ pub struct ModeWay {
     pub mode: Option<usize>,
     /// Where it ends.
     ///
-    /// An amplitude: the displacement at the start of that bead or resonator of which the linear mode
-    /// has most.
+    /// An amplitude: the displacement at the start of that bead or resonator of which the linear
+    /// mode has most.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
     pub to: f64,
     /// Its largest change from point to point.

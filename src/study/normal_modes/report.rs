@@ -3,10 +3,10 @@
 use super::ModeStudy;
 use crate::{
     error::Result,
-    orbits::{End, LinearMode, ModePoint},
+    orbits::{End, LinearMode, ModeBifurcation, ModePoint},
     output::csv,
     present::table,
-    study::{File, Report, named, scene_json},
+    study::{File, Report, named, scene_json, word},
 };
 use serde_json::{Value, json};
 
@@ -40,6 +40,23 @@ impl ModeStudy {
         &self.branch.points[self.branch.points.len() - 1]
     }
 
+    /// Where bifurcations are, as a table.
+    fn events(&self) -> String {
+        let row = |ModeBifurcation { kind, tau, point }: &ModeBifurcation| {
+            let [a, omega] = [point.orbit.amplitude, point.orbit.omega].map(|x| format!("{x:.8}"));
+            vec![word(kind), a, omega, format!("{tau:.8}")]
+        };
+        let rows: Vec<Vec<String>> = self.branch.bifurcations.iter().map(row).collect();
+        let unresolved = match self.branch.unresolved {
+            0 => String::new(),
+            count => format!("stretches with several bifurcations that were not separated: {count}\n"),
+        };
+        if rows.is_empty() {
+            return "no bifurcation\n".to_owned() + &unresolved;
+        }
+        table(&["bifurcation", "a", "omega", "tau"], &rows) + &unresolved
+    }
+
     /// The numbers of a point in tables.
     fn row(point: &ModePoint) -> [f64; 7] {
         let ModePoint { orbit, energy, participation, least_overlap, spectrum } = point;
@@ -63,6 +80,10 @@ impl Report for ModeStudy {
                 "unstable": point.unstable(),
             })
         });
+        let bifurcation = |one: &ModeBifurcation| {
+            let ModeBifurcation { kind, tau, point } = one;
+            json!({ "kind": kind, "amplitude": point.orbit.amplitude, "omega": point.orbit.omega, "tau": tau })
+        };
         let last = self.last();
         let [u, v] = self.displacements(last);
         let start = modes.state(&last.orbit);
@@ -72,6 +93,8 @@ impl Report for ModeStudy {
             "linear": modes.linear().iter().map(|mode| self.linear_json(mode)).collect::<Vec<Value>>(),
             "end": branch.end,
             "points": points.collect::<Vec<Value>>(),
+            "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
+            "unresolved": branch.unresolved,
             "last": {
                 "u": u,
                 "v": v,
@@ -122,10 +145,11 @@ impl Report for ModeStudy {
             .collect();
         let columns = ["a", "omega", "energy", "participation", "least overlap", "largest |lambda|", "outside"];
         format!(
-            "{}{} linear modes, * the one that is followed\n\n{}\n{} points; the branch ended: {}\n",
+            "{}{} linear modes, * the one that is followed\n\n{}\n{}\n{} points; the branch ended: {}\n",
             table(&["mode", "omega", "participation", "site"], &rows),
             linear.len(),
             table(&columns, &points),
+            self.events(),
             branch.points.len(),
             branch.end.words()
         ) + "least overlap: at the two times of rest; outside: multipliers outside the unit circle by more than their error\n"
@@ -171,6 +195,8 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
     );
     let near = study.modes.linear().iter().map(|mode| (0.0, mode.omega));
     lines.push(Line::new("linear modes", near));
+    let place = |one: &ModeBifurcation| (one.point.orbit.amplitude, one.point.orbit.omega);
+    lines.push(Line::new("bifurcation", branch.bifurcations.iter().map(place)));
     let share = branch.points.iter().map(|point| (point.orbit.amplitude, point.participation));
     let [u, v] = study.displacements(last);
     let sites =

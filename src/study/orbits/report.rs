@@ -6,7 +6,7 @@ use crate::{
     orbits::{Bifurcation, End, Extent, Kind, Multiplier, ORBIT_FORMAT, Setting},
     output::{Array, csv},
     present::table,
-    study::{File, Report, dps::center_word, named},
+    study::{File, Report, dps::center_word, named, word},
 };
 use serde_json::{Value, json};
 
@@ -188,11 +188,6 @@ fn multiplier_table<'a>(multipliers: impl Iterator<Item = &'a Multiplier>) -> St
         return "no multiplier is off the unit circle\n".to_owned();
     }
     table(&["Re lambda", "Im lambda", "|lambda|", "error", "kind"], &rows)
-}
-
-/// A unit variant by its name in files.
-fn word(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 fn branch_value(branch: &Branch) -> Value {

@@ -213,6 +213,7 @@ impl ContactChain<2> for Differing {
     fn dead_band(&self, largest: f64) -> f64 {
         64.0 * f64::EPSILON * largest
     }
+
     fn damping(&self, site: usize) -> [f64; 2] {
         self.sites[site].damping
     }
