@@ -32,6 +32,8 @@ class NormalMode:
         modulus of a multiplier.
     stable : bool ndarray, shape (points,)
         Whether no multiplier is outside the unit circle.
+    bifurcations : list of dict
+        ``kind``, ``amplitude`` and ``omega`` of each that was located.
     y0 : dict of ndarray
         The last orbit at rest, ``u`` and ``v``, for :func:`run`.
     period : float
@@ -60,6 +62,7 @@ class NormalMode:
         self.participation, self.least_overlap = column("participation"), column("least_overlap")
         self.max_modulus = column("max_modulus")
         self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
+        self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
         start = last["start"].items()
         self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) for name, array in start if array}
         self.period = float(2.0 * np.pi / self.omega[-1])
@@ -74,11 +77,14 @@ class NormalMode:
         return f"NormalMode({self.mode}, omega_0={first:g}, {len(self)} points, {self.end})"
 
     def plot(self, ax: Any = None, color: str = "C0", label: str | None = None) -> Any:
-        """The frequency over the amplitude, dotted where orbits are unstable, by matplotlib."""
+        """The frequency over the amplitude, dotted where orbits are unstable, with bifurcations, by matplotlib."""
         import matplotlib.pyplot as plt
 
         ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
         stretches(ax, self.amplitude, self.omega, self.stable, color, label)
+        here = [(one["amplitude"], one["omega"]) for one in self.bifurcations]
+        if here:
+            ax.plot(*zip(*here), "x", color=color, markersize=5)
         ax.set(xlabel="amplitude a", ylabel="frequency")
         return ax
 
