@@ -1,6 +1,6 @@
 //! Waves launched from one end as people and machines read them.
 
-use super::{ABSORBING, ALPHA, BoundaryWaveStudy, KAPPA, LaunchedWave, PERIODS, RAMP, TOLERANCE};
+use super::{ALPHA, BoundaryWaveStudy, KAPPA, LaunchedWave, TOLERANCE};
 use crate::{
     error::Result,
     output::csv,
@@ -77,6 +77,7 @@ impl BoundaryWaveStudy {
     /// Wave number against frequency, and amplitude and phase along the chain.
     #[cfg(feature = "plot")]
     fn picture(&self) -> Result<crate::figures::Picture> {
+        use super::{ABSORBING, PERIODS, RAMP};
         use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
         let q = self.waves.iter().map(|wave| (wave.omega, wave.q));
         let theory = self.waves.iter().filter_map(|wave| Some((wave.omega, wave.q_theory?)));
