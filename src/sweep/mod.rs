@@ -48,11 +48,10 @@ use store::{Hash, Place};
 /// The reason for the missing value of a point that was not begun, or was interrupted.
 pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
 
-/// Points whose hashes one thread makes at a time, and most rows that are read at a time.
-const PIECE: usize = 1 << 14;
-/// Rows of which one thread makes something at a time.
-const ROWS: usize = 1 << 8;
-/// Bytes of rows that are read at a time.
+/// Points that one thread takes at a time: of which it makes hashes, or reads rows.
+const PIECE: usize = 1 << 9;
+/// Most of these pieces at a time, and most bytes of rows.
+const PIECES: usize = 1 << 6;
 const TEXT: usize = 1 << 22;
 
 /// The result of a point: a value, or the reason why there is none.
@@ -207,14 +206,14 @@ impl<T: Serialize> Points<'_, T> {
 
     /// The hashes of all points, in order, with their numbers.
     fn hashes(&self) -> Result<Vec<(Hash, usize)>> {
-        let pieces: Vec<usize> = (0..self.count).step_by(PIECE).collect();
-        let hashed = map(&pieces, |&first| {
-            let numbers = first..self.count.min(first + PIECE);
-            numbers.map(|k| Ok((store::hash(&self.key(k)?), k))).collect::<Result<Vec<_>>>()
-        });
         let mut hashes = Vec::with_capacity(self.count);
-        for piece in hashed {
-            hashes.extend(piece?);
+        for first in (0..self.count).step_by(PIECES * PIECE) {
+            let pieces: Vec<usize> = (first..self.count.min(first + PIECES * PIECE)).step_by(PIECE).collect();
+            let hashed = map(&pieces, |&first| {
+                let numbers = first..self.count.min(first + PIECE);
+                numbers.map(|k| Ok((store::hash(&self.key(k)?), k))).collect::<Result<Vec<_>>>()
+            });
+            hashed.into_iter().try_for_each(|piece| piece.map(|piece| hashes.extend(piece)))?;
         }
         threads::sort(&mut hashes);
         match hashes.windows(2).find(|two| two[0].0 == two[1].0) {
@@ -281,13 +280,13 @@ impl<'s> Rows<'s> {
         for k in 0..count {
             read(k, &mut text)?;
             ends.push((k, text.len()));
-            if text.len() < TEXT && ends.len() < PIECE && k + 1 < count {
+            if text.len() < TEXT && ends.len() < PIECES * PIECE && k + 1 < count {
                 continue;
             }
             let mut start = 0;
             let texts: Vec<(usize, &str)> =
                 ends.drain(..).map(|(k, end)| (k, &text[std::mem::replace(&mut start, end)..end])).collect();
-            let pieces: Vec<&[(usize, &str)]> = texts.chunks(ROWS).collect();
+            let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
             let made = map(&pieces, |piece| {
                 piece.iter().map(|(k, text)| Ok(make(*k, self.row(*k, text)?))).collect::<Result<Vec<V>>>()
             });
@@ -304,7 +303,9 @@ impl<'s> Rows<'s> {
         let mut lines = self.store.as_ref().map(|store| store.lines()).transpose()?;
         Ok(move |k: usize, text: &mut String| {
             match (self.places[k], &mut lines, &self.store) {
-                (Some(place), Some(lines), Some(store)) => lines.line(place, text).map_err(|source| store.fail(source))?,
+                (Some(place), Some(lines), Some(store)) => {
+                    lines.line(place, text).map_err(|source| store.fail(source))?
+                }
                 (Some(place), ..) => *text += &self.texts[place.get() as usize - 1],
                 (None, ..) => {}
             }
@@ -316,9 +317,7 @@ impl<'s> Rows<'s> {
     fn row<U: DeserializeOwned>(&self, k: usize, text: &str) -> Result<Row<U>> {
         match (self.places[k], &self.store) {
             (None, _) => Ok(Err(STOPPED.to_owned())),
-            (Some(place), Some(store)) => {
-                store::row(text).and_then(read).map_err(|why| store.corrupt(place, &why))
-            }
+            (Some(place), Some(store)) => store::row(text).and_then(read).map_err(|why| store.corrupt(place, &why)),
             (Some(_), None) => read(text).map_err(changed),
         }
     }
