@@ -141,8 +141,7 @@ fn report(
     }
     let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
     // Of a long chain this takes more memory than the run.
-    let json = if args.json || folder.is_some() { study::run_json(&ran) } else { serde_json::Value::Null };
-    let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(&ran) };
+    let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
     // Of results that cannot be printed the files are written, and of files that cannot be written
     // the results are printed.
     let printed = print(&text);
@@ -152,7 +151,7 @@ fn report(
         let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
         let pictures: Result<Vec<_>> = Ok(Vec::new());
-        study::run_files(folder, &ran, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;
+        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
             // What stopped the run is the error, not that there is too little of it to draw.
             Err(why) if outcome.failure.is_some() => say(&format!("no pictures: {why}")),
