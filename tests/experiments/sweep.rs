@@ -251,8 +251,8 @@ fn rows_of_another_shape_are_refused_with_their_line() {
     assert!(error.contains("roots.store, line 3: no value of this study"), "{error}");
 }
 
-// Truth: the rows that were computed, and the lines counted here. A store is read in blocks of 8 MiB,
-// each of which is cut into pieces that are checked side by side.
+// Truth: the rows that were computed, and the lines counted here. A store is read in blocks of
+// 8 MiB, each of which is cut into pieces that are checked side by side.
 #[test]
 fn a_store_of_several_blocks_is_resumed_repaired_and_refused_by_line() {
     let (folder, points) = (tempfile::tempdir().unwrap(), grid(150_000));
