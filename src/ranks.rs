@@ -33,21 +33,25 @@ pub(crate) fn universe() -> Result<Universe> {
 /// Rank 0 has the run. The others [`serve`](Self::serve) it and end with it.
 pub struct Job(Arc<World>);
 
-struct World(Universe);
+struct World {
+    universe: Universe,
+    /// Threads of this rank.
+    threads: usize,
+}
 
 impl World {
     fn world(&self) -> SimpleCommunicator {
-        self.0.world()
+        self.universe.world()
     }
 }
 
 impl Job {
-    /// Joins the job.
+    /// Joins the job; by contact collocation this rank solves its part on so many threads.
     ///
     /// # Errors
     /// An MPI library that does not start beside other threads, or that was started before.
-    pub fn new() -> Result<Self> {
-        universe().map(|universe| Self(Arc::new(World(universe))))
+    pub fn new(threads: usize) -> Result<Self> {
+        universe().map(|universe| Self(Arc::new(World { universe, threads })))
     }
 
     /// Whether this is not rank 0.
@@ -64,6 +68,10 @@ impl Job {
 impl Ranks for Job {
     fn count(&self) -> usize {
         self.0.world().size() as usize
+    }
+
+    fn threads(&self) -> usize {
+        self.0.threads
     }
 
     fn carrier(&self) -> Box<dyn Carrier> {
@@ -95,6 +103,10 @@ impl Carrier for Messages {
 
     fn parts(&self) -> usize {
         self.0.world().size() as usize
+    }
+
+    fn threads(&self) -> usize {
+        self.0.threads
     }
 
     fn broadcast(&mut self, words: &mut Vec<u64>) {

@@ -72,18 +72,13 @@ fn parts(args: &RunArgs) -> Result<Option<Parts>> {
     if args.engine != MPI {
         return Ok(Some(args.threads.map_or(Parts::Whole, Parts::Threads)));
     }
-    match args.threads {
-        Some(threads) => {
-            Err(Error::parameter("threads", threads, "with --engine mpi a rank has one part: leave it out"))
-        }
-        None => over_ranks(),
-    }
+    over_ranks(args.threads.unwrap_or(1))
 }
 
-/// The ranks of an MPI job.
+/// The ranks of an MPI job, with so many threads each.
 #[cfg(feature = "mpi")]
-fn over_ranks() -> Result<Option<Parts>> {
-    let job = crate::ranks::Job::new()?;
+fn over_ranks(threads: usize) -> Result<Option<Parts>> {
+    let job = crate::ranks::Job::new(threads)?;
     if job.serves() {
         // What asks rank 0 to end asks all: rank 0 decides.
         signals::ask()?;
@@ -94,7 +89,7 @@ fn over_ranks() -> Result<Option<Parts>> {
 }
 
 #[cfg(not(feature = "mpi"))]
-fn over_ranks() -> Result<Option<Parts>> {
+fn over_ranks(_: usize) -> Result<Option<Parts>> {
     let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --threads P";
     Err(Error::parameter("engine", MPI, rule))
 }
@@ -146,8 +141,7 @@ fn report(
     }
     let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
     // Of a long chain this takes more memory than the run.
-    let json = if args.json || folder.is_some() { study::run_json(&ran) } else { serde_json::Value::Null };
-    let text = if args.json { to_json(&json) + "\n" } else { study::run_summary(&ran) };
+    let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
     // Of results that cannot be printed the files are written, and of files that cannot be written
     // the results are printed.
     let printed = print(&text);
@@ -157,7 +151,7 @@ fn report(
         let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
         let pictures: Result<Vec<_>> = Ok(Vec::new());
-        study::run_files(folder, &ran, &json, pictures.as_deref().unwrap_or_default(), in_legs)?;
+        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
             // What stopped the run is the error, not that there is too little of it to draw.
             Err(why) if outcome.failure.is_some() => say(&format!("no pictures: {why}")),
@@ -171,7 +165,7 @@ fn report(
 
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
-    let long = LongRun::load(path)?.in_parts(parts)?;
+    let long = LongRun::load_in(path, parts)?;
     si(args, long.scene())?;
     let scene = args.scene.as_deref().map(Scene::load).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;

@@ -12,10 +12,14 @@ use std::io::{self, Write};
 /// ```
 pub fn to_json(value: &impl Serialize) -> String {
     let mut text = Vec::new();
-    let mut serializer = Serializer::with_formatter(&mut text, Digits::default());
     // Values here have string keys and are written to memory: serialisation cannot fail.
-    let _ = value.serialize(&mut serializer);
+    let _ = write_json(&mut text, value);
     String::from_utf8(text).unwrap_or_default()
+}
+
+/// Writes the same text without having it in memory.
+pub(crate) fn write_json(to: impl Write, value: &impl Serialize) -> io::Result<()> {
+    Ok(value.serialize(&mut Serializer::with_formatter(to, Digits::default()))?)
 }
 
 /// Layout: objects over several lines, and arrays with all they contain on one line.

@@ -7,6 +7,7 @@ mod npz;
 
 pub use folder::Folder;
 pub use json::to_json;
+pub(crate) use json::write_json;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 
 use crate::error::{Error, Result};
@@ -34,14 +35,24 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
 
 /// Rows of numbers as CSV with a line of names; each number reads back to the same double.
 pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {
-    let mut text = names.join(",");
-    text.push('\n');
+    let mut text = Vec::new();
+    // Memory takes all that is written.
+    let _ = write_csv(&mut text, names, rows);
+    text
+}
+
+/// Writes the same text without having it in memory.
+pub(crate) fn write_csv(
+    mut to: impl Write,
+    names: &[&str],
+    rows: impl IntoIterator<Item = Vec<f64>>,
+) -> std::io::Result<()> {
+    writeln!(to, "{}", names.join(","))?;
     for row in rows {
         let cells: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
-        text.push_str(&cells.join(","));
-        text.push('\n');
+        writeln!(to, "{}", cells.join(","))?;
     }
-    text.into_bytes()
+    Ok(())
 }
 
 /// A line on standard error, where all that is said beside results goes. If it cannot be written,

@@ -22,7 +22,7 @@ use crate::{
 };
 use builtin::BUILTIN;
 use initial::{initial_state, within_range};
-use std::{f64::consts::PI, path::Path};
+use std::{f64::consts::PI, path::Path, sync::Arc};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
 pub(crate) const MOST_SITES: usize = 100_000_000;
@@ -52,7 +52,7 @@ pub struct Scene {
     file: SceneFile,
     chain: Chain<f64>,
     units: Option<Units>,
-    initial: State<f64>,
+    initial: Arc<State<f64>>,
     theory: Option<Theory>,
     period: f64,
     end: f64,
@@ -199,6 +199,7 @@ impl Scene {
         }
         details::within(&chain, end)?;
         let says_samples = file.record.samples.is_some();
+        let initial = Arc::new(initial);
         let mut scene = Self { chain, units, initial, theory, period, end, file, says_samples };
         scene.sample();
         scene.checked_run()?;

@@ -121,9 +121,9 @@ impl Engine {
     /// [`sweep`](super::sweep) of the points of a grid.
     ///
     /// # Errors
-    /// As [`sweep`](super::sweep). An engine with a shard always ends so, since it has not all rows:
-    /// what it has done is in the error and in [`part`](Self::part). So does a process that computes
-    /// for another one.
+    /// As [`sweep`](super::sweep). An engine with a shard always ends so, since it has not all
+    /// rows: what it has done is in the error and in [`part`](Self::part). So does a process that
+    /// computes for another one.
     pub fn sweep<T, U>(
         &self,
         grid: &Grid,

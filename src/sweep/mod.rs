@@ -43,10 +43,16 @@ use std::{
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
-use store::Place;
+use store::{Hash, Place};
 
 /// The reason for the missing value of a point that was not begun, or was interrupted.
 pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
+
+/// Points that one thread takes at a time: of which it makes hashes, or reads rows.
+const PIECE: usize = 1 << 9;
+/// Most of these pieces at a time, and most bytes of rows.
+const PIECES: usize = 1 << 6;
+const TEXT: usize = 1 << 22;
 
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
@@ -175,10 +181,10 @@ where
 }
 
 /// All rows in memory.
-fn collected<U: DeserializeOwned>(mut rows: Rows<'_>, resumed: usize) -> Result<Swept<U>> {
+fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> Result<Swept<U>> {
     rows.settle()?;
     let mut all = Vec::with_capacity(rows.places.len());
-    let missing = rows.each(&mut |_, row| {
+    let missing = rows.each(&|_, row| row, &mut |row| {
         all.push(row);
         Ok(())
     })?;
@@ -198,19 +204,22 @@ impl<T: Serialize> Points<'_, T> {
         serde_json::to_string(&(self.point)(k)).map_err(refused)
     }
 
-    /// The hashes of all points.
-    fn hashes(&self) -> Result<Vec<u64>> {
-        let hashes = (0..self.count).map(|k| self.key(k).map(|key| store::hash(&key))).collect::<Result<Vec<_>>>()?;
-        let mut order: Vec<usize> = (0..self.count).collect();
-        order.sort_unstable_by_key(|&k| hashes[k]);
-        for same in order.chunk_by(|&k, &l| hashes[k] == hashes[l]).filter(|same| same.len() > 1) {
-            let mut keys = same.iter().map(|&k| self.key(k)).collect::<Result<Vec<_>>>()?;
-            keys.sort_unstable();
-            if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
-                return Err(Error::parameter("point", &twice[0], "a grid has every point once"));
-            }
+    /// The hashes of all points, in order, with their numbers.
+    fn hashes(&self) -> Result<Vec<(Hash, usize)>> {
+        let mut hashes = Vec::with_capacity(self.count);
+        for first in (0..self.count).step_by(PIECES * PIECE) {
+            let pieces: Vec<usize> = (first..self.count.min(first + PIECES * PIECE)).step_by(PIECE).collect();
+            let hashed = map(&pieces, |&first| {
+                let numbers = first..self.count.min(first + PIECE);
+                numbers.map(|k| Ok((store::hash(&self.key(k)?), k))).collect::<Result<Vec<_>>>()
+            });
+            hashed.into_iter().try_for_each(|piece| piece.map(|piece| hashes.extend(piece)))?;
         }
-        Ok(hashes)
+        threads::sort(&mut hashes);
+        match hashes.windows(2).find(|two| two[0].0 == two[1].0) {
+            Some(twice) => Err(Error::parameter("point", self.key(twice[0].1)?, "a grid has every point once")),
+            None => Ok(hashes),
+        }
     }
 }
 
@@ -224,21 +233,18 @@ pub(crate) struct Rows<'s> {
 }
 
 impl<'s> Rows<'s> {
-    /// The rows that the store has.
-    fn find<T: Serialize, U: DeserializeOwned>(
-        points: &Points<'_, T>,
-        mut store: Option<&'s mut Store>,
-    ) -> Result<Self> {
+    /// The rows that the store has. Of these only the first one is read, so that a store of other
+    /// values is refused before anything is computed: all have been written by one study.
+    fn find<T: Serialize, U: DeserializeOwned>(points: &Points<'_, T>, store: Option<&'s mut Store>) -> Result<Self> {
         let hashes = points.hashes()?;
-        let mut places = vec![None; points.count];
-        if let Some(store) = store.as_mut().filter(|store| !store.is_empty()) {
-            for (k, place) in places.iter_mut().enumerate() {
-                let Some((there, row)) = store.find(hashes[k], &points.key(k)?)? else { continue };
-                drop(read::<U>(&row).map_err(|why| store.corrupt(there, &why))?);
-                *place = Some(there);
-            }
+        let places = store.as_ref().map_or_else(|| vec![None; points.count], |store| store.places(&hashes));
+        let rows = Self { store, texts: Vec::new(), places };
+        if let Some(k) = rows.places.iter().position(Option::is_some) {
+            let mut text = String::new();
+            rows.reader()?(k, &mut text)?;
+            drop(rows.row::<U>(k, &text)?);
         }
-        Ok(Self { store, texts: Vec::new(), places })
+        Ok(rows)
     }
 
     /// The numbers of the points of a part of the grid that have no row.
@@ -262,24 +268,58 @@ impl<'s> Rows<'s> {
         self.store.as_mut().map_or(Ok(()), |store| store.settle(&mut self.places))
     }
 
-    /// Hands out the rows in the order of the grid; how many are missing.
-    pub(crate) fn each<U: DeserializeOwned>(
-        &mut self,
-        take: &mut dyn FnMut(usize, Row<U>) -> Result<()>,
+    /// Makes something of every row, on all cores, and hands it out in the order of the grid; how
+    /// many rows are missing.
+    pub(crate) fn each<U: DeserializeOwned, V: Send>(
+        &self,
+        make: &(dyn Fn(usize, Row<U>) -> V + Sync),
+        take: &mut dyn FnMut(V) -> Result<()>,
     ) -> Result<usize> {
-        let mut missing = 0;
-        for (k, place) in self.places.iter().enumerate() {
-            let row = match (place, &mut self.store) {
-                (None, _) => {
-                    missing += 1;
-                    Err(STOPPED.to_owned())
-                }
-                (Some(place), Some(store)) => read(&store.row(*place)?).map_err(|why| store.corrupt(*place, &why))?,
-                (Some(place), None) => read(&self.texts[place.get() as usize - 1]).map_err(changed)?,
-            };
-            take(k, row)?;
+        let (count, mut read) = (self.places.len(), self.reader()?);
+        let (mut text, mut ends) = (String::new(), Vec::new());
+        for k in 0..count {
+            read(k, &mut text)?;
+            ends.push((k, text.len()));
+            if text.len() < TEXT && ends.len() < PIECES * PIECE && k + 1 < count {
+                continue;
+            }
+            let mut start = 0;
+            let texts: Vec<(usize, &str)> =
+                ends.drain(..).map(|(k, end)| (k, &text[std::mem::replace(&mut start, end)..end])).collect();
+            let pieces: Vec<&[(usize, &str)]> = texts.chunks(PIECE).collect();
+            let made = map(&pieces, |piece| {
+                piece.iter().map(|(k, text)| Ok(make(*k, self.row(*k, text)?))).collect::<Result<Vec<V>>>()
+            });
+            for piece in made {
+                piece?.into_iter().try_for_each(&mut *take)?;
+            }
+            text.clear();
         }
-        Ok(missing)
+        Ok(self.places.iter().filter(|place| place.is_none()).count())
+    }
+
+    /// Appends what is kept of a point to a text: its line, or its row without a store.
+    fn reader(&self) -> Result<impl FnMut(usize, &mut String) -> Result<()>> {
+        let mut lines = self.store.as_ref().map(|store| store.lines()).transpose()?;
+        Ok(move |k: usize, text: &mut String| {
+            match (self.places[k], &mut lines, &self.store) {
+                (Some(place), Some(lines), Some(store)) => {
+                    lines.line(place, text).map_err(|source| store.fail(source))?
+                }
+                (Some(place), ..) => *text += &self.texts[place.get() as usize - 1],
+                (None, ..) => {}
+            }
+            Ok(())
+        })
+    }
+
+    /// The row of a point in what is kept of it.
+    fn row<U: DeserializeOwned>(&self, k: usize, text: &str) -> Result<Row<U>> {
+        match (self.places[k], &self.store) {
+            (None, _) => Ok(Err(STOPPED.to_owned())),
+            (Some(place), Some(store)) => store::row(text).and_then(read).map_err(|why| store.corrupt(place, &why)),
+            (Some(_), None) => read(text).map_err(changed),
+        }
     }
 }
 

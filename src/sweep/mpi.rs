@@ -1,9 +1,9 @@
 //! Computation on the ranks of an MPI job.
 //!
-//! Rank 0 has the grid, the store and the results. It deals points to whoever has none, and computes
-//! points itself, beside the thread that deals. The other ranks compute what they are given. A rank
-//! whose points take less than a tenth of a second is given the next ones before it asks, so that it
-//! does not wait for rank 0.
+//! Rank 0 has the grid, the store and the results. It deals points to whoever has none, and
+//! computes points itself, beside the thread that deals. The other ranks compute what they are
+//! given. A rank whose points take less than a tenth of a second is given the next ones before it
+//! asks, so that it does not wait for rank 0.
 //!
 //! | message | from, to | content |
 //! |---|---|---|

@@ -10,14 +10,14 @@
 //! power costs the points of about one second. A store belongs to one run at a time.
 //!
 //! Rows stay in the file. In memory a point takes the hash of its text and the place of its line,
-//! 16 bytes; two points of the same hash are told apart by their lines.
+//! 24 bytes. The hash has 128 bits and stands for the point: of 10^7 points, two would share one
+//! with a probability of about 1e-25 if hashes were drawn at random.
 
-use super::shard::Shard;
+use super::{shard::Shard, threads};
 use crate::{
     error::{Error, Result},
     output::Folder,
 };
-use serde::Deserialize;
 use serde_json::{Value, json, value::RawValue};
 use std::{
     fs::{File, OpenOptions, TryLockError},
@@ -34,6 +34,14 @@ const SYNC: Duration = Duration::from_secs(1);
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 /// The prime of FNV-1a, 64 bits.
 const PRIME: u64 = 0x0000_0100_0000_01b3;
+/// The same, 128 bits.
+const LONG_BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+const LONG_PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+/// Bytes of the file that are read at a time, and those that one thread then checks at a time.
+const BLOCK: u64 = 1 << 23;
+const PIECE: usize = 1 << 18;
+/// Lines whose checks are made side by side: each byte of a check waits for the one before it.
+const LANES: usize = 4;
 /// Bytes that lines of another store are collected to before they are written.
 const CHUNK: usize = 1 << 20;
 const IN_USE: &str = "in use by another run: wait until it has ended";
@@ -44,11 +52,12 @@ pub struct Store {
     folder: Folder,
     name: String,
     file: File,
-    lines: Lines,
     /// Time of the last sync to the disk.
     synced: Instant,
     /// Length of the whole lines, in bytes.
     length: u64,
+    /// Whether a partial line is after them.
+    torn: bool,
     header: String,
     /// The hash of the header, which the checks of all other lines continue.
     basis: u64,
@@ -61,28 +70,20 @@ pub struct Store {
 /// Where a line begins, in bytes from the start of the file; no line of a point is the first.
 pub(super) type Place = NonZeroU64;
 
+/// The hash of a point by which the index finds it, in two halves.
+pub(super) type Hash = [u64; 2];
+
 /// A point of the index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
-    hash: u64,
+    hash: Hash,
     place: Place,
 }
 
 /// Reads lines at any place of a file; one after the other without a call of the system each.
-#[derive(Debug)]
-struct Lines {
+pub(super) struct Lines {
     reader: BufReader<File>,
     at: u64,
-}
-
-/// The JSON of a line.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Payload<'a> {
-    #[serde(borrow)]
-    point: &'a RawValue,
-    #[serde(borrow)]
-    row: &'a RawValue,
 }
 
 impl Store {
@@ -136,9 +137,9 @@ impl Store {
             folder: folder.clone(),
             name: name.to_owned(),
             file,
-            lines: Lines::new(File::open(&path).map_err(fail)?),
             synced: Instant::now(),
             length: 0,
+            torn: false,
             basis: fnv(BASIS, &header),
             header,
             index: Vec::new(),
@@ -179,14 +180,12 @@ impl Store {
 
     /// Appends the lines of another store of the same study whose points are not here.
     fn take_over(&mut self, other: &mut Self) -> Result<()> {
-        let (mut chunk, mut new) = (String::new(), Vec::new());
+        let (mut lines, mut chunk, mut new) = (other.lines()?, String::new(), Vec::new());
         other.index.sort_unstable_by_key(|entry| entry.place);
         for Entry { hash, place } in std::mem::take(&mut other.index) {
-            let line = other.line(place)?;
-            let (point, _) = parts(&line).map_err(|why| other.corrupt(place, &why))?;
-            if self.find(hash, point)?.is_none() {
+            if !self.has(hash) {
                 new.push(Entry { hash, place: place_at(self.length + chunk.len() as u64) });
-                chunk += &line;
+                lines.line(place, &mut chunk).map_err(|source| other.fail(source))?;
             }
             if chunk.len() > CHUNK {
                 self.write(&chunk)?;
@@ -199,19 +198,21 @@ impl Store {
         self.file.sync_data().map_err(|source| self.fail(source))
     }
 
-    /// Reads and checks the whole lines of the file.
+    /// Reads and checks the whole lines of the file, on all cores.
     fn load(&mut self) -> Result<()> {
-        let mut line = Vec::new();
-        for number in 1.. {
-            line.clear();
-            self.lines.at += self.lines.reader.read_until(b'\n', &mut line).map_err(|source| self.fail(source))? as u64;
-            if line.last() != Some(&b'\n') {
+        let file = File::open(self.path()).map_err(|source| self.fail(source))?;
+        let mut block = Vec::new();
+        loop {
+            let read = (&file).take(BLOCK).read_to_end(&mut block).map_err(|source| self.fail(source))?;
+            let whole = block.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+            self.take(&block[..whole])?;
+            block.drain(..whole);
+            if read == 0 {
                 break;
             }
-            self.take(number, &line).map_err(|rule| refused(&self.path(), number, rule))?;
-            self.length += line.len() as u64;
         }
-        if self.length == 0 && !self.head().as_bytes().starts_with(&line) {
+        self.torn = !block.is_empty();
+        if self.length == 0 && !self.head().as_bytes().starts_with(&block) {
             return Err(refused(&self.path(), 1, "not the store of a sweep"));
         }
         self.sort();
@@ -220,80 +221,77 @@ impl Store {
 
     /// Removes a partial last line, and writes the first one if there is none.
     fn repair(&mut self) -> Result<()> {
-        if self.lines.at > self.length {
+        if self.torn {
             self.file.set_len(self.length).map_err(|source| self.fail(source))?;
         }
         if self.length == 0 { self.write(&self.head()) } else { Ok(()) }
     }
 
-    /// Reads the line with the given number, counted from 1.
-    fn take(&mut self, number: usize, line: &[u8]) -> std::result::Result<(), String> {
-        let altered = || "not as it was written: its check does not fit".to_owned();
-        let text = std::str::from_utf8(line).map_err(|_| altered())?;
-        let (check, json) = text.trim_end_matches('\n').split_once(' ').ok_or_else(altered)?;
-        let from = if number == 1 { BASIS } else { self.basis };
-        if check != digits(fnv(from, json)) {
-            return Err(altered());
+    /// Takes the next whole lines of the file.
+    fn take(&mut self, lines: &[u8]) -> Result<()> {
+        let mut rest = lines;
+        if self.length == 0
+            && let Some(end) = rest.iter().position(|byte| *byte == b'\n')
+        {
+            self.take_head(&rest[..=end]).map_err(|rule| refused(&self.path(), 1, rule))?;
+            self.length += end as u64 + 1;
+            rest = &rest[end + 1..];
         }
-        if number == 1 {
-            return if json == self.header { Ok(()) } else { Err(difference(&self.header, json)) };
+        let (basis, pieces) = (self.basis, pieces(rest, self.length));
+        for (entries, rule) in threads::map(&pieces, |(piece, place)| entries(piece, *place, basis)) {
+            self.index.extend(entries);
+            if let Some(rule) = rule {
+                return Err(refused(&self.path(), self.index.len() + 2, rule));
+            }
         }
-        let (point, _) = parts(text)?;
-        self.index.push(Entry { hash: hash(point), place: place_at(self.length) });
+        self.length += rest.len() as u64;
         Ok(())
+    }
+
+    /// Checks the first line.
+    fn take_head(&self, line: &[u8]) -> std::result::Result<(), String> {
+        let text = check_and_json(line);
+        let json = fitting(text, fnv(BASIS, text.1))?;
+        if json == self.header { Ok(()) } else { Err(difference(&self.header, json)) }
     }
 
     /// Refuses a point that has two lines.
-    fn refuse_twice(&mut self) -> Result<()> {
-        for k in 1..self.index.len() {
-            let mut before = k;
-            // Points of the same hash are few.
-            while before > 0 && self.index[before - 1].hash == self.index[k].hash {
-                before -= 1;
-                let [first, second] = [self.index[before].place, self.index[k].place];
-                let (one, two) = (self.line(first)?, self.line(second)?);
-                let same = parts(&one).map(|both| both.0) == parts(&two).map(|both| both.0);
-                if same {
-                    let again = format!("the point of line {} again", self.number(first));
-                    return Err(refused(&self.path(), self.number(second), again));
-                }
-            }
-        }
-        Ok(())
+    fn refuse_twice(&self) -> Result<()> {
+        let twice = self.index.windows(2).filter(|two| two[0].hash == two[1].hash);
+        // The first of them in the file.
+        let Some(two) = twice.min_by_key(|two| two[1].place) else { return Ok(()) };
+        let [first, second] = [two[0], two[1]].map(|entry| self.number(entry.place));
+        Err(refused(&self.path(), second, format!("the point of line {first} again")))
     }
 
     fn sort(&mut self) {
-        self.index.sort_unstable();
+        threads::sort(&mut self.index);
         self.sorted = self.index.len();
     }
 
-    /// The place and the row of a point, if the store has it; of those that were there when the
-    /// store was opened, merged or settled.
-    pub(super) fn find(&mut self, hash: u64, point: &str) -> Result<Option<(Place, String)>> {
-        let from = self.index[..self.sorted].partition_point(|entry| entry.hash < hash);
-        for k in from..self.sorted {
-            let Entry { hash: other, place } = self.index[k];
-            if other != hash {
-                break;
-            }
-            if let Ok((there, row)) = parts(&self.line(place)?)
-                && there == point
-            {
-                return Ok(Some((place, row.to_owned())));
-            }
+    /// Whether the store has a point; of those that were there when the store was opened, merged or
+    /// settled.
+    fn has(&self, hash: Hash) -> bool {
+        self.index[..self.sorted].binary_search_by_key(&hash, |entry| entry.hash).is_ok()
+    }
+
+    /// Places of the points `0..hashes.len()` of a grid that the store has, of those that were
+    /// there when the store was opened, merged or settled. Every hash is there once, in order, with
+    /// the number of its point.
+    pub(super) fn places(&self, hashes: &[(Hash, usize)]) -> Vec<Option<Place>> {
+        let mut places = vec![None; hashes.len()];
+        let mut index = self.index[..self.sorted].iter().peekable();
+        for (hash, k) in hashes {
+            while index.next_if(|entry| entry.hash < *hash).is_some() {}
+            places[*k] = index.peek().filter(|entry| entry.hash == *hash).map(|entry| entry.place);
         }
-        Ok(None)
+        places
     }
 
-    /// The row of the line at a place.
-    pub(super) fn row(&mut self, place: Place) -> Result<String> {
-        let line = self.line(place)?;
-        let (_, row) = parts(&line).map_err(|why| self.corrupt(place, &why))?;
-        Ok(row.to_owned())
-    }
-
-    fn line(&mut self, place: Place) -> Result<String> {
-        self.lines.line(place).map_err(|source| self.fail(source))
+    /// A reader of its lines.
+    pub(super) fn lines(&self) -> Result<Lines> {
+        let file = File::open(self.path()).map_err(|source| self.fail(source))?;
+        Ok(Lines { reader: BufReader::with_capacity(1 << 16, file), at: 0 })
     }
 
     /// The number of the line at a place, counted from 1.
@@ -311,7 +309,7 @@ impl Store {
     pub(super) fn append(&mut self, point: &str, row: &str) -> Result<Place> {
         let json = format!(r#"{{"point":{point},"row":{row}}}"#);
         let place = place_at(self.length);
-        self.write(&format!("{} {json}\n", digits(fnv(self.basis, &json))))?;
+        self.write(&format!("{} {json}\n", digits(fnv(self.basis, &json)).escape_ascii()))?;
         self.index.push(Entry { hash: hash(point), place });
         Ok(place)
     }
@@ -328,12 +326,14 @@ impl Store {
             return Ok(());
         }
         let (name, head) = (self.name.clone(), self.head());
-        let (lines, mut length) = (&mut self.lines, head.len() as u64);
+        let (mut lines, mut length) = (self.lines()?, head.len() as u64);
         self.folder.write_with(&name, |file| {
             let mut out = BufWriter::new(file);
             out.write_all(head.as_bytes())?;
+            let mut line = String::new();
             for place in places.iter_mut().flatten().chain(&mut others) {
-                let line = lines.line(*place)?;
+                line.clear();
+                lines.line(*place, &mut line)?;
                 out.write_all(line.as_bytes())?;
                 *place = place_at(length);
                 length += line.len() as u64;
@@ -360,10 +360,10 @@ impl Store {
     }
 
     fn head(&self) -> String {
-        format!("{} {}\n", digits(self.basis), self.header)
+        format!("{} {}\n", digits(self.basis).escape_ascii(), self.header)
     }
 
-    fn fail(&self, source: io::Error) -> Error {
+    pub(super) fn fail(&self, source: io::Error) -> Error {
         Error::File { path: self.path(), source }
     }
 
@@ -384,19 +384,57 @@ impl Store {
 }
 
 impl Lines {
-    fn new(file: File) -> Self {
-        Self { reader: BufReader::with_capacity(1 << 16, file), at: 0 }
-    }
-
-    /// The line that begins at a place, with its end.
-    fn line(&mut self, place: Place) -> io::Result<String> {
+    /// Appends the line that begins at a place, with its end, to a text.
+    pub(super) fn line(&mut self, place: Place, text: &mut String) -> io::Result<()> {
         let place = place.get();
         self.reader.seek_relative(place.wrapping_sub(self.at).cast_signed())?;
-        self.at = place;
-        let mut line = String::new();
-        self.at += self.reader.read_line(&mut line)? as u64;
-        Ok(line)
+        self.at = place + self.reader.read_line(text)? as u64;
+        Ok(())
     }
+}
+
+/// Lines cut into pieces of whole lines, with the place of each; the first one is at `at`.
+fn pieces(lines: &[u8], at: u64) -> Vec<(&[u8], Place)> {
+    let (mut pieces, mut rest) = (Vec::new(), lines);
+    while !rest.is_empty() {
+        let least = PIECE.min(rest.len() - 1);
+        let end = rest[least..].iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| least + end + 1);
+        pieces.push((&rest[..end], place_at(at + (lines.len() - rest.len()) as u64)));
+        rest = &rest[end..];
+    }
+    pieces
+}
+
+/// The points of lines, the first of which is at a place, up to the first line that is refused; why
+/// it is.
+fn entries(lines: &[u8], place: Place, basis: u64) -> (Vec<Entry>, Option<String>) {
+    let (mut entries, mut place) = (Vec::new(), place);
+    let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').collect();
+    for group in lines.chunks(LANES) {
+        let mut texts = [("", ""); LANES];
+        texts.iter_mut().zip(group).for_each(|(text, line)| *text = check_and_json(line));
+        let hashes = side_by_side(basis, texts.map(|(_, json)| json.as_bytes()));
+        for ((line, text), hashed) in group.iter().zip(texts).zip(hashes) {
+            match fitting(text, hashed).and_then(parts) {
+                Ok((point, _)) => entries.push(Entry { hash: hash(point), place }),
+                Err(rule) => return (entries, Some(rule)),
+            }
+            place = place.saturating_add(line.len() as u64);
+        }
+    }
+    (entries, None)
+}
+
+/// The two parts of a line, which are empty if it has not two.
+fn check_and_json(line: &[u8]) -> (&str, &str) {
+    let text = std::str::from_utf8(line).unwrap_or_default();
+    text.trim_end_matches('\n').split_once(' ').unwrap_or_default()
+}
+
+/// The JSON of a line, if its check is this hash.
+fn fitting<'a>((check, json): (&'a str, &'a str), hash: u64) -> std::result::Result<&'a str, String> {
+    let altered = || "not as it was written: its check does not fit".to_owned();
+    (check.as_bytes() == digits(hash)).then_some(json).ok_or_else(altered)
 }
 
 /// The first line of a store.
@@ -405,11 +443,19 @@ fn header(study: &str, settings: &Value) -> String {
     json!({"sweep": VERSION, "study": study, "program": program, "settings": settings}).to_string()
 }
 
-/// Point and row of a line, with its check.
-fn parts(line: &str) -> std::result::Result<(&str, &str), String> {
-    let json = line.split_once(' ').map_or(line, |(_, json)| json);
-    let payload: Payload = serde_json::from_str(json).map_err(|why| format!("no point and row: {why}"))?;
-    Ok((payload.point.get(), payload.row.get()))
+/// Point and row of the JSON of a line. Only the point is parsed.
+fn parts(json: &str) -> std::result::Result<(&str, &str), String> {
+    const OTHER: &str = "no point and row";
+    let rest = json.strip_prefix(r#"{"point":"#).ok_or(OTHER)?;
+    let mut values = serde_json::Deserializer::from_str(rest).into_iter::<&RawValue>();
+    let point = values.next().ok_or(OTHER)?.map_err(|why| format!("{OTHER}: {why}"))?;
+    let row = rest[values.byte_offset()..].strip_prefix(r#","row":"#).and_then(|rest| rest.strip_suffix('}'));
+    Ok((point.get(), row.ok_or(OTHER)?))
+}
+
+/// The row of a line that was checked.
+pub(super) fn row(line: &str) -> std::result::Result<&str, String> {
+    parts(check_and_json(line.as_bytes()).1).map(|(_, row)| row)
 }
 
 /// Whether the open file is still the one of this path.
@@ -435,18 +481,36 @@ fn place_at(bytes: u64) -> Place {
     Place::new(bytes).unwrap_or(Place::MIN)
 }
 
-/// The hash of a point by which the index finds it.
-pub(super) fn hash(point: &str) -> u64 {
-    fnv(BASIS, point)
+/// The hash of a point: FNV-1a, 128 bits.
+pub(super) fn hash(point: &str) -> Hash {
+    let step = |hash: u128, byte| (hash ^ u128::from(byte)).wrapping_mul(LONG_PRIME);
+    let hash = point.bytes().fold(LONG_BASIS, step);
+    [(hash >> 64) as u64, hash as u64]
 }
 
 /// FNV-1a, continued from the hash `from`. A change of one byte always changes the hash.
 fn fnv(from: u64, text: &str) -> u64 {
-    text.bytes().fold(from, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+    let [hash] = side_by_side(from, [text.as_bytes()]);
+    hash
 }
 
-fn digits(check: u64) -> String {
-    format!("{check:016x}")
+/// The same of several texts at once.
+fn side_by_side<const N: usize>(from: u64, texts: [&[u8]; N]) -> [u64; N] {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(PRIME);
+    let common = texts.iter().map(|text| text.len()).min().unwrap_or_default();
+    let heads = texts.map(|text| &text[..common]);
+    let mut hashes = [from; N];
+    for k in 0..common {
+        for (hash, head) in hashes.iter_mut().zip(heads) {
+            *hash = step(*hash, &head[k]);
+        }
+    }
+    std::array::from_fn(|lane| texts[lane][common..].iter().fold(hashes[lane], step))
+}
+
+/// The digits of a check, in hexadecimal.
+fn digits(check: u64) -> [u8; 16] {
+    std::array::from_fn(|k| b"0123456789abcdef"[(check >> (60 - 4 * k)) as usize & 15])
 }
 
 /// The first difference between the header of another store and ours, as a message.

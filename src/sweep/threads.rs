@@ -47,6 +47,19 @@ pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
     items.iter().map(f).collect()
 }
 
+/// Sorts items on all cores; equal ones are not told apart.
+#[cfg(feature = "parallel")]
+pub(super) fn sort<T: Ord + Send>(items: &mut [T]) {
+    use rayon::prelude::*;
+    items.par_sort_unstable();
+}
+
+/// Sorts items; equal ones are not told apart.
+#[cfg(not(feature = "parallel"))]
+pub(super) fn sort<T: Ord>(items: &mut [T]) {
+    items.sort_unstable();
+}
+
 /// Runs `work`, with all its parallel parts, on one thread.
 #[cfg(feature = "parallel")]
 pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {

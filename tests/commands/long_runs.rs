@@ -382,7 +382,8 @@ mod processes {
         Study { args: &args, resume, kept: &time, kills: 12, intervals }.survives(random);
     }
 
-    // Truth: half an interval in the mean. Beside other tests processes take more CPU time than alone.
+    // Truth: half an interval in the mean. Beside other tests processes take more CPU time than
+    // alone.
     #[test]
     #[ignore = "nightly: it compares CPU times, alone"]
     fn a_kill_costs_less_than_an_interval() {

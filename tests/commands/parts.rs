@@ -1,5 +1,5 @@
-//! One long chain in parts: the files of one thread, for any number of them, also where a run goes on
-//! in another number; and what is refused.
+//! One long chain in parts: the files of one thread, for any number of them, also where a run goes
+//! on in another number; and what is refused.
 #![cfg(feature = "cli")]
 
 use hertzchain::{
@@ -18,8 +18,8 @@ use std::{
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_hertzchain");
 
-/// Chains with ends and rings, with resonators and without, on both splits; and seven blocks of bonds
-/// by contact collocation.
+/// Chains with ends and rings, with resonators and without, on both splits; and seven blocks of
+/// bonds by contact collocation.
 pub(crate) const RUNS: [&str; 6] = [
     "run impact --set chain.sites=1000 --integrator verlet --until 20 --samples 7",
     "run tw-q15 --integrator strang-linear --until 30 --samples 7",
@@ -101,7 +101,6 @@ fn what_cannot_run_in_parts_is_refused() {
         ("run dimer --until 1 --tol 1e-6 --set chain.sites=600 --threads 2", "run in one part"),
         ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
         ("run trivial-breather --threads 2", "an exact solution has no parts"),
-        ("run impact --engine mpi --threads 2", "a rank has one part"),
         ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
         ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
         ("run impact --plan --ranks 2 --integrator collocation", "ranks = 2 > 1"),

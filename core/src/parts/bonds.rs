@@ -22,19 +22,19 @@ pub(super) struct Bonds {
 }
 
 impl Bonds {
-    /// The part of this number, at rest. It is solved in one thread.
-    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize) -> Self {
+    /// The part of this number, at rest. It is solved on at most so many threads.
+    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, threads: usize) -> Self {
         let (held, bonds, topology) = (division.held(number), division.bonds(number), chain.topology());
         // Where the first bond or site of the chain is among those held, on a ring once around.
         let around = if held.end > chain.sites() { chain.sites() } else { 0 };
         let section = if division.parts() == 1 {
-            Section::at_rest(chain.clone(), Share::whole(bonds.len(), topology.ring()), Some(1))
+            Section::at_rest(chain.clone(), Share::whole(bonds.len(), topology.ring()), Some(threads))
         } else {
             let along = |neighbour: Option<usize>| neighbour.map_or(0, |_| EDGE - 1);
             let own = bonds.start + around - held.start..bonds.end + around - held.start;
             let reach = own.start - along(division.before(number))..own.end + along(division.after(number));
             let place = (bonds.start - topology.first(), topology.touching().len());
-            Section::at_rest(chain.stretch(held.len()), Share::part(own, reach, place), Some(1))
+            Section::at_rest(chain.stretch(held.len()), Share::part(own, reach, place), Some(threads))
         };
         Self {
             section,
@@ -77,7 +77,8 @@ impl Bonds {
         verdict
     }
 
-    /// Hands an edge, the last or the first, on to a neighbour, and takes what comes from the other.
+    /// Hands an edge, the last or the first, on to a neighbour, and takes what comes from the
+    /// other.
     fn pass(&mut self, carrier: &mut dyn Carrier, last: bool, to: Option<usize>, from: Option<usize>) {
         let [out, into] = &mut self.edges;
         out.clear();

@@ -4,8 +4,9 @@ use super::{Division, Motion};
 use crate::chain::{Boundary, Chain, Params, Resonators, Topology};
 use hertzchain_integrators::collocation::{Section, Verdict, Window};
 
-/// Whole states that part 0 has beside its sites: that of the scene, of the run, and of its record.
-const WHOLE_STATES: u64 = 3;
+/// Whole states that part 0 has beside its sites: that at the start, which a scene and its run
+/// share, and that of the record.
+const WHOLE_STATES: u64 = 2;
 /// Bytes of a number.
 const NUMBER: u64 = size_of::<f64>() as u64;
 
@@ -17,9 +18,9 @@ const NUMBER: u64 = size_of::<f64>() as u64;
 /// let kicks = Motion::Kicks(Split::Linear);
 /// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, kicks);
 /// assert_eq!((demand.sites, demand.ghosts, demand.message), (976_563, 64, 2048));
-/// // The sites and the ghosts, with resonators, twice; three whole states.
+/// // The sites and the ghosts, with resonators, twice; two whole states.
 /// assert_eq!(demand.memory, 2 * 4 * 8 * (976_563 + 128));
-/// assert_eq!(demand.whole, 96_000_000_000);
+/// assert_eq!(demand.whole, 64_000_000_000);
 /// // Whole blocks of 256 bonds; 13 of each neighbour, of which seven numbers say what they left.
 /// let demand = Demand::new(params, Boundary::Ring, 1_000_000_000, 1024, Motion::Windows);
 /// assert_eq!((demand.sites, demand.ghosts, demand.message), (3815 * 256, 13, 728));
@@ -32,8 +33,8 @@ pub struct Demand {
     /// Sites, or bonds by contact collocation, that come from each neighbour there is: see
     /// [`Division::ghosts`].
     pub ghosts: u64,
-    /// Memory of a part: what moves of its sites and ghosts, and as much for samples; not the panels
-    /// of one block, which contact collocation has besides.
+    /// Memory of a part: what moves of its sites and ghosts, and as much for samples; not the
+    /// panels of one block, which contact collocation has besides.
     pub memory: u64,
     /// What part 0 holds besides.
     pub whole: u64,

@@ -5,15 +5,15 @@ use crate::chain::Topology;
 use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::ops::Range;
 
-/// Most ghosts on either side of a part that is kicked. Chosen: with a part of 10^5 sites they are a
-/// thousandth of the work, and a message is sent every 64 kicks.
+/// Most ghosts on either side of a part that is kicked. Chosen: with a part of 10^5 sites they are
+/// a thousandth of the work, and a message is sent every 64 kicks.
 pub const GHOSTS: usize = 64;
 
 /// A chain in parts of nearly the same length.
 ///
 /// Parts that are kicked have any sites. Parts by contact collocation have whole blocks of bonds,
-/// see [`BLOCK`]; what a block of less than [`EDGE`] bonds at the end has belongs to the part of the
-/// block before it.
+/// see [`BLOCK`]; what a block of less than [`EDGE`] bonds at the end has belongs to the part of
+/// the block before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Division {
     topology: Topology,
@@ -59,8 +59,8 @@ impl Division {
     }
 
     /// The sites that a part needs to begin; beyond the last site of a ring they count on. By kicks
-    /// these are its own, and ghosts come from their parts. By contact collocation they are those of
-    /// all bonds that its blocks work on.
+    /// these are its own, and ghosts come from their parts. By contact collocation they are those
+    /// of all bonds that its blocks work on.
     pub fn held(self, part: usize) -> Range<usize> {
         let (n, topology) = (self.topology.sites(), self.topology);
         if self.parts == 1 || self.motion != Motion::Windows {
@@ -88,7 +88,8 @@ impl Division {
     /// // Blocks of 256 bonds, of which the last has 188.
     /// let topology = Topology::new(Boundary::Ring, 700);
     /// let division = Division::new(topology, 2, Motion::Windows);
-    /// assert_eq!((division.sites(0), division.sites(1), division.ghosts()), (0..256, 256..700, 13));
+    /// assert_eq!([division.sites(0), division.sites(1)], [0..256, 256..700]);
+    /// assert_eq!(division.ghosts(), 13);
     /// ```
     pub fn ghosts(self) -> usize {
         match self.motion {

@@ -51,8 +51,9 @@ impl Parted {
         parts.check_for(motion, chain.topology())?;
         let division = Division::new(chain.topology(), parts.count(), motion);
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
-        let carrier = Arc::new(Mutex::new(parts.carrier()));
-        let own = Part::new(chain, division, 0, motion);
+        let carrier = parts.carrier();
+        let own = Part::new(chain, division, (0, carrier.threads()), motion);
+        let carrier = Arc::new(Mutex::new(carrier));
         let mut parted = Self { carrier, flow, layout: chain.layout(), division, own };
         drop(parted.order(&Order::Begin(flow, motion, Box::new(chain.clone()))));
         parted.set(y);

@@ -17,8 +17,8 @@
 //! neighbour along, and need nothing else from them. A part has whole blocks, and the sites of the
 //! bonds that these take along. After each window the parts hand each other what 13 bonds at either
 //! end have left behind. With it a part moves those sites as well, so that it has them at the start
-//! of the next window. Part 0 alone decides which windows are solved, from counts and largest values
-//! of all parts: sums of integers and maxima, which do not depend on their order.
+//! of the next window. Part 0 alone decides which windows are solved, from counts and largest
+//! values of all parts: sums of integers and maxima, which do not depend on their order.
 //!
 //! The bits are those of one process. A kernel does the same operations for a site wherever in an
 //! array it is, numbers that are handed over are copied, and phase and time depend on durations
@@ -91,6 +91,10 @@ pub trait Carrier: Send {
     fn part(&self) -> usize;
     /// Number of parts.
     fn parts(&self) -> usize;
+    /// Most threads on which this part solves blocks of contact collocation.
+    fn threads(&self) -> usize {
+        1
+    }
     /// Gives the words of part 0 to all others, in place of theirs. Every part calls it.
     fn broadcast(&mut self, words: &mut Vec<u64>);
     /// Sends numbers to another part.
@@ -105,6 +109,10 @@ pub trait Carrier: Send {
 pub trait Ranks: Debug + Send + Sync {
     /// Their number, with this process.
     fn count(&self) -> usize;
+    /// Threads of this process, see [`Carrier::threads`].
+    fn threads(&self) -> usize {
+        1
+    }
     /// What takes numbers to them and back. For one run at a time.
     fn carrier(&self) -> Box<dyn Carrier>;
 }
@@ -158,8 +166,9 @@ impl Parts {
     /// A number outside its rule.
     pub fn check(&self, sites: usize) -> Result<()> {
         let count = self.count();
-        if matches!(self, Self::Threads(_)) && !(1..=MOST_THREADS).contains(&count) {
-            return Err(Error::parameter(self.name(), count, "from 1 to 1024 threads"));
+        let threads = if let Self::Ranks(ranks) = self { ranks.threads() } else { count };
+        if !(1..=MOST_THREADS).contains(&threads) {
+            return Err(Error::parameter("threads", threads, "from 1 to 1024 threads"));
         }
         if count > sites {
             let rule = "a chain has at most as many parts as sites: ask for fewer";
@@ -174,6 +183,12 @@ impl Parts {
     /// A number outside its rule.
     pub fn check_for(&self, motion: Motion, topology: Topology) -> Result<()> {
         self.check(topology.sites())?;
+        if let (Self::Ranks(ranks), Motion::Kicks(_)) = (self, motion)
+            && ranks.threads() > 1
+        {
+            let rule = "by a splitting scheme a rank moves its part on one thread: take more ranks";
+            return Err(Error::parameter("threads", ranks.threads(), rule));
+        }
         motion.check(self.name(), self.count(), topology)
     }
 

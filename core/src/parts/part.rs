@@ -29,12 +29,17 @@ macro_rules! each {
 const KICKED: &str = "windows are solved, and splits are kicked";
 
 impl Part {
-    /// The part of this number, at rest.
-    pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, motion: Motion) -> Self {
+    /// The part of this number, at rest, and on at most so many threads.
+    pub(super) fn new(
+        chain: &Chain<f64>,
+        division: Division,
+        (number, threads): (usize, usize),
+        motion: Motion,
+    ) -> Self {
         match motion {
             Motion::Kicks(Split::Kinetic) => Self::Kinetic(Box::new(Sites::new(chain, division, number))),
             Motion::Kicks(Split::Linear) => Self::Linear(Box::new(Sites::new(chain, division, number))),
-            Motion::Windows => Self::Windows(Box::new(Bonds::new(chain, division, number))),
+            Motion::Windows => Self::Windows(Box::new(Bonds::new(chain, division, number, threads))),
         }
     }
 

@@ -16,7 +16,7 @@ pub fn serve(carrier: &mut dyn Carrier) {
         match order {
             Order::Begin(flow, motion, chain) => {
                 let division = Division::new(chain.topology(), carrier.parts(), motion);
-                flows.insert(flow, Part::new(&chain, division, carrier.part(), motion));
+                flows.insert(flow, Part::new(&chain, division, (carrier.part(), carrier.threads()), motion));
             }
             Order::Load(flow) => of(&mut flows, flow).receive(carrier),
             Order::Store(flow) => of(&mut flows, flow).send(carrier),

@@ -27,7 +27,7 @@ use crate::{
     parts::Parts,
 };
 use hertzchain_integrators::Stepper;
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 /// Tolerances that a run accepts; a method may accept fewer of them.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
@@ -57,7 +57,8 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 #[derive(Clone, Debug)]
 pub struct Run {
     chain: Chain<f64>,
-    initial: State<f64>,
+    /// Shared with clones of the run, and with who has given it.
+    initial: Arc<State<f64>>,
     end: f64,
     period: f64,
     method: Option<Method>,
@@ -97,15 +98,16 @@ impl Sampling {
 }
 
 impl Run {
-    /// A run of `chain` from `initial`. Its end must be given by [`until`](Self::until).
+    /// A run of `chain` from `initial`. Its end must be given by [`until`](Self::until). An
+    /// [`Arc`] of a state is shared, so that a long chain has it in memory once.
     ///
     /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
-    pub fn new(chain: Chain<f64>, initial: State<f64>) -> Self {
+    pub fn new(chain: Chain<f64>, initial: impl Into<Arc<State<f64>>>) -> Self {
         let omega = chain.params().omega();
         let period = if omega > 0.0 && chain.details().is_none() { 2.0 * PI / omega } else { 1.0 };
         Self {
             chain,
-            initial,
+            initial: initial.into(),
             end: f64::NAN,
             period,
             method: None,

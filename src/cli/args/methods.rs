@@ -73,7 +73,8 @@ pub(crate) struct RunArgs {
     ///
     /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites, and
     /// the bits are those of one. Without it collocation takes all threads that there are. With
-    /// --resume any number, whatever it was before.
+    /// --resume any number, whatever it was before. With --engine mpi, for collocation only:
+    /// threads of each rank.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
     /// Where parts of the chain are moved: threads or mpi.

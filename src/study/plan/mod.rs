@@ -25,13 +25,16 @@ use crate::{
 use file::in_json;
 use serde_json::Value;
 use std::{
-    io::{BufWriter, Write},
+    io::{self, BufWriter, Write},
     path::PathBuf,
     time::{Duration, Instant},
 };
 
 /// The store in the folder of results.
 const STORE: &str = "sweep.store";
+/// The tables with a line a point.
+const CSV: &str = "sweep.csv";
+const NDJSON: &str = "sweep.ndjson";
 /// Failures that are shown.
 const SHOWN: usize = 10;
 
@@ -125,14 +128,13 @@ pub fn planned(plan: &Plan, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync
     let work = |point: Point| run(plan, &point);
     let swept = |rows: &mut Rows<'_>| {
         let mut table = Table::new(plan);
-        let missing = rows.each(&mut |k, row| {
-            table.take(k, row);
-            Ok(())
-        })?;
-        if let Some(folder) = engine.folder() {
-            write(folder, "sweep.csv", plan, rows, csv_head(plan), csv_line)?;
-            write(folder, "sweep.ndjson", plan, rows, String::new(), json_line)?;
-        }
+        let missing = match engine.folder() {
+            Some(folder) => written(folder, rows, &mut table)?,
+            None => rows.each(&|k, row| (k, row), &mut |(k, row)| {
+                table.take(k, row);
+                Ok(())
+            })?,
+        };
         Ok((table, missing))
     };
     let ((table, missing), resumed) = engine.each(&grid, plan.points(), &|k| plan.point(k), progress, &work, swept)?;
@@ -213,25 +215,43 @@ impl NumberColumn {
     }
 }
 
-/// Writes a table line by line.
-fn write(
-    folder: &Folder,
-    name: &str,
-    plan: &Plan,
-    rows: &mut Rows<'_>,
-    head: String,
-    line: fn(&Plan, usize, Row<Vec<Value>>) -> String,
-) -> Result<()> {
-    let fail = |source| Error::File { path: folder.path().join(name), source };
-    let mut failed = None;
-    let written = folder.write_with(name, |file| {
-        let mut out = BufWriter::new(file);
-        out.write_all(head.as_bytes())?;
-        let all = rows.each(&mut |k, row| out.write_all(line(plan, k, row).as_bytes()).map_err(fail));
-        failed = all.err();
-        out.flush()
+/// Takes all rows into a table and writes them line by line; how many are missing.
+fn written(folder: &Folder, rows: &Rows<'_>, table: &mut Table<'_>) -> Result<usize> {
+    let (plan, mut missing) = (table.plan, 0);
+    let make = |k: usize, row: Row<Vec<Value>>| (csv_line(plan, k, row.clone()), json_line(plan, k, &row), k, row);
+    let fail = |name: &str| {
+        let path = folder.path().join(name);
+        move |source| Error::File { path, source }
+    };
+    let both = folder.write_with(CSV, |csv| {
+        let mut csv = BufWriter::new(csv);
+        csv.write_all(csv_head(plan).as_bytes())?;
+        let lines = folder.write_with(NDJSON, |lines| {
+            let mut lines = BufWriter::new(lines);
+            let all = rows.each(&make, &mut |(cells, line, k, row)| {
+                csv.write_all(cells.as_bytes()).map_err(fail(CSV))?;
+                lines.write_all(line.as_bytes()).map_err(fail(NDJSON))?;
+                table.take(k, row);
+                Ok(())
+            });
+            missing = all.map_err(io::Error::other)?;
+            lines.flush()
+        });
+        lines.map_err(io::Error::other)?;
+        csv.flush()
     });
-    failed.map_or(written.map(drop), Err)
+    both.map(|_| missing).map_err(innermost)
+}
+
+/// The error that made the writing of a file fail, where it is one of ours.
+fn innermost(error: Error) -> Error {
+    match error {
+        Error::File { path, source } => match source.downcast::<Error>() {
+            Ok(inner) => innermost(inner),
+            Err(source) => Error::File { path, source },
+        },
+        other => other,
+    }
 }
 
 fn csv_head(plan: &Plan) -> String {
@@ -255,7 +275,7 @@ fn csv_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
 }
 
 /// Point and values, or failure, as an object on one line.
-fn json_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
+fn json_line(plan: &Plan, k: usize, row: &Row<Vec<Value>>) -> String {
     let line = match row {
         Ok(values) => serde_json::json!({"point": plan.point(k), "values": values}),
         Err(why) => serde_json::json!({"point": plan.point(k), "failure": why}),

@@ -18,7 +18,7 @@
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result},
-    output::{Archive, Array, Folder, npz_with, to_json},
+    output::{Archive, Folder, NpzWriter, to_json},
     parts::Parts,
     run::method::{Method, Setting},
     run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
@@ -27,6 +27,7 @@ use crate::{
 use hertzchain_integrators::Stats;
 use serde::{Deserialize, Serialize};
 use std::{
+    io,
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -128,8 +129,8 @@ impl LongRun {
         self
     }
 
-    /// The same with the chain in parts. A checkpoint does not know of them, and may be gone on with
-    /// in any number of them.
+    /// The same with the chain in parts. A checkpoint does not know of them, and may be gone on
+    /// with in any number of them.
     ///
     /// # Errors
     /// A method that does not run in parts; more parts than sites.
@@ -196,7 +197,7 @@ impl LongRun {
             }
             self.kept = recorder.kept;
             self.done += 1;
-            folder.write(FILE, &self.npz()?)?;
+            folder.write_with(FILE, |file| self.write(file))?;
         }
         Ok(Recorder::new(&self.run, self.kept, &mut seen).trajectory(None))
     }
@@ -206,6 +207,13 @@ impl LongRun {
     /// # Errors
     /// What the archive writer says.
     pub fn npz(&self) -> Result<Vec<u8>> {
+        let mut bytes = io::Cursor::new(Vec::new());
+        self.write(&mut bytes).map_err(|source| Error::File { path: FILE.into(), source })?;
+        Ok(bytes.into_inner())
+    }
+
+    /// Writes its checkpoint, with no second copy of the state in memory.
+    fn write(&self, to: impl io::Write + io::Seek) -> io::Result<()> {
         let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
             self.kept;
         let Stats { steps, rejected, force_evaluations } = stats;
@@ -238,21 +246,19 @@ impl LongRun {
         });
         let kinds = energy_kinds(self.scene.chain());
         let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
-        let shape = [profiles.len() as u64, state.len() as u64];
-        let states = profiles.iter().flat_map(|profile| &profile.state).copied();
-        let ended = contacts.iter().flat_map(|contacts| &contacts.ended);
-        let rows: Vec<_> = ended.map(Contact::numbers).collect();
-        let arrays = [
-            Array::vector("state", state.clone()),
-            Array::vector("largest", vec![largest]),
-            Array::vector("sample_t", samples.iter().map(|sample| sample.t).collect()),
-            Array::vector("energies", energies),
-            Array::vector("profile_t", profiles.iter().map(|profile| profile.t).collect()),
-            Array { name: "profiles", shape: shape.to_vec(), values: states.collect() },
-            Array { name: "contacts", shape: vec![rows.len() as u64, Contact::NUMBERS as u64], values: rows.concat() },
-            Array::vector("open_contacts", open),
-        ];
-        npz_with(SETTINGS, &to_json(&settings), &arrays)
+        let ended = || contacts.iter().flat_map(|contacts| &contacts.ended);
+        let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&settings))))?;
+        archive.vector("state", state)?;
+        archive.vector("largest", &[largest])?;
+        archive.vector("sample_t", &samples.iter().map(|sample| sample.t).collect::<Vec<_>>())?;
+        archive.vector("energies", &energies)?;
+        archive.vector("profile_t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
+        archive.begin("profiles", &[profiles.len() as u64, state.len() as u64])?;
+        profiles.iter().try_for_each(|profile| archive.row(&profile.state))?;
+        archive.begin("contacts", &[ended().count() as u64, Contact::NUMBERS as u64])?;
+        ended().try_for_each(|contact| archive.row(&contact.numbers()))?;
+        archive.vector("open_contacts", &open)?;
+        archive.finish()
     }
 
     /// The run in a checkpoint, or in the folder that holds one.
@@ -260,8 +266,16 @@ impl LongRun {
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
+        Self::load_in(path, Parts::Whole)
+    }
+
+    /// The same, to go on in parts: the chain is nowhere built in one piece.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts).
+    pub fn load_in(path: &Path, parts: Parts) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        Self::from_archive(&Archive::read(&path)?)
+        Self::of(&Archive::read(&path)?, parts)
     }
 
     /// The run in an archive.
@@ -270,6 +284,10 @@ impl LongRun {
     /// [`Error::Content`], with key and rule, for one that is not as it was written, of another
     /// version of the program, or whose numbers are outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
+        Self::of(file, Parts::Whole)
+    }
+
+    fn of(file: &Archive, parts: Parts) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let text = file.text(SETTINGS)?;
@@ -288,7 +306,9 @@ impl LongRun {
         let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
-        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, Parts::Whole);
+        // What parts cannot do is not the fault of the file.
+        method.takes(&parts, scene.chain().topology())?;
+        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, parts);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
         let run = Self { done: settings.legs, kept: kept(file, &settings, &new.scene)?, ..new };

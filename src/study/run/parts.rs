@@ -37,9 +37,7 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<
             "{} sites in {parts} parts: at most {sites} each, and {ghosts}{of_bonds} of each neighbour",
             chain.sites
         ),
-        format!(
-            "memory: {memory}{panels} a part, half of it for samples; the first besides three whole states, {whole}"
-        ),
+        format!("memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"),
     ];
     if parts > 1 {
         lines.push(match motion {
@@ -98,13 +96,14 @@ mod tests {
     fn a_chain_that_no_machine_holds_is_planned() {
         // Truth: by hand. Without resonators a site has two numbers, 16 bytes.
         let lines = plan(&["chain.sites=1000000000"], "verlet", 1024).unwrap().join("\n");
-        for part in ["976563 each, and 64 of each", "memory: 31.254 MB a part", "48.000 GB", "sends 1.024 kB", "10^8"] {
+        for part in ["976563 each, and 64 of each", "memory: 31.254 MB a part", "32.000 GB", "sends 1.024 kB", "10^8"] {
             assert!(lines.contains(part), "{part}: {lines}");
         }
         assert_eq!(plan(&[], "verlet", 1).unwrap().len(), 2);
-        // Contact collocation: as many sites in whole blocks, 3815 of 256 bonds, and 13 bonds beside.
+        // Contact collocation: as many sites in whole blocks, 3815 of 256 bonds, and 13 bonds
+        // beside.
         let lines = plan(&["chain.sites=1000000000"], "collocation", 1024).unwrap().join("\n");
-        for part in ["976640 each, and 13 bonds of each", "48.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
+        for part in ["976640 each, and 13 bonds of each", "32.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
             assert!(lines.contains(part), "{part}: {lines}");
         }
     }

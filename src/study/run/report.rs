@@ -7,13 +7,15 @@ use super::{
 use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
-    output::{Folder, NpzWriter, csv, to_json},
+    output::{Folder, NpzWriter, csv, write_csv, write_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
 };
 use hertzchain_integrators::Error as Failure;
-use serde_json::{Map, Value, json};
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{BufWriter, Write},
 };
@@ -87,9 +89,32 @@ pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
 /// `reason` is there where nobody named the integrator, `si` where all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
+    json!(entries(ran))
+}
+
+/// The JSON of a run, in order.
+struct Entries(Vec<(&'static str, Entry)>);
+
+impl Serialize for Entries {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, entry)| (name, entry)))
+    }
+}
+
+/// An entry of the JSON of a run.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Entry {
+    /// An array that is as long as the chain: a value takes four times the memory.
+    Numbers(Vec<f64>),
+    Value(Value),
+}
+
+/// The entries of the JSON of a run.
+fn entries(ran: &Ran<'_>) -> Entries {
     let &Ran { scene, integrator, setting, reason, outcome, si } = ran;
-    let mut object = Map::new();
-    let mut put = |name: &str, value: Value| object.insert(name.to_owned(), value);
+    let mut object = Vec::new();
+    let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("scene", json!(scene.name()));
     put("integrator", json!(integrator));
     put("setting", json!(setting));
@@ -98,16 +123,14 @@ pub fn run_json(ran: &Ran<'_>) -> Value {
     }
     put("t", json!(outcome.t));
     put("period", json!(period(ran)));
-    for (name, values) in state_arrays(scene, &outcome.state, si) {
-        put(name, json!(values));
-    }
+    let arrays = state_arrays(scene, &outcome.state, si);
+    object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
+    let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("energy", json!(outcome.energy.map(|energy| energy.total())));
     put("energy_error", json!(outcome.energy_error));
     put(
         "energies",
-        outcome.energy.map_or(Value::Null, |energy| {
-            json!(kinds(&energy).into_iter().collect::<std::collections::BTreeMap<_, _>>())
-        }),
+        outcome.energy.map_or(Value::Null, |energy| json!(kinds(&energy).into_iter().collect::<BTreeMap<_, _>>())),
     );
     if let Some(ledger) = scene.chain().layout().ledger(&outcome.state) {
         let Ledger { drag, dashpots, contacts, driven } = ledger;
@@ -134,7 +157,7 @@ pub fn run_json(ran: &Ran<'_>) -> Value {
     put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
     put("scene_file", crate::study::scene_json(scene));
     put("version", json!(env!("CARGO_PKG_VERSION")));
-    Value::Object(object)
+    Entries(object)
 }
 
 /// The period of the scene, in the units of the run.
@@ -228,13 +251,8 @@ pub const RUN_FILES: [&str; 16] = [
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn run_files(
-    folder: &Folder,
-    &Ran { scene, outcome, si, .. }: &Ran<'_>,
-    json: &Value,
-    pictures: &[crate::study::File],
-    in_legs: bool,
-) -> Result<()> {
+pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
+    let &Ran { scene, outcome, si, .. } = ran;
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
@@ -244,16 +262,12 @@ pub fn run_files(
     let (files, left): (Vec<&str>, Vec<&str>) =
         RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
     folder.remove(left)?;
-    let mut summary = json.clone();
-    summary["files"] = json!(files);
-    folder.write("summary.json", to_json(&summary).as_bytes())?;
+    let mut summary = entries(ran);
+    summary.0.push(("files", Entry::Value(json!(files))));
+    folder.write_with("summary.json", |file| buffered(file, |out| write_json(out, &summary)))?;
+    drop(summary);
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
-    let arrays = state_arrays(scene, &outcome.state, si);
-    let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
-    let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
-    let rows = (0..scene.chain().sites())
-        .map(|n| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect());
-    folder.write("final.csv", &csv(&names, rows))?;
+    folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
     let open = scene.chain().open();
     let energies = outcome.samples.iter().filter_map(|sample| {
         let energy = sample.energy?;
@@ -269,6 +283,25 @@ pub fn run_files(
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
     }
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))
+}
+
+/// Writes to a file by a buffer.
+fn buffered(
+    file: &mut File,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let mut out = BufWriter::new(file);
+    write(&mut out)?;
+    out.flush()
+}
+
+/// Writes the last state as CSV, a row a site.
+fn last_state(out: impl Write, &Ran { scene, outcome, si, .. }: &Ran<'_>) -> std::io::Result<()> {
+    let arrays = state_arrays(scene, &outcome.state, si);
+    let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
+    let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
+    let row = |n: usize| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect();
+    write_csv(out, &names, (0..scene.chain().sites()).map(row))
 }
 
 /// Writes the archive of profiles, a row at a time: long chains have more of them than fit into
