@@ -425,7 +425,7 @@ fn numbers_that_no_flag_can_take_are_refused_by_every_command_at_once() {
         (&["orbit", "mode", "--to", "0.1"], &["--step"], &["--linear-mode"]),
         (&["orbit", "continue", "granular-crystal", "--to", "1e-5"], &["--step"], &["--turns", "--settle"]),
         (&["study", "end-driven"], &["--rho", "--to", "--step"], &["--max-points"]),
-        (&["study", "boundary-wave"], &["--amplitude", "--overlap", "--rho"], &["--sites"]),
+        (&["study", "boundary-wave"], &["--drive", "--overlap", "--rho"], &["--sites"]),
         (&["dps", "integrals", "--b", "0", "--r", "1"], &["--alpha", "--kappa"], &[]),
         (&["dps", "homoclinic"], &["--alpha"], &[]),
         (&["dps", "dark"], &["--alpha", "--kappa", "--rho", "--omega-b"], &["--sites"]),

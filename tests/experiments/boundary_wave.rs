@@ -13,7 +13,7 @@ fn excess(wave: &LaunchedWave) -> f64 {
 fn weak_waves_have_the_wave_number_of_the_linear_chain() {
     // Truth: 2 k (1 - cos q) = omega^2 + kappa rho omega^2/(kappa - rho omega^2) of beads on springs
     // k = alpha g_0^{alpha-1}, with resonators.
-    let study = BoundaryWave { amplitude: 1e-4, ..BoundaryWave::default() };
+    let study = BoundaryWave { drive: 1e-4, ..BoundaryWave::default() };
     let (k, rho): (f64, f64) = (1.5 * 0.05_f64.sqrt(), 1.0 / 3.0);
     for omega in [2.006_f64, 2.02] {
         let square = omega * omega;
@@ -29,7 +29,7 @@ fn weak_waves_have_the_wave_number_of_the_linear_chain() {
 fn the_first_order_wave_errs_by_the_square_root_of_its_size() {
     // Overlaps and amplitudes to a quarter, detunings to half: theory errs by epsilon^(alpha - 1).
     let excess = |size: f64| {
-        let options = BoundaryWave { amplitude: 0.05 * size, overlap: 0.05 * size, ..BoundaryWave::default() };
+        let options = BoundaryWave { drive: 0.05 * size, overlap: 0.05 * size, ..BoundaryWave::default() };
         let wave = options.wave(2.0 + 0.008 * size.sqrt()).unwrap();
         println!("{size}: q = {}, {:e}, spread {}", wave.q, excess(&wave), wave.spread);
         excess(&wave)
@@ -44,7 +44,7 @@ fn numbers_outside_their_rules_are_refused() {
     for (study, omega, rule) in [
         (BoundaryWave { sites: 79, ..default() }, 2.01, "sites = 79 is not valid"),
         (BoundaryWave { overlap: 0.0, ..default() }, 2.01, "overlap = 0 is not valid"),
-        (BoundaryWave { amplitude: f64::NAN, ..default() }, 2.01, "amplitude = NaN is not valid"),
+        (BoundaryWave { drive: f64::NAN, ..default() }, 2.01, "drive = NaN is not valid"),
         (default(), 2.0, "omegas = 2 is not valid"),
         (default(), 2.1, "omegas = 2.1 is not valid"),
     ] {

@@ -123,7 +123,7 @@ Example:
     /// paper with the same frequency, amplitude and mean strain.
     #[command(after_long_help = "\
 Example:
-  hertzchain study boundary-wave --omegas 2.006 --amplitude 0.02 --out out/boundary-wave")]
+  hertzchain study boundary-wave --omegas 2.006 --drive 0.02 --out out/boundary-wave")]
     BoundaryWave(Told<BoundaryWave>),
 }
 

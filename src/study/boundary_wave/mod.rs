@@ -72,7 +72,7 @@ pub struct BoundaryWave {
     pub omegas: Vec<f64>,
     /// Amplitude with which the first bead is moved.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.05"))]
-    pub amplitude: f64,
+    pub drive: f64,
     /// Static overlap of all contacts.
     #[cfg_attr(feature = "cli", arg(long, value_name = "G", default_value = "0.05"))]
     pub overlap: f64,
@@ -84,7 +84,7 @@ pub struct BoundaryWave {
 impl Default for BoundaryWave {
     fn default() -> Self {
         let omegas = vec![2.002, 2.004, 2.006, 2.008, 2.01, 2.015, 2.02];
-        Self { sites: 90, omegas, amplitude: 0.05, overlap: 0.05, rho: 1.0 / 3.0 }
+        Self { sites: 90, omegas, drive: 0.05, overlap: 0.05, rho: 1.0 / 3.0 }
     }
 }
 
@@ -158,7 +158,7 @@ impl BoundaryWave {
         if !SITES.contains(&self.sites) {
             return Err(Error::parameter("sites", self.sites, "from 80 to 1000"));
         }
-        for (name, value) in [("amplitude", self.amplitude), ("overlap", self.overlap), ("rho", self.rho)] {
+        for (name, value) in [("drive", self.drive), ("overlap", self.overlap), ("rho", self.rho)] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(Error::parameter(name, value, "finite and positive"));
             }
@@ -180,7 +180,7 @@ impl BoundaryWave {
     pub fn chain(&self, omega_d: f64) -> Result<Chain<f64>> {
         let depth = |i: usize| (i + 1 + ABSORBING).saturating_sub(self.sites) as f64 / ABSORBING as f64;
         let signal = Signal {
-            harmonics: vec![Harmonic { amplitude: self.amplitude, omega: omega_d, phase: 0.0 }],
+            harmonics: vec![Harmonic { amplitude: self.drive, omega: omega_d, phase: 0.0 }],
             envelope: Envelope::Ramp(RAMP * TAU / omega_d),
         };
         let details = Details {
@@ -209,7 +209,7 @@ impl BoundaryWave {
     ///
     /// ```
     /// use hertzchain::study::BoundaryWave;
-    /// let study = BoundaryWave { amplitude: 0.01, ..BoundaryWave::default() };
+    /// let study = BoundaryWave { drive: 0.01, ..BoundaryWave::default() };
     /// let wave = study.wave(2.01)?;
     /// assert!((wave.q / wave.q_theory.unwrap() - 1.0).abs() < 0.02 && !wave.opens);
     /// # Ok::<(), hertzchain::Error>(())

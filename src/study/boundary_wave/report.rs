@@ -24,7 +24,7 @@ impl Report for BoundaryWaveStudy {
             "kappa": KAPPA,
             "rho": self.options.rho,
             "sites": self.options.sites,
-            "drive_amplitude": self.options.amplitude,
+            "drive_amplitude": self.options.drive,
             "overlap": self.options.overlap,
             "integrator": "collocation",
             "tol": TOLERANCE,
@@ -106,7 +106,7 @@ impl BoundaryWaveStudy {
             options.sites,
             options.rho,
             options.overlap,
-            options.amplitude,
+            options.drive,
             env!("CARGO_PKG_VERSION")
         );
         let title = "Travelling waves launched from one end".to_owned();
