@@ -363,7 +363,13 @@ def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = Non
     Returns
     -------
     ndarray, shape (dim, dim)
-        For states ``[u, v, u', v']`` (``[u, u']`` without moving resonators).
+        For states ``[u, v, u', v']`` (``[u, u']`` without moving resonators). Rows and columns of
+        beads that drives move are zero.
+
+    Raises
+    ------
+    ParameterError
+        For contacts that dissipate, or more than 256 of them.
 
     Examples
     --------

@@ -218,8 +218,10 @@ pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResu
     let start = scene.initial().as_slice();
     let span = (0.0, scene.end());
     let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, Pace::Tolerance(tol))?))?;
-    // It comes column by column.
-    PyArray1::from_vec(py, map).reshape([start.len(), start.len()])?.transpose()
+    // It comes column by column; the ledger of work, behind the state, is left out.
+    let dim = 2 * scene.chain().layout().half();
+    let state = map.chunks(start.len()).take(dim).flat_map(|column| &column[..dim]).copied().collect();
+    PyArray1::from_vec(py, state).reshape([dim, dim])?.transpose()
 }
 
 /// Name, numbers and how many there are a point, of a column of a sweep.

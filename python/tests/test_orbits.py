@@ -244,3 +244,11 @@ def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
         hc.normal_mode(held, to=0.1, mode=0)
     with pytest.raises(hc.ParameterError, match="driven|dissipat"):
         hc.normal_mode(bead(), to=0.1)
+
+
+def test_tangent_map_of_a_damped_bead_is_its_closed_form() -> None:
+    # Truth: m u'' = -c u' in free flight; the ledger of work is no part of the map.
+    chain = hc.Chain(sites=1, beads={"mass": 2.0, "drag": 0.6})
+    rate, t = 0.3, 3.0
+    want = [[1.0, (1.0 - math.exp(-rate * t)) / rate], [0.0, math.exp(-rate * t)]]
+    assert np.abs(hc.monodromy(chain, y0={"pu": [1.0]}, until=t) - want).max() < 2e-15
