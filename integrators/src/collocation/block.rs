@@ -8,7 +8,7 @@
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
-    foresee::turn,
+    foresee::{Turned, turn},
     goal::Goal,
     panel::Frames,
     panels::Panels,
@@ -329,19 +329,14 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
     #[inline(always)]
     fn run(self) -> bool {
         let Self { mut stretch, frames } = self;
-        let (mut sure, mut end) = (true, None);
+        let (mut sure, mut end) = (true, [Turned::NONE; S]);
         for b in 0..stretch.bonds.len() {
             let (me, beside) = stretch.at(b);
             let frame = &frames.of(me.initial.bond);
-            if me.stays_open(frame, beside) {
-                continue;
+            if b == 0 || S != 1 {
+                end = turn(frame, frame.h);
             }
-            let at_end = match end {
-                Some(end) if S == 1 => end,
-                _ => turn(frame, frame.h),
-            };
-            end = Some(at_end);
-            sure &= me.predict(frame, beside, &at_end);
+            sure &= me.predict(frame, beside, &end);
         }
         sure
     }

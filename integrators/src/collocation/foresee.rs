@@ -3,7 +3,7 @@
 
 use super::{
     block::{Piece, apart},
-    bond::{Beside, Bond, Contact, Contacts, Forecast, Initial, known, ramps},
+    bond::{Beside, Bond, Contact, Contacts, Initial, known, ramps},
     detect::{Search, Start},
     known::Known,
     panel::{Frame, Times, sin_cos},
@@ -87,7 +87,7 @@ fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Turn<S>) -> f6
     for side in 0..S {
         (lag[side], sin[side], cos[side]) = ([turn[side].lag], [turn[side].sin], [turn[side].cos]);
     }
-    Times { tau: &[t], lag: Some(&lag), cos: &cos, sin: &sin }.unforced((path, known))
+    Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin }.unforced((path, known))
 }
 
 /// The overlap that the forces at the start of the window predict.
@@ -150,7 +150,7 @@ fn overlap_at<const M: usize, const S: usize>(
 ) -> f64 {
     let [lag, cos, sin] = exact_turn(frame, t);
     let mut by_own = [0.0];
-    panels.own_influence(Times { tau: &[t], lag: Some(&lag), cos: &cos, sin: &sin }, -own, &mut by_own);
+    panels.own_influence(Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin }, -own, &mut by_own);
     driven_at(course, frame, beside, t) + by_own[0]
 }
 
@@ -162,7 +162,7 @@ fn driven_at<const M: usize, const S: usize>(
     t: f64,
 ) -> f64 {
     let [lag, cos, sin] = exact_turn(frame, t);
-    let times = Times { tau: &[t], lag: Some(&lag), cos: &cos, sin: &sin };
+    let times = Times { tau: &[t], lag: &lag, cos: &cos, sin: &sin };
     let mut out = [times.unforced(course)];
     for (k, bond) in beside.into_iter().enumerate() {
         if let Some(bond) = bond {
@@ -236,23 +236,6 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     pub(super) fn driven(frame: &Frame<'_, M, S>, left: f64, right: f64) -> f64 {
         frame.link.weight(0) * left + frame.link.weight(S - 1) * right
-    }
-
-    /// Whether the bond is open and stays so in the prediction, as the second derivative of its
-    /// overlap is bounded: `g(t) <= g_0 + g_0' t + G t^2/2`. It then has no contacts.
-    #[inline(always)]
-    pub(crate) fn stays_open(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> bool {
-        let Initial { band, overlap: [start, rate], ongoing, .. } = self.initial;
-        if ongoing.is_some() || start >= 0.0 {
-            return false;
-        }
-        let (second, _) = self.bounds(frame, &self.drive(beside));
-        let highest = start + (rate.max(0.0) + 0.5 * second * frame.h) * frame.h;
-        if highest >= -band {
-            return false;
-        }
-        self.forecast = Forecast { slack: -highest, at_end: highest, ..Forecast::default() };
-        true
     }
 
     /// Finds the contacts of the window from the forces at its start; `false` if there are too many

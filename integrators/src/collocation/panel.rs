@@ -86,7 +86,7 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     pub(crate) tau: [f64; M],
     pub(crate) lag: [[f64; M]; S],
     /// Whether a lag of it was ever not zero.
-    pub(super) lags: bool,
+    lags: bool,
     pub(crate) cos: [[f64; M]; S],
     pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
@@ -132,8 +132,7 @@ pub(crate) struct View<const M: usize> {
 #[derive(Clone, Copy)]
 pub(crate) struct Times<'a, const L: usize, const S: usize> {
     pub(crate) tau: &'a [f64; L],
-    /// None where no drag acts.
-    pub(crate) lag: Option<&'a [[f64; L]; S]>,
+    pub(crate) lag: &'a [[f64; L]; S],
     pub(crate) cos: &'a [[f64; L]; S],
     pub(crate) sin: &'a [[f64; L]; S],
 }
@@ -154,18 +153,14 @@ impl<const L: usize, const S: usize> Times<'_, L, S> {
     /// What drag makes of the free motion on all sides.
     #[inline(always)]
     pub(crate) fn lagging(&self, path: &[Path; S], j: usize) -> f64 {
-        let Some(lag) = self.lag else { return 0.0 };
-        (1..S).fold(path[0][1] * lag[0][j], |sum, side| sum + path[side][1] * lag[side][j])
+        (1..S).fold(path[0][1] * self.lag[0][j], |sum, side| sum + path[side][1] * self.lag[side][j])
     }
 
     /// A path of one side at a time.
     #[inline(always)]
     pub(crate) fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
         let free = (path[0] + path[1] * self.tau[j]) + self.swing(path, side, j);
-        match self.lag {
-            Some(lag) if S != 1 => free + path[1] * lag[side][j],
-            _ => free,
-        }
+        if S == 1 { free } else { free + path[1] * self.lag[side][j] }
     }
 
     #[inline(always)]
@@ -247,13 +242,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// The nodes.
     #[inline(always)]
     pub(crate) fn times(&self) -> Times<'_, M, S> {
-        Times { tau: &self.tau, lag: self.lag(), cos: &self.cos, sin: &self.sin }
-    }
-
-    /// What drag adds to the times, if a lag was ever not zero.
-    #[inline(always)]
-    pub(super) fn lag(&self) -> Option<&[[f64; M]; S]> {
-        if S != 1 && self.lags { Some(&self.lag) } else { None }
+        Times { tau: &self.tau, lag: &self.lag, cos: &self.cos, sin: &self.sin }
     }
 
     /// Adds what a linear path lacks: the part of it that drag makes, and what drives do. Not
@@ -300,7 +289,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
                 self.lag[side] = [0.0; M];
             }
             if omega != 0.0 {
-                (self.sin[side], self.cos[side]) = sines_and_cosines(&times(&[omega; M], &self.tau));
+                for j in 0..M {
+                    let (sin, cos) = sin_cos(omega * self.tau[j]);
+                    self.sin[side][j] = sin;
+                    self.cos[side][j] = cos;
+                }
             }
         }
         for side in 0..S {
@@ -584,25 +577,6 @@ pub(super) fn clenshaw<const M: usize, const L: usize>(c: &[f64; M], x: &[f64; L
     out
 }
 
-/// Sines and cosines of ascending angles from zero on.
-#[inline(always)]
-fn sines_and_cosines<const M: usize>(angles: &[f64; M]) -> ([f64; M], [f64; M]) {
-    let (mut sin, mut cos) = ([0.0; M], [0.0; M]);
-    if angles[M - 1] < UNREDUCED {
-        for j in 0..M {
-            (sin[j], cos[j]) = sin_cos_reduced(angles[j]);
-        }
-    } else {
-        for j in 0..M {
-            (sin[j], cos[j]) = sin_cos(angles[j]);
-        }
-    }
-    (sin, cos)
-}
-
-/// Angles up to this, a little below pi/4, are reduced to themselves.
-const UNREDUCED: f64 = 0.785;
-
 /// Sine and cosine without branches, so that loops over nodes vectorise; to 2 units in the last
 /// place for `|x| < 10^6`.
 ///
@@ -614,19 +588,6 @@ pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
     let r = (-turns).mul_add(HALF_PI[0], x);
     let r = (-turns).mul_add(HALF_PI[1], r);
     let r = (-turns).mul_add(HALF_PI[2], r);
-    let (s, c) = sin_cos_reduced(r);
-    // Quarter turns: 1 swaps, 2 changes both signs.
-    let quarter = turns - 4.0 * (0.25 * turns).floor();
-    let swap = quarter == 1.0 || quarter == 3.0;
-    let (sin, cos) = if swap { (c, s) } else { (s, c) };
-    let sin = if quarter >= 2.0 { -sin } else { sin };
-    let cos = if quarter == 1.0 || quarter == 2.0 { -cos } else { cos };
-    (sin, cos)
-}
-
-/// The same on `[-pi/4, pi/4]`, with the same bits.
-#[inline(always)]
-fn sin_cos_reduced(r: f64) -> (f64, f64) {
     let z = r * r;
     let mut s = -7.647163731819816e-13;
     for c in [
@@ -652,27 +613,12 @@ fn sin_cos_reduced(r: f64) -> (f64, f64) {
     ] {
         c = z.mul_add(c, k);
     }
-    (s, z.mul_add(c, 1.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{UNREDUCED, sin_cos, sines_and_cosines};
-
-    #[test]
-    fn angles_that_need_no_reduction_have_the_same_bits() {
-        // Truth: the function that reduces, around the largest angle for which this is left out;
-        // and the system's library, to 2 units in the last place.
-        const { assert!(UNREDUCED < std::f64::consts::FRAC_PI_4) };
-        for i in 0..4000_u32 {
-            let last = UNREDUCED * (0.5 + f64::from(i) / 4000.0);
-            let angles = [0.0, 1e-9 * last, 0.3 * last, last];
-            let (sin, cos) = sines_and_cosines(&angles);
-            for j in 0..4 {
-                assert_eq!((sin[j], cos[j]), sin_cos(angles[j]), "{:e}", angles[j]);
-                assert!((sin[j] - angles[j].sin()).abs() <= 2.0 * f64::EPSILON * sin[j].abs());
-                assert!((cos[j] - angles[j].cos()).abs() <= 2.0 * f64::EPSILON * cos[j].abs());
-            }
-        }
-    }
+    let c = z.mul_add(c, 1.0);
+    // Quarter turns: 1 swaps, 2 changes both signs.
+    let quarter = turns - 4.0 * (0.25 * turns).floor();
+    let swap = quarter == 1.0 || quarter == 3.0;
+    let (sin, cos) = if swap { (c, s) } else { (s, c) };
+    let sin = if quarter >= 2.0 { -sin } else { sin };
+    let cos = if quarter == 1.0 || quarter == 2.0 { -cos } else { cos };
+    (sin, cos)
 }

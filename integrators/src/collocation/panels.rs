@@ -125,7 +125,7 @@ impl<const M: usize, const S: usize> Panels<M, S> {
     /// path at all of them, to `out` the rest. Returns in how many pieces.
     #[inline(always)]
     pub(super) fn act(&self, panel: &mut Panel<M, S>, side: usize, path: &mut [Path; S], out: &mut [f64; M]) -> u64 {
-        let Panel { tau, lag, lags, cos, sin, views, .. } = panel;
+        let Panel { tau, lag, cos, sin, views, .. } = panel;
         let view = &mut views[side];
         if view.version != self.version {
             self.look(tau, view);
@@ -133,7 +133,6 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         let shared = Shared::with::<S>(side);
         let (first, last) = view.span;
         if first != last {
-            let lag = if S != 1 && *lags { Some(&*lag) } else { None };
             let times = Times { tau, lag, cos, sin };
             return if const { S == 1 } {
                 self.act_in_pieces(times, view, shared, out)

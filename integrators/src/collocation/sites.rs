@@ -17,19 +17,13 @@ pub(crate) struct Site {
     pub(crate) lo: Path,
 }
 
-/// A sum and its rounding error.
-#[inline(always)]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let part = sum - a;
-    (sum, (a - (sum - part)) + (b - part))
-}
-
 impl Site {
     /// Adds to one entry; the rounding goes to `lo`.
     #[inline(always)]
     fn add(&mut self, k: usize, value: f64) {
-        let (sum, error) = two_sum(self.hi[k], value);
+        let sum = self.hi[k] + value;
+        let part = sum - self.hi[k];
+        let error = (self.hi[k] - (sum - part)) + (value - part);
         self.hi[k] = sum;
         self.lo[k] += error;
     }
@@ -43,12 +37,8 @@ impl Site {
     /// Adds to all entries.
     #[inline(always)]
     pub(crate) fn take(&mut self, by: &Path) {
-        // All four at once: entry by entry they would not be worked on in one register.
-        let Self { hi, lo } = *self;
         for k in 0..4 {
-            let (sum, error) = two_sum(hi[k], by[k]);
-            self.hi[k] = sum;
-            self.lo[k] = lo[k] + error;
+            self.add(k, by[k]);
         }
     }
 
