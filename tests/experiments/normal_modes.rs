@@ -71,13 +71,14 @@ fn a_light_bead_rings_above_the_band_and_softens_with_the_square_of_the_amplitud
     assert_eq!((mode, modes.place(linear.leading)), (40, (20, false)));
     // In the infinite chain of springs k: omega^2 = 4 k/(mu (2 - mu)), and 4 k ends the band.
     let omega = (6.0 / (mu * (2.0 - mu))).sqrt();
-    // Measured: half a rounding, and 0 below.
-    assert!((linear.omega / omega - 1.0).abs() < 1e-15);
+    // Measured here: half a rounding, and 0 below. Products of matrices round as the machine has them,
+    // so that bounds of linear algebra in this file leave room for some ten roundings.
+    assert!((linear.omega / omega - 1.0).abs() < 3e-15);
     assert!(modes.linear()[39].omega < 6f64.sqrt());
     // Neighbours fall off by the root of z + 1/z = 2 - omega^2/k.
     let c = 2.0 - omega * omega / 1.5;
     let z = 0.5 * (c + (c * c - 4.0).sqrt());
-    assert!((linear.shape[25] / linear.shape[24] - z).abs() < 1e-15);
+    assert!((linear.shape[25] / linear.shape[24] - z).abs() < 3e-15);
 
     let shift = |a: f64| branch(&modes, mode, a, 2.0 * a).points.iter().map(|p| p.orbit.omega - omega).collect();
     let shifts: Vec<f64> = shift(0.01);
@@ -104,7 +105,7 @@ fn orbits_of_the_defect_come_back_also_where_contacts_open() {
         run.sample(period, &mut end);
         let apart = end.iter().zip(start.as_slice()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // Measured: 5.0e-13, 1.5e-15, 1.1e-12 and 2.5e-11.
-        assert!(apart < 1e-12 && point.orbit.residual < 3e-15, "{apart:e} {:e}", point.orbit.residual);
+        assert!(apart < 1e-12 && point.orbit.residual < 1e-14, "{apart:e} {:e}", point.orbit.residual);
         let quality = point.spectrum.quality;
         assert!(quality.symplectic_defect < 2e-12 && quality.trivial[0] < 5e-11, "{quality:?}");
     }
@@ -239,14 +240,14 @@ fn a_precompressed_dimer_has_the_bands_of_a_diatomic_chain() {
     bands.sort_by(f64::total_cmp);
     assert_eq!(modes.linear().len(), 2 * cells - 1);
     for (mode, omega) in modes.linear().iter().zip(&bands[1..]) {
-        assert!((mode.omega - omega).abs() < 4e-15, "{} {omega}", mode.omega);
+        assert!((mode.omega - omega).abs() < 1e-14, "{} {omega}", mode.omega);
     }
     // The gap between them: (2 k/M)^{1/2} to (2 k/m)^{1/2}.
-    assert!((modes.linear()[cells - 2].omega - 3f64.sqrt()).abs() < 4e-15);
-    assert!((modes.linear()[cells - 1].omega - (3.0 / light).sqrt()).abs() < 4e-15);
+    assert!((modes.linear()[cells - 2].omega - 3f64.sqrt()).abs() < 1e-14);
+    assert!((modes.linear()[cells - 1].omega - (3.0 / light).sqrt()).abs() < 1e-14);
     // A ring moves as a whole without a force: two of the tau are 1.
     let point = &branch(&modes, cells - 1, 0.05, 0.1).points[0];
-    assert!(point.orbit.residual < 1.2e-14 && point.spectrum.quality.trivial.iter().all(|by| *by < 4e-15));
+    assert!(point.orbit.residual < 1.2e-14 && point.spectrum.quality.trivial.iter().all(|by| *by < 1e-14));
     assert_eq!(point.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Trivial).count(), 4);
 }
 
@@ -264,10 +265,10 @@ fn unequal_contacts_have_their_own_equilibrium_and_resonators_their_springs() {
     let (trace, det) = (k + 2.0 + 2.0 / rho, 2.0 * k / rho);
     let root = (0.25 * trace * trace - det).sqrt();
     for (mode, square) in modes.linear().iter().zip([0.5 * trace - root, 0.5 * trace + root]) {
-        assert!((mode.omega - square.sqrt()).abs() < 1e-15, "{} {}", mode.omega, square.sqrt());
+        assert!((mode.omega - square.sqrt()).abs() < 3e-15, "{} {}", mode.omega, square.sqrt());
     }
     let orbit = &branch(&modes, 0, 1e-3, 2e-3).points[0].orbit;
-    assert!((modes.state(orbit).u()[0] - orbit.amplitude * orbit.shape[0] - x).abs() < 2e-16);
+    assert!((modes.state(orbit).u()[0] - orbit.amplitude * orbit.shape[0] - x).abs() < 1e-15);
 }
 
 #[test]

@@ -22,7 +22,7 @@ use crate::{
     dps::Averages,
     error::{Error, Result},
     run::{Method, Run},
-    sweep::map,
+    sweep::Tally,
 };
 use nalgebra::Complex;
 use serde::Serialize;
@@ -257,13 +257,8 @@ impl BoundaryWave {
     }
 
     fn study(&self, progress: Progress<'_>) -> Result<BoundaryWaveStudy> {
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let waves = map(&self.omegas, |&omega_d| {
-            let wave = self.wave(omega_d);
-            let count = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            progress(count as f64 / self.omegas.len() as f64, &format!("omega = {omega_d}"));
-            wave
-        });
+        let tell = |done, total| progress(done as f64 / total as f64, "");
+        let waves = Tally::new(self.omegas.len(), &tell).map(&self.omegas, |&omega_d| self.wave(omega_d));
         Ok(BoundaryWaveStudy { options: self.clone(), waves: waves.into_iter().collect::<Result<_>>()? })
     }
 }
