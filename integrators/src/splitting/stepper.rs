@@ -10,8 +10,9 @@ use crate::{
     system::SplitFlow,
 };
 
-/// Most steps that are made in a row, and most numbers times kicks: about a tenth of a second.
+/// Largest number of steps made in a row, without a look at the observer in between.
 const STEPS_A_ROW: usize = 64;
+/// Largest number of components times kicks in such a row: about a tenth of a second of work.
 const NUMBERS_A_ROW: usize = 1 << 26;
 
 /// A splitting scheme with a fixed number of equal steps.
@@ -24,10 +25,10 @@ pub struct Splitting<R, S> {
     /// The copy of the flow for samples; made at the first sample.
     mirror: Option<S>,
     pairs: Vec<Pair<R>>,
-    /// Kicks and drifts of as many steps as are made in a row. Each begins with the seam, where it
-    /// meets the step before; inner pairs follow.
+    /// The (kick, drift) pairs of as many steps as are made in a row. Each step begins with the
+    /// seam, its first pair merged with the last one of the step before; its inner pairs follow.
     row: Vec<(R, Twofold<R>)>,
-    /// How many of them are one step.
+    /// Number of pairs of `row` that belong to one step.
     inner: usize,
     start: Twofold<R>,
     span: Twofold<R>,
@@ -66,7 +67,8 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
         self.h.value()
     }
 
-    /// Makes so many steps, of which the first of the run begins otherwise.
+    /// Makes `steps` steps. The first step of the run begins with its own first pair, not with a
+    /// seam.
     fn run(&mut self, steps: usize) {
         let mut row = &self.row[..steps * self.inner];
         if self.taken == 0 {
@@ -83,24 +85,24 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     }
 }
 
-/// Steps that are made in a row, of so many numbers times kicks each.
+/// Number of steps made in a row, where `numbers` is that of components times kicks in one step.
 pub(crate) fn steps_a_row(numbers: usize) -> usize {
     (NUMBERS_A_ROW / numbers.max(1)).clamp(1, STEPS_A_ROW)
 }
 
-/// Whole steps `h` of a row of at most `most` that end before `wanted`.
+/// Number of whole steps `h` from `now`, at most `most`, that end before `wanted`.
 pub(crate) fn steps_before<R: Real>(wanted: Option<R>, now: R, h: R, most: u64) -> u64 {
     // Two steps less than the quotient says, so that no rounding leads beyond.
     wanted.map_or(most, |t| (((t - now) / h).f64() - 2.0) as u64).min(most)
 }
 
-/// The time so many steps `h` after a start.
+/// The time `start + steps h`.
 pub(crate) fn after<R: Real>(start: Twofold<R>, h: Twofold<R>, steps: u64) -> Twofold<R> {
     R::run(After { start, h, steps: R::of(steps as f64) })
 }
 
-/// A kernel, as it multiplies with a remainder: a call to a library where the machine's fused
-/// product is not at hand.
+/// `start + h steps` as a [`Kernel`]: a product of `Twofold`s needs a fused product, which is a
+/// call to a library in code that is not compiled for the machine's own.
 struct After<R> {
     start: Twofold<R>,
     h: Twofold<R>,

@@ -1,9 +1,9 @@
-//! Where a run begins, ends or is looked at: what is left of an event nearby.
+//! End terms of events near a time at which a run begins, ends or is sampled.
 //!
-//! The processor takes away what a sum of kicks with half a kick at its end misses of a smooth
-//! force: `(h^2/12) f'` of the impulse, `(h^2/12) f` of the displacement. A force `c^alpha
-//! tau^alpha` that has begun `x h` before, or will end `x h` after, is not smooth. What is missed
-//! of it is
+//! A sum of kicks with half a kick at its end has an error at that end. For a smooth force the
+//! processor removes it: `(h^2/12) f'` of the impulse, `(h^2/12) f` of the displacement. A force
+//! `c^alpha tau^alpha` that has begun `x h` before, or will end `x h` after, is not smooth. Its
+//! error is
 //!
 //! ```text
 //! c^alpha h^{alpha+1} Z_alpha(x),   Z_z(x) = zeta(-z, 1 + x) + x^z/2 + x^{z+1}/(z + 1)  ->  -(z/12) x^{z-1} + O(x^{z-3})
@@ -16,26 +16,28 @@ use super::{
     zeta::hurwitz,
 };
 
-/// Events up to so many steps away are seen to: farther ones leave less than 3e-5 of `c^alpha
-/// h^{alpha+1}`.
+/// Largest distance of an event that is corrected, in steps: farther ones leave less than 3e-5 of
+/// `c^alpha h^{alpha+1}`.
 const REACH: f64 = 6.0;
 
-/// Events nearer than so many steps are too near for the processor, whose derivative of the force
-/// is then that at another place.
+/// Smallest distance of an event, in steps, at which the processor corrects the impulse. For nearer
+/// ones it would take the derivative of the force at another overlap.
 const TOO_NEAR: f64 = 2.0;
 
-/// What the ends of a sum of kicks do to one bond.
+/// How the end terms of a sum of kicks treat one bond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Open: nothing.
+    /// Open: it has no end terms.
     Open,
-    /// Closed, with an event so near that the processor leaves it to the closed form.
+    /// Closed, with an event so near that only the closed form corrects its impulse, not the
+    /// processor.
     Near,
     /// Closed.
     Closed,
 }
 
-/// Leads the solution's state to the kernel's, where a run begins. `events`: also near events.
+/// Maps the state of the solution to that of the kernel, where a run begins. `events`: whether the
+/// end terms of nearby events are included.
 pub(super) fn to_kernel<S: BondFlow>(flow: &mut S, h: f64, events: bool, sides: &mut [Side]) {
     if events {
         classify(flow, h, sides);
@@ -46,7 +48,7 @@ pub(super) fn to_kernel<S: BondFlow>(flow: &mut S, h: f64, events: bool, sides: 
     flow.process(-h * h / 12.0, sides);
 }
 
-/// Leads the kernel's state at the middle of a kick to the solution's.
+/// Maps the state of the kernel at the middle of a kick to that of the solution.
 pub(super) fn to_solution<S: BondFlow>(flow: &mut S, h: f64, events: bool, sides: &mut [Side]) {
     if events {
         classify(flow, h, sides);
@@ -73,7 +75,8 @@ fn classify<S: BondFlow>(flow: &S, h: f64, sides: &mut [Side]) {
     }
 }
 
-/// Gives every closed bond with an event within reach what processing leaves out.
+/// Gives every closed bond with an event within reach the part of the end terms that the processor
+/// leaves out.
 fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
     let alpha = flow.exponent();
     for (bond, &side) in sides.iter().enumerate() {
@@ -99,20 +102,20 @@ fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
     }
 }
 
-/// What a bond is given for an event at `t`.
+/// The correction of a bond for an event at `t`.
 fn given(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side, sign: f64) -> Correction {
     let [impulse, displacement] = missed(alpha, path, t, h, opened, side);
     let (impulse, displacement) = (-sign * impulse, sign * displacement);
     Correction { impulse, displacement, at: 0.0, rate: path.rate, turn: [0.0, 1.0] }
 }
 
-/// The last zero before now and the first after, if they are within reach: of the parabola, then of
-/// the path.
+/// The last zero of the path before now and the first one after, if they are within reach. Newton's
+/// method finds them from the zeros of the parabola.
 fn near(path: &BondPath, reach: f64) -> [Option<f64>; 2] {
     let jet = path.at(0.0);
     let (g, r, a) = (jet.value, jet.rate, jet.acceleration);
     let root = (r * r - 2.0 * a * g).sqrt();
-    // Both forms without cancellation; NaN where there is none.
+    // In this form the nearer zero suffers no cancellation. NaN where there is no zero.
     let zeros = [-2.0 * g / (r + root), -2.0 * g / (r - root)];
     let nearest = |past: bool| {
         let inside = |t: &f64| (*t < 0.0) == past && t.abs() < reach;
@@ -123,8 +126,8 @@ fn near(path: &BondPath, reach: f64) -> [Option<f64>; 2] {
     [nearest(true), nearest(false)]
 }
 
-/// What a sum of kicks that begins now misses of the force of an event at `t`, above what
-/// processing knows: of its impulse and of its moment.
+/// Error of a sum of kicks that begins now, for the force of an event at `t`, without the part that
+/// the processor removes: of the impulse and of the first moment.
 fn missed(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side) -> [f64; 2] {
     let jet = path.at(t);
     let (c, x) = (jet.rate.abs(), t.abs() / h);

@@ -18,7 +18,7 @@ pub(super) struct Event {
     pub(super) onset: bool,
 }
 
-/// What corrections need to know of the law and the step.
+/// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]
 pub(super) struct Corrector {
     alpha: f64,
@@ -54,7 +54,7 @@ impl Corrector {
     /// Appends the corrections of bonds that have changed their side since the kick before; `None`
     /// where a path is too flat to have a time of change.
     ///
-    /// Events have the same bits alone and among others.
+    /// A correction has the same bits whether its event is alone or among others.
     pub(super) fn events(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
         f64::run_vector(Events { corrector: self, events, out });
     }
@@ -62,7 +62,7 @@ impl Corrector {
     /// Appends the corrections of some events, at most as many as there are lanes.
     #[inline(always)]
     fn corrections<V: Vector<f64>>(&self, events: &[Event], out: &mut Vec<Option<Correction>>) {
-        // As in `Pack::of`, the first event in lanes that are left.
+        // As in `Pack::of`, lanes without an event of their own repeat the first one.
         let mut onsets = if events[0].onset { u64::MAX << events.len() } else { 0 };
         for (k, event) in events.iter().enumerate() {
             onsets |= u64::from(event.onset) << k;
@@ -91,7 +91,7 @@ impl Corrector {
         // Steps from the event into the contact, to the first kick at which the processed path is
         // closed: -at/h for an onset, 1 + at/h for a release.
         let theta = (Pack::all(0.0).or(onsets, one) - sign * (at / self.h)).fraction();
-        // In time that runs into the contact.
+        // Rate and acceleration in a time that runs into the contact.
         let local = (sign * rate, acceleration);
         let mut z = self.zeta(theta);
         let start = self.gradient(local, None, &mut z);
@@ -100,14 +100,14 @@ impl Corrector {
         let half = sign * Pack::of(events, |event| 0.5 * event.view.mobility);
         let (by_overlap, by_rate) = self.gradient(local, Some((-half * start.1, half * start.0)), &mut z);
         let [before, now] = self.kicks(events, (at, rate, acceleration));
-        // Kicks are given where they are, not at the event.
+        // The impulses for the two kicks act at these kicks, not at the event: the displacement
+        // makes up for the difference.
         ((before + now) - by_overlap, sign * by_rate + (now * at + before * (at + self.h)))
     }
 
-    /// What the kicks around an event are worth less than the force of the processed path, `h
-    /// (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`: the kick before the event and that after
-    /// it. Farther ones are worth `h e^2 f''/2` less, of which the singular part is of order
-    /// `h^{alpha+3}`.
+    /// Impulses that the kick before an event and the kick after it lack against the force of the
+    /// processed path: `h (f(g + e) - f(g) - f'(g) e)` with `e = (h^2/12) s`. Farther kicks lack `h
+    /// e^2 f''/2`, of which the singular part is of order `h^{alpha+3}`.
     #[inline(always)]
     fn kicks<V: Vector<f64>>(&self, events: &[Event], (at, rate, a): (Pack<V>, Pack<V>, Pack<V>)) -> [Pack<V>; 2] {
         let h = self.h;
@@ -119,7 +119,8 @@ impl Corrector {
         [self.lack(before, shifts[0]), self.lack(now, shifts[1])]
     }
 
-    /// The same of a kick at an overlap whose processed one is `g`.
+    /// The impulse that one kick lacks; `g` is the processed overlap, `g - shift` that of the
+    /// kernel.
     #[inline(always)]
     fn lack<V: Vector<f64>>(&self, g: Pack<V>, shift: Pack<V>) -> Pack<V> {
         let Self { alpha, h, .. } = *self;
@@ -134,7 +135,8 @@ impl Corrector {
         self.h
     }
 
-    /// Impulse and displacement of a bond whose zero is known: when, its rate and acceleration.
+    /// Impulse and displacement of a bond at a known zero: its time, and rate and acceleration
+    /// there.
     pub(super) fn given(&self, view: &BondView, zero: (f64, f64, f64), onset: bool) -> [f64; 2] {
         let zero = Zero { at: Pack(zero.0), rate: Pack(zero.1), acceleration: Pack(zero.2) };
         let (impulse, displacement) = self.at_zeros(&[Event { view: *view, onset }], u64::from(onset), &zero);
@@ -142,8 +144,8 @@ impl Corrector {
     }
 
     /// `dW/dg` and `dW/dr` of paths with this rate and acceleration at their zeros, and the zeta
-    /// functions `z` there. If overlap and rate at that time are moved, zeros and zeta functions
-    /// are moved along.
+    /// functions `z` there. `moved` are changes of overlap and rate at that time: zeros and zeta
+    /// functions are then those of the changed paths.
     #[inline(always)]
     fn gradient<V: Vector<f64>>(
         &self,
@@ -330,7 +332,7 @@ mod tests {
             let correction = event(&corrector, &path, true);
             assert!(correction.is_none_or(|c| c.impulse.abs() < 1e-200), "{correction:?}");
         }
-        // A grazing path bends back at once: what it gets stays of the size of what it does.
+        // A grazing path turns back at once: its impulse stays small.
         let grazing = event(&corrector, &view(-1e-6, -1.0, 5e-10), true).unwrap();
         assert!(grazing.impulse.abs() < 1e-6, "{grazing:?}");
     }

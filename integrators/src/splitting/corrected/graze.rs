@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `t0, b, a` | a turning point of the overlap: its time, the overlap there, its second derivative |
 //! | `s` | acceleration of the overlap by the forces of the kick |
-//! | `F` | what a kick is worth: `f(g) + (h^2/12) s f'(g)` at the kernel's overlap `g` |
+//! | `F` | force of a kick: `f(g) + (h^2/12) s f'(g)` at the kernel's overlap `g` |
 //!
 //! The two terms of `W` for an event are the beginning of a series in `a h/c`, the curvature of the
 //! path over a step against its speed. Where the overlap turns within a few steps of its zero they
@@ -15,21 +15,21 @@
 //! g(t) = b + a (t - t0)^2/2,
 //! ```
 //!
-//! but for `O(h)` of it, and the error of the quadrature is known without a series: for a short
-//! contact (`a < 0`) the sum over its few kicks less
+//! but for `O(h)` of it, and the error of the quadrature is known without a series. For a short
+//! contact (`a < 0`) it is the sum over its few kicks minus
 //!
 //! ```text
 //! int (b - |a| t^2/2)_+^alpha dt = b^{alpha+1/2} (2/|a|)^{1/2} B(1/2, alpha + 1);
 //! ```
 //!
-//! for a gap, or an overlap that nearly opens (`a > 0`), the same over some kicks on either side,
-//! less the terms of Euler and Maclaurin at the last of these. Impulse and displacement are the
-//! error of the force and that of its first moment: again the two derivatives of one function of
-//! overlap and rate, `h sum V(g_k) + .. - int V dt`. The bond gets them less those of its onset and
-//! release, which it gets when these are seen.
+//! for a gap, or an overlap that nearly opens (`a > 0`), it is the same over some kicks on either
+//! side, minus the terms of Euler and Maclaurin at the last of these. Impulse and displacement are
+//! the error of the force and that of its first moment: again the two derivatives of one function
+//! of overlap and rate, `h sum V(g_k) + .. - int V dt`. The bond gets them minus those of its onset
+//! and release, which it gets at these events if the kicks see them.
 //!
-//! What is left of a grazing event is of order `a^alpha h^{2 alpha + 2}`. Its own force is left out
-//! of the parabola: a share `(a h^2)^alpha/a` of it.
+//! The error of a grazing event that remains is of order `a^alpha h^{2 alpha + 2}`. The parabola
+//! leaves the bond's own force out: a share `(a h^2)^alpha/a` of its acceleration.
 
 use super::{
     bonds::{BondView, Correction},
@@ -39,23 +39,24 @@ use super::{
 };
 use crate::collocation::Rule;
 
-/// Turning points are looked at whose overlap is below this many times `abs(a) h^2`: farther ones
-/// leave less than the terms that `W` neglects.
+/// Largest overlap, in absolute value and in units of `abs(a) h^2`, of a turning point that is
+/// corrected: farther ones leave less than the terms that `W` neglects.
 pub(super) const REACH: f64 = 3.0;
-/// Kicks on either side that count: as many as a contact within reach has, and the terms of Euler
-/// and Maclaurin are good to 1e-5 behind them.
+/// Number of kicks that count on either side of the middle one: as many as a contact within reach
+/// has. Beyond them the terms of Euler and Maclaurin are good to 1e-5.
 const KICKS: i32 = 5;
 /// Largest `omega h`: up to here the path of a bond is close to a parabola over a few steps.
 const TURN: f64 = 1.0;
-/// Nodes of integrals, and coefficients of their tables.
+/// Number of Gauss nodes of an integral.
 const NODES: usize = 12;
+/// Number of Chebyshev coefficients of a table.
 const TERMS: usize = 16;
 /// Largest `xi` of a table, a little above `(2 REACH)^{1/2}/(KICKS - 1)`: a turning point lies
 /// within a step of the kick in the middle, hence at least `KICKS - 1` steps from the last ones.
 const MOST: f64 = 0.62;
 
-/// An overlap that has turned near zero: as the bond is seen from the kick after, whether it was
-/// closed at the kick that is nearest to the turning point.
+/// An overlap that has turned near zero: the view of its bond from the kick after, and whether the
+/// bond was closed at the kick nearest to the turning point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub(super) view: BondView,
@@ -70,7 +71,7 @@ pub(super) struct Graze {
     pub(super) hidden: Option<[f64; 3]>,
 }
 
-/// What turning points need to know of the law.
+/// Corrections at turning points, for one exponent.
 #[derive(Clone, Debug)]
 pub(super) struct Turns {
     alpha: f64,
@@ -100,8 +101,8 @@ impl Turns {
         Self { alpha, bump: 2.0 * bump, gap: [of(-1.0), of(1.0)] }
     }
 
-    /// What the bond gets, beside what it gets at its events; `None` where the overlap does not
-    /// turn, or springs are too fast for a parabola.
+    /// The correction at a turning point, in addition to those at its events; `None` where the
+    /// overlap does not turn near zero, or springs are too fast for a parabola.
     pub(super) fn correction(&self, turn: &Turn, corrector: &Corrector) -> Option<Graze> {
         let (h, path) = (corrector.step(), &turn.view.path);
         if path.omega * h > TURN {
@@ -114,7 +115,8 @@ impl Turns {
         let parabola = Parabola { turns: self, h, t0, b, a, shift: h * h / 12.0 * turn.view.pull[0] };
         let [error, mut displacement] = if a < 0.0 { parabola.contact() } else { parabola.gap() };
         let mut impulse = -error;
-        // A contact has been seen if the bond was closed in the middle, a gap if it was open.
+        // The kicks see a contact if the bond is closed at the middle one, a gap if it is open
+        // there.
         let seen = turn.closed == (a < 0.0);
         if seen {
             for (at, given) in parabola.events(corrector) {
@@ -156,8 +158,8 @@ fn turning_point(path: &BondPath, t: f64) -> Option<(f64, Jet)> {
 }
 
 impl Parabola<'_> {
-    /// Times of the kicks that count, from the turning point: now is kick 0, the one in the middle
-    /// -1.
+    /// Numbers of the kicks that count, and their times since the turning point. Kick 0 is now,
+    /// kick -1 the middle one.
     fn kicks(&self) -> impl Iterator<Item = (i32, f64)> {
         let Self { h, t0, .. } = *self;
         (-1 - KICKS..=KICKS - 1).map(move |k| (k, f64::from(k) * h - t0))
@@ -168,7 +170,7 @@ impl Parabola<'_> {
         self.b + 0.5 * self.a * t * t - self.shift
     }
 
-    /// What a kick is worth.
+    /// The force `F` of a kick.
     fn worth(&self, t: f64) -> f64 {
         let (g, turns) = (self.overlap(t), self.turns);
         if g <= 0.0 {
@@ -189,7 +191,8 @@ impl Parabola<'_> {
         [sum - integral, moment]
     }
 
-    /// The same of a gap, or of an overlap that nearly opens: the finite part of sums that go on.
+    /// The same of a gap, or of an overlap that nearly opens: the finite part of sums that continue
+    /// beyond these kicks.
     fn gap(&self) -> [f64; 2] {
         let Self { turns, h, b, a, .. } = *self;
         let [mut error, mut moment] = [0.0; 2];
@@ -212,8 +215,8 @@ impl Parabola<'_> {
         [error, moment]
     }
 
-    /// The worth of a kick as a function of time, and its three derivatives; `f` is smooth at the
-    /// ends.
+    /// The force of a kick as a function of time, and its first three derivatives; for the last
+    /// kicks, where `f` is smooth.
     fn derivatives(&self, t: f64) -> [f64; 4] {
         let Self { turns, a, shift, .. } = *self;
         let (g, g1, alpha) = (self.overlap(t), a * t, turns.alpha);
@@ -227,13 +230,13 @@ impl Parabola<'_> {
         [d0, d1 * g1, d2 * g1 * g1 + d1 * a, d3 * g1 * g1 * g1 + 3.0 * d2 * g1 * a]
     }
 
-    /// What onset and release are given on this parabola: when, from now, and impulse and
-    /// displacement there.
+    /// The corrections that onset and release get on this parabola: their times relative to now,
+    /// impulses and displacements.
     fn events(&self, corrector: &Corrector) -> impl Iterator<Item = (f64, [f64; 2])> {
         let Self { h, t0, b, a, .. } = *self;
         let half = (-2.0 * b / a).max(0.0).sqrt();
         let contact = a < 0.0;
-        // Kicks of the contact, or of the gap, as the kernel has them.
+        // Kicks of the contact, or of the gap, by the kernel's overlaps.
         let inside = |&(k, t): &(i32, f64)| k == -1 || (self.overlap(t) > 0.0) == contact;
         let (first, last) =
             self.kicks().filter(inside).fold((-1, -1), |(first, last), (k, _)| (k.min(first), k.max(last)));
@@ -260,7 +263,8 @@ fn gap_integral(alpha: f64, x: f64) -> f64 {
     // s = from + z.
     let from = (-x).max(0.0).sqrt();
     let f = |z: f64| (x.max(0.0) + z * (z + 2.0 * from)).powf(alpha);
-    // Singular at z = 0, and nearly so at a distance of this size: panels that grow from there.
+    // The integrand is singular at z = 0, and nearly so at a distance of this size: panels grow
+    // from there.
     let near = x.abs().sqrt().max(1e-3).min(1.0 - from);
     let mut sum = integral(0.0, 1.0, |w: f64| f(near * w.powi(4)) * near * 4.0 * w.powi(3));
     let mut low = near;
@@ -293,9 +297,9 @@ mod tests {
         BondView { path, mobility: 0.0, pull: [0.0; 2] }
     }
 
-    /// Impulse and moment about `t0` that the bond is given on its way, less those of its force:
-    /// kicks, corrections of events, and of the turning point, about kick 0; without the latter
-    /// too.
+    /// Errors of impulse and of moment about `t0`: the sums of kicks and of corrections at events
+    /// and at the turning point next to kick 0, minus the integrals of the force. The second pair
+    /// is without the correction at the turning point.
     fn missed(alpha: f64, t0: f64, b: f64, a: f64) -> [[f64; 2]; 2] {
         // Far enough for the formula of Euler and Maclaurin with two terms.
         const FAR: i32 = 40;

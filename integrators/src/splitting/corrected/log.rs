@@ -1,4 +1,4 @@
-//! What contacts do, for those who want to know.
+//! The log of contacts: times of events, impulses and overlaps.
 
 use super::{
     bonds::{BondFlow, Correction},
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{collocation::Piece, events::Curve};
 
-/// One bond on its way.
+/// The log's data of one bond.
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
     /// Overlap, rate and modified force at the last kick; the force is zero where the bond is open.
@@ -15,11 +15,12 @@ struct Entry {
     force: f64,
     /// Acceleration by the forces of that kick.
     acceleration: f64,
-    /// The sum of kicks with half of the last one, and corrections.
+    /// Impulse of the present contact: the sum of kicks, with half of the last one, and of
+    /// corrections.
     sum: f64,
-    /// The part of it that pieces have told.
+    /// The part of `sum` that pieces have reported.
     told: f64,
-    /// Event of this step, relative to its end, with the rate.
+    /// Events of this step: time relative to its end, and rate of the overlap there.
     onset: Option<(f64, f64)>,
     release: Option<(f64, f64)>,
     /// Largest overlap of a contact between two kicks.
@@ -29,9 +30,9 @@ struct Entry {
 /// A log of contacts, step by step.
 ///
 /// The impulse of a contact is the sum of its kicks and corrections: the quadrature that moves the
-/// chain. Of one that goes on, half of the last kick counts, less `(h^2/12) f'`, the term of Euler
-/// and Maclaurin. Between kicks the overlap is the cubic through overlaps and rates at both: times
-/// of largest overlaps have an error of order three.
+/// chain. While a contact goes on, half of the last kick counts, minus `(h^2/12) f'`, the term of
+/// Euler and Maclaurin. Between kicks the overlap is the cubic through overlaps and rates at both:
+/// times of largest overlaps have an error of order three.
 #[derive(Clone, Debug)]
 pub(super) struct Log {
     entries: Vec<Entry>,
@@ -41,7 +42,7 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Of a flow after its first half kick.
+    /// The log of a flow after its first half kick.
     pub(super) fn new<S: BondFlow>(flow: &S, h: f64) -> Self {
         let mut log = Self {
             entries: vec![Entry::default(); flow.bonds()],
@@ -62,8 +63,8 @@ impl Log {
         self.pieces.iter()
     }
 
-    /// Takes over the bond at the middle of a kick, of which `kick` has passed by half: as
-    /// processing leaves it.
+    /// Stores overlap, rate and force of a bond, processed, at the middle of the last kick: half of
+    /// the duration `kick` is taken back.
     fn look<S: BondFlow>(&mut self, flow: &S, bond: usize, kick: f64) {
         let path = flow.path(bond);
         let (force, acceleration) = flow.force(bond);
@@ -81,7 +82,8 @@ impl Log {
         *(if onset { &mut entry.onset } else { &mut entry.release }) = Some((at, rate));
     }
 
-    /// A turning point: what it adds to a contact that goes on, or a contact that no kick has seen.
+    /// Adds the correction at a turning point to a contact that goes on, or a contact that no kick
+    /// has seen.
     pub(super) fn graze(&mut self, bond: usize, graze: &Graze) {
         let entry = &mut self.entries[bond];
         if let Some([half, overlap, impulse]) = graze.hidden {
@@ -94,7 +96,8 @@ impl Log {
         }
     }
 
-    /// After a kick at `time`. Not inlined: runs without a log are not to carry it along.
+    /// Makes the pieces of a step, after the kick at its end, `time`. Not inlined, to keep it out
+    /// of the code of runs without a log.
     #[inline(never)]
     pub(super) fn step<S: BondFlow>(&mut self, flow: &S, time: f64) {
         self.pieces.clear();

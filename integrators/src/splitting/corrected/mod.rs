@@ -13,29 +13,29 @@
 //!
 //! # Why contacts lower the order
 //!
-//! Between kicks every site moves exactly. What a kicked run gets wrong is therefore only
-//! quadrature: kicks at `t_k` replace the integrals `int f(s) K(t - s) ds` of the variation of
-//! constants by sums. For a smooth force the formula of Euler and Maclaurin says that the sum
-//! differs from the integral by terms at the two ends of the run, in even powers of `h`. A force
-//! that begins at `t_e` like `C tau^alpha + D tau^{alpha+1} + ..`, `tau = t - t_e`, is not smooth.
-//! The generalised formula (Navot 1961) adds, for every event,
+//! Between kicks every site moves exactly. The error of a kicked run is therefore one of quadrature
+//! only: kicks at `t_k` replace the integrals `int f(s) K(t - s) ds` of the variation of constants
+//! by sums. For a smooth force the formula of Euler and Maclaurin says that the sum differs from
+//! the integral by terms at the two ends of the run, in even powers of `h`. A force that begins at
+//! `t_e` like `C tau^alpha + D tau^{alpha+1} + ..`, `tau = t - t_e`, is not smooth. The generalised
+//! formula (Navot 1961) adds, for every event,
 //!
 //! ```text
 //! h sum f(t_k) - int f dt           =  C h^{alpha+1} zeta(-alpha, theta) + D h^{alpha+2} zeta(-alpha-1, theta) + ..
 //! h sum (t_k-t_e) f - int (t-t_e) f =  C h^{alpha+2} zeta(-alpha-1, theta) + ..
 //! ```
 //!
-//! All kicks near the event are in it, not only the nearest. A release is the mirror image, counted
-//! from the last kick inside. Since the number of events does not depend on `h`, every splitting
-//! with kicks at given times has an error of order `alpha + 1`, whatever its order on smooth
-//! problems.
+//! These terms account for all kicks near the event, not only for the nearest one. A release is the
+//! mirror image, counted from the last kick inside. Since the number of events does not depend on
+//! `h`, every splitting with kicks at given times has an error of order `alpha + 1`, whatever its
+//! order on smooth problems.
 //!
 //! # The correction
 //!
-//! The error is known as soon as the event is, so it is taken back: the bond gets the impulse
-//! `-E[f]` and the displacement `E[(t-t_e) f]`, both acting at `t_e`. Both are derivatives of one
-//! function. Let `W` be the singular part of the quadrature error of the *potential* along the path
-//! of the bond,
+//! Let `E[.]` be the sum minus the integral above. It is known as soon as the event is, and is
+//! taken back: the bond gets the impulse `-E[f]` and the displacement `E[(t-t_e) f]`, both acting
+//! at `t_e`. Both are derivatives of one function. Let `W` be the singular part of the quadrature
+//! error of the *potential* along the path of the bond,
 //!
 //! ```text
 //! W(g, g') = h^{alpha+2} [ c^{alpha+1} zeta(-alpha-1, theta)/(alpha+1) + c^alpha (a h/2) zeta(-alpha-2, theta) ]
@@ -47,12 +47,12 @@
 //! that `-W` generates, as a step of the implicit midpoint rule in `(g, g')`.
 //!
 //! `W` is smooth where an event meets a kick. For `theta -> 0` its singular term is `h^{alpha+2}
-//! c^{alpha+1} theta^{alpha+1}/(alpha+1) = h V(g)`, which is the kick itself: kick and correction
-//! together see the bond as if this kick did not belong to it, and count from the next.
+//! c^{alpha+1} theta^{alpha+1}/(alpha+1) = h V(g)`, so that the impulse `-dW/dg` cancels this kick,
+//! and the rest of `W` counts from the next one.
 //!
 //! # The kernel
 //!
-//! On smooth stretches Strang's step has an error of `h^2`. It goes by processing: a kick with the
+//! On smooth stretches Strang's step has an error of `h^2`. Processing removes it: a kick with the
 //! force
 //!
 //! ```text
@@ -61,9 +61,10 @@
 //!
 //! (the gradient of the potential `V - (h^2/24) |grad V|^2` of Takahashi and Imada) makes Strang's
 //! step conjugate to a method of order four. The conjugation moves positions by `h^2/12` times the
-//! accelerations by the kick and velocities by `-h^2/12` times the rates of these: forward where a
-//! state is looked at, backward at the start. These are the end terms of Euler and Maclaurin; they
-//! are applied by one explicit midpoint step, whose error of order `h^6` does not add up.
+//! accelerations by the kick, and velocities by `-h^2/12` times the rates of these accelerations.
+//! It is applied forward where a state is sampled, and backward at the start. These are the end
+//! terms of Euler and Maclaurin; they are applied by one explicit midpoint step, whose error of
+//! order `h^6` does not add up.
 //!
 //! Since `f(g) + (h^2/12) f'(g) s` is the force at the processed overlap `g + (h^2/12) s`, but for
 //! `O(h^4)`, events are those of the processed path: this includes the singular part of the
@@ -73,37 +74,38 @@
 //!
 //! `theta` must be right to `O(h^2)`, hence `t_e` to `O(h^3)`. Between two kicks the kernel moves
 //! along the exact flow of the drift, a chord of the smooth path through its positions at the
-//! kicks. That path differs from the chord by the motion under an acceleration `s(t)` which
-//! vanishes at both kicks, where `s` is linear between what all other bonds do at the two. The
-//! bond's own force is left out: it is `O(tau^alpha)` near the event, and moves the path by
-//! `O(h^{alpha+2})`. So the path is that of [`BondPath`]: right to `O(h^4)` in `t_e`, with the
-//! exact oscillation of resonators, so that `omega h` need not be small for it. Both kicks, the
-//! chord and the midpoint rule make the correction of a step its own reverse, as the kernel is.
-//! With a constant `s` from the later kick instead the order is the same, and the energy of a
-//! random ring drifts in proportion to time (measured); so it does not.
+//! kicks. The smooth path differs from the chord by a motion that vanishes at both kicks. It has
+//! the acceleration `s(t)`, linear in time between the accelerations by all other bonds at the two
+//! kicks. The bond's own force is left out: it is `O(tau^alpha)` near the event, and moves the path
+//! by `O(h^{alpha+2})`. This is the path of [`BondPath`]: right to `O(h^4)` in `t_e`, with the
+//! exact oscillation of resonators, so that `omega h` need not be small for it. As both kicks enter
+//! alike, and the chord and the midpoint rule are symmetric, the correction of a step is its own
+//! reverse in time, like the kernel. With a constant `s` from the later kick the order is the same,
+//! but the energy of a random ring drifts in proportion to time (measured); with the linear `s` it
+//! does not.
 //!
-//! # What is left
+//! # Remaining errors
 //!
 //! | source | error of an event | remark |
 //! |---|---|---|
 //! | next singular terms: the rate of `s`, the bend of `f` | `h^{alpha+3}` | at least 4 for `alpha >= 1` |
-//! | the bond's own force in its path; its square in the modified force; an event of a neighbour in the same step, whose force enters `s` like `tau^alpha` | `h^{2 alpha+2}` | at least 4 |
+//! | the bond's own force in its path; the square of that force in the modified force; an event of a neighbour in the same step, whose force enters `s` like `tau^alpha` | `h^{2 alpha+2}` | at least 4 |
 //! | *grazing*: an overlap that turns within a few steps of its zero, seen by the kicks or not (see `graze`) | `a^alpha h^{2 alpha+2}` | at least 4 |
-//! | a run that starts, or a state that is looked at, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
+//! | a run that starts, or a state that is sampled, within a few steps of a grazing event | `a^alpha h^{2 alpha+1}` times a few hundredths | below 4 for `alpha < 3/2`, in that run or state alone |
 //!
-//! Nothing of order `h^{alpha+2}` is left: the second-order terms of the averaging are products of
-//! two quadrature errors. That of a bond's event with the smooth force of its neighbours is the
-//! modified force's, above; that with the smooth force of springs is nothing in the linear split,
-//! whose drift has them, and is in `a` and `s` of the kinetic split; that of two events in one
-//! step, or of one with itself, has a factor `h^{alpha+1}` for each. For grazing events the second
-//! term of `W` is multiplied by `1/(1 + (a h/c)^8)`: else its derivative has a pole at `c = 0`, of
-//! order `2 - alpha`. What that and both terms leave of a grazing event is known, and given to the
-//! bond at its turning point.
+//! No term of order `h^{alpha+2}` remains: the second-order terms of the averaging are products of
+//! two quadrature errors. The product of a bond's event with the smooth force of its neighbours is
+//! in the modified force, above. The product with the smooth force of springs is zero in the linear
+//! split, whose drift contains the springs, and is in `a` and `s` of the kinetic split. The product
+//! of two events in one step, or of an event with itself, has a factor `h^{alpha+1}` for each. The
+//! second term of `W` is multiplied by `1/(1 + (a h/c)^8)`, for the sake of grazing events: else
+//! its derivative has a pole at `c = 0`, of order `2 - alpha`. The error of a grazing event that
+//! this `W` leaves is known, and the bond gets a correction for it at the turning point.
 //!
-//! Kicks next to an event are not worth the force of the processed path: `f(g) + (h^2/12) f'(g) s`
-//! is zero where `g` is not yet positive but `g + (h^2/12) s` is, and `f''` is large. The
-//! difference, up to `h (s h^2/12)^alpha`, is given to the bond for the two kicks around the event:
-//! the derivative of `h (V(g + e) - V(g) - e f(g))`, `e = (h^2/12) s`.
+//! Kicks next to an event differ from the force of the processed path: `f(g) + (h^2/12) f'(g) s` is
+//! zero where `g` is not yet positive but `g + (h^2/12) s` is, and `f''` is large. The difference,
+//! an impulse of up to `h (s h^2/12)^alpha`, is given to the bond for the two kicks around the
+//! event: the derivative of `h (V(g + e) - V(g) - e f(g))`, `e = (h^2/12) s`.
 //!
 //! For integer `alpha` the zeta functions are the polynomials of Bernoulli, and the formulas hold
 //! as they are. For `alpha < 1` the modified force is not bounded at an event: such exponents are
@@ -111,29 +113,29 @@
 //!
 //! The next terms (`zeta(-alpha-3)`, the rate of `s`, the bias of the centred rate) were tried:
 //! they change no error by more than a few percent, since the smooth error of order `h^4` is the
-//! larger one. Extrapolation of two runs (Richardson) removes that and leaves about order 5: at 1.5
-//! times the work an error 20 to 60 times smaller between 1e-8 and 1e-11, as much as 1.4 to 1.9
-//! times the steps would buy. It is not built in, since its result is no canonical map of the
-//! start.
+//! larger one. Extrapolation of two runs (Richardson) removes the smooth error and leaves about
+//! order 5: at 1.5 times the work an error 20 to 60 times smaller between 1e-8 and 1e-11. One run
+//! would need 1.4 to 1.9 times the work of the two for the same error. Extrapolation is not built
+//! in, since its result is no canonical map of the initial state.
 //!
 //! # Ends
 //!
-//! A state that is looked at within a few steps of an event needs the end terms of the singular
+//! A state that is sampled within a few steps of an event needs the end terms of the singular
 //! force, which are zeta functions too: see `ends`.
 //!
-//! # Symplectic, but for what
+//! # How far the method is symplectic
 //!
 //! In `(g, g')` of its bond each correction is canonical up to the error of the iterated midpoint
 //! rule. `s` at both kicks depends on the positions of neighbours: exact symplecticity would need
-//! impulses `-(dW/ds) f'(g_m)/2` on neighbours at both kicks, the first of which is over when the
-//! event is found. They are of order `h^{alpha+3}`, and are left out; with that at the second kick
-//! the energies of long runs were no better (measured).
+//! impulses `-(dW/ds) f'(g_m)/2` on neighbours at both kicks, the first of which is past when the
+//! event is found. These impulses are of order `h^{alpha+3}`, and are left out; with the one at the
+//! second kick the energies of long runs were no better (measured).
 //!
 //! # Tangent map
 //!
 //! A flow that carries columns of derivatives ([`BondFlow::CARRIES`]) is told how each correction
-//! depends on its bond ([`Dependence`]) and differentiates it. The tangent has the order
-//! `min(4, alpha + 2)`: it loses one order of what contacts leave, since the time of an event is
+//! depends on its bond ([`Dependence`]) and differentiates it. The tangent has the order `min(4,
+//! alpha + 2)`: the errors that contacts leave lose one order, since the time of an event is
 //! differentiated too.
 //!
 //! Where an event meets a kick to within `h^{alpha+1}` steps, the displacement moves the overlap of
@@ -149,8 +151,8 @@
 //! Blanes, Casas & Ros 1999, *SIAM J. Sci. Comput.* 21, 711 (processing); Wisdom, Holman & Touma
 //! 1996, *Fields Inst. Commun.* 10, 217 (symplectic correctors); Kapur & Rokhlin 1997, *SIAM J.
 //! Numer. Anal.* 34, 1331 (quadrature corrected at singular end points); Tao & Jin 2022, *J.
-//! Comput. Phys.* 450, 110846 (potentials with jumps: there too it is reversible maps that do well
-//! over long times).
+//! Comput. Phys.* 450, 110846 (potentials with jumps, where reversible maps do well over long times
+//! too).
 
 mod bonds;
 mod ends;
@@ -179,17 +181,19 @@ use graze::{REACH, Turn, Turns};
 use log::Log;
 use std::cell::OnceCell;
 
-/// Exponents that corrections are made for.
+/// Range of the exponents `alpha` that the method accepts.
 const EXPONENTS: std::ops::RangeInclusive<f64> = 1.0..=10.0;
 
-/// Relative change of a view for differences of corrections: central ones are then exact to 1e-10.
+/// Relative change of a [`BondView`] in difference quotients of its correction: central differences
+/// are then exact to 1e-10.
 const CHANGE: f64 = 1e-5;
-/// Near a kick the correction of an event is not smooth. The change there is this share of the
-/// distance in steps, and at least `LEAST`.
+/// Near a kick the correction of an event is not smooth. The relative change there is this share of
+/// the distance from event to kick, in steps, and at least `LEAST`.
 const SHARE: f64 = 1e-3;
 const LEAST: f64 = 3e-12;
 
-/// What a run does beside plain kicks. Either part alone has the order of Strang's splitting.
+/// The parts of the method that a run uses in addition to plain kicks. Either part alone has the
+/// order of Strang's splitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts {
     /// Kicks with the forces of Takahashi and Imada, between processed ends.
@@ -212,16 +216,18 @@ impl Parts {
 /// The state inside is that of the kernel; [`sample`](Stepper::sample) processes a copy.
 pub struct Corrected<S> {
     flow: S,
-    /// The copy that samples are taken from; made when somebody first looks.
+    /// The copy of the flow for samples; made at the first sample.
     mirror: Option<S>,
     parts: Parts,
-    /// What events and turning points need; made when there is one.
+    /// The corrections at events and at turning points, with their tables; each made at its first
+    /// use.
     corrector: OnceCell<Corrector>,
     turns: OnceCell<Turns>,
+    /// Bonds that changed their side in the step, and whether they are closed now.
     changed: Vec<(usize, bool)>,
-    /// Bonds that have turned near zero.
+    /// Bonds whose overlap turned near zero at the kick before, and whether they were closed there.
     turned: Vec<(usize, bool)>,
-    /// What has changed, as it is before corrections, and these.
+    /// The bonds of `changed` as they are before any correction, and their corrections.
     events: Vec<Event>,
     corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
@@ -229,9 +235,10 @@ pub struct Corrected<S> {
     start: Twofold<f64>,
     span: Twofold<f64>,
     h: Twofold<f64>,
-    /// The kick that the state still lacks: it is made with the drift and the survey after it.
+    /// Duration of the kick that the state still lacks: it is made together with the drift and the
+    /// survey that follow it.
     due: Option<f64>,
-    /// Kicks and drifts of steps that are made in a row.
+    /// The (kick, drift) pairs of as many steps as are made in a row.
     row: Vec<(f64, Twofold<f64>)>,
     taken: u64,
     total: u64,
@@ -275,7 +282,8 @@ impl<S: BondFlow> Corrected<S> {
             total,
             flow,
         };
-        // Whether a bond is open at the start is asked of the solution, not of the kernel.
+        // The sides of bonds at the start are those of the solution, not those of the kernel's
+        // state.
         new.flow.changed(&mut new.changed);
         if parts.processed && total > 0 {
             ends::to_kernel(&mut new.flow, h.value(), parts.corrected, &mut new.sides);
@@ -284,7 +292,7 @@ impl<S: BondFlow> Corrected<S> {
         Ok(new)
     }
 
-    /// Keeps what contacts do, for [`ContactStepper::tell`]. To be called before the first step.
+    /// Keeps a log of contacts, for [`ContactStepper::tell`]. To be called before the first step.
     #[must_use]
     pub fn logged(mut self) -> Self {
         self.kick_now();
@@ -297,7 +305,8 @@ impl<S: BondFlow> Corrected<S> {
         self.h.value()
     }
 
-    /// Makes the kick that is due: a log looks at the state after it.
+    /// Makes the kick that is due. Runs with a log need it at once, as the log reads the state
+    /// after it.
     fn kick_now(&mut self) {
         let share = self.share();
         if let Some(kick) = self.due.take() {
@@ -305,8 +314,8 @@ impl<S: BondFlow> Corrected<S> {
         }
     }
 
-    /// The flow at the end of the step reached, in a copy: half of the last kick is taken back, and
-    /// what is left is processed.
+    /// A copy of the flow that holds the solution at the time reached: half of the last kick is
+    /// taken back, and the state is processed.
     pub fn solution(&mut self) -> &S {
         let (h, share) = (self.h.value(), self.share());
         let mirror = match &mut self.mirror {
@@ -335,7 +344,8 @@ impl<S: BondFlow> Corrected<S> {
         if steps == self.total { self.start + self.span } else { after(self.start, self.h, steps) }
     }
 
-    /// What the survey at the end of a step asks for; `inner` if the run began before the step.
+    /// Makes the corrections that the survey at the end of a step calls for. `inner`: whether this
+    /// is not the first step of the run.
     fn see(&mut self, inner: bool) {
         if self.parts.corrected || self.log.is_some() {
             self.changed.clear();
@@ -344,7 +354,7 @@ impl<S: BondFlow> Corrected<S> {
                 self.correct();
             }
         }
-        // Of the kick before, those on either side must be of this run.
+        // A turning point at the kick before needs a kick of this run on either side.
         if self.parts == Parts::ALL && inner {
             self.turned.clear();
             self.flow.turned(&mut self.turned);
@@ -354,8 +364,8 @@ impl<S: BondFlow> Corrected<S> {
         }
     }
 
-    /// Corrects the bonds that have turned near zero about the kick before: what their events, if
-    /// they had any, leave.
+    /// Corrects the bonds whose overlap turned near zero about the kick before: by the error that
+    /// the corrections of their events, if they had any, leave.
     fn correct_turns(&mut self) {
         let (h, alpha) = (self.h.value(), self.flow.exponent());
         let corrector = self.corrector.get_or_init(|| Corrector::new(alpha, h));
@@ -391,7 +401,8 @@ impl<S: BondFlow> Corrected<S> {
             for (&(bond, onset), correction) in changed.iter().zip(&*corrections) {
                 let Some(correction) = correction else { continue };
                 let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
-                    // Without pulls the kicks around the event are worth what they are.
+                    // Without pulls the correction has no part for the kicks around the event: with
+                    // `kicks`, the flow differentiates that part itself.
                     let view = |view: &BondView| BondView { pull: [0.0; 2], ..*view };
                     let near: Vec<Event> = views.iter().map(|near| Event { view: view(near), onset }).collect();
                     corrector.events(&near, out);
@@ -457,8 +468,8 @@ impl<S: BondFlow> Stepper<f64> for Corrected<S> {
         Ok(())
     }
 
-    /// At the end of a step by [`solution`](Self::solution). Times inside the last step are reached
-    /// from its end, by [`BondFlow::back`].
+    /// At the end of a step the state is that of [`solution`](Self::solution). Times inside the
+    /// last step are reached backwards from its end, by [`BondFlow::back`].
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let reached = self.time_after(self.taken);
         let mirror = self.solution();

@@ -1,4 +1,5 @@
-//! Some numbers side by side, with the operations of one: events are worked on a register at a time.
+//! A register of numbers with the operations of one number: events are corrected a register at a
+//! time.
 
 use crate::vector::{MOST_LANES, Vector};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -14,8 +15,8 @@ impl<V: Vector<f64>> Pack<V> {
         Self(V::all(x))
     }
 
-    /// One number for each of some things, at most as many as there are lanes; that of the first
-    /// in lanes that are left.
+    /// One number for each of `things`, of which there are at most as many as lanes; the other
+    /// lanes get the number of the first.
     #[inline(always)]
     pub(super) fn of<S>(things: &[S], number: impl Fn(&S) -> f64) -> Self {
         Self(V::by_lane(|k| number(things.get(k).unwrap_or(&things[0]))))
@@ -27,7 +28,7 @@ impl<V: Vector<f64>> Pack<V> {
         Self(unsafe { V::load(lanes.as_ptr()) })
     }
 
-    /// The numbers; zeros behind the last lane.
+    /// The numbers, and zeros after the last lane.
     #[inline(always)]
     pub(super) fn lanes(self) -> [f64; MOST_LANES] {
         let mut lanes = [0.0; MOST_LANES];
@@ -51,13 +52,13 @@ impl<V: Vector<f64>> Pack<V> {
         Self(self.0.size())
     }
 
-    /// What is above the next lower whole number.
+    /// The fractional parts, `x - floor(x)`.
     #[inline(always)]
     pub(super) fn fraction(self) -> Self {
         self - Self(self.0.floor())
     }
 
-    /// These numbers, or zero where they are below it.
+    /// These numbers where they are above zero, zero elsewhere.
     #[inline(always)]
     pub(super) fn positive(self) -> Self {
         self.where_positive(self)
@@ -69,7 +70,7 @@ impl<V: Vector<f64>> Pack<V> {
         Self(others.0.above(0.0, self.0))
     }
 
-    /// Where numbers are at most `bound`, a bit each; NaN is not.
+    /// A bit for each lane: whether its number is at most `bound`; NaN is not.
     #[inline(always)]
     pub(super) fn at_most(self, bound: f64) -> u64 {
         self.0.at_most(V::all(bound))
@@ -81,8 +82,8 @@ impl<V: Vector<f64>> Pack<V> {
         Self(self.0.or(bits, others.0))
     }
 
-    /// The polynomial with these coefficients, lowest first: even and odd powers are two sums that
-    /// do not wait for each other.
+    /// The polynomial with these coefficients, lowest first. Even and odd powers are two sums, of
+    /// which neither waits for the other.
     #[inline(always)]
     pub(super) fn polynomial<const K: usize>(self, coefficients: &[[f64; 2]; K]) -> Self {
         let square = self * self;

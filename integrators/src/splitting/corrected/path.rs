@@ -3,24 +3,27 @@
 use super::pack::Pack;
 use crate::vector::{MOST_LANES, Vector};
 
-/// Turns `omega h` up to which the functions of the path are summed as series.
+/// Largest phase `omega t` for which the functions of the path are summed as series.
 const SERIES: f64 = 0.5;
-/// Steps of Halley's method before bisection takes over, and the change, in steps of a run, that is
-/// the last: the next is of the size of its third power.
+/// Largest number of iterations of Halley's method; then bisection takes over.
 const HALLEY: u32 = 6;
+/// The iteration ends with a change of at most this many steps of the run: the next change would be
+/// of the size of its third power.
 const ENOUGH: f64 = 1e-2;
+/// Number of bisections.
 const HALVINGS: u32 = 53;
-/// Share of a step by which processing may move an event across an end.
+/// Share of a step by which processing may move an event across an end of its step.
 const MOVED: f64 = 0.25;
 
-/// The overlap of one bond near a kick, as the smooth path through the kicks that its own force
-/// takes no part in:
+/// The overlap of one bond as a function of the time `t` since a kick: the smooth path through the
+/// kicks, without the bond's own force:
 ///
 /// ```text
 /// g(t) = g + r t + t^2 (a/2 + b c2(omega t)) + t^3 (j/6 + k s3(omega t)),   c2(x) = (1 - cos x)/x^2,  s3(x) = (x - sin x)/x^3
 /// ```
 ///
-/// `a, j` are accelerations and jerks of what moves freely, `b, k` of what oscillates with `omega`.
+/// `a, j` are acceleration and jerk of the part that moves freely, `b, k` those of the part that
+/// oscillates with `omega`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BondPath {
     /// Overlap `g`.
@@ -43,17 +46,17 @@ pub(super) struct Jet<T = f64> {
     pub(super) acceleration: T,
 }
 
-/// Where a path is zero.
+/// A zero of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Zero<P> {
-    /// When; NaN where there is none.
+    /// Its time; NaN if there is none.
     pub(super) at: P,
     pub(super) rate: P,
     pub(super) acceleration: P,
 }
 
 impl BondPath {
-    /// Sine and cosine of the phase at `t`.
+    /// Sine and cosine of the phase `omega t`.
     pub(super) fn turn(&self, t: f64) -> [f64; 2] {
         let [sin, cos] = Paths::<f64>::new(&[*self], |path| path).turn(Pack(t));
         [sin.0, cos.0]
@@ -130,7 +133,7 @@ impl<V: Vector<f64>> Paths<V> {
         }
     }
 
-    /// Sine and cosine of the phase at `t`.
+    /// Sine and cosine of the phases `omega t`.
     #[inline(always)]
     pub(super) fn turn(&self, t: Pack<V>) -> [Pack<V>; 2] {
         let x = self.omega * t;
@@ -138,8 +141,8 @@ impl<V: Vector<f64>> Paths<V> {
         [x * sinc, cos]
     }
 
-    /// The zeros of the step that ends now, in `[-h, 0]` but for what processing moves: Halley's
-    /// method from the zero of the parabola.
+    /// The zeros in the step that ends now: in `[-h, 0]`, or beyond its ends by as much as
+    /// processing may move them. Halley's method starts from the zero of the parabola.
     #[inline(always)]
     pub(super) fn zeros(&self, h: f64, rising: u64) -> Zero<Pack<V>> {
         let (g, r, a) = (self.overlap, self.rate, self.acceleration[0] + self.acceleration[1]);
@@ -150,7 +153,7 @@ impl<V: Vector<f64>> Paths<V> {
         let mut done = 0;
         for _ in 0..HALLEY {
             let jet = self.at(found.at);
-            // The bend is at hand.
+            // Halley's step: the acceleration is known already.
             let per_rate = one / jet.rate;
             let newton = -jet.value * per_rate;
             let change = newton * (one - newton * 0.5 * (jet.acceleration * per_rate));
@@ -170,7 +173,7 @@ impl<V: Vector<f64>> Paths<V> {
         found
     }
 
-    /// Looks for the zeros from which Halley's method has led away.
+    /// Finds zeros by bisection in the lanes in which Halley's method has not found one.
     #[inline(always)]
     fn bracket(&self, found: &mut Zero<Pack<V>>, astray: u64, h: f64, rising: u64) {
         let mut lanes = [found.at, found.rate, found.acceleration].map(Pack::lanes);

@@ -69,7 +69,7 @@ pub(super) struct ZetaTable {
 }
 
 impl ZetaTable {
-    /// How many.
+    /// Number of functions.
     pub(super) const COUNT: usize = 4;
 
     /// The table of an exponent.
@@ -92,7 +92,7 @@ impl ZetaTable {
         let square = x * x;
         let fourth = square * square;
         let (quads, _) = self.powers.as_chunks::<4>();
-        // Every fourth power: four sums that do not wait for each other.
+        // Four sums over every fourth power, of which none waits for another.
         let mut sums = quads[quads.len() - 1].map(|row| row.map(Pack::all));
         for quad in quads[..quads.len() - 1].iter().rev() {
             for (sums, row) in sums.iter_mut().zip(quad) {
@@ -120,7 +120,8 @@ pub(super) fn chebyshev<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
     })
 }
 
-/// The same polynomial in powers: the coefficients fall faster than the change of basis grows.
+/// The coefficients of the same polynomial in powers of its argument: those of the series fall
+/// faster than the change of basis grows.
 fn to_powers(series: &[f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
     // T_0 and T_1, then T_{k+1} = 2 x T_k - T_{k-1}.
     let (mut now, mut next) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
