@@ -1,7 +1,7 @@
 //! The scheme of the discrete gradient (average vector field).
 //!
-//! Linear parts go by the midpoint rule. The force of a bond over a step in which its overlap goes
-//! from `g_0` to `g_1` is
+//! Linear parts are integrated by the midpoint rule. The force of a bond over a step in which its
+//! overlap goes from `g_0` to `g_1` is
 //!
 //! ```text
 //! phi = (V(g_1) - V(g_0))/(g_1 - g_0) = int_0^1 f(g_0 + s (g_1 - g_0)) ds
@@ -22,10 +22,12 @@ const SWEEPS: u32 = 500;
 /// Most iterations of Newton's method for one bond. The equation is convex and is approached from
 /// one side.
 const NEWTON: u32 = 100;
-/// Relative change of an overlap below which the quotient of differences is replaced by its series,
-/// to the fourth power: its error is then below a rounding, that of the quotient above is 100.
+/// Relative change of an overlap below which the quotient of differences is replaced by its series
+/// up to the fourth power. The error of the series is then below one rounding; just above, that of
+/// the quotient is 100 roundings.
 const NEAR: f64 = 1e-2;
-/// Relative changes of forces that may be roundings: those of quotients, over a few sweeps.
+/// Largest relative change of a force that may be a rounding error, as quotients have them over a
+/// few sweeps.
 const ROUNDING: f64 = 1e-12;
 
 /// The discrete-gradient scheme at work, in equal steps.
@@ -59,7 +61,7 @@ impl<C: ContactChain> Modal<C> {
             let [r, r_dot, p, p_dot] = sites[i];
             (r + h * r_dot) + (p + (h * p_dot - 2.0 * quarter * p) / (1.0 + quarter))
         };
-        // A unit force moves a bead so far.
+        // Displacement of a bead by a unit force over the step.
         let reach = 0.5 * h * h * (self.m + self.mu / (1.0 + quarter));
         let [mut before, mut loose] = std::mem::take(&mut self.overlaps);
         for b in 0..phi.len() {
@@ -72,7 +74,8 @@ impl<C: ContactChain> Modal<C> {
         for (i, site) in sites.iter_mut().enumerate() {
             let push = self.push(i, phi);
             let [r, r_dot, p, p_dot] = *site;
-            // By increments: a factor that is off by a rounding would make the energy drift.
+            // `p` is moved by an increment: the rounding of a factor on `p` would make the energy
+            // drift.
             let rise = (h * p_dot - 2.0 * quarter * p + 0.5 * h * h * self.mu * push) / (1.0 + quarter);
             *site = [
                 r + h * (r_dot + 0.5 * h * self.m * push),
@@ -84,8 +87,8 @@ impl<C: ContactChain> Modal<C> {
         Ok(sweeps)
     }
 
-    /// Solves for the forces of a step, from overlaps at its start and those at its end where
-    /// nothing presses; a unit force moves a bead by `reach`. As
+    /// Solves for the forces of a step, from the overlaps at its start and those at its end without
+    /// contact forces. A unit force moves a bead by `reach`. Returns as
     /// [`discrete_gradient`](Self::discrete_gradient).
     fn sweeps(&self, phi: &mut [f64], [before, loose]: [&[f64]; 2], reach: f64) -> Result<u32, f64> {
         let mut last = f64::INFINITY;
@@ -98,7 +101,7 @@ impl<C: ContactChain> Modal<C> {
                 (change, largest) = (change.max((new - phi[b]).abs()), largest.max(new));
                 phi[b] = new;
             }
-            // Changes that no longer shrink are roundings.
+            // Small changes that no longer shrink are rounding errors.
             if change <= 4.0 * f64::EPSILON * largest || (last <= change && change <= ROUNDING * largest) {
                 return Ok(sweep);
             }

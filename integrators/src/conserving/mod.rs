@@ -5,13 +5,13 @@
 //! | [`DiscreteGradient`] | the energy itself | forces of a step are found by iteration |
 //! | [`Quadratised`] | an energy of its own, within `O(h^2)` of the true one | one evaluation of the forces a step |
 //!
-//! Both have order two, also on smooth problems, and neither is symplectic. Springs and contacts
-//! both kick: the schemes know nothing of the exact linear flow.
+//! Both have order two, also on smooth problems, and neither is symplectic. Springs enter as
+//! forces, like contacts: the schemes do not use the exact linear flow.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `[r, r', p, p']` | free and oscillating part of the position of a site, and their rates, see [`ContactChain`] |
-//! | `m, mu` | the shares of an impulse that they take: their masses are `1/m` and `1/mu` |
+//! | `m, mu` | the shares of an impulse that the free and the oscillating part take: their masses are `1/m` and `1/mu` |
 //! | `g_b, f, V` | overlap of a bond; force `(g)_+^alpha` and potential of the contact law |
 //! | `F_i` | contact force on a site |
 
@@ -32,7 +32,7 @@ use crate::{
 /// Sites as `[r, r', p, p']`.
 type Sites = Vec<[f64; 4]>;
 
-/// A chain with what its sites have in common.
+/// A chain with the constants that all its sites share.
 struct Modal<C> {
     chain: C,
     law: ContactLaw<f64>,
@@ -40,9 +40,10 @@ struct Modal<C> {
     mu: f64,
     /// `omega^2`.
     stiffness: f64,
-    /// How strongly the force of each bond opens it.
+    /// Decrease of each bond's overlap if a unit force of this bond displaces each of its sites by
+    /// one unit.
     recoil: Vec<f64>,
-    /// Overlaps at the start of a step, and where nothing presses at its end.
+    /// Overlaps at the start of a step, and at its end without contact forces.
     overlaps: [Vec<f64>; 2],
 }
 
@@ -73,10 +74,11 @@ impl<C: ContactChain> Modal<C> {
         (0..self.chain.sites()).map(site).collect()
     }
 
-    /// The state of sites, led on by a part of a step with a step of the discrete gradient.
+    /// Writes the state of `sites` into `y`, after a step of length `by` of the discrete gradient
+    /// if `by` is not zero.
     fn sample(&mut self, mut sites: Sites, phi: &[f64], by: f64, y: &mut [f64]) {
         if by != 0.0 && self.discrete_gradient(&mut sites, &mut phi.to_vec(), by).is_err() {
-            // No state is better than a wrong one.
+            // The iteration failed: the sample is NaN rather than a wrong state.
             y.fill(f64::NAN);
             return;
         }
@@ -99,7 +101,7 @@ impl<C: ContactChain> Modal<C> {
     }
 }
 
-/// A number in the shape that chains take.
+/// A number as a [`Path`], the type that the functions of a chain take.
 fn path(value: f64) -> Path {
     [value, 0.0, 0.0, 0.0]
 }

@@ -8,10 +8,10 @@
 //! psi_{n+1/2} = psi_{n-1/2} + h gamma . (v_{n+1/2} + v_{n-1/2})/2
 //! ```
 //!
-//! The equations are linear in what is new, and coupled by one number, so that a step is explicit.
-//! They conserve `v_{n+1/2} M v_{n+1/2}/2 + q_n K q_{n+1}/2 + psi_{n+1/2}^2/2`, positive for
-//! `h omega < 2`. Nothing ties `psi` to the potential of the positions but that both start alike:
-//! they part by `O(h^2)`, and where no contact acts `psi` keeps what it had.
+//! The equations are linear in the unknowns and coupled by one number, so that a step is explicit.
+//! They conserve `v_{n+1/2} M v_{n+1/2}/2 + q_n K q_{n+1}/2 + psi_{n+1/2}^2/2`, positive for `h
+//! omega < 2`. Only at the start is `psi^2/2` set to the potential of the positions. Later the two
+//! differ by `O(h^2)`, and while no contact acts `psi` keeps its value.
 //!
 //! S. Bilbao, M. Ducceschi and F. Zama, *J. Comput. Phys.* 472 (2023) 111697, with the springs as
 //! the part that is not quadratised.
@@ -27,8 +27,9 @@ pub struct Quadratised<C> {
     /// The velocities half a step ago, `[r', p']`.
     before: Vec<[f64; 2]>,
     psi: f64,
-    /// Forces of bonds, and what they do to sites over `(2V)^{1/2}`: `-gamma`.
+    /// Contact forces of bonds.
     force: Vec<f64>,
+    /// Contact forces on sites, divided by `(2V)^{1/2}`: `-gamma`.
     pushes: Vec<f64>,
     steps: Steps,
 }
@@ -48,7 +49,7 @@ impl<C: ContactChain> Quadratised<C> {
         Ok(new)
     }
 
-    /// Velocities and `psi` half a step from the start, to second order.
+    /// Sets velocities and `psi` to their values half a step after the start, to second order.
     fn begin(&mut self) {
         let half = 0.5 * self.steps.h.value();
         self.forces();
@@ -57,7 +58,7 @@ impl<C: ContactChain> Quadratised<C> {
             let [_, r_dot, p, p_dot] = &mut self.sites[i];
             *r_dot += half * self.chain.m * push;
             *p_dot += half * (self.chain.mu * push - self.chain.stiffness * *p);
-            // So that the mean of both is the velocity at the start.
+            // The mean of both velocities is then the velocity at the start.
             let [r_before, p_before] = &mut self.before[i];
             (*r_before, *p_before) = (2.0 * *r_before - *r_dot, 2.0 * *p_before - *p_dot);
         }
@@ -79,8 +80,8 @@ impl<C: ContactChain> Quadratised<C> {
         potential
     }
 
-    /// The energy that the scheme conserves, of a chain of displacements; before the first step and
-    /// after each.
+    /// The energy that the scheme conserves, for a chain of displacements. It may be asked for
+    /// before the first step and after each step.
     pub fn conserved(&self) -> f64 {
         let (h, Modal { m, mu, stiffness, .. }) = (self.steps.h.value(), &self.chain);
         let over = |square: f64, share: f64| if share > 0.0 { square / share } else { 0.0 };

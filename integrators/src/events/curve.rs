@@ -9,8 +9,8 @@ const MOST: usize = 14;
 /// through its values at some nodes. Time is `t = origin + sign sigma^q`, with a `sigma` that is
 /// linear in `x`.
 ///
-/// The first node is the start, the last one the end. Levels are looked for between neighbouring
-/// nodes: what crosses a level twice between two of them does not cross it.
+/// The first node is the start, the last one the end. Crossings of a level are found by the values
+/// at neighbouring nodes: two crossings between the same two nodes are not seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve {
     origin: f64,
@@ -24,7 +24,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// How many numbers say all of it.
+    /// Length of the array of [`numbers`](Self::numbers).
     pub const NUMBERS: usize = 6 + 2 * MOST;
 
     /// The curve through points `(x, value)`, `x` ascending from 0 to 1, with the map of time
@@ -51,7 +51,7 @@ impl Curve {
         Self::new((from, 1.0, 1), [0.0, to - from], points)
     }
 
-    /// The same, later by `by`.
+    /// The same curve, shifted by `by` to later times.
     #[must_use]
     pub fn later(mut self, by: f64) -> Self {
         self.origin += by;
@@ -95,8 +95,9 @@ impl Curve {
         (self.values[near] - self.values[here]) / (self.time(self.x[near]) - self.time(self.x[here]))
     }
 
-    /// Whether it rises from node to node and goes on to rise at its end, by the parabola through
-    /// the last three nodes; with a margin, so that it does not turn in between.
+    /// Whether the values rise from node to node and still rise at the end, by the parabola through
+    /// the last three nodes. The margin of a quarter keeps a maximum between the last two nodes
+    /// from being missed.
     fn climbs(&self) -> bool {
         let values = self.values();
         let Some([(a, ga), (b, gb), (c, gc)]) =
@@ -109,7 +110,7 @@ impl Curve {
         end > 0.25 * last && values.windows(2).all(|pair| pair[0] < pair[1])
     }
 
-    /// When it is largest, and its value there.
+    /// Time and value of the maximum.
     pub fn largest(&self) -> (f64, f64) {
         if self.climbs() {
             return (self.time(1.0), self.last());
@@ -129,8 +130,8 @@ impl Curve {
         (self.time(x), rule.at(values, x).max(here.1))
     }
 
-    /// When it first reaches a level from below, and its rate there; the start if it is above all
-    /// along.
+    /// Time at which the curve first rises through `level`, and its rate there. Without such a
+    /// crossing: the start if the first value is at least `level`, else `None`.
     pub fn rises_to(&self, level: f64) -> Option<(f64, f64)> {
         let values = self.values();
         match values.windows(2).position(|pair| pair[0] < level && pair[1] >= level) {
@@ -139,7 +140,8 @@ impl Curve {
         }
     }
 
-    /// When it last falls below a level, and its rate there; `None` if it does not end below.
+    /// Time at which the curve last falls below `level`, and its rate there; `None` if it does not
+    /// end below, or is below at every node.
     pub fn falls_to(&self, level: f64) -> Option<(f64, f64)> {
         let values = self.values();
         if self.last() >= level {
@@ -149,19 +151,20 @@ impl Curve {
         Some(self.crossing(level, k, k + 1))
     }
 
-    /// When it starts.
+    /// Time of the start.
     pub fn start(&self) -> f64 {
         self.time(0.0)
     }
 
-    /// Time, value and rate at its end; the rate is that of the chord from the node before.
+    /// Time, value and rate at the end; the rate is that of the chord from the node before.
     pub fn end(&self) -> [f64; 3] {
         let [(x, value), (_, last)] = [self.count - 2, self.count - 1].map(|k| (self.x[k], self.values[k]));
         let t = self.time(1.0);
         [t, last, (last - value) / (t - self.time(x))]
     }
 
-    /// Time and rate where it has a level between two nodes, or at a node that is both.
+    /// Time and rate at the crossing of `level` between two nodes; at the node itself if both are
+    /// one.
     fn crossing(&self, level: f64, from: usize, to: usize) -> (f64, f64) {
         let (values, rule) = (self.values(), Barycentric::new(self.x()));
         let value = |x: f64| rule.at(values, x) - level;
@@ -171,7 +174,7 @@ impl Curve {
         (self.time(x), self.per_time(rule.at(&slopes[..values.len()], x), x))
     }
 
-    /// All of it as numbers.
+    /// The curve as plain numbers, for [`of_numbers`](Self::of_numbers).
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let mut numbers = [0.0; Self::NUMBERS];
         let head = [self.origin, self.sign, f64::from(self.q), self.sigma[0], self.sigma[1], self.count as f64];
@@ -182,7 +185,7 @@ impl Curve {
         numbers
     }
 
-    /// The curve of these numbers; `None` if there is none.
+    /// The curve with these [`numbers`](Self::numbers); `None` if they are not those of a curve.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
         let [origin, sign, q, from, by, count, rest @ ..] = *numbers;
         let sound = numbers.iter().all(|number| number.is_finite())

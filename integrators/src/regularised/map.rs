@@ -126,8 +126,8 @@ pub fn power(alpha: f64, p: u32) -> u32 {
     common_power(&[alpha], p)
 }
 
-/// The smallest `q` that does for each of several exponents, see [`power`]: events of functions
-/// with different powers then share one map.
+/// The smallest `q` that fulfils the condition of [`power`] for each of several exponents: events
+/// of functions with different powers then share one map.
 ///
 /// ```
 /// use hertzchain_integrators::regularised::common_power;

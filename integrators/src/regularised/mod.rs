@@ -482,8 +482,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let leg = self.leg;
         let allowed = next * leg.map.unit();
         let tried = *pace.of(&leg);
-        // A step that was cut short, and whose error allows the largest growth, does not shorten
-        // the stored step length.
+        // A step that was cut short, and whose error allows the largest growth, does not reduce the
+        // stored step length.
         let unbounded = next > R::of(5.9) * (to - leg.sigma);
         *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
