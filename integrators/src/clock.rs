@@ -156,13 +156,13 @@ pub struct Rotation<R> {
 }
 
 impl<R: Real> Rotation<R> {
-    /// By the angle zero.
+    /// The rotation by the angle zero.
     pub fn none() -> Self {
         Self { sin: Twofold::zero(), cos: Twofold::new(R::one()) }
     }
 
-    /// By `angle`, which must be [`reduced`](Twofold::reduced): Taylor's series of a part of it,
-    /// doubled.
+    /// The rotation by `angle`, which must be [`reduced`](Twofold::reduced): Taylor's series of
+    /// 1/64 of the angle, which is then doubled six times.
     pub fn by(angle: Twofold<R>) -> Self {
         const DOUBLINGS: usize = 6;
         let part = angle.over(Twofold::new(R::of(f64::from(1 << DOUBLINGS))));
@@ -176,7 +176,8 @@ impl<R: Real> Rotation<R> {
             term = -(term * square).over(Twofold::new(R::of((k + 1.0) * (k + 2.0))));
             (versine, sin, k) = (versine + even, sin + term, k + 2.0);
         }
-        // With v = 1 - cos x nothing is lost for small angles: v(2x) = 2 sin^2 x.
+        // Doubling v = 1 - cos x instead of cos x loses no digits of small angles: v(2x) = 2 sin^2
+        // x.
         for _ in 0..DOUBLINGS {
             let cos = Twofold::new(R::one()) - versine;
             let (product, squared) = (sin * cos, sin * sin);
@@ -185,7 +186,7 @@ impl<R: Real> Rotation<R> {
         Self { sin, cos: Twofold::new(R::one()) - versine }
     }
 
-    /// First this, then another.
+    /// This rotation, followed by another.
     #[inline(always)]
     #[must_use]
     pub fn then(&self, other: &Self) -> Self {

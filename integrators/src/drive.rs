@@ -64,13 +64,13 @@ impl<R: Real, S: Stepper<R> + ?Sized> Stepper<R> for Box<S> {
 pub trait Observer<R: Real> {
     /// The next time at which the observer wants the state; times never decrease. `None`: no more.
     fn next(&self) -> Option<R>;
-    /// Receives the state `y` at the time `t` that [`next`](Self::next) asked for. Must move `next`
-    /// on.
+    /// Receives the state `y` at the time `t` that [`next`](Self::next) asked for. After that,
+    /// [`next`](Self::next) must return the next time.
     ///
     /// # Errors
     /// A reason to end the run, such as a state that is not finite.
     fn observe(&mut self, t: R, y: &[R], stats: Stats) -> Result<ControlFlow<()>, Error>;
-    /// Whether the run must end now; asked between steps, or rows of steps that take little time.
+    /// Whether the run must end now. It is asked between calls of [`Stepper::steps`].
     fn stop(&self) -> bool {
         false
     }

@@ -53,7 +53,7 @@ pub enum Error {
     TooManySteps {
         /// Time.
         t: f64,
-        /// Steps taken.
+        /// Accepted steps; with [`Dop853`](crate::Dop853), all trial steps.
         steps: u64,
     },
     /// The sweeps of contact collocation did not converge in the shortest window.

@@ -49,7 +49,8 @@ pub trait Power<R: Real>: Copy {
     fn raise<V: Vector<R>>(self, g: V) -> V;
     /// `g^alpha` and its derivative `alpha g^{alpha-1}` for `g > 0`; two zeros for `g = 0`.
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V);
-    /// The same above `band >= 0`, two zeros elsewhere.
+    /// As [`raise_with_slope`](Self::raise_with_slope) where `g` exceeds `band >= 0`; two zeros
+    /// elsewhere.
     #[inline(always)]
     fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
         self.raise_with_slope(g.above(band, g))
@@ -72,8 +73,8 @@ pub struct HalfInteger(u32);
 #[derive(Clone, Copy)]
 pub struct General<R>(R);
 
-/// The power of any law, told apart for each register: for loops that are too large to be compiled
-/// for every power.
+/// The power of any law, for loops that are too large to be compiled for every kind of exponent:
+/// the kind is chosen by a branch for each register.
 #[derive(Clone, Copy)]
 pub struct Any<R> {
     exponent: Exponent,
@@ -118,7 +119,7 @@ impl<R: Real> Power<R> for ThreeHalves {
 
     #[inline(always)]
     fn raise_above<V: Vector<R>>(self, band: R, g: V) -> (V, V) {
-        // The root does not wait for the comparison.
+        // The mask comes after the root, so that the root need not wait for the comparison.
         let (power, slope) = self.raise_with_slope(g);
         (g.above(band, power), g.above(band, slope))
     }
@@ -274,7 +275,7 @@ impl<R: Real> ContactLaw<R> {
         self.alpha
     }
 
-    /// The power, whatever it is.
+    /// The power as one type for all kinds of exponents.
     pub fn any_power(&self) -> Any<R> {
         Any { exponent: self.exponent, alpha: self.alpha }
     }

@@ -47,15 +47,15 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     /// The nearest `f64`.
     fn f64(self) -> f64;
 
-    /// Runs a kernel with the vector instructions in use, see [`crate::Instructions`]. All give the
-    /// same bits.
+    /// Runs a kernel with the vector instructions in use, see [`crate::Instructions`]. All
+    /// instruction sets give the same bits.
     #[inline(always)]
     fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run()
     }
 
-    /// Runs a kernel with the widest registers in use, see [`crate::Instructions`]. All give the
-    /// same bits.
+    /// Runs a kernel with the widest registers in use, see [`crate::Instructions`]. All widths give
+    /// the same bits.
     #[inline(always)]
     fn run_vector<K: VectorKernel<Self>>(kernel: K) -> K::Output {
         kernel.run::<Self>()
@@ -122,8 +122,8 @@ impl Real for f64 {
     }
 }
 
-/// As [`Real::run`], with vectors of four at most: for kernels to which wider ones give next to
-/// nothing, and whose copies cost time to compile.
+/// As [`Real::run`], with registers of at most four numbers: for kernels that gain next to nothing
+/// from wider ones. Each further copy of a kernel costs time to compile.
 #[inline(always)]
 pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]

@@ -7,7 +7,8 @@ pub struct Stats {
     pub steps: u64,
     /// Rejected trial steps (adaptive methods).
     pub rejected: u64,
-    /// Evaluations of the contact force or of the vector field, including those for samples.
+    /// Evaluations of the contact force or of the vector field. Those for samples are counted by
+    /// DOP853 and by splitting schemes without corrections only.
     pub force_evaluations: u64,
 }
 

@@ -1,10 +1,11 @@
-//! Numbers side by side in a register, for loops in which neighbours share lanes.
+//! Numbers side by side in a register, for loops that combine neighbouring numbers.
 //!
-//! Most loops are left to the compiler, see [`Kernel`](crate::Kernel). In a pass over a chain each
-//! number also meets that of the next site, which may lie in the next register; compilers take such
-//! loops apart. They are written with a [`Vector`], whose width is that of the instruction set in
-//! use. Lanes do not mix but by [`Vector::before`] and [`Vector::after`], and products and sums are
-//! contracted in [`Vector::fused`] only, so that all widths give the same bits.
+//! Most loops are left to the compiler, see [`Kernel`](crate::Kernel). A pass over a chain also
+//! combines the number of each site with that of the next site, which may lie in the next register;
+//! compilers split such loops. They are therefore written with a [`Vector`], whose width is that of
+//! the instruction set in use. Only [`Vector::before`] and [`Vector::after`] move numbers between
+//! lanes, and only [`Vector::fused`] contracts a product and a sum, so that all widths give the
+//! same bits.
 
 use crate::real::Real;
 use num_traits::One;
@@ -20,7 +21,7 @@ pub const MOST_LANES: usize = 8;
 pub trait Vector<R>:
     Copy + One + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// How many.
+    /// Number of lanes.
     const LANES: usize;
     /// The same number in all lanes.
     fn all(x: R) -> Self;
@@ -29,7 +30,7 @@ pub trait Vector<R>:
     /// # Safety
     /// `LANES` numbers can be read there.
     unsafe fn load(start: *const R) -> Self;
-    /// The numbers that a function has for the lanes.
+    /// The values of a function of the lane's index.
     fn by_lane(number: impl Fn(usize) -> R) -> Self;
     /// Writes all lanes from `start` on.
     ///
@@ -38,7 +39,7 @@ pub trait Vector<R>:
     unsafe fn store(self, start: *mut R);
     /// `self by + plus`, rounded once.
     fn fused(self, by: Self, plus: Self) -> Self;
-    /// The larger number of each pair; that of `self` where one is no number.
+    /// The larger number of each pair; that of `self` where one is NaN.
     fn larger(self, other: Self) -> Self;
     /// Square roots.
     fn root(self) -> Self;
@@ -48,13 +49,13 @@ pub trait Vector<R>:
     fn inverse(self) -> Self;
     /// `then` in lanes above `bound`, zero in others.
     fn above(self, bound: R, then: Self) -> Self;
-    /// Which lanes are above zero, a bit each, the first lane's lowest.
+    /// A bit for each lane, the first lane's lowest: whether its number is above zero.
     fn positive(self) -> u64;
-    /// Which lanes exceed those of another.
+    /// The same bits: whether the number exceeds that of `other`.
     fn exceeds(self, other: Self) -> u64;
-    /// Which lanes are at most those of another; NaN is not.
+    /// The same bits: whether the number is at most that of `other`; NaN is not.
     fn at_most(self, other: Self) -> u64;
-    /// The lanes whose bit is set, others' elsewhere.
+    /// The numbers of `self` in lanes whose bit is set, those of `others` elsewhere.
     fn or(self, bits: u64, others: Self) -> Self;
     /// Absolute values.
     fn size(self) -> Self;
@@ -62,7 +63,7 @@ pub trait Vector<R>:
     fn before(self, next: Self) -> Self;
     /// The lanes moved by one towards the last; the last of `previous` comes first.
     fn after(self, previous: Self) -> Self;
-    /// The first `n` lanes, and others' behind these.
+    /// The numbers of `self` in the first `n` lanes, those of `others` in the lanes after these.
     fn first(self, n: usize, others: Self) -> Self;
     /// A function of each lane.
     fn each(self, f: impl Fn(R) -> R) -> Self;
@@ -179,7 +180,7 @@ pub struct Column<'a, R> {
 }
 
 impl<'a, R> Column<'a, R> {
-    /// All of a slice.
+    /// The column of a whole slice.
     pub fn new(numbers: &'a mut [R]) -> Self {
         Self { start: numbers.as_mut_ptr(), len: numbers.len(), numbers: PhantomData }
     }
@@ -229,7 +230,7 @@ impl<R: Copy> Column<'_, R> {
     }
 }
 
-/// Operations lane by lane, and one.
+/// The operators lane by lane, and the number one in all lanes.
 macro_rules! operations {
     ($vector:ident: $($trait:ident $method:ident $body:expr),*) => {
         $(impl $trait for $vector {
@@ -654,7 +655,7 @@ mod tests {
         }
     }
 
-    /// What stands where after `before`, `after` and `first`.
+    /// The lanes after `before`, `after` and `first`.
     struct Moves<'a>(&'a mut Vec<f64>);
 
     impl VectorKernel<f64> for Moves<'_> {
