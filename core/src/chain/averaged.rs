@@ -4,13 +4,13 @@
 //! |---|---|
 //! | `M_b` | moments of the force of bond `b` over the window: `int f (1, t, cos(omega t), sin(omega t)) dt` |
 //! | `J_i` | moments of the force on bead `i`: `M_i - M_{i+1}` (on a strain, the difference of two such) |
-//! | `D_b` | `J_{b-1} - J_b`: what the kick does to the path of an overlap, but for the masses |
+//! | `D_b` | `J_{b-1} - J_b`: change of an overlap's path by the kick, but for the masses |
 //!
-//! In the variables that the linear flow leaves alone a force at the time `t` adds `m f` to `V`,
-//! `-m f t` to `R0`, `-mu f sin(omega t)/omega` to `C` and `mu f cos(omega t)/omega` to `S`. The
-//! kick adds all of the window at once, with `f` along the path of the mean of the states before
-//! and after: the implicit midpoint rule for the Hamiltonian `int V dt`. It is iterated until it
-//! stays.
+//! In the variables that the linear flow does not change, a force at the time `t` adds `m f` to
+//! `V`, `-m f t` to `R0`, `-mu f sin(omega t)/omega` to `C` and `mu f cos(omega t)/omega` to `S`.
+//! The kick adds these changes for the whole window at once, with `f` along the path of the mean of
+//! the states before and after: the implicit midpoint rule for the Hamiltonian `int V dt`. The rule
+//! is iterated until the moments no longer change.
 
 use super::{
     ContactLaw, LinearFlow,
@@ -23,19 +23,20 @@ use hertzchain_integrators::{
     system::{ContactFlow, PathFlow},
 };
 
-/// Each iteration gains a factor of the size of `f' h^2`. Chosen, not measured.
+/// Largest number of iterations; each reduces the error by a factor of the size of `f' h^2`.
+/// Chosen, not measured.
 const ITERATIONS: usize = 20;
 
 /// `int f (1, t, cos(omega t), sin(omega t)) dt`.
 type Moments<R> = [R; 4];
 
-/// What an averaged kick works with.
+/// Buffers of an averaged kick.
 pub(super) struct Bonds<R> {
-    /// Paths from the state before the kick, of the bonds that can touch.
+    /// Paths of the bonds that can touch, from the state before the kick.
     paths: Vec<LinearPath<R>>,
     /// `M_b` of all bonds.
     moments: Vec<Moments<R>>,
-    /// The `D_b` that `M_b` was computed with.
+    /// The `D_b` that `M_b` was computed with, of the bonds that can touch.
     shifts: Vec<Moments<R>>,
     roots: Vec<R>,
 }
@@ -47,7 +48,7 @@ impl<R: Real> Bonds<R> {
 }
 
 impl<R: Real> LinearFlow<R> {
-    /// The path of an overlap from now on, if nothing kicks.
+    /// The path of an overlap from the present state on, without kicks.
     fn path(&self, bond: usize, phase: (R, R)) -> LinearPath<R> {
         let omega = self.omega();
         let [r, r_dot, p, p_dot] = self.chain.topology().across(bond, |i| self.motions(i, phase));
@@ -60,7 +61,7 @@ impl<R: Real> LinearFlow<R> {
         }
     }
 
-    /// The path half way through a kick.
+    /// The path that belongs to the mean of the states before and after a kick; `shift` is `D_b`.
     fn midway(&self, path: &LinearPath<R>, shift: Moments<R>) -> LinearPath<R> {
         let (m, mu) = (R::of(0.5) * self.m(), R::of(0.5) * self.mu_over_omega);
         LinearPath {
@@ -104,7 +105,7 @@ impl<R: Real> LinearFlow<R> {
         any
     }
 
-    /// Hands the moments over to the sites.
+    /// Adds the kick with these moments to the sites.
     fn push(&mut self, moments: &[Moments<R>]) {
         self.count_kick();
         let ((sin, cos), tau, m, mu) = (self.phase.sin_cos(), self.tau, self.m(), self.mu_over_omega);
@@ -169,7 +170,8 @@ fn over_window<R: Real>(law: &ContactLaw<R>, path: &LinearPath<R>, window: (R, R
     if lo <= R::zero() {
         path.roots(start, end, roots);
     }
-    // Its nearest zero lies so many half-windows away, or nearly so, that one rule does.
+    // The nearest zero of the path then lies so far outside the window that one Gauss rule
+    // suffices.
     let smooth = lo * R::of(1.2) > hi;
     let (mut sum, mut from) = ([R::zero(); 4], (start, false));
     for to in roots.iter().map(|&t| (t, true)).chain([(end, false)]) {
@@ -181,7 +183,8 @@ fn over_window<R: Real>(law: &ContactLaw<R>, path: &LinearPath<R>, window: (R, R
     if window.0 <= window.1 { sum } else { sum.map(|moment| -moment) }
 }
 
-/// The moments over a part in which `g > 0`, between two times of which some are zeros of `g`.
+/// The moments over a part in which `g > 0`. `from` and `to` are times, each with whether it is a
+/// zero of `g`.
 fn part<R: Real>(
     law: &ContactLaw<R>,
     path: &LinearPath<R>,
@@ -230,14 +233,14 @@ impl<'a, R: Real> Part<'a, R> {
         [f, f * t, f * cos, f * sin]
     }
 
-    /// The integral; checked and refined unless it is known to be smooth.
+    /// The moments over the part; checked and refined unless the integrand is known to be smooth.
     fn moments(&self, smooth: bool) -> Moments<R> {
         let (zero, one) = (R::zero(), R::one());
         let whole = gauss(|s| self.at(s), zero, one);
         if smooth {
             return whole;
         }
-        // Refining helps down to what rounding does to the overlaps.
+        // Refinement reduces the error only down to the effect of rounding errors of the overlaps.
         let path = self.path;
         let size = path.a.abs() + path.c.abs() + path.d.abs() + (path.b * self.length).abs();
         let largest = path.at(self.start).max(path.at(self.start + self.length));
@@ -247,8 +250,9 @@ impl<'a, R: Real> Part<'a, R> {
         self.halved((zero, one), whole, tolerance, &mut left)
     }
 
-    /// The integral over an interval of `s` on which one rule gives `whole`: halved until the rule
-    /// agrees with its halves.
+    /// The moments over an interval of `s` for which one Gauss rule gives `whole`. The interval is
+    /// halved until the rule agrees with the sum over its halves; `left` is the number of halvings
+    /// that remain.
     fn halved(&self, (a, b): (R, R), whole: Moments<R>, tolerance: R, left: &mut u32) -> Moments<R> {
         let middle = R::of(0.5) * (a + b);
         let (lower, upper) = (gauss(|s| self.at(s), a, middle), gauss(|s| self.at(s), middle, b));
@@ -261,9 +265,10 @@ impl<'a, R: Real> Part<'a, R> {
     }
 }
 
-/// Halvings of a part, the end near a zero first: 24 lead so near to one just outside that the
-/// force on what is left is below rounding (`curved_contacts_are_integrated_to_rounding`). Not a
-/// depth: where rounding alone keeps halves from agreeing, each would be halved again.
+/// Largest number of halvings of a part; the half next to a zero comes first. For a zero just
+/// outside, 24 halvings lead so near to it that the force on the rest is below rounding
+/// (`curved_contacts_are_integrated_to_rounding`). It bounds the number and not the depth: where
+/// only rounding errors keep halves from agreeing, each half would be halved again.
 const HALVINGS: u32 = 32;
 
 fn add<R: Real>(x: Moments<R>, y: Moments<R>) -> Moments<R> {

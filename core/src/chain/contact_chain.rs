@@ -1,4 +1,4 @@
-//! The chain as contact collocation sees it.
+//! The chain as a problem of contact collocation.
 
 use super::{Chain, ContactLaw, Differing, Modes};
 use hertzchain_integrators::{
@@ -16,7 +16,7 @@ impl Chain<f64> {
         Collocation::new(self.clone(), y0, span, pace)
     }
 
-    /// The same for a chain whose beads differ, are damped or driven.
+    /// As [`collocation`](Self::collocation), for a chain whose beads differ, are damped or driven.
     ///
     /// ```
     /// use hertzchain_core::chain::{Boundary, Chain, Details, Params};
@@ -46,8 +46,9 @@ impl Chain<f64> {
         Collocation::new(Differing::new(self.clone())?, y0, span, pace)
     }
 
-    /// The derivative of the end of such a run by its start: `dim x dim`, column by column, see
-    /// [`monodromy`]. Entries of beads that drives move, and of the ledger, are zero.
+    /// The derivative of the state at the end of such a run by the state at its start: `dim x dim`,
+    /// column by column, see [`monodromy`]. Entries of beads that drives move, and of the ledger,
+    /// are zero.
     ///
     /// # Errors
     /// A state, a span or a pace outside its rule; a chain whose contacts dissipate, or one of more
@@ -67,7 +68,7 @@ impl Chain<f64> {
     }
 
     /// `[u, v, u', v']` of a site, from the free and the oscillating part of its position and their
-    /// rates; those of a resonator mean nothing unless it moves.
+    /// rates; the numbers of a resonator have no meaning unless it moves.
     pub(crate) fn state_of(&self, parts: [f64; 4]) -> [f64; 4] {
         self.modes.join(parts)
     }

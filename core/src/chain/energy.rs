@@ -14,9 +14,9 @@ pub struct Energy<R> {
     pub springs: R,
     /// Energy of the contacts, `sum (g)_+^{alpha+1} / (alpha+1)`.
     pub contacts: R,
-    /// What drag, dashpots and contacts have dissipated since the start.
+    /// Energy that drag, dashpots and contacts have dissipated since the start.
     pub dissipated: R,
-    /// What drives have put in since the start.
+    /// Work of the drives since the start.
     pub driven: R,
 }
 
@@ -26,14 +26,14 @@ impl<R: Real> Energy<R> {
         self.beads + self.resonators + self.springs + self.contacts
     }
 
-    /// The energy, with what was dissipated and without what was driven: constant along every
+    /// The energy plus the dissipated energy minus the work of the drives: constant along every
     /// motion.
     pub fn balance(&self) -> R {
         self.total() + self.dissipated - self.driven
     }
 }
 
-/// Displacements, velocities and overlaps as the energy needs them.
+/// Velocities, stretches `u - v` of springs, and overlaps, from which the energy is computed.
 struct Motion<R> {
     u_dot: Vec<R>,
     v_dot: Vec<R>,
@@ -76,7 +76,8 @@ impl<R: Real> Chain<R> {
             let sums = [&motion.u_dot, &motion.v_dot, &motion.stretch].map(|slice| squares(slice));
             return self.energy_of(sums, self.potential(motion.overlaps.iter().copied()));
         }
-        // The same sums in the same order, without copies: long chains are looked at often.
+        // The same sums in the same order, without copies: the energy of long chains is computed
+        // often.
         let layout = self.layout;
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         let stretch = match (layout.v(y), self.params.resonators()) {
@@ -137,7 +138,7 @@ impl<R: Real> Chain<R> {
 
     /// The potential of all contacts.
     fn potential(&self, overlaps: impl Iterator<Item = R>) -> R {
-        // A gap has none: most bonds of a chain that is mostly at rest.
+        // Gaps have no potential and are left out: most bonds of a chain that is mostly at rest.
         overlaps.fold(R::zero(), |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
     }
 
@@ -165,14 +166,15 @@ impl<R: Real> Chain<R> {
             .collect()
     }
 
-    /// What a site has of the energy of a bond beside it.
+    /// The share of a site in the energy of a bond beside it.
     fn share(&self, bonds: &[R], bond: usize) -> R {
         let energy = bonds[bond % bonds.len()];
         if self.topology.at_wall(bond) { energy } else { R::of(0.5) * energy }
     }
 
-    /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: how many
-    /// sites share the energy. 1 if one has all of it, the number of sites if all have the same.
+    /// The participation number of the site energies `e_n`, `(sum e_n)^2 / sum e_n^2`: the number
+    /// of sites that share the energy. It is 1 if one site has all of it, and the number of sites
+    /// if all have the same.
     pub fn participation(&self, y: &[R]) -> R {
         let energies = self.site_energies(y);
         let (sum, squares) = energies.iter().fold((R::zero(), R::zero()), |(a, b), &e| (a + e, b + e * e));

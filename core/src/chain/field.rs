@@ -1,4 +1,4 @@
-//! The equations of motion as a first-order system, for methods that know no splitting.
+//! The equations of motion as a first-order system, for methods that are not splittings.
 
 use super::{
     Chain,
@@ -42,7 +42,8 @@ impl<R: Real> VectorField<R> for Field<R> {
         let kappa = R::of(params.kappa);
         match (params.resonators(), chain.layout().v(y)) {
             (_, Some(v)) => {
-                // To the last digit also in double-double, whose own division is not.
+                // This division is accurate to the last digit also in double-double, whose own
+                // division is not.
                 let per_rho = Twofold::new(kappa).over(Twofold::new(R::of(params.rho))).value();
                 for i in 0..n {
                     let d = y[i] - v[i];

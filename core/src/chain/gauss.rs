@@ -2,7 +2,7 @@
 
 use hertzchain_integrators::Real;
 
-/// Its order.
+/// Order of the rule.
 pub(super) const ORDER: u32 = 24;
 
 /// Positive nodes, and their weights, on `[-1, 1]`.

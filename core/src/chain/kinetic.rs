@@ -1,4 +1,5 @@
-//! The split kinetic + potential energy: springs and contacts kick, everything drifts freely.
+//! The split into kinetic and potential energy: springs and contacts kick, beads and resonators
+//! drift freely.
 
 use super::{
     Chain, Params, Resonators,
@@ -16,9 +17,9 @@ pub struct KineticFlow<R> {
     pub(super) chain: Chain<R>,
     /// Positions and velocities of beads, `[u, u']`.
     pub(super) beads: [Aligned<R>; 2],
-    /// Those of resonators that move, `[v, v']`.
+    /// Positions and velocities of moving resonators, `[v, v']`; empty without them.
     pub(super) resonators: [Aligned<R>; 2],
-    /// What kicks in a row work with.
+    /// Buffers for kicks in a row, see [`Row`].
     forces: RowForces<R>,
 }
 
@@ -149,7 +150,7 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 }
 
 impl<R: Real> KineticFlow<R> {
-    /// Kicks of a short chain, each with its drift.
+    /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
         let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], forces } = self;
         let (params, kappa) = (chain.params(), R::of(chain.params().kappa));
@@ -166,7 +167,8 @@ impl<R: Real> KineticFlow<R> {
     }
 }
 
-/// The durations of kick and drift, and how far a unit of stretch kicks a resonator.
+/// Duration of the kick; duration of the drift; change of a resonator's velocity in the kick by a
+/// unit of stretch `u - v`.
 pub(crate) type Durations<R> = [R; 3];
 
 #[inline(always)]
@@ -174,7 +176,7 @@ fn durations<R: Real>(params: Params, kick: R, drift: Twofold<R>) -> Durations<R
     [kick, drift.value(), kick * R::of(params.kappa) / R::of(params.rho)]
 }
 
-/// Kicks and drifts in a row.
+/// The clock of (kick, drift) pairs in a row.
 pub(super) struct Drifts<'a, R> {
     pub(super) params: Params,
     pub(super) pairs: Pairs<'a, R>,
@@ -191,7 +193,7 @@ impl<R: Real> Clock for Drifts<'_, R> {
 
     #[inline(always)]
     fn now(&self) -> Durations<R> {
-        // Positions do not depend on it.
+        // Positions do not depend on the moment.
         [R::zero(); 3]
     }
 }
@@ -204,7 +206,7 @@ pub(super) struct Beads<'a, R> {
 }
 
 impl<R: Real> Beads<'_, R> {
-    /// Kicks by a force, and moves on; returns the position there.
+    /// Kicks beads by a force and drifts them; returns their new positions.
     ///
     /// # Safety
     /// There is room for `at + LANES` numbers.
@@ -222,7 +224,7 @@ impl<R: Real> Beads<'_, R> {
     }
 }
 
-/// Beads with springs to the ground.
+/// Beads with springs to fixed resonators.
 struct Cradle<'a, R> {
     beads: Beads<'a, R>,
     kappa: R,
@@ -306,7 +308,7 @@ impl<R: Real> Resonant<'_, R> {
     }
 }
 
-/// Sites whose beads springs kick too: positions are those of the beads.
+/// Sites whose beads are also kicked by springs; their positions are those of the beads.
 macro_rules! sprung {
     ($sites:ident, $room:expr) => {
         impl<R: Real> Sites<R> for $sites<'_, R> {

@@ -1,4 +1,5 @@
-//! The split exact linear flow + contact kick, in variables that the linear flow leaves alone.
+//! The split into exact linear flow and contact kick, in variables that the linear flow does not
+//! change.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -6,11 +7,11 @@
 //! | `R0, V; C, S` | `R(t) = R0 + V tau`, `P(t) = C cos theta + S sin theta` |
 //! | `theta, tau` | phase `omega t`; time since `R0` was last moved |
 //!
-//! An impulse `j` on a bead changes `R'` by `m j` and `P'` by `mu j`; so it adds `m j` to `V`,
-//! `-m j tau` to `R0`, `-mu j sin(theta)/omega` to `C` and `mu j cos(theta)/omega` to `S`. Between
-//! kicks nothing is computed at all: no rotation is repeated, so no rounding of one piles up, and
-//! where no contact acts the state keeps its bits for ever. The phase is one number for the whole
-//! chain, kept to twice the working precision.
+//! An impulse `j` on a bead changes `R'` by `m j` and `P'` by `mu j`; so it adds `m j` to `V`, `-m
+//! j tau` to `R0`, `-mu j sin(theta)/omega` to `C` and `mu j cos(theta)/omega` to `S`. Between
+//! kicks nothing is computed for a site: no rotation of it is repeated, so that no rounding errors
+//! of rotations add up, and `V, C, S` of a site on which no contact acts keep their bits. The phase
+//! is one number for the whole chain, kept to twice the working precision.
 
 use super::{
     Chain, Resonators,
@@ -23,24 +24,24 @@ use super::{
 };
 use hertzchain_integrators::{Column, Real, SplitFlow, Twofold, Vector};
 
-/// Kicks after which `R0` is moved along, so that `V tau` stays of the size of `R0`. Chosen, not
-/// measured.
+/// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
+/// tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
 /// A chain split into its exact linear flow and its contacts.
 pub struct LinearFlow<R> {
     pub(super) chain: Chain<R>,
-    /// `[R0, V]`, without the cradle's.
+    /// `[R0, V]`; empty for the cradle.
     pub(super) centre: [Aligned<R>; 2],
-    /// `[C, S]`, without the plain chain's.
+    /// `[C, S]`; empty for a plain chain.
     pub(super) oscillation: [Aligned<R>; 2],
     pub(super) mu_over_omega: R,
     pub(super) phase: Phase<R>,
     pub(super) tau: R,
     pub(super) kicks: u32,
-    /// What averaged kicks work with; empty until there is one.
+    /// Buffers for averaged kicks; empty before the first of them.
     pub(super) bonds: Bonds<R>,
-    /// What kicks in a row work with.
+    /// Buffers for kicks in a row.
     forces: RowForces<R>,
 }
 
@@ -96,7 +97,8 @@ impl<R: Real> LinearFlow<R> {
         self.chain.modes().mu
     }
 
-    /// Moves `R0` along when it is time to.
+    /// Counts a kick; before it, sets `R0` to the present position every [`KICKS_BETWEEN_ANCHORS`]
+    /// kicks.
     pub(super) fn count_kick(&mut self) {
         if self.kicks == KICKS_BETWEEN_ANCHORS {
             self.anchor();
@@ -104,7 +106,8 @@ impl<R: Real> LinearFlow<R> {
         self.kicks += 1;
     }
 
-    /// How many kicks, with that just counted, have no anchor between them.
+    /// Number of kicks, including the one just counted, that may follow without an anchor between
+    /// them.
     pub(super) fn kicks_to_anchor(&self) -> usize {
         (1 + KICKS_BETWEEN_ANCHORS - self.kicks) as usize
     }
@@ -114,7 +117,7 @@ impl<R: Real> LinearFlow<R> {
         self.phase.omega.value()
     }
 
-    /// `[R, R', P, P']` of site `i`, now.
+    /// `[R, R', P, P']` of site `i` at the present time.
     #[inline(always)]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
         let (r, r_dot) = match &self.centre {
@@ -172,7 +175,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: Twofold<R>) {
-        // The drift changes no number of a site: its rotation is computed beside the pass.
+        // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
         let now = self.begin(kick, drift);
         self.visit(now, Step);
@@ -183,7 +186,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
         let (long, short) = (long(&self.chain), self.forces.used());
         while (long || short) && rest.len() > 1 {
             self.count_kick();
-            // No anchor between kicks that are made together.
+            // No anchor may fall between kicks that are made together.
             let most = self.kicks_to_anchor();
             let (now, later) = rest.split_at(rest.len().min(if short { most } else { most.min(MOST_KICKS) }));
             self.kicks += now.len() as u32 - 1;
@@ -236,7 +239,8 @@ impl<R: Real> Divisible<R> for LinearFlow<R> {
             }
             return;
         }
-        // Both motions are there: a loop without branches, with what `motions` says of a site.
+        // With both motions: a loop without branches that computes what `motions` does for one
+        // site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
         let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
         let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
@@ -275,14 +279,14 @@ impl<R: Real> Swept<R> for LinearFlow<R> {
     }
 }
 
-/// What the sites depend on at a kick.
+/// What positions and a kick of the sites depend on at one time.
 #[derive(Clone, Copy)]
 pub(crate) struct Now<R> {
     tau: R,
     /// Sine and cosine of the phase.
     sin: R,
     cos: R,
-    /// What a unit force adds to `R0, V, C, S`.
+    /// What a unit force adds to `R0`, `V`, `C` and `S` in the kick.
     kick_r0: R,
     kick_v: R,
     kick_c: R,
@@ -299,13 +303,14 @@ impl<R: Real> Now<R> {
 }
 
 impl<R: Real> LinearFlow<R> {
-    /// What positions, and a kick over `kick`, depend on.
+    /// What positions and a kick of duration `kick` depend on at the present time.
     #[inline]
     pub(super) fn now(&self, kick: R) -> Now<R> {
         Now::new(self.phase.sin_cos(), self.tau, kick, [self.m(), self.mu_over_omega])
     }
 
-    /// Kicks, each with its drift, and none with an anchor before it but the first.
+    /// Does `work` with the (kick, drift) pairs in a row. Only the first kick may have an anchor
+    /// before it.
     #[inline(always)]
     pub(super) fn in_row<W: InRow<R>>(&mut self, pairs: &[(R, Twofold<R>)], work: W) -> W::Output {
         let shares = [self.m(), self.mu_over_omega];
@@ -321,7 +326,7 @@ impl<R: Real> LinearFlow<R> {
         }
     }
 
-    /// Kicks of a short chain.
+    /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, Twofold<R>)]) {
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
         self.in_row(pairs, &mut forces);
@@ -329,7 +334,7 @@ impl<R: Real> LinearFlow<R> {
     }
 }
 
-/// The phases of kicks in a row.
+/// The clock of (kick, drift) pairs in a row.
 struct Phases<'a, R> {
     phase: &'a mut Phase<R>,
     tau: &'a mut R,

@@ -1,4 +1,4 @@
-//! Mean contact forces: the diagnostic behind Theorem nobreath.
+//! Mean contact forces: the quantity of Theorem nobreath.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -6,16 +6,16 @@
 //! | `p_n` | momentum of a site with its resonator, `u_n' + rho v_n'` |
 //!
 //! `p_n(T) - p_n(0) = T (Fbar_n - Fbar_{n+1})`, and so `Fbar_n` does not depend on `n` where the
-//! motion has the period `T`; a localised one has zero.
+//! motion has the period `T`. For a localised motion of this period it is zero.
 
 use super::Chain;
 use crate::error::Result;
 use hertzchain_integrators::{Stepper, collocation::Pace};
 
-/// The mean contact force of every bond that can touch, over some time.
+/// Mean contact forces over some time, of all bonds that can touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanForces {
-    /// The bond of the first; it lies to the left of the site of this number.
+    /// Index of the first of these bonds; it lies to the left of the site of the same index.
     pub first_bond: usize,
     /// `Fbar_n`, bond by bond.
     pub forces: Vec<f64>,
@@ -27,7 +27,7 @@ impl MeanForces {
         self.forces.iter().sum::<f64>() / self.forces.len().max(1) as f64
     }
 
-    /// The largest less the smallest: zero for a motion whose period it is.
+    /// The largest minus the smallest; zero if the time is a period of the motion.
     pub fn spread(&self) -> f64 {
         let (low, high) = self.range();
         high - low
@@ -41,8 +41,8 @@ impl MeanForces {
 }
 
 impl Chain<f64> {
-    /// `Fbar_n` of the motion from the state `y` over a time `period` (Theorem nobreath): impulses
-    /// of contacts as collocation resolves them, over the time.
+    /// `Fbar_n` of the motion from the state `y` over a time `period` (Theorem nobreath): the
+    /// impulses of contacts, by collocation, divided by this time.
     ///
     /// ```
     /// use hertzchain_core::{chain::{Boundary, Chain, Params, State}, integrators::collocation::Pace};

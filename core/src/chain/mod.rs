@@ -56,7 +56,7 @@ use details::Parts;
 use hertzchain_integrators::Real;
 use std::sync::Arc;
 
-/// A chain of `sites` beads: everything about it that does not move.
+/// A chain of `sites` beads: its parameters, boundary and contact law, without a state.
 #[derive(Clone, Debug)]
 pub struct Chain<R> {
     params: Params,
@@ -109,9 +109,9 @@ impl<R: Real> Chain<R> {
         Ok(self)
     }
 
-    /// So many neighbouring sites of the chain, as a chain of its own: of displacements with free
-    /// ends, with walls at both ends if the chain has walls, or of strains on a ring. Where the
-    /// chain was cut, contact forces on the outermost sites are wrong.
+    /// A part of the chain, `sites` neighbouring sites, as a chain of its own: of displacements
+    /// with free ends, with walls at both ends if the chain has walls, or of strains on a ring.
+    /// Where the chain was cut, contact forces on the outermost sites are wrong.
     pub(crate) fn cut(&self, sites: usize) -> Self {
         let boundary = match self.boundary() {
             Boundary::Ring => Boundary::Free,
@@ -120,8 +120,8 @@ impl<R: Real> Chain<R> {
         self.with_sites(boundary, sites)
     }
 
-    /// So many neighbouring sites, and the bonds on both sides of each: the outermost are as if at
-    /// walls. Or so many strains on a ring, which are their bonds.
+    /// A part of the chain, `sites` neighbouring sites and the bonds on both sides of each, as a
+    /// chain of its own with walls. On a strain ring: `sites` strains, each with its bond.
     pub(crate) fn stretch(&self, sites: usize) -> Self {
         self.with_sites(if self.topology.strains() { Boundary::StrainRing } else { Boundary::Fixed }, sites)
     }
@@ -136,12 +136,12 @@ impl<R: Real> Chain<R> {
         self.params
     }
 
-    /// What holds the ends.
+    /// The boundary condition at the ends.
     pub fn boundary(&self) -> Boundary {
         self.topology.boundary()
     }
 
-    /// Which bond joins which sites.
+    /// The topology: which bond joins which sites.
     pub fn topology(&self) -> Topology {
         self.topology
     }
@@ -151,13 +151,13 @@ impl<R: Real> Chain<R> {
         self.layout.sites()
     }
 
-    /// Where the pieces of a state are.
+    /// The places of the arrays `u, v, u', v'` in a state.
     pub fn layout(&self) -> Layout {
         self.layout
     }
 
-    /// What an entry of a state is: `u of site 3`, counted from 0; strains and their rates on a
-    /// strain ring.
+    /// Name of an entry of a state in words, such as `u of site 3`, counted from 0; strains and
+    /// their rates on a strain ring.
     pub fn place(&self, entry: usize) -> String {
         let (n, ring) = (self.sites(), self.topology.strains());
         let names = if ring { ["x", "y", "x'", "y'"] } else { ["u", "v", "u'", "v'"] };
@@ -168,7 +168,7 @@ impl<R: Real> Chain<R> {
         format!("{} of site {}", names[array.min(3)], entry % n)
     }
 
-    /// The two motions that a site is made of between contacts.
+    /// The two independent motions of a site between contacts.
     pub fn modes(&self) -> Modes<R> {
         self.modes
     }
@@ -181,7 +181,7 @@ impl<R: Real> Chain<R> {
         }
     }
 
-    /// Mass of bead `i`, and of its resonator: zero where none moves.
+    /// Masses of bead `i` and of its resonator; zero for a resonator that does not move.
     pub fn masses(&self, i: usize) -> [R; 2] {
         match self.parts() {
             Some(parts) => [parts.sites[i].mass, parts.sites[i].resonator()],
@@ -190,7 +190,8 @@ impl<R: Real> Chain<R> {
         }
     }
 
-    /// The contact law; with [`Details`] that of a contact with the parameters of the chain.
+    /// The contact law; with [`Details`], the law of a contact that has the parameters of the
+    /// chain.
     pub fn law(&self) -> ContactLaw<R> {
         self.law
     }
@@ -205,13 +206,14 @@ impl<R: Real> Chain<R> {
         self.topology.touching()
     }
 
-    /// A quantity of the site before a bond less that of the site behind it; walls have none.
+    /// A quantity of the site to the left of a bond minus that of the site to its right; zero for
+    /// walls.
     pub fn across(&self, bond: usize, quantity: impl Fn(usize) -> R) -> R {
         self.topology.across(bond, |i| [quantity(i)])[0]
     }
 
-    /// The same for every bond that can touch, with `rest` in each: overlaps from positions, their
-    /// rates from velocities.
+    /// Writes `rest` plus [`across`](Self::across) for every bond that can touch: overlaps from
+    /// positions, rates of overlaps from velocities.
     #[inline]
     pub fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
         for (across, bond) in across.iter_mut().zip(self.touching()) {
@@ -219,11 +221,13 @@ impl<R: Real> Chain<R> {
         }
     }
 
-    /// Overlaps up to this are rounding of such positions: 64 roundings of the largest.
+    /// The dead band of overlaps at such positions: 64 roundings of the largest position or, if
+    /// larger, of the largest static overlap. Overlaps up to it may be rounding errors.
     ///
-    /// They are no contact and no gap to the search for events; the force, which is there all the
-    /// same, is then at most `(1.4e-14 max|u|)^alpha`: for spheres 2e-21 of that of an overlap as
-    /// large as `u`. The tail of a breather, whose overlaps go down to 1e-300, has no events in it.
+    /// The search for events takes them neither for a contact nor for a gap. Their force is still
+    /// computed; it is at most `(1.4e-14 max|u|)^alpha`, for spheres 2e-21 of the force of an
+    /// overlap as large as `u`. The tail of a breather, whose overlaps go down to 1e-300, therefore
+    /// has no events.
     pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
         let rest = self.parts().map_or(self.precompression.f64(), Parts::largest_rest);
         let largest = max_norm(positions.map(|u| u.f64())).max(rest);
@@ -245,20 +249,20 @@ impl<R: Real> Chain<R> {
     fn between<'a>(&self, q: &'a [R]) -> impl Iterator<Item = R> + 'a {
         let (rest, n) = (self.precompression, q.len());
         let (left, right) = self.topology.ghosts(q[0], q[n - 1]);
-        // On a ring the last bond is the first.
+        // On a ring the bond after the last site is the first bond.
         let last = (!self.topology.ring()).then(|| rest + (q[n - 1] - right));
         let inner = q.windows(2).map(move |pair| rest + (pair[0] - pair[1]));
         std::iter::once(rest + (left - q[0])).chain(inner).chain(last)
     }
 
     /// The strains of a state: `x_n` on a strain ring, else `x_n = u_n - u_{n-1}` of every bond
-    /// that can close, those with walls included. A single free bead has none: its displacement
-    /// stands in.
+    /// that can close, those with walls included. A single free bead has no strain; its
+    /// displacement is returned.
     pub fn strains(&self, y: &[R]) -> Vec<R> {
         let u = self.layout.u(y);
         let strains: Vec<R> = match self.boundary() {
             Boundary::StrainRing => u.to_vec(),
-            // Without static overlaps.
+            // Static overlaps are in the details, and `between` leaves them out.
             _ if self.details.is_some() => self.between(u).filter(|g| g.is_finite()).map(|g| -g).collect(),
             _ => self.overlaps(u).into_iter().filter(|g| g.is_finite()).map(|g| self.precompression - g).collect(),
         };
@@ -285,7 +289,7 @@ impl<R: Real> Chain<R> {
     }
 }
 
-/// For tests that choose instruction sets, which are those of all threads.
+/// A lock for tests that choose instruction sets: a choice holds for all threads.
 #[cfg(test)]
 fn one_set_at_a_time() -> std::sync::MutexGuard<'static, ()> {
     static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());

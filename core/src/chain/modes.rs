@@ -42,7 +42,7 @@ impl<R: Real> Modes<R> {
         if self.resonators == Resonators::None { self.mu } else { self.mu / self.omega.value() }
     }
 
-    /// `[R, R', P, P']` from `[u, v, u', v']`; `v` and `v'` count only where resonators move.
+    /// `[R, R', P, P']` from `[u, v, u', v']`; `v` and `v'` are used only where resonators move.
     #[inline(always)]
     pub fn split(&self, [u, v, u_dot, v_dot]: [R; 4]) -> [R; 4] {
         let (zero, m, mu) = (R::zero(), self.m, self.mu);
@@ -53,7 +53,7 @@ impl<R: Real> Modes<R> {
         }
     }
 
-    /// `[u, v, u', v']` from `[R, R', P, P']`; without branches, so that `v` and `v'` mean nothing
+    /// `[u, v, u', v']` from `[R, R', P, P']`; without branches. `v` and `v'` have no meaning
     /// unless resonators move.
     #[inline(always)]
     pub fn join(&self, [r, r_dot, p, p_dot]: [R; 4]) -> [R; 4] {

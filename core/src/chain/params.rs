@@ -15,14 +15,15 @@ pub struct Params {
     pub rho: f64,
 }
 
-/// What becomes of the resonators.
+/// The role of the resonators in a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resonators {
-    /// None that matters: `rho = 0`, or `kappa = 0`. The plain Hertz chain.
+    /// No resonators that act on beads: `rho = 0`, or `kappa = 0`. The plain Hertz chain.
     None,
-    /// Infinitely heavy ones, at rest: every bead has an on-site spring. Newton's cradle (eq:NC).
+    /// Infinitely heavy resonators, at rest: every bead has an on-site spring. Newton's cradle
+    /// (eq:NC).
     Fixed,
-    /// Moving ones.
+    /// Resonators that move.
     Moving,
 }
 

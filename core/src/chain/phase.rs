@@ -1,28 +1,30 @@
 //! The phase `theta = omega t` of all resonators, and its sine and cosine.
 //!
-//! A run repeats a few drifts over and over. Sine and cosine are then moved on by a rotation with
-//! twice the working precision. `k` rotations leave an error of about `k 10^-32`: below a rounding
-//! for 10^15 of them.
+//! A run repeats a few drifts over and over. Sine and cosine are then turned by a stored rotation
+//! with twice the working precision. `k` rotations leave an error of about `k 10^-32`: below one
+//! rounding for 10^15 of them.
 
 use hertzchain_integrators::{Kernel, Real, Rotation, Twofold};
 
-/// Drifts whose rotations are kept: those that a scheme repeats. A run that lands on contacts has
-/// ever new ones; beyond these, sine and cosine are computed.
+/// Largest number of drifts whose rotations are kept, enough for those that a scheme repeats. A run
+/// that lands on contacts has ever new drifts; for drifts beyond this number, sine and cosine are
+/// computed anew.
 const KEPT: usize = 16;
 
 /// The phase of a chain.
 pub(crate) struct Phase<R> {
     pub(crate) omega: Twofold<R>,
     two_pi: Twofold<R>,
-    /// The phase without what `turns` count.
+    /// The phase at the last count; `turns` holds the drifts since.
     theta: Twofold<R>,
     now: Rotation<R>,
     turns: Vec<Turn<R>>,
-    /// Where in `turns` the next drift is expected.
+    /// Index in `turns` at which the next drift is expected.
     next: usize,
 }
 
-/// A drift, by how much it turns the phase, and how many times it has since the last count.
+/// A drift, the angle by which it turns the phase, and how many times it was made since the last
+/// count.
 #[derive(Clone)]
 struct Turn<R> {
     drift: Twofold<R>,
@@ -44,7 +46,7 @@ impl<R: Real> Phase<R> {
         self.turns.iter_mut().for_each(|turn| turn.count = 0);
     }
 
-    /// Takes the phase of another.
+    /// Sets the phase to that of another.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.reset();
         (self.theta, self.now) = (other.theta(), other.now);
@@ -67,13 +69,14 @@ impl<R: Real> Phase<R> {
         self.turns.iter().filter(|turn| turn.count > 0).fold(self.theta, turned).reduced(self.two_pi)
     }
 
-    /// The flow over `dt`.
+    /// Moves the phase on by the time `dt`.
     #[inline]
     pub(crate) fn advance(&mut self, dt: Twofold<R>) {
         R::run(Advance { phase: self, dt });
     }
 
-    /// The same inside a kernel, with the fused products that it is compiled for.
+    /// As [`advance`](Self::advance), inside a kernel: with the fused products that the kernel is
+    /// compiled for.
     #[inline(always)]
     pub(crate) fn advance_inside(&mut self, dt: Twofold<R>) {
         match self.turn(dt) {
@@ -87,7 +90,7 @@ impl<R: Real> Phase<R> {
         }
     }
 
-    /// Which of the kept turns belongs to a drift.
+    /// Index of the kept turn with this drift.
     #[inline(always)]
     fn turn(&self, drift: Twofold<R>) -> Option<usize> {
         let here = if self.next < self.turns.len() { self.next } else { 0 };

@@ -1,13 +1,14 @@
 //! Kicks of a short chain in a row.
 //!
-//! A chain that stays in the nearest cache is limited by square roots, if nothing waits for them.
-//! So forces are known before a pass begins: it gives each register of sites the forces of this
-//! kick, and computes from the new positions, which it has at hand, those of the next kick. No
-//! register waits for another of the same pass.
+//! The speed of a chain that stays in the nearest cache is limited by square roots, provided that
+//! nothing waits for them. Therefore the forces of a kick are known before its pass begins. The
+//! pass gives each register of sites the forces of this kick and, from the new positions, which are
+//! still in the register, computes the forces of the next kick. No register waits for another of
+//! the same pass.
 //!
-//! On a ring a pass begins two registers after the one before it. Its first registers then need no
-//! force that was computed last. Each number is computed as by one kick after the other, so that
-//! the bits are the same.
+//! On a ring a pass begins two registers after the one before it. Its first registers then do not
+//! need the forces that were computed last. Each number is computed as by kicks one at a time, so
+//! that the bits are the same.
 
 use super::{
     Chain,
@@ -17,18 +18,18 @@ use super::{
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorKernel};
 
-/// Sites up to which kicks are made in rows. Timed with AVX2 on rings (least of many samples), a
-/// step takes 0.73 (`strang-linear`) and 0.89 (`verlet`) of the time of one kick after the other
-/// with 1000 sites; docs/decisions.md has 50.
+/// Largest number of sites of a chain whose kicks are made in rows. Timed with AVX2 on rings of
+/// 1000 sites (least of many samples), a step takes 0.73 (`strang-linear`) and 0.89 (`verlet`) of
+/// the time of kicks made one at a time; docs/decisions.md has those for 50 sites.
 const SHORT: usize = 4096;
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
 
-/// Sites whose kicks and drifts are known one after the other.
+/// Sites that are kicked and drift in a row of kicks.
 pub(crate) trait Moving<R: Real>: Sites<R> {
     /// What a kick and its drift depend on.
     type Moment: Copy;
-    /// Goes on to the next kick.
+    /// Sets the moment of the next kick.
     fn turn_to(&mut self, moment: Self::Moment);
     /// Updates the sites from `at` on, and returns their positions at the next kick.
     ///
@@ -37,21 +38,22 @@ pub(crate) trait Moving<R: Real>: Sites<R> {
     unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, next: &Self::Moment) -> V;
 }
 
-/// What kicks in a row depend on, one after the other.
+/// The moments of kicks in a row, in order of time.
 pub(crate) trait Clock {
     /// What a kick and its drift depend on.
     type Moment: Copy;
-    /// That of the next kick, and then the drift. Called once for each kick.
+    /// Returns the moment of the next kick, then moves the clock on by its drift. Called once for
+    /// each kick.
     fn next(&mut self) -> Self::Moment;
-    /// Positions now, with a kick of no duration.
+    /// The moment for positions at the present time, with a kick of duration zero.
     fn now(&self) -> Self::Moment;
 }
 
-/// What is done with the sites of a flow, and with the clock of some kicks in a row.
+/// Work on the sites of a flow over some kicks in a row.
 pub(crate) trait InRow<R: Real> {
-    /// What it returns.
+    /// Result of the work.
     type Output;
-    /// Does it, with at most as many `kicks` as the clock has.
+    /// Does the work, with at most as many `kicks` as the clock has.
     fn run<S: Moving<R>, C: Clock<Moment = S::Moment>>(
         self,
         chain: &Chain<R>,
@@ -61,7 +63,7 @@ pub(crate) trait InRow<R: Real> {
     ) -> Self::Output;
 }
 
-/// Kicks and no more.
+/// The kicks alone.
 impl<R: Real> InRow<R> for &mut RowForces<R> {
     type Output = ();
 
@@ -71,18 +73,19 @@ impl<R: Real> InRow<R> for &mut RowForces<R> {
     }
 }
 
-/// Forces of bonds at a kick and the next, from `PAD` on, with a register more on either side.
+/// Forces of bonds at one kick and at the next, from index `PAD` on, with one more register on
+/// either side.
 #[derive(Debug)]
 pub(crate) struct RowForces<R>([Aligned<R>; 2]);
 
 impl<R: Real> RowForces<R> {
-    /// Room for the forces of a chain, if it is short.
+    /// Buffers for the forces of a chain, if it is short; else empty.
     pub(crate) fn new(chain: &Chain<R>) -> Self {
         let n = chain.sites();
         Self(if n <= SHORT { Aligned::between(PAD + n + 1 + 2 * LANES) } else { Aligned::between(0) })
     }
 
-    /// No room.
+    /// Empty buffers.
     pub(crate) fn none() -> Self {
         Self(Aligned::between(0))
     }
@@ -93,7 +96,7 @@ impl<R: Real> RowForces<R> {
     }
 }
 
-/// So many kicks in a row.
+/// `kicks` kicks in a row.
 pub(crate) struct Row<'a, R, S, C> {
     pub(crate) chain: &'a Chain<R>,
     pub(crate) forces: &'a mut RowForces<R>,
@@ -136,7 +139,7 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
         let (mut here, mut there) = (here.column(), there.column());
         assert!(sites.room() >= registers, "columns are whole registers");
         assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
-        // One moment ahead, so that no position waits for it.
+        // The clock is one moment ahead, so that no position waits for it.
         let mut now = clock.next();
         let mut next = if kicks > 1 { clock.next() } else { now };
         sites.turn_to(now);
@@ -165,21 +168,22 @@ impl<R: Real, S: Moving<R>, C: Clock<Moment = S::Moment>> Row<'_, R, S, C> {
     }
 }
 
-/// What is done with bonds whose overlaps are known.
+/// Work on bonds whose overlaps are known.
 trait Bonds<R: Real> {
     /// Takes the bonds to the left of the sites from `at` on.
     ///
     /// # Safety
     /// `at` begins a register of sites, or is the last bond of a chain with ends.
     unsafe fn take<V: Vector<R>>(&mut self, at: usize, positions: V, overlaps: V);
-    /// Copies what lies beyond the ends of a ring of `n` sites.
+    /// Copies the numbers of the bonds at either end of a ring of `n` sites to the place beyond its
+    /// other end.
     ///
     /// # Safety
     /// All bonds were taken.
     unsafe fn join(&mut self, n: usize);
 }
 
-/// Forces alone.
+/// The forces of the bonds, as the only result.
 struct Raised<'a, 'b, R, P> {
     law: ContactLaw<R>,
     power: P,
@@ -207,12 +211,12 @@ impl<R: Real, P: Power<R>> Bonds<R> for Raised<'_, '_, R, P> {
 /// A pass over all registers of a chain.
 struct Pass<'a, R> {
     chain: &'a Chain<R>,
-    /// Where it begins: at 0, but on rings.
+    /// The site at which it begins: 0, except on rings.
     start: usize,
 }
 
 impl<R: Real> Pass<'_, R> {
-    /// Gives sites their forces, if there are any, and hands on the overlaps at the `next` kick.
+    /// Kicks the sites by `forces` if `KICK`, and hands the overlaps at the `next` kick to `bonds`.
     ///
     /// # Safety
     /// The columns of sites are whole registers; those of bonds have a register more than these on
@@ -228,7 +232,8 @@ impl<R: Real> Pass<'_, R> {
         let Self { chain, start } = *self;
         let (n, ring) = (chain.sites(), chain.topology.ring());
         let last = n.next_multiple_of(V::LANES) - V::LANES;
-        // Overlaps of strains need no neighbour; on a ring the first register waits for the last.
+        // Overlaps need no neighbour on a strain ring. On another ring the first register waits for
+        // the last.
         let wait = ring && !STRAIN;
         let (left, right) = chain.topology.ghosts(R::zero(), R::zero());
         let (mut q, mut first) = (V::all(left), V::all(left));
@@ -275,7 +280,7 @@ impl<R: Real> Pass<'_, R> {
     }
 }
 
-/// What the forces of bonds give to the sites from `at` on; nothing to those beyond the last.
+/// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.
 ///
 /// # Safety
 /// The column has a register before that of the first bond, and one after the last.
@@ -288,7 +293,7 @@ unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R
     if at + V::LANES > n { force.first(n - at, V::all(R::zero())) } else { force }
 }
 
-/// Kicks and their drifts, one after the other.
+/// (Kick, drift) pairs in order of time.
 pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, Twofold<R>)>;
 
 #[cfg(test)]
@@ -297,7 +302,7 @@ mod tests {
     use super::*;
     use hertzchain_integrators::{Instructions, SplitFlow};
 
-    /// The state after kicks in rows, and after one after the other.
+    /// The state after kicks in rows, and after the same kicks one at a time.
     fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, Twofold<f64>)]) -> [Vec<u64>; 2] {
         flow.load(y);
         let mut other = flow.duplicate();

@@ -4,7 +4,7 @@ use super::{Chain, details::LEDGER};
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
 
-/// Where the arrays of a state are: `[u, v, u', v']`, or `[u, u']` without moving resonators.
+/// The places of the arrays of a state: `[u, v, u', v']`, or `[u, u']` without moving resonators.
 ///
 /// On a strain ring read `x, y` for `u, v`. Velocities, not momenta: `p_u = u'`, `p_v = rho v'`.
 /// The state of a chain that dissipates or is driven ends with its [`Ledger`](super::Ledger).
@@ -29,7 +29,7 @@ impl Layout {
         self.ledger
     }
 
-    /// Number of positions, which is that of velocities.
+    /// Number of positions, which is also the number of velocities.
     pub fn half(self) -> usize {
         if self.resonators { 2 * self.sites } else { self.sites }
     }
@@ -70,13 +70,13 @@ impl Layout {
         self.resonators.then(|| &y[3 * self.sites..4 * self.sites])
     }
 
-    /// The arrays `[u, v, u', v']`; those of resonators are empty unless they move.
+    /// The arrays `[u, v, u', v']`; `v` and `v'` are empty unless resonators move.
     pub fn arrays<R>(self, y: &[R]) -> [&[R]; 4] {
         let none = &y[..0];
         [self.u(y), self.v(y).unwrap_or(none), self.u_dot(y), self.v_dot(y).unwrap_or(none)]
     }
 
-    /// The same, to be changed.
+    /// The arrays `[u, v, u', v']`, to be changed.
     pub fn arrays_mut<R>(self, y: &mut [R]) -> [&mut [R]; 4] {
         let (positions, velocities) = y.split_at_mut(self.dim() / 2);
         let ((u, v), (u_dot, v_dot)) = (positions.split_at_mut(self.sites), velocities.split_at_mut(self.sites));
@@ -84,7 +84,7 @@ impl Layout {
     }
 }
 
-/// `max |y_i|`; entries that are not numbers are passed over.
+/// `max |y_i|`; NaN entries are left out.
 pub fn max_norm(y: impl IntoIterator<Item = f64>) -> f64 {
     y.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
@@ -102,7 +102,7 @@ impl<R: Real> State<R> {
         Self { layout: chain.layout(), y: vec![R::zero(); chain.layout().dim()] }
     }
 
-    /// A state from its arrays; `v` and `v_dot` are left out where no resonator moves.
+    /// A state from its sites; `v` and `v_dot` of a site are left out where no resonator moves.
     ///
     /// # Errors
     /// A value that is not finite, by name and site.
@@ -126,7 +126,8 @@ impl<R: Real> State<R> {
         Ok(state)
     }
 
-    /// The state with the beads that drives move where these have them at time 0.
+    /// The state in which the beads that drives move have the position and velocity of their drive
+    /// at time 0.
     #[must_use]
     pub fn driven(mut self, chain: &Chain<R>) -> Self {
         let half = self.layout.half();

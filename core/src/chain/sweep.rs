@@ -2,17 +2,17 @@
 //!
 //! Forces stay in registers. The bond to the left of a site has its lane; neighbours come from the
 //! register before, moved by a lane. A register of sites is updated when the forces of the next
-//! are known, so that a pass reads and writes each array once, and no load waits for a store of the
-//! same pass. [`Real::run_vector`] compiles the pass for the vector unit at hand.
+//! register are known, so that a pass reads and writes each array once, and no load waits for a
+//! store of the same pass. [`Real::run_vector`] compiles the pass for the vector unit at hand.
 //!
 //! # Several kicks at once
 //!
-//! Those of a short chain are made in rows, see [`rows`](super::rows). On a long chain, which does
-//! not fit into the cache, the kicks follow each other through it: kick `k` works on a piece that
-//! kick `k - 1` has just left, a register behind it. On a ring the first bond of a pass joins the
-//! first site to the last, which the kick before reaches at its end. So kick `k` begins `8 k` sites
-//! from the first, goes on to the last, and then does those before its own first. Each number is
-//! computed as by one kick after the other, so that the bits are the same.
+//! Several kicks of a short chain are made in rows, see [`rows`](super::rows). On a long chain,
+//! which does not fit into the cache, the kicks follow each other through it: kick `k` works on a
+//! piece that kick `k - 1` has just left, a register behind it. On a ring the first bond of a pass
+//! joins the first site to the last, which the kick before reaches at its end. So kick `k` begins
+//! `8 k` sites from the first, goes on to the last, and then does those before its own first. Each
+//! number is computed as by kicks one at a time, so that the bits are the same.
 
 use super::{
     Chain,
@@ -21,7 +21,7 @@ use super::{
 };
 use hertzchain_integrators::{Real, Twofold, Vector, VectorKernel};
 
-/// What a sweep visits: sites in columns that are whole registers long.
+/// The sites that a sweep visits, in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
     /// Length of the columns.
     fn room(&self) -> usize;
@@ -38,7 +38,8 @@ pub(crate) trait Sites<R: Real> {
     unsafe fn update<V: Vector<R>>(&mut self, at: usize, force: V);
 }
 
-/// What is done with the sites of a flow, whatever its model; `M` is what a kick depends on.
+/// Work on the sites of a flow, for each kind of resonators; `M` is the type of what a kick depends
+/// on.
 pub(crate) trait Visit<R: Real, M> {
     fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S);
 }
@@ -53,23 +54,24 @@ impl<R: Real, M> Visit<R, M> for Step {
     }
 }
 
-/// Kicks that follow each other through a chain at most.
+/// Largest number of kicks that follow each other through a chain.
 pub(crate) const MOST_KICKS: usize = 16;
-/// Sites that a kick goes on before the next follows: chosen so that these and those of all kicks
-/// stay in the cache.
+/// Number of sites that each kick moves on by in its turn: chosen so that the sites of all kicks
+/// that follow each other stay in the cache.
 const PIECE: usize = 64 * LANES;
-/// Sites from which kicks follow each other. Timed on one core, with resonators, in CPU time: on
-/// 10^6 sites it takes 48 % (`verlet`) and 72 % (`strang-linear`) of the time of one after the
-/// other; on 10^4 and 10^5, 97 to 116 %. Tests do with shorter chains.
+/// Smallest number of sites of a chain whose kicks follow each other. Timed on one core, with
+/// resonators, in CPU time: on 10^6 sites a run takes 48 % (`verlet`) and 72 % (`strang-linear`) of
+/// the time of kicks one at a time; on 10^4 and 10^5 sites, 97 to 116 %. Tests use shorter chains.
 const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 17 };
 
 /// A flow whose kicks are sweeps.
 pub(crate) trait Swept<R: Real> {
-    /// What the sites depend on beside columns.
+    /// What a kick and its drift depend on, beside the columns.
     type Moment: Copy;
     /// The chain.
     fn swept(&self) -> &Chain<R>;
-    /// What the next kick depends on; then the drift, but for what it does to columns.
+    /// Returns what the next kick depends on, then makes the part of the drift that does not change
+    /// columns.
     fn begin(&mut self, kick: R, drift: Twofold<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
     fn visit(&mut self, moment: Self::Moment, work: impl Visit<R, Self::Moment>);
@@ -85,7 +87,8 @@ pub(crate) fn long<R: Real>(chain: &Chain<R>) -> bool {
 pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, Twofold<R>)]) {
     let (n, count, ring) = (flow.swept().sites(), pairs.len(), flow.swept().topology.ring());
     let mut kicks: [Option<(F::Moment, Pass<R>)>; MOST_KICKS] = [None; MOST_KICKS];
-    // All begin: the sites where the next does are moved then.
+    // The first pieces of all kicks, long enough that the sites around the start of the next kick
+    // are moved.
     for (k, &(kick, drift)) in pairs.iter().enumerate() {
         let (moment, mut pass) = (flow.begin(kick, drift), Pass::new(if ring { k * LANES } else { 0 }));
         flow.visit(moment, Piece { pass: &mut pass, to: (2 * count - k) * LANES });
@@ -110,27 +113,29 @@ pub(crate) fn sweep<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: S) {
     R::run_vector(Sweep { chain, piece: Piece { pass: &mut pass, to: chain.sites() }, sites });
 }
 
-/// A pass on its way.
+/// A pass under way, between two pieces of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Pass<R> {
-    /// The first site, and the next; both begin registers of any width.
+    /// The site at which the pass began; it begins a register of any width.
     began: usize,
+    /// The next site to be visited; it begins a register of any width.
     next: usize,
     /// Position of the site before the next.
     q: R,
     /// Position beyond the last site.
     right: R,
-    /// Forces of the last register, whose sites are updated next, of the bond before that, and of
-    /// the first.
+    /// Forces of the last register, whose sites are updated next.
     f: [R; LANES],
+    /// Force of the bond before that register.
     before: R,
+    /// Force of the bond at which the pass began.
     first: R,
-    /// Whether it goes on behind the end of a ring, to where it had begun.
+    /// Whether the pass has reached the end of a ring and goes on from site 0 to where it began.
     closing: bool,
 }
 
 impl<R: Real> Pass<R> {
-    /// Begins at a site; the sites around it are where the kick before has left them.
+    /// A pass that begins at this site; the kick before has moved the sites around it already.
     fn new(began: usize) -> Self {
         let zero = R::zero();
         let f = [zero; LANES];
@@ -155,7 +160,7 @@ impl<R: Real> Pass<R> {
         self.q
     }
 
-    /// Keeps the force of the first bond, if the pass is to end there.
+    /// Keeps the force of the first bond, if the pass will end at this bond.
     #[inline(always)]
     fn begun<V: Vector<R>>(&mut self, f: V) {
         if self.began > 0 {
@@ -181,14 +186,14 @@ impl<R: Real> Pass<R> {
     }
 }
 
-/// What a pass does at a time: it goes on up to a site, or to the end of the chain.
+/// A piece of a pass: up to the site `to`, or to the end of the chain.
 struct Piece<'a, R> {
     pass: &'a mut Pass<R>,
     to: usize,
 }
 
 impl<R: Real, M> Visit<R, M> for Piece<'_, R> {
-    // Not inlined: the kernel would be compiled again wherever a pass goes on.
+    // Not inlined: the kernel would be compiled again for every call.
     #[inline(never)]
     fn visit<S: Moving<R, Moment = M>>(self, chain: &Chain<R>, sites: S) {
         R::run_vector(Sweep { chain, piece: self, sites });
@@ -230,7 +235,7 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
     let (rest, end) = (n % V::LANES, n - n % V::LANES);
     let (none, stop) = (V::all(R::zero()), to.min(end));
     let mut at = pass.next;
-    // Positions and forces of the register before, which is to be updated next; the forces of that
+    // Positions and forces of the last register, which is updated next; forces of the register
     // before it.
     let (mut q, mut f, mut before);
     // SAFETY, here and below: a register of sites that begins before `n` ends within the columns,
@@ -264,10 +269,10 @@ fn go_on<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool>(
         return;
     }
     if pass.began > 0 {
-        // On a ring: the pass goes on there.
+        // On a ring, where the pass goes on from these positions.
         (pass.q, pass.right) = ghosts(chain, &sites);
     }
-    // The sites that fill no register, and what lies beyond the last.
+    // The sites that do not fill a register, and the position beyond the last.
     let beyond = V::all(pass.right);
     let here = if rest > 0 { unsafe { sites.positions::<V>(end) }.first(rest, beyond) } else { beyond };
     let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
@@ -287,21 +292,24 @@ fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S) -> (R, R) {
     chain.topology.ghosts(first, last)
 }
 
-// Functions, as closures would not be compiled for the registers of the pass.
+// These are functions, as closures would not be compiled for the registers of the pass.
 
-/// The forces of bonds to the left of sites.
+/// Forces of the bonds to the left of sites, from the positions `before` these sites and the
+/// positions `q` of the sites.
 #[inline(always)]
 fn bonds<R: Real, V: Vector<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, before: V, q: V) -> V {
     power.raise(chain.law.positive_part(overlaps::<R, V, STRAIN>(chain, before, q)))
 }
 
-/// Their overlaps, `delta_0 + q_{i-1} - q_i` from positions or `-x_i` from strains.
+/// Overlaps of the bonds to the left of sites, `delta_0 + q_{i-1} - q_i` from positions or `-x_i`
+/// from strains.
 #[inline(always)]
 pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(chain: &Chain<R>, before: V, q: V) -> V {
     if STRAIN { V::all(R::zero()) - q } else { V::all(chain.precompression) + (q.after(before) - q) }
 }
 
-/// What forces `f` of bonds to the left of sites do to these, `f_i - f_{i+1}`, or to strains.
+/// Contact forces `f_i - f_{i+1}` on sites, from the forces `f` of the bonds to their left; or the
+/// differences of two such, on strains.
 #[inline(always)]
 pub(crate) fn push<R: Real, V: Vector<R>, const STRAIN: bool>(before: V, f: V, next: V) -> V {
     if STRAIN { (f - f.after(before)) - (f.before(next) - f) } else { f - f.before(next) }
@@ -337,7 +345,7 @@ mod tests {
         assert!(used.select());
     }
 
-    /// The state after some kicks in a row, and after one after the other.
+    /// The state after kicks that follow each other, and after the same kicks one at a time.
     fn both_ways<F: SplitFlow<f64>>(mut flow: F, y: &[f64], pairs: &[(f64, Twofold<f64>)]) -> [Vec<f64>; 2] {
         flow.load(y);
         let mut other = flow.duplicate();

@@ -3,19 +3,19 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | bond `n` | lies to the left of site `n`: `g_n = delta_0 + q_{n-1} - q_n`, and `f_n` pushes site `n` forward |
-//! | *across* | difference `q_{n-1} - q_n` over a bond, the part of its overlap that moves |
-//! | *push* | `f_n - f_{n+1}`, what the forces in bonds do to a site |
+//! | *across* | difference `q_{n-1} - q_n` over a bond, the part of its overlap that varies |
+//! | *push* | `f_n - f_{n+1}`, the contact force on a site from the forces in bonds |
 //!
 //! Sites count from 0. A chain with ends has `n + 1` bonds, of which the outer two join a site to a
-//! wall or to nothing; on a ring bond `n` is bond 0. On a strain ring the unknowns are
-//! `x_n = u_n - u_{n-1}`, one a bond: the difference over bond `n` is `-x_n`, and the push on `x_n`
-//! is that on site `n` less that on site `n - 1`.
+//! wall or to nothing; on a ring bond `n` is bond 0. On a strain ring the unknowns are `x_n = u_n -
+//! u_{n-1}`, one a bond: the difference over bond `n` is `-x_n`, and the push on `x_n` is that on
+//! site `n` minus that on site `n - 1`.
 
 use super::Boundary;
 use hertzchain_integrators::Real;
 use std::ops::Range;
 
-/// Sites in a row, and what holds the ends.
+/// A row of sites with its boundary condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topology {
     boundary: Boundary,
@@ -23,12 +23,12 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// So many sites between such ends; at least one.
+    /// A topology of `sites` sites, at least one.
     pub fn new(boundary: Boundary, sites: usize) -> Self {
         Self { boundary, sites }
     }
 
-    /// What holds the ends.
+    /// The boundary condition.
     pub fn boundary(self) -> Boundary {
         self.boundary
     }
@@ -73,8 +73,8 @@ impl Topology {
         if n + 1 == self.sites { 0 } else { n + 1 }
     }
 
-    /// The unknowns on the two sides of a bond: its overlap is that of the first less that of the
-    /// second. Walls have none, and a bond of a strain ring has its own strain as the second.
+    /// The unknowns on the two sides of a bond: its overlap is the first minus the second. A wall
+    /// has no unknown (`None`), and a bond of a strain ring has its own strain as the second.
     #[inline(always)]
     pub fn ends(self, bond: usize) -> [Option<usize>; 2] {
         match self.boundary {
@@ -114,7 +114,7 @@ impl Topology {
         self.boundary == Boundary::Fixed && (bond == 0 || bond == self.sites)
     }
 
-    /// By how much a unit force in a bond reduces the second derivative of its own overlap: 2
+    /// Amount by which a unit force in a bond reduces the second derivative of its own overlap: 2
     /// between two sites, 1 at a wall.
     #[inline(always)]
     pub fn recoil(self, bond: usize) -> f64 {
@@ -127,15 +127,15 @@ impl Topology {
         difference(self.ends(bond), quantity)
     }
 
-    /// What forces in bonds do to a site (to a strain, on a strain ring): [`across`](Self::across)
-    /// transposed, with the other sign.
+    /// The contact force on a site (on a strain, on a strain ring) from the forces in bonds:
+    /// [`across`](Self::across) transposed, with the other sign.
     #[inline(always)]
     pub fn push<R: Real, const K: usize>(self, site: usize, force: impl Fn(usize) -> [R; K]) -> [R; K] {
         let push = difference(self.bonds(site), &force);
         if self.strains() { minus(push, difference(self.bonds(self.previous(site)), &force)) } else { push }
     }
 
-    /// The unknowns that a unit force in a bond pushes, and by how much.
+    /// The unknowns that a unit force in a bond pushes, each with its weight.
     #[inline(always)]
     pub fn pushed(self, bond: usize) -> Pushed {
         let (none, n) = ((0, 0.0), bond);
@@ -150,8 +150,9 @@ impl Topology {
         }
     }
 
-    /// The positions beyond the two ends, from those at the ends, for loops over arrays: with them
-    /// every overlap is a difference of neighbours. An infinite one never touches.
+    /// Positions beyond the two ends, from those of the first and the last site, for loops over
+    /// arrays: with them every overlap is a difference of neighbours. A bond to an infinite
+    /// position never touches.
     #[inline(always)]
     pub fn ghosts<R: Real>(self, first: R, last: R) -> (R, R) {
         match self.boundary {
@@ -178,9 +179,9 @@ impl std::ops::Deref for Pushed {
     }
 }
 
-/// The quantity on one side less that on the other; where there is nothing it is zero.
-// A function, as a closure would not be compiled into the instruction set of the kernel that it is
-// in.
+/// The quantity on one side minus that on the other; it is zero on a side without an unknown.
+// This is a function, as a closure would not be compiled for the instruction set of the kernel that
+// it is in.
 #[inline(always)]
 fn difference<R: Real, const K: usize>(sides: [Option<usize>; 2], quantity: impl Fn(usize) -> [R; K]) -> [R; K] {
     match sides {

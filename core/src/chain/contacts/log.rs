@@ -20,18 +20,18 @@ use std::ops::ControlFlow;
 /// Chosen, not measured.
 const SINGULAR: f64 = 1e-6;
 
-/// The contacts of a run so far: those that have ended, and those under way with what is needed to
-/// go on in a later leg of the run.
+/// The contacts of a run so far: those that have ended, and those under way, with the data that a
+/// later leg of the run needs to continue them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contacts {
-    /// Those that have ended, in the order in which they did.
+    /// Contacts that have ended, in the order of their ends.
     pub ended: Vec<Contact>,
     open: Vec<Pending>,
 }
 
 impl Contacts {
-    /// All contacts in the order of their onsets; those that were there at the start come first, by
-    /// bond. Contacts that are roundings of the largest one are left out.
+    /// All contacts in the order of their onsets; those without an onset come first, by bond.
+    /// Contacts that are rounding errors in comparison with the largest one are left out.
     pub fn list(&self) -> Vec<Contact> {
         let open = self.open.iter().map(|contact| contact.finish(None));
         let all: Vec<Contact> = self.ended.iter().copied().chain(open).collect();
@@ -39,15 +39,15 @@ impl Contacts {
         in_order(all.into_iter().filter(|contact| contact.largest_overlap > ROUNDING * largest).collect())
     }
 
-    /// Those that have not ended, as numbers.
+    /// The contacts that have not ended, as numbers.
     pub fn store_open(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         self.open.iter().for_each(|contact| contact.store(&mut numbers));
         numbers
     }
 
-    /// The contacts of a chain of which some have ended, and others are stored as numbers; `None`
-    /// for numbers that are not those of contacts.
+    /// The contacts of a chain from those that have `ended`, and from the numbers of
+    /// [`store_open`](Self::store_open); `None` for numbers that are not those of contacts.
     pub fn restore(chain: &Chain<f64>, ended: Vec<Contact>, open: &[f64]) -> Option<Self> {
         let (mut numbers, touching) = (open.iter().copied().peekable(), chain.touching());
         let mut contacts = Self { ended, open: Vec::new() };
@@ -66,10 +66,10 @@ pub struct ContactLog {
     overlaps: Overlaps<f64>,
     q: u32,
     rates: Vec<f64>,
-    /// The contact that each bond is in.
+    /// The contact under way in each bond that can touch.
     open: Vec<Option<Pending>>,
     ended: Vec<Contact>,
-    /// When the leg began; `None` for the first of a run.
+    /// Start time of the leg; `None` for the first leg of a run.
     leg: Option<f64>,
 }
 
@@ -82,7 +82,7 @@ impl ContactLog {
         Self { chain, overlaps, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new(), leg: None }
     }
 
-    /// The log of a leg that goes on at time `t` where `contacts` end.
+    /// The log of a leg that starts at time `t`; `contacts` are those of the legs before.
     #[must_use]
     pub fn go_on(mut self, contacts: Contacts, t: f64) -> Self {
         let first = self.overlaps.bond(0);
@@ -95,12 +95,13 @@ impl ContactLog {
         self
     }
 
-    /// The contacts that have ended, in the order in which they did.
+    /// The contacts that have ended, in the order of their ends.
     pub fn ended(&self) -> &[Contact] {
         &self.ended
     }
 
-    /// Takes what a method says of a contact in a step that began at `start`: it needs no search.
+    /// Takes the piece of a contact that a method reports for a step that began at `start`; no
+    /// search for events is needed.
     pub fn take(&mut self, piece: &Piece, start: f64) {
         if let Some((t, rate)) = piece.onset {
             self.close(piece.bond, (start + t, rate));
@@ -115,8 +116,8 @@ impl ContactLog {
 
     /// The contacts at the end of a leg.
     pub fn into_contacts(mut self) -> Contacts {
-        // One that only the leg before has seen is on the surface between the two, but for
-        // rounding, and ends there with no speed.
+        // The overlap of a contact that only the leg before has seen is zero between the two legs,
+        // but for rounding errors: it ends there with no speed.
         if let Some(t) = self.leg {
             for index in 0..self.open.len() {
                 if self.open[index].as_ref().is_some_and(|contact| !contact.seen) {
@@ -127,7 +128,8 @@ impl ContactLog {
         Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect() }
     }
 
-    /// A bond closes; one that a step before has told of without an event has done so now.
+    /// A bond closes at `zero`. If a step before has reported its contact without an event, this is
+    /// the contact's onset.
     fn close(&mut self, index: usize, zero: (f64, f64)) {
         match (&mut self.open[index], self.leg) {
             (Some(contact), Some(t)) if !contact.seen => self.part(index, (t, 0.0)),
@@ -137,15 +139,16 @@ impl ContactLog {
         self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
     }
 
-    /// A bond is closed.
+    /// Adds a stretch of overlap and its impulse to the contact of a closed bond.
     fn press(&mut self, index: usize, curve: &Curve, impulse: f64) {
-        // One that no event began was there at the start, or is on the surface between two legs.
+        // A contact without an event at its start was there at the start of the run, or began
+        // between two legs.
         let (bond, leg) = (self.overlaps.bond(index), self.leg);
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
         self.ended.extend(contact.press(curve, impulse));
     }
 
-    /// A bond opens.
+    /// A bond opens at `zero`: its contact ends.
     fn part(&mut self, index: usize, zero: (f64, f64)) {
         if let Some(contact) = self.open[index].take() {
             self.ended.push(contact.finish(Some(zero)));

@@ -1,4 +1,4 @@
-//! Contacts as events: when they begin and end, and what they did.
+//! Contacts as events: their onset, release, largest overlap and impulse.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,10 +8,10 @@
 //! | onset, release | where a contact begins and ends, see [`Contact`] |
 //!
 //! Beads that touch at rest have no gap from which a contact could begin: ahead of a wave their
-//! overlap falls like a double exponential and is zero nowhere. What a method finds as its zero
-//! there is where its rounding, or its tolerance, ends. Onsets and releases are therefore zeros of
-//! the overlap only where it comes through zero, and crossings of a share of `G` elsewhere: the
-//! same for every method that is more accurate than that share.
+//! overlap falls like a double exponential and is zero nowhere. A zero that a method finds there
+//! depends on its rounding errors or on its tolerance. Onsets and releases are therefore zeros of
+//! the overlap only where it comes through zero. Elsewhere they are crossings of a share of `G`,
+//! which are the same for every method that is more accurate than that share.
 
 mod log;
 mod pending;
@@ -22,16 +22,17 @@ use super::Chain;
 use hertzchain_integrators::{EventFunctions, Real};
 
 /// Share of the largest overlap of a contact up to which its beads only touch. Chosen: errors of a
-/// method, in units of that overlap, come back a thousand times larger in times at which beads that
+/// method, in units of that overlap, are multiplied by a thousand in the times at which beads that
 /// touch begin to press.
 pub const TOUCH: f64 = 1e-3;
 
-/// Share of the mean rate up to [`TOUCH`] of its largest value that the overlap has at least at a
-/// zero through which it comes. Chosen: times of such zeros are then at most ten times as sensitive
-/// as those of that value.
+/// An overlap comes through a zero if its rate there is at least this share of the mean rate
+/// between the zero and [`TOUCH`] of its largest value. Chosen: times of such zeros are then at
+/// most ten times as sensitive to errors as times at that value.
 const STEEP: f64 = 0.1;
 
-/// Contacts whose largest overlap is below this share of the largest of the log are roundings.
+/// Contacts whose largest overlap is at most this share of the largest one in the log are rounding
+/// errors.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The overlaps of all bonds that can close, as event functions.
@@ -46,8 +47,8 @@ impl<R: Real> Overlaps<R> {
         Self { chain }
     }
 
-    /// The bond that function `index` stands for: the outer bonds of a free chain never close and
-    /// have none.
+    /// The bond of function `index`. The outer bonds of a free chain never close and have no
+    /// function.
     pub fn bond(&self, index: usize) -> usize {
         self.chain.touching().start + index
     }
@@ -83,16 +84,16 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
 /// With `G` the largest overlap, follow the overlap from there back to the last time `t` at which
 /// it has the value [`TOUCH`]` G`, and on to its zero at `t_0`. The onset is `t_0` if the overlap
 /// comes through zero: if its rate there is at least a tenth of the mean rate from `t_0` to `t`.
-/// Else the beads touched before they pressed, and the onset is `t`. The release is the same in
-/// time reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts if its
-/// least value between them is below [`TOUCH`] of the smaller of their largest ones.
+/// Otherwise the beads touched before they pressed, and the onset is `t`. The release is the same
+/// in time reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts
+/// if its least value between them is below [`TOUCH`] of the smaller of their largest ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The bond: `n` lies to the left of site `n`.
     pub bond: usize,
-    /// When it began; `None` if it was there at the start.
+    /// Time of the onset; `None` if the bond was closed at the start of the run.
     pub onset: Option<f64>,
-    /// When it ended; `None` if it lasted to the end.
+    /// Time of the release; `None` if the contact lasted to the end of the run.
     pub release: Option<f64>,
     /// `dg/dt` at the onset.
     pub approach: Option<f64>,
@@ -100,9 +101,9 @@ pub struct Contact {
     pub separation: Option<f64>,
     /// The largest overlap.
     pub largest_overlap: f64,
-    /// The impulse, `int f dt`; what beads that touch press before the onset counts too.
+    /// The impulse, `int f dt`, including that of beads that touch before the onset.
     pub impulse: f64,
-    /// When the overlap was largest.
+    /// Time of the largest overlap.
     pub t_largest: f64,
     /// The overlap at the onset: zero, or [`TOUCH`] of the largest for beads that touched before.
     pub onset_overlap: Option<f64>,
@@ -111,10 +112,10 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// How many numbers say all of it.
+    /// Length of the array of [`numbers`](Self::numbers).
     pub const NUMBERS: usize = 10;
 
-    /// All of it, in the order of the fields; NaN for what there is not.
+    /// The contact as plain numbers, in the order of the fields; NaN for `None`.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, .. } = *self;
         let number = |number: Option<f64>| number.unwrap_or(f64::NAN);
@@ -123,7 +124,8 @@ impl Contact {
         [bond as f64, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end]
     }
 
-    /// The contact of these numbers; `None` if there is none.
+    /// The contact with these [`numbers`](Self::numbers); `None` if they are not those of a
+    /// contact.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
         let [bond, onset, release, approach, separation, largest_overlap, impulse, t_largest, start, end] = *numbers;
         let sound = bond.fract() == 0.0 && bond >= 0.0;
@@ -147,7 +149,7 @@ impl Contact {
     }
 }
 
-/// By onset; those that were there at the start come first, by bond.
+/// Sorts contacts by onset; those without one come first, by bond.
 fn in_order(mut contacts: Vec<Contact>) -> Vec<Contact> {
     let time = |contact: &Contact| contact.onset.unwrap_or(f64::NEG_INFINITY);
     contacts.sort_by(|x, y| time(x).total_cmp(&time(y)).then(x.bond.cmp(&y.bond)));

@@ -3,40 +3,41 @@
 use super::{Contact, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
-/// What follows a contact without a gap is another one only above this share of its largest
-/// overlap: positions are rounded too, and may be larger than overlaps. Chosen.
+/// An overlap that rises again without a gap is another contact only if it exceeds this share of
+/// the contact's largest overlap: positions are rounded too, and may be larger than overlaps.
+/// Chosen.
 const RIPPLE: f64 = 16.0 * ROUNDING;
 
-/// A time and the rate of the overlap then.
+/// A time, and the rate of the overlap at that time.
 type Instant = (f64, f64);
 
-/// A contact under way: what is needed to tell where it began once its largest overlap is known.
+/// A contact under way, with the data that give its onset once its largest overlap is known.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pending {
     pub(super) bond: usize,
     /// The zero of the overlap from which it came; `None` if it was there at the start of the run.
     began: Option<Instant>,
     impulse: f64,
-    /// Largest overlap so far, and when.
+    /// Time and value of the largest overlap so far.
     largest: (f64, f64),
-    /// The stretches in which the overlap came to new largest values, from [`TOUCH`] of its largest
-    /// on.
+    /// The stretches in which the overlap reached new largest values, from [`TOUCH`] of its largest
+    /// value on.
     rise: Vec<Curve>,
     lull: Option<Lull>,
-    /// Whether this leg of the run has told of it.
+    /// Whether this leg of the run has reported it.
     pub(super) seen: bool,
 }
 
-/// What follows when an overlap has fallen below [`TOUCH`] of its largest.
+/// The state of a contact whose overlap has fallen below [`TOUCH`] of its largest value.
 #[derive(Clone, Debug, PartialEq)]
 struct Lull {
-    /// When it fell.
+    /// When it fell below, with its rate.
     from: Instant,
-    /// Time, overlap and rate at the end of what is known.
+    /// Time, overlap and rate at the end of the last stretch.
     end: [f64; 3],
     /// Its least value since.
     least: f64,
-    /// What has come after that: the next contact, if it becomes large enough.
+    /// The overlap after the least value: the next contact, if it becomes large enough.
     next: Box<Pending>,
 }
 
@@ -52,19 +53,19 @@ impl Pending {
         Self { bond, began, impulse: 0.0, largest, rise: Vec::new(), lull: None, seen: true }
     }
 
-    /// What may come of an overlap from the end of a stretch on, in which it was at its least.
+    /// The contact that may follow a stretch in which the overlap had its least value.
     fn rising(bond: usize, curve: &Curve) -> Self {
         let [t, overlap, _] = curve.end();
         Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((t, 0.0))) }
     }
 
-    /// Begins at this zero.
+    /// Sets the zero at which the contact began.
     pub(super) fn begin(&mut self, zero: Instant) {
         self.began = Some(zero);
     }
 
-    /// Takes the next stretch of its overlap and the impulse in it. Returns the contact that has
-    /// turned out to be over.
+    /// Takes the next stretch of the overlap and the impulse in it. Returns the contact under way
+    /// if it turns out to have ended; the next one then takes its place.
     pub(super) fn press(&mut self, curve: &Curve, impulse: f64) -> Option<Contact> {
         self.seen = true;
         let Some(lull) = &mut self.lull else {
@@ -89,7 +90,7 @@ impl Pending {
             return Some(over.finish(None));
         }
         if curve.falls_to(TOUCH * largest).is_some() {
-            // What came between is a part of this contact.
+            // The rise in between is a part of this contact.
             self.impulse += lull.next.impulse;
             self.lull = None;
             self.fall(curve);
@@ -97,11 +98,11 @@ impl Pending {
         None
     }
 
-    /// Counts the impulse of a stretch, and keeps the stretch if the overlap becomes larger in it
-    /// than it was.
+    /// Adds the impulse of a stretch, and keeps the stretch if the overlap reaches a new largest
+    /// value in it.
     fn grow(&mut self, curve: &Curve, impulse: f64) {
         self.impulse += impulse;
-        // Between nodes it may be larger than at any.
+        // Between nodes the overlap may be larger than at all nodes.
         if curve.range().1 < (1.0 - 1e-3) * self.largest.1 {
             return;
         }
@@ -117,7 +118,7 @@ impl Pending {
         }
     }
 
-    /// Looks whether a stretch ends below [`TOUCH`] of the largest overlap.
+    /// Begins a lull if a stretch ends below [`TOUCH`] of the largest overlap.
     fn fall(&mut self, curve: &Curve) {
         if let Some(from) = curve.falls_to(TOUCH * self.largest.1) {
             let (least, next) = (curve.range().0, Box::new(Self::rising(self.bond, curve)));
@@ -125,17 +126,18 @@ impl Pending {
         }
     }
 
-    /// The contact alone, without what came after its lull.
+    /// The contact without the rise after its lull.
     fn without_next(mut self) -> Self {
         if let Some(lull) = &mut self.lull {
             *lull.next = Self::new(self.bond, None);
-            // It stays below.
+            // The overlap then counts as one that stays below.
             (lull.end[1], lull.end[2]) = (0.0, 0.0);
         }
         self
     }
 
-    /// The contact, with the zero of the overlap at which it ended; `None` if it has not.
+    /// The contact as a record; `zero` is the zero of the overlap at which it ended, `None` if it
+    /// has not ended there.
     pub(super) fn finish(&self, zero: Option<Instant>) -> Contact {
         let level = TOUCH * self.largest.1;
         let onset = self.began.map(|zero| {
@@ -155,7 +157,7 @@ impl Pending {
         Contact {
             bond: self.bond,
             onset: onset.map(|[t, ..]| t),
-            // The events of a contact that is rounding may be in any order.
+            // The events of a contact that is a rounding error may be in any order.
             release: release.map(|[t, ..]| t.max(start)),
             approach: onset.map(|[_, rate, _]| rate),
             separation: release.map(|[_, rate, _]| -rate),
@@ -167,7 +169,7 @@ impl Pending {
         }
     }
 
-    /// All of it as numbers, appended.
+    /// Appends the contact as numbers.
     pub(super) fn store(&self, out: &mut Vec<f64>) {
         let began = self.began.unwrap_or((f64::NAN, f64::NAN));
         out.extend([self.bond as f64, began.0, began.1, self.impulse, self.largest.0, self.largest.1]);
@@ -180,8 +182,8 @@ impl Pending {
         }
     }
 
-    /// What [`store`](Self::store) has written, and how many numbers it was; `None` for numbers
-    /// that it does not write.
+    /// Reads the numbers that [`store`](Self::store) has written; `None` for numbers that it does
+    /// not write. `with_lull`: whether the contact may have a lull.
     pub(super) fn read(numbers: &mut impl Iterator<Item = f64>, with_lull: bool) -> Option<Self> {
         let count = |number: f64| (number.fract() == 0.0 && (0.0..1e9).contains(&number)).then_some(number as usize);
         let finite = |number: f64| number.is_finite().then_some(number);
@@ -225,8 +227,9 @@ impl Lull {
 mod tests {
     use super::*;
 
-    /// What is told of an overlap in stretches of this length: the contacts that end on the way,
-    /// and the one under way at the end. It begins, or ends, where it is zero with a rate.
+    /// The contacts of an overlap that is given in stretches of length `h`: those that end on the
+    /// way, and the one under way at the end. `rates` are those at its zeros at start and end, if
+    /// there are any.
     fn contacts(g: impl Fn(f64) -> f64, (start, end): (f64, f64), rates: [Option<f64>; 2], h: f64) -> Vec<Contact> {
         let mut pending = Pending::new(3, rates[0].map(|rate| (start, rate)));
         let count = ((end - start) / h).round() as usize;
@@ -255,7 +258,7 @@ mod tests {
     #[test]
     fn beads_that_touch_begin_to_press_at_a_share_of_the_largest_overlap() {
         // Closed form: exp(-cosh t) has its largest value 1/e at 0, and TOUCH of it where cosh t =
-        // 1 + ln(1/TOUCH). What it is found to be zero at does not matter.
+        // 1 + ln(1/TOUCH). The times that are given as its zeros do not matter.
         let t = (1.0 - TOUCH.ln()).acosh();
         for (from, to, noise) in [(-6.0, 6.0, 0.0), (-4.0, 5.0, 1e-8), (-5.0, 4.0, -1e-8)] {
             for h in [0.02, 0.1] {
@@ -269,7 +272,8 @@ mod tests {
                 assert_eq!([contact.onset_overlap, contact.release_overlap], [Some(level); 2]);
             }
         }
-        // At the end of the run it has faded, or not yet; what opens in a moment has not.
+        // At the end of the run the contact has faded, or not yet; one that is about to open has
+        // not.
         let at_end = |end: f64| contacts(|t| f64::exp(-t.cosh()), (-4.0, end), [Some(0.0), None], 0.02)[0];
         assert!((at_end(4.0).release.unwrap() - t).abs() < 1e-12);
         assert_eq!(at_end(t - 0.02).release, None);
@@ -291,12 +295,12 @@ mod tests {
                 assert!((first.t_largest + second.t_largest - 8.0).abs() < 1e-12);
             }
         }
-        // A ripple below the least of both is none.
+        // A ripple whose overlap stays above `TOUCH` of its own largest value is no contact.
         let ripple = |t: f64| f64::exp(-t.cosh()) + 1e-5 * (1.2 + (9.0 * t).cos());
         assert_eq!(contacts(ripple, (-5.0, 5.0), [Some(0.0), Some(0.0)], 0.02).len(), 1);
     }
 
-    /// Without what only the window under way knows.
+    /// The contact as it is read back: not seen in this leg.
     fn unseen(pending: Pending) -> Pending {
         let lull = pending.lull.map(|lull| Lull { next: Box::new(unseen(*lull.next)), ..lull });
         Pending { seen: false, lull, ..pending }
