@@ -74,8 +74,9 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains of more sites whose contacts dissipate run by DOP853 without stops at contacts, where no
-/// method is named: each stop costs a step of the whole chain.
+/// Largest number of sites of a chain with dissipative contacts that runs with stops at contacts if
+/// no method is named. Larger chains run by DOP853 without stops: each stop costs a step of the
+/// whole chain.
 const FEW_SITES: usize = 64;
 
 /// Largest number of steps. At 10^7 steps a second they take three years.
@@ -130,10 +131,10 @@ const TELLING: [&str; 13] = [
     "collocation",
 ];
 
-/// What is said to somebody who gives a tolerance to a method that takes none.
+/// Rule in the error for a tolerance given to a method that takes none.
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
-/// What is said to somebody who asks for parts of a method that has none.
+/// Rule in the error for parts asked of a method that cannot run in parts.
 const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
                                  leave threads and ranks out, or take one";
 
@@ -243,7 +244,7 @@ impl Method {
         self.adaptive() || matches!(self, Self::Corrected(splitting::Parts { corrected: true, .. }, _))
     }
 
-    /// How it moves the [`parts`](crate::parts) of a chain.
+    /// How the method moves the [`parts`](crate::parts) of a chain.
     ///
     /// # Errors
     /// A method that cannot run in them.
@@ -255,7 +256,7 @@ impl Method {
         }
     }
 
-    /// Refuses parts if it cannot run a chain in them.
+    /// Refuses parts if the method cannot run a chain in them.
     ///
     /// # Errors
     /// More than one part, or ranks, for a method without a [`motion`](Self::motion); more parts
@@ -494,9 +495,9 @@ fn dop853(
 ) -> Result<Box<dyn Stepper<f64> + Send>> {
     let chain = run.chain().clone();
     let field = Field::new(chain.clone());
-    // The unit of the absolute tolerance is the largest entry of the initial state, so that waves of
-    // small amplitude are integrated with the same relative accuracy. A chain that drives take from
-    // rest has theirs.
+    // The unit of the absolute tolerance is the largest entry of the initial state, so that waves
+    // of small amplitude are integrated with the same relative accuracy. For a chain that drives
+    // take from rest, the unit is the size of the drives.
     let size = match max_norm(run.initial().as_slice().iter().copied()) {
         0.0 => chain.details().map_or(0.0, Details::scale),
         size => size,

@@ -57,7 +57,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 #[derive(Clone, Debug)]
 pub struct Run {
     chain: Chain<f64>,
-    /// Shared with clones of the run, and with who has given it.
+    /// Shared with clones of the run, and with the caller that gave it.
     initial: Arc<State<f64>>,
     end: f64,
     period: f64,
@@ -72,9 +72,9 @@ pub struct Run {
 /// The times of samples.
 #[derive(Clone, Debug)]
 enum Sampling {
-    /// The start, and so many equal parts of the span; none at all for zero.
+    /// The start, and the ends of this many equal parts of the span; no samples for zero.
     Equal(usize),
-    /// These.
+    /// The given times, in ascending order.
     At(Vec<f64>),
 }
 
@@ -242,7 +242,7 @@ impl Run {
         Ok(self)
     }
 
-    /// Where its sites are moved.
+    /// The parts in which the chain is moved.
     pub fn parts(&self) -> &Parts {
         &self.parts
     }
@@ -370,9 +370,9 @@ impl Run {
     }
 
     /// As [`start_seen`](Self::start_seen), and calls `told` with each contact of the log once it
-    /// has ended. It needs a log ([`contacts`](Self::contacts)). Not told of are contacts that are
-    /// open at the end of the run. Told of are also those that the log leaves out at last, as they
-    /// are roundings of the largest one.
+    /// has ended. It needs a log ([`contacts`](Self::contacts)). `told` is not called with contacts
+    /// that are open at the end of the run. It is also called with those that the final list leaves
+    /// out as rounding errors in comparison with the largest one.
     ///
     /// ```
     /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};

@@ -79,7 +79,7 @@ pub struct Trajectory {
     pub profiles: Vec<Profile>,
     /// Contacts in the order of their onsets, if a log was asked for.
     pub contacts: Option<Vec<Contact>>,
-    /// Work of the run, samples included.
+    /// Work of the run; see [`Stats`] for the work of samples.
     pub stats: Stats,
     /// Wall time of the run, samples included.
     pub wall: Duration,
@@ -141,7 +141,7 @@ impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
     }
 }
 
-/// A log of contacts that tells of each contact once it has ended.
+/// A log of contacts that reports each contact once it has ended.
 struct Told<'a> {
     log: ContactLog,
     count: usize,
@@ -290,7 +290,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Has `told` called with each contact of the log once it has ended.
+    /// Sets the function that is called with each contact of the log once it has ended.
     #[must_use]
     pub(super) fn telling(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
         self.told = Some(told);
