@@ -1,8 +1,8 @@
-//! Flags that ask work to end. Runs, sweeps and branches look at them, stop, and keep what they
-//! have computed.
+//! Flags that ask work to end. Runs, sweeps and branches read them, stop, and keep what they have
+//! computed.
 //!
-//! There is one flag of the process, which a signal handler sets, and a thread may have one of its
-//! own while it does a piece of work, so that one piece can be stopped without the others.
+//! The process has one flag, which a signal handler sets. A thread may have a flag of its own while
+//! it does a piece of work, so that one piece can be stopped without the others.
 
 use std::{
     cell::RefCell,
@@ -24,23 +24,25 @@ pub fn watch(flag: Arc<AtomicBool>) {
     let _ = FLAG.set(flag);
 }
 
-/// Whether this piece of work is asked to end: by the flag of its thread or that of the process.
+/// Whether the work of this thread is asked to end: by the flag of the thread or that of the
+/// process.
 pub fn asked() -> bool {
     token().asked()
 }
 
-/// The flag of the piece of work that this thread does, to look at it often, or to hand it to
-/// threads that take part in the work.
+/// The flag of the work of this thread: to read it often, or to hand it to threads that take part
+/// in the work.
 pub fn token() -> Token {
     OWN.with_borrow(Clone::clone)
 }
 
-/// A flag that asks a piece of work to end; by default there is only that of the process.
+/// A flag that asks a piece of work to end. The default has no flag of its own, only that of the
+/// process.
 #[derive(Clone, Debug, Default)]
 pub struct Token(Option<Arc<AtomicBool>>);
 
 impl Token {
-    /// A flag of its own, not set.
+    /// A new flag, not set.
     ///
     /// ```
     /// use hertzchain_core::interrupt::{Token, asked};
@@ -52,7 +54,7 @@ impl Token {
         Self(Some(Arc::default()))
     }
 
-    /// Sets the flag, if it is not that of the process.
+    /// Sets the token's own flag, if it has one; never that of the process.
     pub fn ask(&self) {
         self.0.iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
     }
@@ -62,7 +64,7 @@ impl Token {
         self.0.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Does a piece of work that looks at this flag, on this thread.
+    /// Does a piece of work on this thread; within it, [`asked`] reads this flag.
     pub fn within<T>(&self, work: impl FnOnce() -> T) -> T {
         /// Gives the thread its flag back, also if the work panics.
         struct Before(Token);

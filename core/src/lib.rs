@@ -8,7 +8,7 @@
 //! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
 //! | [`error`] | the error type |
 //! | [`interrupt`] | the flag that asks the process to end |
-//! | [`plain`] | the loops that anybody would write, as a yardstick |
+//! | [`plain`] | plain loops over bonds and sites, as a yardstick |
 //!
 //! It is a separate package to keep the build short: the code whose speed matters is compiled here
 //! at full optimisation, and the studies in `hertzchain` at a lower level. `hertzchain` exports all

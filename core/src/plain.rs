@@ -1,13 +1,13 @@
-//! The loops that anybody would write, as a yardstick: a loop over bonds, loops over sites.
+//! Plain loops over bonds and over sites, as a yardstick for the speed of the splittings.
 //!
 //! | loop | a step |
 //! |---|---|
 //! | Verlet | kick by all forces, drift, kick (velocity Verlet) |
 //! | rotation + kick | exact motion of bead and resonator, kick by the contacts, exact motion |
 //!
-//! Either also as Yoshida's composition of order four. They have no error control, no output and no
-//! check. They are plain Rust, compiled for the vector instructions of the machine, as a C compiler
-//! does with `-march=native`.
+//! Each is also there as Yoshida's composition of order four. The loops have no error control, no
+//! output and no checks. They are plain Rust, compiled for the vector instructions of the machine,
+//! as a C compiler does with `-march=native`.
 //!
 //! ```
 //! use hertzchain_core::{Boundary, Chain, Params, plain::{Loop, Sites}};
@@ -35,11 +35,11 @@ pub struct Sites {
     rest: f64,
     moving: bool,
     u: Vec<f64>,
-    /// Zeros without resonators, and where they are fixed.
+    /// Displacements of resonators; zeros without resonators, and for fixed ones.
     v: Vec<f64>,
     u_dot: Vec<f64>,
     v_dot: Vec<f64>,
-    /// Forces of bonds, with one more on either side.
+    /// Forces of bonds, with one more place on either side.
     force: Vec<f64>,
 }
 
@@ -143,11 +143,12 @@ impl Sites {
         }
     }
 
-    /// The exact motion of beads with resonators: the centre of mass is free, the stretch turns.
+    /// The exact motion of beads with resonators: the centre of mass moves freely, the stretch
+    /// oscillates.
     #[inline(always)]
     fn turn(&mut self, h: f64, (sin, cos): (f64, f64), omega: f64) {
         let n = self.u.len();
-        // Both also for fixed resonators, whose mass is infinite.
+        // Both shares also hold for fixed resonators, whose mass is infinite.
         let (of_u, of_v) = (1.0 / (1.0 + 1.0 / self.rho), 1.0 / (1.0 + self.rho));
         let (slow, fast) = (sin / omega, omega * sin);
         let (u, v) = (&mut self.u[..n], &mut self.v[..n]);
@@ -165,12 +166,12 @@ impl Sites {
 /// `1/(2 - 2^{1/3})` and `1 - 2/(2 - 2^{1/3})`.
 const YOSHIDA: [f64; 3] = [1.351_207_191_959_657_6, -1.702_414_383_919_315_3, 1.351_207_191_959_657_6];
 
-/// A plain loop: a composition of Strang steps, on one of both splits.
+/// A plain loop: a composition of Strang steps, on one of the two splits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loop {
     /// Name in tables.
     pub name: &'static str,
-    /// Whether resonators turn exactly, or are kicked by their springs.
+    /// Whether bead and resonator move exactly; else their springs are part of the kick.
     turns: bool,
     /// Shares of the Strang steps in a step.
     shares: &'static [f64],
@@ -181,7 +182,7 @@ impl Loop {
     pub const VERLET: Self = Self { name: "plain Verlet", turns: false, shares: &[1.0] };
     /// Strang's scheme on the exact motion of bead and resonator.
     pub const ROTATION: Self = Self { name: "plain rotation + kick", turns: true, shares: &[1.0] };
-    /// All of them.
+    /// All plain loops.
     pub const ALL: [Self; 4] = [
         Self::VERLET,
         Self::ROTATION,
@@ -194,12 +195,12 @@ impl Loop {
         self.shares.len()
     }
 
-    /// Evaluations of the contact force in so many steps.
+    /// Evaluations of the contact force in `steps` steps.
     pub fn evaluations(&self, steps: u64) -> u64 {
         steps * self.shares.len() as u64 + u64::from(!self.turns)
     }
 
-    /// So many steps of length `h`.
+    /// Makes `steps` steps of length `h`.
     pub fn run(self, sites: &mut Sites, h: f64, steps: u64) {
         f64::run(Steps { of: self, sites, h, steps });
     }
@@ -220,7 +221,8 @@ impl Kernel for Steps<'_> {
         let Self { of: Loop { turns, shares, .. }, sites, h, steps } = self;
         let omega = (sites.kappa * (1.0 + 1.0 / sites.rho)).sqrt();
         let half = 0.5 * h * shares[0];
-        // Half a share on either side of each: two of these halves meet.
+        // Each share has an outer flow of half its length on either side; where two shares meet,
+        // the two halves are one flow.
         let mut joint: Vec<f64> = shares.windows(2).map(|pair| 0.5 * h * (pair[0] + pair[1])).collect();
         joint.push(0.5 * h * (shares[0] + shares[shares.len() - 1]));
         let angle = |dt: f64| (omega * dt).sin_cos();

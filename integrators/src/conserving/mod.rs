@@ -11,7 +11,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `[r, r', p, p']` | free and oscillating part of the position of a site, and their rates, see [`ContactChain`] |
-//! | `m, mu` | the shares of an impulse that the free and the oscillating part take: their masses are `1/m` and `1/mu` |
+//! | `m, mu` | shares of an impulse that these two parts take; their masses are `1/m` and `1/mu` |
 //! | `g_b, f, V` | overlap of a bond; force `(g)_+^alpha` and potential of the contact law |
 //! | `F_i` | contact force on a site |
 
