@@ -7,7 +7,7 @@ const MOST_SHOWN: usize = 300;
 /// Largest number of known names that the message about an unknown name lists.
 const MOST_LISTED: usize = 32;
 
-/// What can go wrong. Each variant has the value and the rule it broke, where there is one.
+/// An error of the library. Each variant has the value and the rule it broke, where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

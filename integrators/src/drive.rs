@@ -16,7 +16,7 @@ pub trait Stepper<R: Real> {
     /// # Errors
     /// The failure of the method. The last state stays readable through [`sample`](Self::sample).
     fn step(&mut self) -> Result<(), Error>;
-    /// Makes one accepted step or a few in a row, none after the first that ends at the time
+    /// Makes one accepted step or a few in a row. No step is made after one that ends at the time
     /// `wanted` or later.
     ///
     /// # Errors

@@ -83,7 +83,7 @@ pub enum Error {
         t: f64,
         /// The step.
         h: f64,
-        /// The last change of a stage; not a number if a slope is none.
+        /// The last change of a stage; NaN if a slope is NaN.
         residual: f64,
     },
 }

@@ -18,7 +18,8 @@ pub trait VectorField<R: Real> {
 pub trait SplitFlow<R: Real> {
     /// Number of components of the state `y`.
     fn dim(&self) -> usize;
-    /// Number of components that one thread moves in a kick: all, unless the flow is divided.
+    /// Number of components that one thread moves in a kick: all, unless the flow is divided into
+    /// parts.
     fn moved(&self) -> usize {
         self.dim()
     }

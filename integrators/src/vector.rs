@@ -51,9 +51,9 @@ pub trait Vector<R>:
     fn above(self, bound: R, then: Self) -> Self;
     /// A bit for each lane, the first lane's lowest: whether its number is above zero.
     fn positive(self) -> u64;
-    /// The same bits: whether the number exceeds that of `other`.
+    /// A bit for each lane: whether its number exceeds that of `other`.
     fn exceeds(self, other: Self) -> u64;
-    /// The same bits: whether the number is at most that of `other`; NaN is not.
+    /// A bit for each lane: whether its number is at most that of `other`; NaN is not.
     fn at_most(self, other: Self) -> u64;
     /// The numbers of `self` in lanes whose bit is set, those of `others` elsewhere.
     fn or(self, bits: u64, others: Self) -> Self;
@@ -646,7 +646,7 @@ mod tests {
                     V::all(x[0]),
                 ] {
                     let mut lanes = [0.0; MOST_LANES];
-                    // SAFETY: there are at most so many lanes.
+                    // SAFETY: the array is as long as the largest number of lanes.
                     unsafe { value.store(lanes.as_mut_ptr()) };
                     out.extend(&lanes[..V::LANES]);
                 }
@@ -669,7 +669,7 @@ mod tests {
             let (a, b): (V, V) = unsafe { (column.load(0), column.load(V::LANES)) };
             for value in [a.before(b), b.after(a)].into_iter().chain((0..=V::LANES).map(|n| a.first(n, b))) {
                 let mut lanes = [0.0; MOST_LANES];
-                // SAFETY: there are at most so many lanes.
+                // SAFETY: the array is as long as the largest number of lanes.
                 unsafe { value.store(lanes.as_mut_ptr()) };
                 self.0.extend(&lanes[..V::LANES]);
             }

@@ -1,4 +1,4 @@
-//! What holds the ends of the chain.
+//! The boundary conditions of the chain.
 
 use serde::{Deserialize, Serialize};
 

@@ -164,18 +164,18 @@ impl<R: Real> Pass<R> {
     #[inline(always)]
     fn begun<V: Vector<R>>(&mut self, f: V) {
         if self.began > 0 {
-            // SAFETY: there are at most so many lanes.
+            // SAFETY: arrays are as long as the largest number of lanes.
             unsafe { f.store(self.f.as_mut_ptr()) };
             self.first = self.f[0];
         }
     }
 
-    /// Keeps what the next piece begins with.
+    /// Keeps the numbers with which the next piece begins.
     #[inline(always)]
     fn keep<V: Vector<R>>(&mut self, next: usize, [q, f, before]: [V; 3]) {
         let mut lanes = [R::zero(); LANES];
         self.next = next;
-        // SAFETY: there are at most so many lanes.
+        // SAFETY: arrays are as long as the largest number of lanes.
         unsafe {
             f.store(self.f.as_mut_ptr());
             q.store(lanes.as_mut_ptr());

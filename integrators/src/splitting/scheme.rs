@@ -25,7 +25,7 @@ pub enum Coefficients {
         /// `b_1, b_2, ..` without the innermost.
         kicks: &'static [&'static str],
     },
-    /// The same for a scheme that begins and ends with a kick.
+    /// Drifts `a_1, ..` and kicks `b_1, ..` of a scheme that begins and ends with a kick.
     KickFirst {
         /// `a_1, a_2, ..` without the innermost.
         drifts: &'static [&'static str],

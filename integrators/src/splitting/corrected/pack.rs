@@ -24,7 +24,7 @@ impl<V: Vector<f64>> Pack<V> {
 
     #[inline(always)]
     pub(super) fn from_lanes(lanes: &[f64; MOST_LANES]) -> Self {
-        // SAFETY: there are at most so many lanes.
+        // SAFETY: the array is as long as the largest number of lanes.
         Self(unsafe { V::load(lanes.as_ptr()) })
     }
 
