@@ -36,7 +36,7 @@ const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// Mass ratios at maxima are found to this.
+/// Accuracy of the mass ratios at maxima.
 const NEAR: f64 = 2e-5;
 
 /// The study of a pulse in dimers.
@@ -85,7 +85,7 @@ pub struct DimerRow {
     pub ratio: f64,
     /// Largest contact force near the struck end.
     pub first: f64,
-    /// The same `cells` cells on.
+    /// Largest contact force `cells` cells further on.
     pub last: f64,
 }
 
