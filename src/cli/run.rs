@@ -141,7 +141,8 @@ fn report(
         outcome = study::in_si(outcome, scene.chain().layout(), units);
     }
     let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
-    // Of a long chain this takes more memory than the run.
+    // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
+    // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
     // Files are written even if printing fails, and results are printed before a file can fail.
     let printed = print(&text);

@@ -11,9 +11,9 @@ use crate::{
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use std::path::PathBuf;
 
-/// What `--out` says everywhere.
+/// Help of `--out`, the same for all studies.
 const OUT: &str = "Write the results to this folder; without it, no file is written";
-/// What `--shard` says of every sweep.
+/// Help of `--shard`, the same for all sweeps.
 const SHARD: &str = "Compute only part K of N of the points; needs --out";
 const SHARD_LONG: &str = "\
 Compute only part K of N of the points; needs --out.
@@ -25,7 +25,7 @@ files as one process.";
 
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
-/// Where points are computed.
+/// Values of `--engine`; the first is the default.
 const ENGINES: [&str; 2] = ["threads", MPI];
 pub(super) const MPI: &str = "mpi";
 const ENGINE: &str = "Where points are computed: threads or mpi";

@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Result as Written, Write, stdout};
 /// error.
 ///
 /// # Errors
-/// What keeps the text from being written whole, such as a full disk.
+/// An error that keeps the text from being written whole, such as a full disk.
 pub(super) fn print(text: &str) -> Result<()> {
     checked(stdout().lock().write_all(text.as_bytes()))
 }

@@ -130,7 +130,7 @@ pub trait Study {
     /// Options outside their rules; a scene or a file that cannot be read.
     fn begin(&self) -> Result<Work<'_>>;
 
-    /// Where its files go unless a folder is named.
+    /// The folder for its files if the command names none.
     fn beside(&self) -> Option<PathBuf> {
         None
     }

@@ -1,4 +1,4 @@
-//! What is charted: a chain and a state, and their variants.
+//! The problem that is charted, a chain and a state, and its variants.
 
 use crate::{
     chain::{Boundary, Chain},

@@ -181,7 +181,7 @@ fn maximum(mut a: f64, mut b: f64, f: &dyn Fn(f64) -> Result<f64>) -> Result<(f6
     Ok(if fc > fd { (c, fc) } else { (d, fd) })
 }
 
-/// Where a condition that holds at `good` and not at `bad` ends.
+/// The place between `good` and `bad` where a condition that holds at `good` ends, by bisection.
 fn bisect(mut good: f64, mut bad: f64, holds: &dyn Fn(f64) -> Result<bool>) -> Result<f64> {
     for _ in 0..40 {
         let middle = 0.5 * (good + bad);

@@ -59,8 +59,8 @@ pub struct StruckRuns {
     pub runs: Vec<StruckRun>,
 }
 
-/// How far a state is from a reference: relative to the largest position, or to the largest
-/// velocity.
+/// The distance of a state from a reference: the larger of the largest error of a position relative
+/// to the largest position, and that of a velocity relative to the largest velocity.
 pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
     let half = y.len() / 2;
     let part = |a: &[f64], b: &[f64]| max_norm(a.iter().zip(b).map(|(a, b)| a - b)) / max_norm(b.iter().copied());

@@ -175,8 +175,8 @@ impl Numbers {
 }
 
 /// The setting with the mean strain of the ansatz as a value: an exact wave is the companion of the
-/// ansatz with the same frequency and the same mean strain. With the amplitude given, a share of
-/// the amplitude is the same for both.
+/// ansatz with the same frequency and the same mean strain. If the amplitude is given, a mean
+/// strain in proportion to it is the same for both.
 fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
     // One harmonic has another mean strain than the exact wave of the same shape.
     let Some(ansatz) = Start::new(&setting, given)?.ansatz() else { return Ok(setting) };

@@ -254,8 +254,8 @@ impl Moving {
 
     fn point(&self, orbit: MovingOrbit, envelope: Envelope) -> Result<MovingPoint> {
         let (breather, tail) = (&orbit.breather, envelope.tail_wave());
-        // The background of the ring has this frequency. It is looked for by a search of its own,
-        // which the orbit does not need.
+        // The frequency is that of the ring's background. A search of its own looks for the
+        // background, and the orbit is kept even if that search fails.
         let waves = LinearWaves::new(breather.params, breather.omega_b + tail.twist / breather.passage());
         Ok(MovingPoint {
             return_error: orbit.return_error(self.tol)?,

@@ -80,7 +80,7 @@ pub struct TheoremSlope {
     /// The power that its proof bounds the error with at this law of `rho`: (estimr1) and
     /// (estimrp); `None` if `rho` is constant.
     pub expected: Option<f64>,
-    /// From large to small sizes; not a number where an error is zero.
+    /// The local slopes, from large to small sizes; not a number where an error is zero.
     pub local: Vec<f64>,
     /// The limit of the slopes, and its uncertainty.
     pub limit: Option<(f64, f64)>,

@@ -155,9 +155,9 @@ impl Study for Wave {
 /// `E_x` and `E_y`, or `tilde E_x` and `tilde E_y`, at the sample times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Of the beads.
+    /// Errors of the strains of beads.
     pub x: Vec<f64>,
-    /// Of the resonators.
+    /// Errors of the strains of resonators.
     pub y: Vec<f64>,
 }
 

@@ -182,7 +182,7 @@ pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
     state.u_dot_mut()[0] = 1.0;
     let bonds = [2 * FIRST_CELL, 2 * (FIRST_CELL + cells)];
     let mut crests = Crests::new(2);
-    // The pulse of equal beads takes 1.6 a bead at most: slow ones are those that have decayed.
+    // A pulse in equal beads takes at most 1.6 units of time a bead; slower pulses have decayed.
     follow(&chain, state, (step, 8.0 * sites as f64), &mut |_, y| {
         let overlaps = chain.overlaps(chain.layout().u(y));
         crests.look(bonds.map(|bond| overlaps[bond]), |_| ());
