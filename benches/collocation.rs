@@ -142,13 +142,13 @@ fn tangent_map(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Sites of the chains whose windows are taken apart, and their windows.
+/// Sites of the ring on which [`parts`] times windows, and windows of each of its runs.
 const RING: usize = 200;
 const WINDOWS: u64 = 200;
 
-/// Nanoseconds of a bond and window, and sweeps a window, in windows of length `h` with so many
-/// nodes a panel: on a ring of beads in which all bonds stay as they are, closed or open, but for
-/// an oscillation.
+/// Least time per bond and window in nanoseconds, and sweeps a window, for windows of length `h`
+/// with `nodes` nodes a panel. The beads of the ring oscillate, but all bonds stay closed
+/// (`closed`) or open.
 fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
     let chain = Chain::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::StrainRing, RING).unwrap();
     let strain = if closed { -1.0 } else { 1.0 };
@@ -170,8 +170,9 @@ fn window(closed: bool, h: f64, nodes: usize) -> (f64, f64) {
     best
 }
 
-/// What the parts of a window cost a bond: the difference between an open bond and a closed one,
-/// and between windows of two lengths, which take more sweeps and are the same otherwise.
+/// Prints the time per bond of each part of a window. It follows from two differences: between an
+/// open bond and a closed one, and between windows of two lengths, where only the number of sweeps
+/// differs.
 fn parts() {
     println!("ns a bond and window      4 nodes   8 nodes  12 nodes");
     let mut table = [[0.0; 3]; 3];

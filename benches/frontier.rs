@@ -3,11 +3,12 @@
 //!
 //! Plain loops are those of `hertzchain::plain`: velocity Verlet, and the exact rotation of
 //! resonators with kicks of the contacts, each as Strang's scheme and as Yoshida's of order four.
-//! DOP853 across contacts stands for the solver that anybody would call; it is ours, as the
-//! published crates bring another `nalgebra`.
+//! DOP853 across contacts stands for a general-purpose solver. It is the one of hertzchain, since
+//! the published crates bring another `nalgebra`.
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of `compare`: strains
-//! at the end, over the amplitude. All times are medians from one process; start-up is in them.
+//! at the end, over the amplitude. Times are medians of three runs in one process and include the
+//! set-up of a run.
 //! `cargo bench --bench frontier -- points` prints every run.
 
 use hertzchain::{
@@ -17,10 +18,11 @@ use hertzchain::{
 };
 use std::time::Instant;
 
-/// Kicks a period on the coarsest rung; each has twice those of the one before.
+/// Kicks a period on the coarsest rung of a ladder; each rung has twice those of the one before.
 const COARSEST: f64 = 8.0;
 const RUNGS: i32 = 14;
-/// Longest run of a ladder, in seconds, and the error below which it ends.
+/// A ladder ends with the first run that takes more than `LONGEST` seconds or has an error below
+/// `FINE`.
 const LONGEST: f64 = 0.4;
 const FINE: f64 = 3e-12;
 const DECADES: std::ops::RangeInclusive<i32> = 1..=10;
@@ -32,7 +34,7 @@ struct Point {
     seconds: f64,
 }
 
-/// The scene, and what errors are measured against.
+/// A scene, its strains at the end as the reference, and the amplitude that errors are divided by.
 struct Problem {
     scene: Scene,
     reference: Vec<f64>,
@@ -55,7 +57,8 @@ impl Problem {
         gaps.fold(0.0, |most: f64, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) }) / self.amplitude
     }
 
-    /// Runs finer and finer settings until they take too long or are exact.
+    /// Runs finer and finer settings, up to the first that takes longer than [`LONGEST`] or has an
+    /// error below [`FINE`].
     fn ladder<S: Copy>(
         &self,
         name: &str,

@@ -19,7 +19,8 @@ use std::{
 const SIZES: [usize; 5] = [50, 1_000, 10_000, 100_000, 1_000_000];
 const STEP: f64 = 0.01;
 
-/// A timed operation, which makes so many steps, and a check of its result.
+/// A timed operation, which makes `steps` steps of a chain of `sites` sites, and a check of its
+/// result.
 struct Work {
     name: String,
     sites: usize,
@@ -76,7 +77,7 @@ fn repeat(name: String, chain: Chain<f64>, run: impl Stepper<f64> + 'static, y: 
     use std::{cell::RefCell, rc::Rc};
     let run = Rc::new(RefCell::new(run));
     let (running, sites, initial, dim) = (run.clone(), chain.sites(), chain.energy(y).total(), y.len());
-    // As many steps at a time as a run makes that nobody looks at.
+    // Each call makes as many steps in a row as a run without samples does.
     let once = move || running.borrow_mut().steps(None).unwrap();
     once();
     let before = run.borrow().stats().steps;
@@ -148,7 +149,8 @@ fn contact_logs() -> Vec<Work> {
 const PERIODS: usize = 100;
 const KICKS: usize = 64;
 
-/// Whole runs of `tw-q15`: plain kicks, those of corrected splitting without events, and with them.
+/// Whole runs of `tw-q15` by three methods: plain kicks, the modified kicks of corrected splitting
+/// alone, and corrected splitting with its corrections at events.
 fn corrected() -> Vec<Work> {
     let steps = PERIODS * KICKS;
     let work = |name: &str| {
@@ -168,8 +170,9 @@ fn corrected() -> Vec<Work> {
     ["strang-linear", "takahashi-imada-linear", "corrected"].map(work).into()
 }
 
-/// The price of a corrected step without events, and of an event: each bond closes and opens once a
-/// period. The least times: these runs are so long that others interrupt many of them.
+/// Prints the time of a corrected step without events, and of an event: each bond closes and opens
+/// once a period. Takes the least of the samples, since these runs are so long that other processes
+/// interrupt many of them.
 fn print_corrected() {
     let mut works = corrected();
     let times = sampled(&mut works, |_| 0);
@@ -188,7 +191,8 @@ fn medians(works: &mut [Work]) -> Vec<f64> {
     sampled(works, |count| count / 2)
 }
 
-/// Of so many samples of each operation the one of a rank, counted from the least.
+/// Nanoseconds per site and step of each operation: the sample with index `rank(number of samples)`
+/// among its samples in increasing order.
 fn sampled(works: &mut [Work], rank: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut samples = vec![Vec::new(); works.len()];
     for round in 0..31 {

@@ -16,7 +16,7 @@ pub(crate) fn main() -> Result<()> {
     let start = State::from_fn(&chain, site)?;
     let energy = |state: &State<f64>| chain.energy(state.as_slice()).total();
 
-    // A thousand states.
+    // The energy is compared at a thousand times.
     let times: Vec<f64> = (0..1000).map(|k| periods * PI * f64::from(k + 1) / 1000.0).collect();
     let mut largest = Vec::new();
     for name in ["corrected", "takahashi-imada-linear", "strang-linear"] {

@@ -24,7 +24,7 @@
 //! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
 
-// What a program prints goes through one place, which knows of full disks and closed pipes.
+// All output goes through one place, which handles full disks and closed pipes.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod breathers;

@@ -16,8 +16,8 @@ pub(crate) fn double(text: &str) -> Result<f64, String> {
     Ok(value)
 }
 
-/// A parameter as a person writes it: with few digits where these are the number, as a fraction of
-/// whole numbers up to a twelfth where it is one (`1/3`), else to four digits.
+/// A parameter as a person writes it: all its digits if they are few; else as a fraction with a
+/// denominator up to 12 if it is one (`1/3`); else to four digits.
 pub(crate) fn written(x: f64) -> String {
     const FEW: usize = 8;
     let exact = x.to_string();
@@ -31,7 +31,8 @@ pub(crate) fn written(x: f64) -> String {
     fraction.unwrap_or_else(|| shown(x))
 }
 
-/// An angle as a multiple of pi, as a fraction where it is one to rounding: `4π/5`, `0.3183 π`.
+/// An angle as a multiple of pi: a fraction if it is one to rounding (`4π/5`), else a decimal
+/// (`0.3183 π`).
 pub(crate) fn of_pi(angle: f64) -> String {
     let share = angle / std::f64::consts::PI;
     let fraction = (1..=12).map(f64::from).find_map(|q| {

@@ -1,4 +1,5 @@
-//! One long chain over the ranks of an MPI job: a part each, see [`parts`](crate::parts).
+//! One long chain over the ranks of an MPI job: each rank has one part, see
+//! [`parts`](crate::parts).
 
 use crate::{
     error::{Error, Result},
@@ -13,7 +14,8 @@ use mpi::{
 };
 use std::{fmt, sync::Arc};
 
-/// Words of an order that go in one message with their number; longer orders take a second one.
+/// Length in words of the first message of an order: the number of its words, then the words. If
+/// they do not fit, a second message has all of them.
 const WORDS: usize = 64;
 
 /// Starts MPI, which one thread of this process will call.
@@ -30,7 +32,7 @@ pub(crate) fn universe() -> Result<Universe> {
 
 /// The job that this process belongs to; one that `mpirun` has not started is a job of one rank.
 ///
-/// Rank 0 has the run. The others [`serve`](Self::serve) it and end with it.
+/// Rank 0 makes the run. The other ranks [`serve`](Self::serve) it and end with it.
 pub struct Job(Arc<World>);
 
 struct World {
@@ -46,7 +48,7 @@ impl World {
 }
 
 impl Job {
-    /// Joins the job; by contact collocation this rank solves its part on so many threads.
+    /// Joins the job. With contact collocation this rank solves its part on `threads` threads.
     ///
     /// # Errors
     /// An MPI library that does not start beside other threads, or that was started before.
@@ -59,7 +61,8 @@ impl Job {
         self.0.world().rank() != 0
     }
 
-    /// Moves the sites that rank 0 gives, until its job is dropped. Not for rank 0 itself.
+    /// Integrates the sites that rank 0 assigns, until the job of rank 0 is dropped. Not for rank 0
+    /// itself.
     pub fn serve(&self) {
         serve(&mut Messages(self.0.clone()));
     }
@@ -93,7 +96,7 @@ impl Drop for Job {
     }
 }
 
-/// Takes numbers from rank to rank.
+/// Carries numbers between ranks by messages.
 struct Messages(Arc<World>);
 
 impl Carrier for Messages {

@@ -38,8 +38,8 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
     Ok(FIGURES.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
 }
 
-/// Computes a figure and writes its tables and its picture: its caption, and the names of the
-/// files.
+/// Computes a figure and writes its tables and its picture. Returns its caption and the names of
+/// the files.
 #[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
 fn files(
     figure: &Figure,

@@ -31,8 +31,8 @@ impl Formats {
         pairs.map(|((name, picture), format)| Ok((format.name(name), picture.file(format)?))).collect()
     }
 
-    /// Writes pictures to a folder, in place of what an earlier run has left of them in other
-    /// formats. The names of the files.
+    /// Writes pictures to a folder, and removes files of the same pictures in other formats that an
+    /// earlier run has left. Returns the names of the files written.
     pub(super) fn write(&self, folder: &Folder, drawings: &[Drawing]) -> Result<Vec<String>> {
         let files = self.files(drawings)?;
         let all = drawings.iter().flat_map(|(name, _)| names(name));
@@ -43,8 +43,8 @@ impl Formats {
     }
 }
 
-/// The names that the file of a picture may have, from that of its PNG file; any other name as it
-/// is.
+/// If `name` is the name of a PNG file, the names of that picture's file in every format; otherwise
+/// `name` alone.
 pub(super) fn names(name: &str) -> Vec<String> {
     if name.ends_with(".png") {
         Format::ALL.iter().map(|format| format.name(name)).collect()

@@ -1,5 +1,5 @@
-//! The command line: commands with their examples in `args`; flags of studies are their options;
-//! one way to run them in `runner`.
+//! The command line. Commands and their examples are in `args`, and `runner` runs all studies. The
+//! flags of a study are the options that it declares itself.
 
 mod args;
 mod figures;
@@ -30,8 +30,8 @@ use hertzchain_integrators::Error as Failure;
 use std::ffi::OsString;
 use terminal::{print, print_help, progress_bar};
 
-/// Exit code of what cannot be done as it was asked: a command line that is not understood, as clap
-/// has it, and a value, a name or an input file that breaks its rule.
+/// Exit code of a command that is refused: because the command line is not understood (clap has the
+/// same code), or because a value, a name or an input file breaks its rule.
 const REFUSED: u8 = 2;
 /// Exit code of a command that failed.
 const FAILED: u8 = 1;
@@ -63,7 +63,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// ```
 ///
 /// # Errors
-/// What the program would say.
+/// The message that the program would print.
 pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<(), String> {
     match numbers_checked(Cli::command())
         .try_get_matches_from(arguments)
@@ -74,10 +74,10 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
     }
 }
 
-/// Runs the command; if it was asked to end, that is its exit code.
+/// Runs the command. If a signal asked it to end, the exit code is that of the signal.
 fn begun(cli: &Cli) -> Exit {
     if let Some(set) = cli.instructions {
-        // Sets that the machine lacks are no argument.
+        // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }
     let outcome = run_command(&cli.command);
@@ -90,7 +90,7 @@ fn begun(cli: &Cli) -> Exit {
     }
 }
 
-/// Help, the version, or what is wrong with the command line.
+/// Prints help or the version, or says what is wrong with the command line.
 fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
     if !error.use_stderr() {
         return print_help(error).map(|()| DONE);
@@ -98,13 +98,14 @@ fn not_begun(error: &clap::Error, arguments: &[OsString]) -> Exit {
     match (refusal(error), moved(error, arguments)) {
         (Some(refusal), _) => say(&format!("error: {refusal}")),
         (None, Some(words)) => say(&format!("error: {words}")),
-        // Nobody is left to hear that standard error cannot be written.
+        // An error here cannot be reported: standard error cannot be written.
         (None, None) => drop(error.print()),
     }
     Ok(REFUSED)
 }
 
-/// The exit code of an error: whether what was asked for was refused, or failed.
+/// The exit code of an error: [`REFUSED`] for a value, a name or a file that was refused, otherwise
+/// [`FAILED`].
 fn code(error: &Error) -> u8 {
     match error {
         Error::Parameter { .. } | Error::Unknown { .. } | Error::Scene { .. } | Error::Content { .. } => REFUSED,
@@ -170,12 +171,12 @@ fn run_command(command: &Command) -> Exit {
     }
 }
 
-/// What the library says of a value that it refuses.
+/// The library's own error inside an error of clap, if the library has refused a value.
 fn refusal(error: &clap::Error) -> Option<&Error> {
     std::error::Error::source(error)?.downcast_ref()
 }
 
-/// Where a command has gone that is no longer there, if that is the error.
+/// The message that a command has a new name, if the error is an old name.
 fn moved(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
@@ -188,8 +189,9 @@ fn moved(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
     Some(format!("`hertzchain {above}{name}` is now `hertzchain {now}`"))
 }
 
-/// The command with every flag that takes a number taking negative ones, and refusing in words what
-/// is none or what a double cannot hold.
+/// The command, changed so that each flag that takes a number accepts negative numbers. Text that
+/// is not a number, or a number that its type cannot hold, is refused with the messages of
+/// [`crate::number`].
 fn numbers_checked(command: clap::Command) -> clap::Command {
     let double = ValueParser::from(value_parser!(f64)).type_id();
     let size = ValueParser::from(value_parser!(usize)).type_id();

@@ -17,7 +17,7 @@ use crate::{
 use crate::{figures::Format, study::Drawing};
 use std::time::Instant;
 
-/// Told of the share of a part that is done.
+/// Callback that receives the share of a part that is done, from 0 to 1.
 type Tell<'a> = &'a (dyn Fn(f64) + Sync);
 
 /// A part of the report, in its short form.
@@ -25,7 +25,7 @@ struct Part {
     name: &'static str,
     title: &'static str,
     shows: &'static str,
-    /// Share of the time of all parts, about.
+    /// Approximate run time relative to the other parts, for the progress bar.
     share: f64,
     blocks: fn(Tell<'_>) -> Result<Vec<Block>>,
 }
@@ -75,7 +75,7 @@ const PARTS: &[Part] = &[
     },
 ];
 
-/// A comparison goes on for about so many seconds.
+/// Approximate duration of the comparison, in seconds.
 const SHORT: f64 = 45.0;
 /// The longest chain, the longest run in contact periods, and the most work of a run in the charts
 /// of stability.
@@ -97,7 +97,7 @@ pub(super) fn main(args: &ReportArgs) -> Exit {
         let tell = |share: f64| bar.set_position((1000.0 * (before + part.share * share.min(1.0)) / whole) as u64);
         page.sections.push(part.section(&tell));
         before += part.share;
-        // What there is so far is kept if a later part is killed.
+        // If a later part is killed, the page with the parts so far is kept.
         folder.write("report.html", page.html().as_bytes())?;
     }
     bar.finish_and_clear();
@@ -125,7 +125,8 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Part>> {
 }
 
 impl Part {
-    /// A part that fails says so and costs no other.
+    /// The section of this part on the page. A failure becomes a block of the section and does not
+    /// stop other parts.
     fn section(&self, tell: Tell<'_>) -> Section {
         let clock = Instant::now();
         let blocks = (self.blocks)(tell).unwrap_or_else(|error| vec![Block::Failure(error.to_string())]);
@@ -221,7 +222,7 @@ fn drawn((_, picture): &Drawing) -> Result<Block> {
     Ok(Block::Picture { title, caption, svg: picture.file(Format::Svg)? })
 }
 
-/// In words where nothing can be drawn.
+/// Title and caption as text, in builds without pictures.
 #[cfg(not(feature = "plot"))]
 fn shown(figure: &Figure, data: &Data) -> Result<Block> {
     Ok(Block::Text(format!("{}. {}\n", figure.title, figure.caption(data))))

@@ -36,7 +36,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let reason = reason.as_deref();
     let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
     if args.plan {
-        // What a run refuses is not planned.
+        // `How::plan` refuses what a run would refuse.
         let plan = how.plan(&scene, args.events, &parts)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
@@ -67,7 +67,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     report(args, &scene, (&name, &wording, reason), outcome?, folder.as_ref())
 }
 
-/// Where the sites are moved; none if this process has moved those of another one.
+/// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
 fn parts(args: &RunArgs) -> Result<Option<Parts>> {
     if args.engine != MPI {
         return Ok(Some(args.threads.map_or(Parts::Whole, Parts::Threads)));
@@ -75,12 +75,13 @@ fn parts(args: &RunArgs) -> Result<Option<Parts>> {
     over_ranks(args.threads.unwrap_or(1))
 }
 
-/// The ranks of an MPI job, with so many threads each.
+/// The ranks of an MPI job, with `threads` threads each. `None` on ranks other than 0, after they
+/// have served rank 0.
 #[cfg(feature = "mpi")]
 fn over_ranks(threads: usize) -> Result<Option<Parts>> {
     let job = crate::ranks::Job::new(threads)?;
     if job.serves() {
-        // What asks rank 0 to end asks all: rank 0 decides.
+        // A signal to the job reaches all ranks. It must not kill this one: rank 0 decides to end.
         signals::ask()?;
         job.serve();
         return Ok(None);
@@ -94,7 +95,7 @@ fn over_ranks(_: usize) -> Result<Option<Parts>> {
     Err(Error::parameter("engine", MPI, rule))
 }
 
-/// What a scene would need on so many ranks.
+/// Prints what a scene would need on so many ranks.
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
     let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
@@ -119,7 +120,7 @@ fn asked(args: &RunArgs) -> Asked {
     }
 }
 
-/// The units of a scene whose results are asked for in them.
+/// The units of the scene, if results in SI units are asked for.
 fn si<'a>(args: &RunArgs, scene: &'a Scene) -> Result<Option<&'a Units>> {
     match (args.si, scene.units()) {
         (true, None) => Err(Error::parameter("si", true, "the scene has no table [units]")),
@@ -127,7 +128,7 @@ fn si<'a>(args: &RunArgs, scene: &'a Scene) -> Result<Option<&'a Units>> {
     }
 }
 
-/// Prints and writes what a run has left behind, also one that failed.
+/// Prints and writes the results of a run, also of one that failed.
 fn report(
     args: &RunArgs,
     scene: &Scene,
@@ -140,10 +141,10 @@ fn report(
         outcome = study::in_si(outcome, scene.chain().layout(), units);
     }
     let ran = Ran { scene, integrator: name, setting: wording, reason, outcome: &outcome, si };
-    // Of a long chain this takes more memory than the run.
+    // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
+    // only if it is asked for.
     let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
-    // Of results that cannot be printed the files are written, and of files that cannot be written
-    // the results are printed.
+    // Files are written even if printing fails, and results are printed before a file can fail.
     let printed = print(&text);
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
@@ -153,7 +154,8 @@ fn report(
         let pictures: Result<Vec<_>> = Ok(Vec::new());
         study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
-            // What stopped the run is the error, not that there is too little of it to draw.
+            // The error of the command is the failure of the run, not that there is too little to
+            // draw.
             Err(why) if outcome.failure.is_some() => say(&format!("no pictures: {why}")),
             Err(why) => return Err(why),
             Ok(_) => {}
@@ -175,9 +177,9 @@ fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     go_on(args, long, &Folder::create(folder_of(path))?)
 }
 
-/// Runs what is left of a run in legs.
+/// Runs the remaining legs of a run, and reports its results.
 fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
-    // Before the first new checkpoint is beside them.
+    // Results of an earlier run must not stand beside a new checkpoint.
     folder.remove(study::RUN_FILES)?;
     signals::ask()?;
     let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());

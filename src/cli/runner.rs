@@ -11,9 +11,9 @@ use crate::{
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use std::path::PathBuf;
 
-/// What `--out` says everywhere.
+/// Help of `--out`, the same for all studies.
 const OUT: &str = "Write the results to this folder; without it, no file is written";
-/// What `--shard` says of every sweep.
+/// Help of `--shard`, the same for all sweeps.
 const SHARD: &str = "Compute only part K of N of the points; needs --out";
 const SHARD_LONG: &str = "\
 Compute only part K of N of the points; needs --out.
@@ -25,7 +25,7 @@ files as one process.";
 
 const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR, the same for all shards";
 
-/// Where points are computed.
+/// Values of `--engine`; the first is the default.
 const ENGINES: [&str; 2] = ["threads", MPI];
 pub(super) const MPI: &str = "mpi";
 const ENGINE: &str = "Where points are computed: threads or mpi";
@@ -48,7 +48,7 @@ fn over_ranks() -> Result<Engine> {
     Err(Error::parameter("engine", MPI, rule))
 }
 
-/// A study with where its results go.
+/// A study as a command: its options, and the flags that say where it runs and where results go.
 pub(super) struct Told<S> {
     study: S,
     out: Option<PathBuf>,
@@ -63,7 +63,7 @@ impl<S: Study> Told<S> {
     pub(super) fn run(&self) -> Exit {
         let engine = if self.mpi { over_ranks()? } else { Engine::threads() };
         if engine.serves() {
-            // What is to be said of it rank 0 says.
+            // Rank 0 reports errors.
             let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
             return Ok(DONE);
         }
@@ -81,8 +81,8 @@ impl<S: Study> Told<S> {
         self.carry_out(work, &engine)
     }
 
-    /// Does the work, prints what came of it and writes its files, in place of those that an earlier
-    /// run may have left.
+    /// Does the work, prints its report and writes its files, in place of those that an earlier run
+    /// may have left.
     fn carry_out(&self, work: Work<'_>, engine: &Engine) -> Exit {
         let bar = progress_bar();
         let report = work(engine, &|share, what| {
@@ -99,7 +99,8 @@ impl<S: Study> Told<S> {
             say(&remark);
         }
         let text = to_json(&report.json());
-        // What was computed is not lost if a file cannot be written, nor if it cannot be printed.
+        // Results are printed before files are written, and files are written even if printing
+        // fails: a failure of one does not lose the other.
         let printed = print(&if self.json { format!("{text}\n") } else { report.text() });
         if let Some(folder) = engine.folder() {
             self.write(folder, &*report, &text)?;
@@ -188,7 +189,7 @@ fn whole(report: Box<dyn Report>, engine: &Engine) -> Result<Box<dyn Report>> {
     engine.its_shard().map_or(Ok(report), |shard| Err(Error::parameter("shard", shard, rule)))
 }
 
-/// What a shard has done, for people or machines.
+/// What a shard has done, as text or as JSON.
 fn part_text(part: &Part, json: bool) -> String {
     let Part { shard, points, kept, computed, store } = part;
     if !json {

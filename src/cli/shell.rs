@@ -22,7 +22,7 @@ pub(super) fn main(args: &ShellArgs) -> Exit {
 /// Writes a page for the program and for every command.
 fn man(args: &ManArgs) -> Exit {
     let folder = Folder::create(&args.out)?;
-    // Long help is what a page shows; subcommands know their whole name only after this.
+    // A page shows the long help. Subcommands know their full name only after `build`.
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
     let count = pages(&program, &folder)?;
@@ -37,7 +37,7 @@ fn pages(command: &Command, folder: &Folder) -> crate::error::Result<usize> {
     command.get_subcommands().try_fold(1, |count, below| Ok(count + pages(below, folder)?))
 }
 
-/// What is said to somebody who gives no command.
+/// Text that is printed if no command is given.
 pub(super) const FIRST_STEPS: &str = concat!(
     "hertzchain ",
     env!("CARGO_PKG_VERSION"),

@@ -14,12 +14,13 @@ use std::sync::{
 /// The last signal that was caught; 0 for none.
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// From here on signals ask. Only for commands that look whether they are asked: all others end at
-/// once, as they do without it.
+/// From this call on, the first signal sets a flag that the computation checks, instead of ending
+/// the process. Only for commands that check the flag.
 pub(super) fn ask() -> Result<()> {
     let asked = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // In this order, for the first signal must not find its own flag.
+        // The shutdown is registered before the flag, so that the first signal finds the flag not
+        // set.
         let registered = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&asked))
             .and_then(|_| flag::register_usize(signal, Arc::clone(&CAUGHT), signal as usize))
             .and_then(|_| flag::register(signal, Arc::clone(&asked)));

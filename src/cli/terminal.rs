@@ -5,10 +5,11 @@ use crate::error::{Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, Result as Written, Write, stdout};
 
-/// Writes results to standard output. A reader that has gone away, as `head` does, is no error.
+/// Writes results to standard output. A reader that closes the pipe early, as `head` does, is no
+/// error.
 ///
 /// # Errors
-/// What keeps the text from being written whole, such as a full disk.
+/// An error that keeps the text from being written whole, such as a full disk.
 pub(super) fn print(text: &str) -> Result<()> {
     checked(stdout().lock().write_all(text.as_bytes()))
 }

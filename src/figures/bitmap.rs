@@ -54,7 +54,7 @@ struct Bitmap {
 }
 
 impl Bitmap {
-    /// A white one.
+    /// A white bitmap.
     fn new(size: (u32, u32)) -> Self {
         Self { size, fine: vec![255; (size.0 * size.1 * FINE * FINE * 3) as usize] }
     }

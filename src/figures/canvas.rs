@@ -111,7 +111,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     lines
 }
 
-/// A text, and how it lies.
+/// A text with its place, size, colour and direction.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Label {
     pub(super) text: String,
@@ -123,14 +123,14 @@ pub(super) struct Label {
     /// The point of the text that lies there. Along the text 0 is its start and 1 its end; across it
     /// 0 is the top of the capitals and 1 the baseline.
     pub(super) anchor: (f64, f64),
-    /// Whether it runs upwards.
+    /// Whether the text runs upwards instead of to the right.
     pub(super) upwards: bool,
 }
 
 /// Height of capitals, in units of the size.
 pub(super) const CAPITALS: f64 = 0.73;
 
-/// What is drawn.
+/// One element of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shape {
     /// A line through points; `dash` holds the lengths of strokes and gaps in turn, and is empty for

@@ -37,7 +37,7 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 2] = [Self::Png, Self::Svg];
 
-    /// The end of names of its files, without a dot.
+    /// The extension of its files, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -68,7 +68,7 @@ impl Picture {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// What the encoder of PNG says.
+    /// Errors of drawing the bitmap and of the PNG encoder.
     pub fn file(&self, format: Format) -> Result<Vec<u8>, Error> {
         match format {
             Format::Png => bitmap::png(self),
@@ -76,7 +76,7 @@ impl Picture {
         }
     }
 
-    /// What it shows, in a few words.
+    /// What the picture shows, in a few words.
     pub fn title(&self) -> &str {
         &self.title
     }

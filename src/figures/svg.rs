@@ -1,7 +1,8 @@
 //! A picture as an SVG file: one file without references to others.
 //!
-//! Texts are texts, in the font of the other format where a viewer has it and in its own sans-serif
-//! else; each is set to the width that was laid out for it. Images are PNG files inside.
+//! Texts stay texts, in the font of the PNG files if the viewer has it and in a sans-serif font of
+//! the viewer otherwise; each is set to the width that was laid out for it. Images are embedded PNG
+//! files.
 
 use std::fmt::Write;
 
@@ -49,7 +50,8 @@ fn element(out: &mut String, shape: &Shape) -> Result<(), Error> {
         Shape::Polygon { points, colour } => {
             line(out, format_args!("<polygon points=\"{}\" fill=\"{}\"/>", places(points), hex(*colour)));
         }
-        // As pixels: the darker colour stays. Edges without smoothing leave no seam between strips.
+        // As in a bitmap, the darker colour stays. Edges without smoothing leave no seam between
+        // strips.
         Shape::Tint { x: [from, to], top, bottom, colour } => {
             let at = places(&[(*from, top[0]), (*to, top[1]), (*to, bottom[1]), (*from, bottom[0])]);
             let style = "style=\"mix-blend-mode:darken\" shape-rendering=\"crispEdges\"";
@@ -109,7 +111,7 @@ fn line(out: &mut String, element: std::fmt::Arguments<'_>) {
     let _ = writeln!(out, "{element}");
 }
 
-/// Points, as lists of points are written.
+/// Points in the form of SVG's attribute `points`.
 fn places(points: &[(f64, f64)]) -> String {
     points.iter().map(|&(x, y)| format!("{},{}", number(x), number(y))).collect::<Vec<_>>().join(" ")
 }

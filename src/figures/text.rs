@@ -1,6 +1,6 @@
 //! Texts as runs of letters of one size: subscripts, superscripts and powers of ten.
 //!
-//! Texts stay readable where they are not set, in JSON and Markdown:
+//! The marks are chosen so that texts stay readable in JSON and Markdown, where they are not set:
 //!
 //! | written | set as |
 //! |---|---|
@@ -11,7 +11,7 @@
 //!
 //! Everything else, such as `omega_b` or `fig:tw_r03`, is set as it is written.
 
-/// Position and size of the letters of a run.
+/// Position and size of the letters of a run: on the line, or smaller and below or above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Level {
     /// On the line.
@@ -100,7 +100,7 @@ fn script(letters: &[char], at: usize) -> Option<(Level, String, usize)> {
     }
 }
 
-/// Whether no word or number goes on at this letter.
+/// Whether a word or number may begin at this letter: the one before belongs to none.
 fn begins_word(letters: &[char], at: usize) -> bool {
     at == 0 || !(letters[at - 1].is_alphanumeric() || "_.".contains(letters[at - 1]))
 }

@@ -20,7 +20,7 @@ pub struct Folder {
     _created: Arc<Created>,
 }
 
-/// The folders that were created, the innermost first.
+/// The folders that were created, the innermost first. Those that are empty are removed on drop.
 #[derive(Debug)]
 struct Created(Vec<PathBuf>);
 
@@ -39,7 +39,7 @@ impl Folder {
     /// processes are removed.
     ///
     /// # Errors
-    /// A file that is where the folder shall be, or one above it; errors of the system.
+    /// A file that has the name of the folder, or of one above it; errors of the system.
     pub fn create(path: impl Into<PathBuf>) -> Result<Self> {
         let path = path.into();
         let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();

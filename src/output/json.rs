@@ -17,7 +17,7 @@ pub fn to_json(value: &impl Serialize) -> String {
     String::from_utf8(text).unwrap_or_default()
 }
 
-/// Writes the same text without having it in memory.
+/// Writes the text of [`to_json`] without holding it in memory.
 pub(crate) fn write_json(to: impl Write, value: &impl Serialize) -> io::Result<()> {
     Ok(value.serialize(&mut Serializer::with_formatter(to, Digits::default()))?)
 }

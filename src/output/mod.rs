@@ -36,12 +36,12 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// Rows of numbers as CSV with a line of names; each number reads back to the same double.
 pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> {
     let mut text = Vec::new();
-    // Memory takes all that is written.
+    // Writing to memory cannot fail.
     let _ = write_csv(&mut text, names, rows);
     text
 }
 
-/// Writes the same text without having it in memory.
+/// Writes the text of [`csv`] without holding it in memory.
 pub(crate) fn write_csv(
     mut to: impl Write,
     names: &[&str],
@@ -55,8 +55,8 @@ pub(crate) fn write_csv(
     Ok(())
 }
 
-/// A line on standard error, where all that is said beside results goes. If it cannot be written,
-/// nobody can be told.
+/// Writes a line to standard error, where all messages go that are not results. An error is
+/// ignored, since it could not be reported.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }

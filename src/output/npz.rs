@@ -80,7 +80,7 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
 /// memory.
 pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
-    /// Bytes to be written next.
+    /// Bytes of up to [`BLOCK`] numbers, to be written next.
     block: Vec<u8>,
 }
 
@@ -155,10 +155,10 @@ fn file_name(array: &str) -> String {
     format!("{array}.npy")
 }
 
-/// The type of a little-endian double.
+/// The NPY type of a little-endian double.
 const DOUBLE: &str = "<f8";
 
-/// The type of a string of so many bytes.
+/// The NPY type of a string of `length` bytes.
 fn bytes_type(length: usize) -> String {
     format!("|S{length}")
 }

@@ -1,9 +1,10 @@
-//! What numbers were made on, run times above all.
+//! The machine on which numbers, above all run times, were made.
 
 use hertzchain_integrators::Instructions;
 use std::{env::consts, fs, thread};
 
-/// Name and value: `system`, `cores`, `instructions`, and `processor` where the system tells.
+/// Names and values: `system`, `cores`, `instructions`, and `processor` where `/proc/cpuinfo` names
+/// it.
 pub(crate) fn machine() -> Vec<(&'static str, String)> {
     let cores = thread::available_parallelism().map_or_else(|_| "unknown".to_owned(), |n| n.to_string());
     let about = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -17,7 +18,7 @@ pub(crate) fn machine() -> Vec<(&'static str, String)> {
     machine
 }
 
-/// The same for JSON.
+/// The entries of [`machine`] as a JSON object.
 pub(crate) fn machine_json() -> serde_json::Map<String, serde_json::Value> {
     machine().into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect()
 }

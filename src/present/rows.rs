@@ -1,11 +1,11 @@
-//! Rows told once, as JSON, and read again as CSV.
+//! Rows of JSON as CSV.
 
 use serde_json::Value;
 
 /// Rows as CSV: `names` are the keys of the rows and the first line. Every number reads back
 /// exactly; no cell holds a comma.
 ///
-/// `missing` is what stands for a null under a key.
+/// `missing` gives the text of a null under a key.
 pub(crate) fn rows_csv(names: &str, rows: &[Value], missing: fn(&str) -> &'static str) -> Vec<u8> {
     let keys: Vec<&str> = names.split(',').collect();
     let mut text = format!("{names}\n");

@@ -1,7 +1,7 @@
 //! Tables in plain text, and such text read again.
 
-/// Columns aligned to the left for words and to the right for what looks like a number; two spaces
-/// between.
+/// A table in plain text, with two spaces between columns. Columns in which all cells begin like
+/// numbers are aligned to the right, others to the left.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
@@ -34,7 +34,7 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
 #[cfg(feature = "cli")]
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Part {
-    /// Lines that are no table.
+    /// Lines that belong to no table.
     Words(String),
     /// A [`table`]; each row has a cell for each name.
     Table { head: Vec<String>, rows: Vec<Vec<String>> },

@@ -13,7 +13,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Harmonics of band-limited noise.
+/// Number of harmonics in band-limited noise.
 const NOISE: usize = 64;
 
 /// The section `[beads]`: one number for each site.
@@ -53,10 +53,10 @@ pub struct BondsSection {
     /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<Values>,
-    /// Dissipation of viscoelastic contacts, a time.
+    /// Dissipation constants of viscoelastic contacts, in units of time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscoelastic: Option<Values>,
-    /// Dashpots of contacts, a force over a velocity.
+    /// Dashpot constants of contacts, force over velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dashpot: Option<Values>,
 }
@@ -83,7 +83,7 @@ pub struct DriveSection {
     /// Seed of noise (1 if left out).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Time in which the signal comes to its full height (none if left out).
+    /// Time in which the signal rises to its full amplitude (no ramp if left out).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ramp: Option<f64>,
     /// Start of a burst (0 if left out).
@@ -94,7 +94,7 @@ pub struct DriveSection {
     pub length: Option<f64>,
 }
 
-/// What a drive does.
+/// What the signal of a drive is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DriveKind {
@@ -104,7 +104,7 @@ pub enum DriveKind {
     Pushed,
 }
 
-/// The tables of a scene that make details.
+/// The tables of a scene from which the details of its chain are built.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tables<'a> {
     pub(super) beads: Option<&'a BeadsSection>,
@@ -145,7 +145,7 @@ impl Tables<'_> {
     }
 }
 
-/// An error of the chain with the key of its table.
+/// An error of the chain with its parameter named by the key of the scene.
 fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection>) -> Error {
     let Error::Parameter { name, value, rule } = error else { return error };
     let name = match name {
@@ -314,7 +314,7 @@ pub(super) fn within(chain: &Chain<f64>, end: f64) -> Result<()> {
     Ok(())
 }
 
-/// What a chain has beside its parameters, in words; `None` if nothing.
+/// The details of a chain besides its parameters, in words; `None` if it has none.
 pub(super) fn words(chain: &Chain<f64>) -> Option<String> {
     let details = chain.details()?;
     let range = |name: &str, list: &[f64]| {

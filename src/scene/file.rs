@@ -367,7 +367,8 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// The changes, and where each begins in the count of bytes, with room for `QUOTES` more.
+    /// Each change with its first position in the count of bytes. After each change `QUOTES`
+    /// positions are reserved.
     fn starts(&self) -> impl Iterator<Item = (usize, &String)> {
         self.changes.iter().scan(self.text.len() + 1, |next, change| {
             let start = *next;
@@ -439,7 +440,8 @@ fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
 }
 
 impl Leaf<'_> {
-    /// Whether a parameter is meant: by its last key; with its table also by a key below it.
+    /// Whether `name` means this key. A name without a dot is the last part of the key. A dotted
+    /// name is the whole key, or a table that holds it.
     fn is(&self, name: &str) -> bool {
         match name.contains('.') {
             true => self.key == name || self.key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.')),
@@ -514,13 +516,13 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
     one_line(&message)
 }
 
-/// Where a key belongs that is none of its table in the scene `here`: in another table, as the
-/// template and the built-in scenes have it.
+/// A hint for an unknown key `name`: the table that has such a key in a built-in scene or in the
+/// template. `here` are the keys of the scene.
 fn elsewhere(name: &str, here: &[Leaf<'_>]) -> Option<String> {
     let texts = BUILTIN.iter().map(|(_, text)| *text).chain([Scene::TEMPLATE]);
     let key = texts.filter_map(|text| DeTable::parse(text).ok()).find_map(|table| {
         let all = leaves(table.get_ref(), "");
-        // In the initial state a key of another kind is unknown as well: it is where it belongs.
+        // A key of `[initial]` may be unknown because its kind is another one: its table is right.
         let is_there = |key: &String| key.starts_with("initial.") && here.iter().any(|leaf| leaf.key == *key);
         let other = |key: &String| key.rsplit('.').next() == Some(name) && !is_there(key);
         all.into_iter().map(|leaf| leaf.key).find(other)

@@ -58,7 +58,8 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
     }
 }
 
-/// Refuses a wave number that is none of the ring.
+/// Refuses a chain that is no strain ring, and a wave number with which no whole number of waves
+/// fits the ring or that is outside [-pi, pi].
 fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64) -> Result<()> {
     if chain.boundary() != Boundary::StrainRing {
         let rule = "a travelling wave lives on a strain-ring";
@@ -111,7 +112,7 @@ fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<State
     State::from_fn(chain, |i| if i == site { bead } else { REST })
 }
 
-/// Beads and resonators alike in a mode of a chain between walls.
+/// A sine mode of a chain between walls, the same for beads and resonators, at rest.
 fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<State<f64>> {
     let n = chain.sites();
     if mode == 0 || mode as usize > n {

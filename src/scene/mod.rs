@@ -287,12 +287,12 @@ impl Scene {
         &self.chain
     }
 
-    /// What one of each quantity is in SI units, if the scene has `[units]`.
+    /// The unit of each dimensionless quantity in SI units, if the scene has `[units]`.
     pub fn units(&self) -> Option<&Units> {
         self.units.as_ref()
     }
 
-    /// What the chain has beside its three parameters, in words, if it has details.
+    /// The details of the chain besides its three parameters, in words, if it has any.
     pub fn details_in_words(&self) -> Option<String> {
         details::words(&self.chain)
     }

@@ -1,4 +1,4 @@
-//! Spheres in SI units, and the dimensionless chain that they are.
+//! Spheres in SI units, and the dimensionless chain that follows from them.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -40,20 +40,20 @@ pub struct UnitsSection {
     pub static_load: Option<f64>,
 }
 
-/// What one of each dimensionless quantity is in SI units.
+/// The unit of each dimensionless quantity, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Units {
-    /// Metres.
+    /// Unit of length, in metres.
     pub length_m: f64,
-    /// Kilograms.
+    /// Unit of mass, in kilograms.
     pub mass_kg: f64,
-    /// Seconds.
+    /// Unit of time, in seconds.
     pub time_s: f64,
-    /// Metres per second.
+    /// Unit of velocity, in metres per second.
     pub velocity_m_per_s: f64,
-    /// Newtons.
+    /// Unit of force, in newtons.
     pub force_n: f64,
-    /// Joules.
+    /// Unit of energy, in joules.
     pub energy_j: f64,
 }
 
@@ -76,7 +76,7 @@ impl Body {
         (1.0 - self.poisson * self.poisson) / self.young
     }
 
-    /// `A` of two bodies.
+    /// The contact constant `A` of two bodies.
     fn hertz(&self, other: &Self) -> f64 {
         let (modulus, radius) =
             ((self.compliance() + other.compliance()).recip(), (self.radius.recip() + other.radius.recip()).recip());
@@ -84,7 +84,7 @@ impl Body {
     }
 }
 
-/// What `[units]` gives a chain.
+/// Units, masses, contact constants and static overlaps that follow from `[units]`.
 pub(super) struct Material {
     pub(super) units: Units,
     pub(super) mass: Vec<f64>,
@@ -93,8 +93,8 @@ pub(super) struct Material {
 }
 
 impl UnitsSection {
-    /// Masses, contact constants and static overlaps of a chain of so many sites; `ends` are the
-    /// sites on the two sides of each bond that can touch.
+    /// Units, masses, contact constants and static overlaps of a chain of `sites` sites; `ends` are
+    /// the sites on the two sides of each bond that can touch.
     ///
     /// # Errors
     /// A value outside its rule.

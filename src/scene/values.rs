@@ -10,11 +10,11 @@ use serde::{
 };
 use std::fmt;
 
-/// Numbers of sites or bonds.
+/// The numbers of all sites or bonds, as a scene gives them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Values {
-    /// The same for all.
+    /// One number for all.
     Number(f64),
     /// One for each.
     List(Vec<f64>),
@@ -22,35 +22,36 @@ pub enum Values {
     Rule(Box<Rule>),
 }
 
-/// How numbers follow from few: exactly one of `value`, `pattern`, `taper` and `random`.
+/// A rule from which a list of numbers follows: exactly one of `value`, `pattern`, `taper` and
+/// `random`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rule {
-    /// The same for all.
+    /// One number for all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// These, from the first on.
+    /// The first numbers of the list.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pattern: Option<Vec<f64>>,
-    /// Whether the pattern begins anew at its end; otherwise its last number goes on.
+    /// Whether the pattern repeats; otherwise its last number fills the rest of the list.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeat: Option<bool>,
-    /// The ratio of each to the one before; the first is `from`, or 1.
+    /// Ratio of each number to the one before it; the first number is `from` (1 if left out).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub taper: Option<f64>,
-    /// Drawn at random: `"uniform"`, between `from` and `to`.
+    /// Law of random numbers: `"uniform"`, between `from` and `to`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub random: Option<String>,
-    /// The first of a taper, or the least that is drawn.
+    /// First number of a taper, or lower end of random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
-    /// The largest that is drawn.
+    /// Upper end of random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
-    /// Seed of what is drawn (1 if left out).
+    /// Seed of random numbers (1 if left out).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Single exceptions, `[which, value]`, counted from 0.
+    /// Exceptions `[index, value]` that replace single numbers; indices are counted from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub except: Option<Vec<(usize, f64)>>,
 }
@@ -155,7 +156,7 @@ impl Rule {
         self.with(name, values)
     }
 
-    /// The same with the exceptions.
+    /// The values with the exceptions in place.
     fn with(&self, name: &'static str, mut values: Vec<f64>) -> Result<Vec<f64>> {
         let count = values.len();
         for &(i, value) in self.except.iter().flatten() {
@@ -167,7 +168,7 @@ impl Rule {
     }
 }
 
-/// A pattern over a whole list.
+/// The list of `count` numbers that a pattern makes.
 fn repeated(name: &'static str, pattern: &[f64], repeat: Option<bool>, count: usize) -> Result<Vec<f64>> {
     let Some(&last) = pattern.last() else {
         return Err(Error::parameter(name, "[]", "a pattern has at least one number"));

@@ -11,7 +11,7 @@ use crate::{
 };
 use serde_json::{Value, json};
 
-/// Frequency of a dark breather over `omega`, unless it is given.
+/// Default frequency of a dark breather, in units of `omega`.
 const FREQUENCY: f64 = 1.005;
 
 /// The averaged contact force, its harmonic, and their derivatives.
@@ -36,7 +36,7 @@ pub struct Integrals {
     pub r: f64,
 }
 
-/// What they are.
+/// The averages and their derivatives at one pair `(b, r)`.
 struct Integrated {
     averages: Averages,
     b: f64,
@@ -156,7 +156,7 @@ impl Report for Homoclinic {
     }
 }
 
-/// Where a kink is, as a word.
+/// The centre of a kink, as a word.
 pub(crate) fn center_word(center: Center) -> &'static str {
     match center {
         Center::Site => "site",

@@ -1,9 +1,8 @@
-//! Studies: each is told once, in its folder, with its options, its work, its rows and its
-//! pictures.
+//! Studies. Each has a folder with its options, its work, its rows and its pictures.
 //!
-//! A [`Study`] is its options: the command line reads them, a program fills them in. What comes of
-//! it is a [`Report`], which says what is printed and which files are written. The command line
-//! runs all of them in one way.
+//! A [`Study`] is a set of options, read by the command line or set by a program. Its result is a
+//! [`Report`], which has the text that is printed, the files and the pictures. The command line
+//! runs all studies in one way.
 
 mod barrier;
 mod boundary_wave;
@@ -102,42 +101,42 @@ pub type File = (String, Vec<u8>);
 #[cfg(feature = "plot")]
 pub type Drawing = (String, crate::figures::Picture);
 
-/// Told of the share that is done, and of what is being done.
+/// Callback that receives the share that is done, from 0 to 1, and words on what is being done.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
-/// What is left of a study once its options were checked: given the engine for its grid, which
+/// The computation of a study whose options were checked. It gets the engine for its grid, which
 /// knows the folder for the results, if there is one.
 pub type Work<'a> = Box<dyn FnOnce(&Engine, Progress<'_>) -> Result<Box<dyn Report>> + 'a>;
 
 /// A study by its options.
 pub trait Study {
-    /// The files it writes, in words for people.
+    /// The files it writes, in words for the help.
     const FILES: &'static str;
-    /// Whether it looks whether the process was asked to end, and keeps what it has.
+    /// Whether it checks if the process was asked to end, and then keeps what it has.
     const STOPS: bool = false;
 
     /// Whether it sweeps a grid, so that it takes a shard.
     const SWEEPS: bool = false;
 
-    /// Names of the files that only some runs of it write: what an earlier run has left of them in
-    /// the folder is removed. All other files are written anew by every run.
+    /// Names of the files that only some runs of it write. Those of an earlier run are removed from
+    /// the folder. All other files are written anew by every run.
     fn sometimes() -> Vec<String> {
         Vec::new()
     }
 
-    /// Refuses what can be refused at once, before a folder is made, and gives the work.
+    /// Checks the options as far as possible before a folder is made, and returns the work.
     ///
     /// # Errors
     /// Options outside their rules; a scene or a file that cannot be read.
     fn begin(&self) -> Result<Work<'_>>;
 
-    /// Where its files go unless a folder is named.
+    /// The folder for its files if the command names none.
     fn beside(&self) -> Option<PathBuf> {
         None
     }
 }
 
-/// What came of a study, as people and machines read it.
+/// The result of a study, as text, JSON, files and pictures.
 pub trait Report {
     /// What is printed as JSON.
     fn json(&self) -> Value;
@@ -148,7 +147,7 @@ pub trait Report {
     /// The files, without pictures; `json` is the text of [`Self::json`].
     ///
     /// # Errors
-    /// What cannot be computed, or what the archive writer says.
+    /// Numbers that cannot be computed, or errors of the archive writer.
     fn files(&self, json: &str) -> Result<Vec<File>>;
 
     /// The pictures.
@@ -158,12 +157,12 @@ pub trait Report {
     #[cfg(feature = "plot")]
     fn pictures(&self) -> Result<Vec<Drawing>>;
 
-    /// What is to be known beside the results.
+    /// A remark beside the results, such as what is missing.
     fn remark(&self) -> Option<String> {
         None
     }
 
-    /// Whether it came to its end, and as it should.
+    /// Whether the study succeeded; if not, the command fails.
     fn succeeded(&self) -> bool {
         true
     }
@@ -174,7 +173,7 @@ fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
     files.map(|(name, file)| (name.to_owned(), file)).into()
 }
 
-/// A unit variant by its name in files.
+/// The name of a unit variant in files.
 fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
@@ -186,7 +185,7 @@ fn scene(name: &str, changes: &Changes) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The integrators that are named; all for `all`; `unnamed` where none is.
+/// The integrators that are named; all for `all`; those of `unnamed` if none is.
 fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>> {
     match names {
         [] => Ok(unnamed()),
@@ -266,7 +265,7 @@ fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
     (names, indices)
 }
 
-/// Least-squares slope, and the largest residual.
+/// Slope of the least-squares line, and its largest residual; `None` if no abscissas differ.
 pub(crate) fn fit_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let (mx, my) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));

@@ -163,7 +163,7 @@ const MOVED: &[(&str, &str)] = &[
     ("report", "paper report"),
 ];
 
-/// What the command that was called `name`, below the command `above`, is called now.
+/// The present name of the command that was called `name`, a subcommand of `above` if one is given.
 pub(super) fn moved(above: Option<&str>, name: &str) -> Option<&'static str> {
     match above {
         Some("dps") if name == "stability" => Some("wave modulation"),

@@ -1,4 +1,4 @@
-//! Flags of what goes through the paper.
+//! The commands of `paper` and their flags.
 
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -103,10 +103,10 @@ pub(crate) struct ReportArgs {
     pub(crate) json: bool,
 }
 
-/// Of the commands whose purpose is files: they have a folder by default.
+/// Help of `--out` for commands whose purpose is to write files; they have a default folder.
 const OUT_ALWAYS: &str = "Write the results to this folder";
 
-/// Names the figures that there are.
+/// Long help of `--only`, with the names of all figures.
 fn figures_help() -> String {
     let names: Vec<_> = crate::paper::FIGURES.iter().map(|figure| figure.name).collect();
     format!("Figures to make, separated by commas [default: all].\n\nOf {}.", names.join(", "))

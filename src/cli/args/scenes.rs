@@ -1,4 +1,4 @@
-//! Flags of lists, and of commands that take a scene.
+//! Flags of `scenes` and `integrators`, and examples of `sweep`.
 
 use clap::{Args, Subcommand};
 

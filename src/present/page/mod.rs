@@ -1,5 +1,5 @@
-//! One self-contained HTML page of everything: tables, pictures and their data inside, nothing
-//! fetched from elsewhere.
+//! One self-contained HTML page: tables, pictures and their data are inside, and nothing is fetched
+//! from elsewhere.
 
 use super::{
     machine, machine_json,
@@ -14,26 +14,26 @@ use std::time::{Duration, SystemTime};
 /// A page.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
-    /// Its parts.
+    /// The parts of the page, from the top.
     pub sections: Vec<Section>,
 }
 
 /// A part of a page.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// Name, of its anchor and on the command line.
+    /// Name of the part on the command line, and of its anchor.
     pub name: &'static str,
     /// Title.
     pub title: &'static str,
     /// What it shows, in one sentence.
     pub shows: String,
-    /// What stands in it.
+    /// Contents, from the top.
     pub blocks: Vec<Block>,
-    /// Wall time of its making.
+    /// Wall time that the part took.
     pub wall: Duration,
 }
 
-/// What stands in a part.
+/// One element of a part.
 #[derive(Clone, Debug)]
 pub enum Block {
     /// Words and tables, as plain text.
@@ -42,7 +42,7 @@ pub enum Block {
     Data(Vec<(String, Vec<u8>)>),
     /// A picture.
     Picture {
-        /// Title, also for those who do not see it.
+        /// Title, also the text for readers who do not see the picture.
         title: String,
         /// What can be seen.
         caption: String,
@@ -54,7 +54,7 @@ pub enum Block {
 }
 
 impl Section {
-    /// What failed in it.
+    /// Messages of its [`Block::Failure`]s.
     pub fn failures(&self) -> impl Iterator<Item = &str> {
         self.blocks.iter().filter_map(|block| if let Block::Failure(why) = block { Some(why.as_str()) } else { None })
     }
@@ -64,9 +64,9 @@ impl Section {
     }
 }
 
-/// Legible on a phone, where tables scroll, in the dark, and on paper.
+/// Style sheet: for screens of any width (tables scroll), dark mode and print.
 const STYLE: &str = include_str!("style.css");
-/// Sorts tables and shows pictures large. Without it nothing is missing but that.
+/// Script that sorts tables and shows pictures large. The page is complete without it.
 const SCRIPT: &str = include_str!("page.js");
 
 impl Page {
@@ -184,13 +184,14 @@ impl Section {
 }
 
 impl Block {
-    /// How many cells of its tables are a good verdict, a bad one, and an open one.
+    /// Numbers of good, bad and open verdicts in the tables of the block.
     fn verdicts(&self) -> [usize; 3] {
         let Self::Text(text) = self else { return [0; 3] };
         let classes: Vec<&str> = parts(text)
             .iter()
             .filter_map(|part| match part {
-                // Where it is not the last column, verdicts are repeated beside remarks.
+                // Only tables whose last column has the verdict are counted: others repeat
+                // verdicts.
                 Part::Table { head, rows } if head.last().is_some_and(|name| name == VERDICT) => {
                     Some((head.len() - 1, rows))
                 }
@@ -223,7 +224,7 @@ impl Block {
     }
 }
 
-/// A file inside a link.
+/// A link that contains the whole file.
 fn uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", STANDARD.encode(bytes))
 }
@@ -231,7 +232,7 @@ fn uri(kind: &str, bytes: &[u8]) -> String {
 /// The column that is shown first, and in colour.
 const VERDICT: &str = "verdict";
 
-/// The class of a verdict; none of another cell.
+/// The style class of a verdict; empty for any other cell.
 fn class(cell: &str) -> &'static str {
     match cell.trim_end_matches(" (!)") {
         "agrees" | "holds" | "bounded" | "ok" => "good",
@@ -271,8 +272,8 @@ impl Part {
 
 /// A time as date and time of day, in UTC.
 ///
-/// The civil calendar from days since 1970-03-01 less two months: years begin in March, so that the
-/// leap day is the last of a year.
+/// Days are counted from 0000-03-01 and years from March, so that the leap day is the last day of a
+/// year.
 fn date(time: SystemTime) -> String {
     let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
     // Days since 0000-03-01.

@@ -7,12 +7,12 @@
 //! | `X, F` | length `sum x_n`, 0 for beads that just touch, conserved; mean contact force |
 //! | `e, j, l` | energy, action and length of the background, for each site |
 //!
-//! Energies of the kinks are those of the ring less `N e`, and so on. Along each family `dE =
-//! omega_b dJ - F dX`, since `F` is the force with which contacts push against the length. If a
-//! kink is exchanged for one of the other kind at the same action and length, a long background
-//! gives or takes the differences at the prices `omega_b` and `-F`, which are the same for both
-//! kinks. So in the limit of a long ring the energies at the same action and length differ by the
-//! difference of `E - omega_b J + F X` at the same frequency.
+//! The energy of a kink is that of the ring less `N e`; action and length likewise. Along each
+//! family `dE = omega_b dJ - F dX`, since `F` is the force with which contacts push against the
+//! length. If a kink is exchanged for one of the other kind at the same action and length, a long
+//! background takes up the differences `dJ` and `dX` of the kinks, with the same `omega_b` and `F`
+//! for both kinks. So in the limit of a long ring the energies at the same action and length differ
+//! by the difference of `E - omega_b J + F X` at the same frequency.
 
 mod report;
 
@@ -34,10 +34,11 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
-/// Frequencies over `omega`, where none is given.
+/// Default range of frequencies, in units of `omega`.
 const RANGE: [f64; 2] = [1.005, 1.05];
-/// Parts of half a period for the action. The kinetic energy has the period of the orbit, so the
-/// trapezoidal rule converges like a power of the parts; at 256 they change no digit beyond 1e-12.
+/// Intervals of half a period in the trapezoidal sum for the action. The kinetic energy has the
+/// period of the orbit, so the sum converges like a power of their number; at 256 they change no
+/// digit beyond 1e-12.
 const PARTS: usize = 256;
 /// Sites of a ring of pure background.
 const BACKGROUND: usize = 4;
@@ -64,7 +65,7 @@ pub struct Barrier {
     pub ring: Ring,
 }
 
-/// A kink of one kind.
+/// A kink about a site or about a bond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CenteredKink {
     /// The orbit.
@@ -87,14 +88,14 @@ pub struct CenteredKink {
     pub largest: f64,
 }
 
-/// Both kinds at a frequency.
+/// The kinks of both kinds at one frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarrierPoint {
     /// Frequency.
     pub omega_b: f64,
-    /// Of the background, for each site.
+    /// Energy, action and length of the background per site, and its mean contact force.
     pub background: Invariants,
-    /// About a site, and about a bond.
+    /// The kink about a site, then the one about a bond.
     pub kinks: [CenteredKink; 2],
 }
 
@@ -105,7 +106,8 @@ impl BarrierPoint {
         bond.energy - site.energy
     }
 
-    /// The same at the same action and length, in the limit of a long ring.
+    /// Energy about a bond less that about a site, at the same action and length, in the limit of a
+    /// long ring.
     pub fn barrier(&self) -> f64 {
         let [site, bond] = &self.kinks;
         let (action, length) = (bond.action - site.action, bond.length - site.length);
@@ -116,9 +118,9 @@ impl BarrierPoint {
 /// The barrier over frequencies.
 #[derive(Clone, Debug)]
 pub struct BarrierStudy {
-    /// What was asked for.
+    /// The options.
     pub options: Barrier,
-    /// By frequency; those at which both orbits were found.
+    /// The points at which both orbits were found, by increasing frequency.
     pub points: Vec<BarrierPoint>,
     /// Frequencies at which an orbit was not found.
     pub missing: Vec<f64>,
@@ -154,7 +156,7 @@ impl Barrier {
         if from >= to {
             return Err(Error::parameter("to", to, "above --from"));
         }
-        // The first breather says what is wrong with the ring.
+        // The seed of the first breather checks the parameters of the ring.
         self.ring.breather(Center::Site, Some(from), RANGE[0])?.seed()?;
         let step = (to - from) / (self.points - 1) as f64;
         Ok((0..self.points).map(|k| from + step * k as f64).collect())
@@ -218,21 +220,21 @@ impl Barrier {
     }
 }
 
-/// Numbers of an orbit that its motion keeps.
+/// Energy, action, length and mean contact force of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Invariants {
-    /// `E`.
+    /// Energy `E`.
     pub energy: f64,
-    /// `J`.
+    /// Action `J`.
     pub action: f64,
-    /// `X`.
+    /// Length `X`.
     pub length: f64,
-    /// `F`.
+    /// Mean contact force `F`.
     pub force: f64,
 }
 
 impl Invariants {
-    /// Those of an orbit that starts at rest.
+    /// The invariants of an orbit that starts at rest.
     ///
     /// # Errors
     /// An integration that fails.
@@ -256,8 +258,8 @@ impl Invariants {
     }
 }
 
-/// The background of a breather, for each site: of the ring whose strains are those of its first
-/// site, with alternating signs about the centre.
+/// The background of a breather, per site: the orbit of a short ring, sought from the strains of
+/// the breather's first site with alternating signs about the centre `c_x`.
 fn background(breather: &Orbit, shooting: &Shooting) -> Result<Invariants> {
     let (x, y, c_x) = (breather.x()[0], breather.y()[0], breather.setting.c_x);
     let alternating = |value: f64| (0..BACKGROUND).map(move |n| if n % 2 == 0 { value } else { 2.0 * c_x - value });

@@ -11,8 +11,8 @@ use crate::{
 use serde_json::{Value, json};
 
 impl BarrierStudy {
-    /// Neighbours between which a difference changes its sign, with the place between them by a
-    /// straight line.
+    /// Frequencies at which a difference changes its sign, interpolated linearly between
+    /// neighbouring points.
     pub fn zeros(&self, of: fn(&BarrierPoint) -> f64) -> Vec<f64> {
         let change = |pair: &[BarrierPoint]| {
             let [a, b] = [&pair[0], &pair[1]];
@@ -136,7 +136,7 @@ impl Report for BarrierStudy {
         (!places.is_empty()).then(|| format!("error: no pair of orbits was found at omega_b = {}", places.join(", ")))
     }
 
-    /// What was found is written, but a frequency without orbits is a failure.
+    /// The points that were found are written, but a frequency without orbits is a failure.
     fn succeeded(&self) -> bool {
         self.missing.is_empty()
     }
@@ -207,7 +207,8 @@ pub(crate) fn caption(study: &BarrierStudy) -> String {
     )
 }
 
-/// Energies of the kinks, their difference over the energy of the kink about a site, multipliers.
+/// Panels against frequency: energies of the kinks over the background's energy per site, their
+/// differences over the energy of the kink about a site, and largest multipliers.
 #[cfg(feature = "plot")]
 pub(crate) fn columns(study: &BarrierStudy) -> crate::figures::Column {
     use crate::figures::{Column, Kind, Line, Panel};

@@ -1,5 +1,5 @@
-//! Breathers on the chain (Sec. 5): the long-lived bright one against its ansatz, and what becomes
-//! of it; the trivial one against an integrator.
+//! Breathers on the chain (Sec. 5): the long-lived bright one compared with its ansatz, and its
+//! decay; the trivial one compared with an integrator.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -26,17 +26,17 @@ use crate::{
 use hertzchain_integrators::{Stats, collocation::Pace};
 use std::time::{Duration, Instant};
 
-/// End of a run of a bright breather, in `T`, unless it is given: that of the paper.
+/// Default end of a run of a bright breather in units of `T`, as in the paper.
 const SLOW_PERIODS: f64 = 80.0;
-/// Samples a period.
+/// Samples a period that may be asked for.
 const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 1..=1000;
-/// More samples than a run of years gives.
+/// Largest number of samples of a run, and of periods of a history.
 const MOST_SAMPLES: f64 = 1e7;
 /// The paper shows a profile after this many periods.
 const SHOWN_PERIOD: f64 = 30.0;
-/// Share of the energy whose departure ends the life of a breather.
+/// Part of its initial share of the energy that the core has lost at the time `tenth_left`.
 const GONE: f64 = 0.1;
-/// Times a period at which a history is taken.
+/// Number of times in each period at which a history looks at the state.
 const PARTS: u32 = 32;
 /// Samples of a trivial breather in a scene that asks for none.
 const DEFAULT_SAMPLES: usize = 100;
@@ -210,14 +210,14 @@ pub struct Trivial {
     pub options: BreatherOptions,
 }
 
-/// What `--integrator` is for here.
+/// Help of `--integrator` for trivial breathers.
 #[cfg(feature = "cli")]
 const TRIVIAL_INTEGRATOR: &str = "Integrator; `hertzchain integrators` lists all.\n\n\
                                   One that takes a tolerance, to hold the closed form against.";
 
 impl Trivial {
-    /// The scene with what is given: each number replaces what the scene says of the same thing in
-    /// another way.
+    /// The scene with the numbers that are given. A number also replaces other keys by which the
+    /// scene gives the same quantity.
     fn scene(&self) -> Result<Scene> {
         let scene = super::scene(&self.scene, &self.set)?;
         let scene = if self.changes() { self.changed(&scene)? } else { scene };
@@ -269,7 +269,7 @@ impl Study for Trivial {
 pub struct BrightSample {
     /// Time.
     pub t: f64,
-    /// How far from the ansatz.
+    /// Rescaled distances from the ansatz.
     pub norms: Norms,
     /// Participation number.
     pub participation: f64,
@@ -286,11 +286,11 @@ pub struct Kink {
     pub height_u: f64,
     /// `max v_n - min v_n`.
     pub height_v: f64,
-    /// `v` of the last bead before the centre and the first behind it: of the two in the middle, or
-    /// of the neighbours of the middle one.
+    /// Difference of `v` across the centre, right less left: of the two sites in the middle, or of
+    /// the neighbours of the middle site.
     pub jump_v: f64,
-    /// `u` of the last bead less that of the first: zero until what the breather sends out comes to
-    /// the ends.
+    /// `u` of the last bead less that of the first: zero until waves from the breather reach the
+    /// ends.
     pub between_ends_u: f64,
     /// `v` of the last bead less that of the first.
     pub between_ends_v: f64,
@@ -316,27 +316,28 @@ pub struct BrightStudy {
     pub setting: String,
     /// From 0 to the end: equally spaced in each period `T_b`, and the horizon and the end as well.
     pub samples: Vec<BrightSample>,
-    /// At 0, at 30 `T_b` if the run goes there, and at the end.
+    /// States at 0, at 30 `T_b` if the run goes there, and at the end.
     pub profiles: Vec<Shown>,
-    /// At the end.
+    /// The kink at the end of the run.
     pub kink: Kink,
-    /// When the share of the core first falls to 0.9 of what it was at the start, between samples
-    /// by interpolation.
+    /// Time at which the share of the core first falls to 0.9 of its initial value, interpolated
+    /// between samples; `None` if it does not.
     pub tenth_left: Option<f64>,
     /// Largest relative change of the energy.
     pub energy_error: f64,
     /// `Fbar_n` over the first `T_b`.
     pub first_forces: MeanForces,
-    /// `Fbar_n` over a `T_b` from the end on.
+    /// `Fbar_n` over one period `T_b` that begins at the end of the run.
     pub last_forces: MeanForces,
     /// Work of the run, samples included.
     pub stats: Stats,
-    /// Wall time of all of it.
+    /// Wall time of the study.
     pub wall: Duration,
 }
 
 impl BrightStudy {
-    /// The sample at a time that is one, such as a multiple of `T_b`, the horizon or the end.
+    /// The sample at time `t`, if `t` is a sample time, such as a multiple of `T_b`, the horizon or
+    /// the end.
     pub fn at(&self, t: f64) -> Option<&BrightSample> {
         self.samples.binary_search_by(|sample| sample.t.total_cmp(&t)).ok().map(|k| &self.samples[k])
     }
@@ -488,7 +489,7 @@ fn words(options: &BreatherOptions) -> String {
     format!("{}, tol {:e}", options.method.name(), options.tolerance)
 }
 
-/// Parts of periods, the horizon if the run goes there, and the end.
+/// Sample times: equal parts of periods, the horizon if the run goes there, and the end.
 fn bright_times(breather: &BrightBreather, end: f64, per_period: u32) -> Result<Vec<f64>> {
     if !SAMPLES_PER_PERIOD.contains(&per_period) {
         return Err(Error::parameter("samples-per-period", per_period, "from 1 to 1000"));
@@ -516,7 +517,7 @@ fn bright_sample(breather: &BrightBreather, chain: &Chain<f64>, t: f64, y: &[f64
     }
 }
 
-/// When the share first falls to `part` of its first value.
+/// Time at which the share of the core first falls to `part` of its first value.
 fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
     let bound = part * samples[0].share;
     let two = samples.windows(2).find(|two| two[1].share <= bound)?;
@@ -557,7 +558,7 @@ pub struct TrivialStudy {
     /// Largest distance of a bead or a resonator from the closed form at these times, over the
     /// largest amplitude of a bead.
     pub deviation: Vec<f64>,
-    /// Largest relative change of the energy of the closed form at these times: its roundings.
+    /// Largest relative change of the energy of the closed form at these times, which is rounding.
     pub energy_error: f64,
     /// The least of `b_n - b_{n-1} - l_n`, and its bond; `None` for a single bead.
     pub least_slack: Option<(usize, f64)>,
@@ -565,7 +566,7 @@ pub struct TrivialStudy {
     pub forces: MeanForces,
     /// Work of the integrator, samples included.
     pub stats: Stats,
-    /// Wall time of all of it.
+    /// Wall time of the study.
     pub wall: Duration,
 }
 

@@ -1,4 +1,4 @@
-//! Breathers as people and machines read them.
+//! Breathers as text, JSON, tables and pictures.
 
 use super::{BrightSample, BrightStudy, Kink, TrivialStudy};
 use crate::{
@@ -138,7 +138,7 @@ impl Report for BrightStudy {
     }
 }
 
-/// Rows of the table at multiples of the period, about.
+/// Approximate number of rows of the table at multiples of the period.
 const ROWS: usize = 12;
 
 fn norms_json(norms: &Norms) -> Value {
@@ -165,7 +165,7 @@ fn sample_row(sample: &BrightSample, period: f64) -> Vec<String> {
     numbers.into_iter().chain([format!("{:.4}", sample.participation), format!("{:.6}", sample.share)]).collect()
 }
 
-/// What becomes of it, in words.
+/// What becomes of the breather, in words: lost energy, kink, mean contact forces.
 fn fate(study: &BrightStudy) -> String {
     let Kink { height_u, height_v, jump_v, between_ends_u, between_ends_v } = study.kink;
     let epsilon = study.breather.epsilon();
@@ -191,7 +191,7 @@ fn fate(study: &BrightStudy) -> String {
     )
 }
 
-/// All tables, `(file name, CSV)`, but JSON.
+/// All tables as `(file name, CSV)`.
 pub(crate) fn bright_tables(study: &BrightStudy) -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("norms.csv", norms_csv(study)),

@@ -12,46 +12,49 @@ use std::{f64::consts::TAU, time::Instant};
 
 /// The energy errors for which the largest step is looked for.
 pub const BOUNDS: [f64; 2] = [1e-3, 1e-6];
-/// Looks at the energy in a run, times sites where they are many, at least.
+/// Number of times at which the energy of a run is evaluated: the most, the most times sites (for
+/// long chains), and the least.
 const LOOKS: (f64, f64, f64) = (128.0, 4e6, 8.0);
-/// An energy error of this size has no bound.
+/// Energy error above which a run counts as unbounded.
 const BLOWN: f64 = 1e6;
 /// Energy errors up to this are rounding.
 const ROUNDING: f64 = 1e-12;
-/// A line through the errors that rises by this many of its residuals is a drift.
+/// A drift is a line through the errors that rises over the run by more than this many times its
+/// root mean square residual.
 const DRIFT: f64 = 4.0;
 /// The longest step of a ladder, in radians of the fastest motion; of the contacts, where the
 /// linear flow is exact.
 const LONGEST: f64 = 12.0;
-/// The first and the last tolerance of a ladder, and one over the next.
+/// The first and the last tolerance of a ladder, and the ratio of each to the next.
 const TOLERANCES: (f64, f64, f64) = (1e-1, 1e-13, 10.0);
-/// Of a splitting scheme at its usual step: kicks a period of the fastest motion; of an adaptive
-/// method.
+/// The usual setting: kicks a period of the fastest motion for a method with fixed steps, and the
+/// tolerance of an adaptive method.
 const KICKS: f64 = 64.0;
 const TOLERANCE: f64 = 1e-9;
-/// Force evaluations that a run may take on any chain, with fixed steps, with adaptive ones, and at
-/// the usual setting.
+/// Force evaluations that a run may take on any chain, in addition to those for which its work is
+/// enough: with fixed steps, with adaptive ones, and at the usual setting.
 const LEAST_FIXED: f64 = 50.0;
 const LEAST_ADAPTIVE: f64 = 1e3;
 const LEAST_USUAL: f64 = 1e4;
-/// Bisections, of steps and of the limit of stability.
+/// Number of bisections for the step of a [`Limit`], and for the limit of stability.
 const BISECTIONS: (usize, usize) = (2, 10);
-/// The step down to which `light` looks, in radians of the fastest motion.
+/// Steps that the chart `light` tries in any case go down to this one, in radians of the fastest
+/// motion.
 const LEAST_LIGHT: f64 = 0.1;
 
-/// What became of a run.
+/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The energy error has a bound.
+    /// The energy error has no trend and is at most 1.
     Stable,
-    /// It has a trend: a line through it rises by more than four of its residuals. An error below
-    /// 10^-12 is rounding and has none; nor has one of contact collocation below its tolerance,
-    /// which bounds the error of the whole run.
+    /// The energy error has a trend: a line through it rises by more than four of its residuals. An
+    /// error below 10^-12 is rounding and counts as none; so does one of contact collocation below
+    /// its tolerance, which bounds the error of the whole run.
     Drifting,
-    /// It is above 1, or the run failed.
+    /// The energy error is above 1, or the run failed.
     Lost,
-    /// The run would have taken more work than it may, and tells nothing.
+    /// The run was left out or stopped, since it takes more work than it may.
     Dear,
 }
 
@@ -62,7 +65,7 @@ pub struct Trial {
     pub step: f64,
     /// The tolerance of an adaptive method.
     pub tol: Option<f64>,
-    /// What became of it.
+    /// The outcome.
     pub verdict: Verdict,
     /// Largest `|H - H(0)|/|H(0)|` at 128 times; `None` if it was not bounded or the run failed.
     pub error: Option<f64>,
@@ -70,7 +73,8 @@ pub struct Trial {
     pub blown: bool,
     /// Force evaluations a unit of time.
     pub cost: f64,
-    /// Seconds a unit of time, looks included, on whatever the machine did beside.
+    /// Wall time in seconds a unit of time, evaluations of the energy included. It depends on the
+    /// load of the machine.
     pub wall: f64,
     /// Why it failed.
     pub failure: Option<String>,
@@ -87,10 +91,11 @@ impl Trial {
 pub struct Limit {
     /// The bound.
     pub bound: f64,
-    /// The run at that step: the first of the ladder, from coarse to fine, after the last that does
-    /// not meet the bound, refined to 9 %. `None`: no run that is cheap enough meets it.
+    /// The run at that step: the first rung of the ladder, from coarse to fine, after the last that
+    /// does not meet the bound, refined to 9 % of the step. `None` if no run that is cheap enough
+    /// meets the bound.
     pub trial: Option<Trial>,
-    /// Whether it is the longest step that was tried: it may be longer still.
+    /// Whether this is the longest step that was tried, so that a longer one may meet the bound.
     pub longest: bool,
 }
 
@@ -109,13 +114,13 @@ pub struct Measured {
     pub ladder: Vec<Trial>,
     /// The largest steps for [`BOUNDS`].
     pub limits: Vec<Limit>,
-    /// The step times `fast` above which the energy has no bound, where that was looked for and
-    /// there is one: to a factor of 1.0004, between two rungs of the ladder. Instabilities narrower
-    /// than those, as some compositions have them below, are stepped over.
+    /// Limit of stability: the step times `fast` above which the energy error passes 10^6, to a
+    /// factor of 1.0004. `None` if it was not looked for, or not found between two rungs of the
+    /// ladder. Smaller unstable steps between two rungs, as some compositions have, are missed.
     pub stability: Option<f64>,
 }
 
-/// What to look for.
+/// How much work a measurement may take, and how far its ladder goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     /// Force evaluations times sites that a run may take.
@@ -131,7 +136,7 @@ type Knob = f64;
 pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Result<Measured> {
     let Prepared { scene, contact, fast } = prepared;
     let sites = scene.chain().sites() as f64;
-    // The usual run is made at any cost that is bounded: it is the one that everybody makes first.
+    // The usual run may take 20 times the work of others: it is the run that users make first.
     let usual = trial(prepared, method, usual_knob(&method, *fast), 20.0 * search.work / sites + LEAST_USUAL)?;
     let most = search.work / sites + if method.adaptive() { LEAST_ADAPTIVE } else { LEAST_FIXED };
     let at = |knob: Knob| trial(prepared, method, knob, most);
@@ -164,7 +169,7 @@ fn usual_knob(method: &Method, fast: f64) -> Knob {
     if method.adaptive() { TOLERANCE } else { TAU * method.stages() as f64 / (KICKS * fast) }
 }
 
-/// Steps from the longest on, each over the square root of two; or tolerances.
+/// The ladder: steps from the longest on, each the one before over `sqrt 2`; or tolerances.
 fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterator<Item = Knob>> {
     if method.adaptive() {
         let (first, last, factor) = TOLERANCES;
@@ -185,7 +190,7 @@ fn knobs(method: &Method, contact: f64, fast: f64, span: f64) -> Box<dyn Iterato
     Box::new((0..).map(move |k| longest * f64::powf(2.0, -0.5 * f64::from(k))))
 }
 
-/// The first rung after the last that does not meet the bound, refined towards that.
+/// The first rung after the last one that does not meet the bound, refined towards the latter.
 fn limit(rungs: &[(Knob, Trial)], bound: f64, at: &dyn Fn(Knob) -> Result<Trial>) -> Result<Limit> {
     let runs = rungs.iter().rposition(|(_, trial)| trial.verdict != Verdict::Dear).map_or(0, |last| last + 1);
     let first = rungs[..runs].iter().rposition(|(_, trial)| !trial.meets(bound)).map_or(0, |failing| failing + 1);
@@ -222,7 +227,7 @@ fn stability(rungs: &[(Knob, Trial)], at: &dyn Fn(Knob) -> Result<Trial>) -> Res
     Ok(Some((good * bad).sqrt()))
 }
 
-/// One run that may take so many evaluations.
+/// Makes one run, which may take at most `most` force evaluations.
 pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) -> Result<Trial> {
     let scene = &prepared.scene;
     let span = scene.end();
@@ -264,7 +269,7 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
         }
     }
     let (t, stats) = (run.time(), run.stats());
-    // What looks cost is not the method's.
+    // Force evaluations for samples of the state are not part of the method's cost.
     let evaluations = (stats.force_evaluations as f64 - look.evaluations).max(1.0);
     if stats.steps > 0 {
         trial.step = t / stats.steps as f64;
@@ -283,17 +288,17 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
     Ok(trial)
 }
 
-/// Looks at the energy at ends of steps.
+/// Evaluates the energy error at ends of steps.
 struct Look<'a> {
     prepared: &'a Prepared,
     y: Vec<f64>,
     initial: Twofold<f64>,
-    /// Not before this time.
+    /// The next evaluation is at the first end of a step from this time on.
     next: f64,
     every: f64,
     largest: f64,
     errors: Vec<(f64, f64)>,
-    /// Force evaluations of looks.
+    /// Force evaluations that samples of the state have taken.
     evaluations: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Charts of stability: which method stands which regime, at which step, and at what cost.
+//! Charts of stability: in which regimes each method is stable, at which step, and at what cost.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -12,15 +12,16 @@
 //! A point is a method on a variant of the problem: another mass ratio, another amplitude and
 //! spring constant, another exponent, length or span. It runs over ten contact periods, at most
 //! 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`,
-//! or of tolerances. A run that would take more work than it may says so. Resonances of steps with
-//! periods, which a ladder may step over, have a chart of their own; so have long chains at rest that
-//! are struck, where contact collocation is held to loose tolerances.
+//! or of tolerances. A run that would take more work than it may is left out or stopped, and is
+//! marked so. Resonances of steps with periods, which a ladder may step over, have a chart of their
+//! own. So have long chains at rest that are struck, where contact collocation is tested at loose
+//! tolerances.
 //!
-//! Measured on the built-in problem: kinetic splits lose stability where the oscillator says
-//! (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances; collocation at
-//! tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`, at `A = 10^-12`,
-//! `kappa = 10^8`; of the looser tolerances from 0.1 on it exceeds one at one point, `10^-7` by 3.4
-//! times.
+//! Measured on the built-in problem: kinetic splits lose stability where the harmonic oscillator
+//! does (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
+//! collocation at tolerance 10^-9 is stable at all points, with an error of at most `4.3 10^-10`,
+//! at `A = 10^-12`, `kappa = 10^8`. Of the looser tolerances, from 0.1 on, its error exceeds one at
+//! one point: `10^-7`, by 3.4 times.
 
 mod report;
 
@@ -48,19 +49,19 @@ use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
 const PERIODS: f64 = 10.0;
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "stability.store";
 /// Lengths of runs that may be asked for, in contact periods.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 /// Sites of the longest chain that may be asked for.
 const MOST_SITES: usize = 1_000_000;
-/// Sites that methods which stop the whole chain at every event are tried on.
+/// Most sites on which methods that stop the whole chain at every event are tried.
 const STOPPING_SITES: usize = 1000;
-/// Sites times periods of the runs on long chains.
+/// Sites times contact periods of the runs on long chains.
 const SITE_PERIODS: f64 = 1e4;
-/// Runs longer than this may take more work, up to ten times.
+/// Runs of more contact periods than this may take more work, up to ten times.
 const LONG: f64 = 1e3;
-/// Multiples of half a period near which resonances are looked for, and amplitudes.
+/// Multiples of half a period near which resonances are looked for, and the static overlaps.
 const MULTIPLES: std::ops::RangeInclusive<u32> = 1..=4;
 const PRESSED: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 
@@ -74,7 +75,7 @@ pub enum Chart {
     Stiffness,
     /// (c) exponents from 0.5 to 10.
     Alpha,
-    /// (d) one bead to 10^6.
+    /// (d) numbers of beads from 1 to 10^6.
     Length,
     /// (e) lengths of runs.
     Time,
@@ -203,14 +204,14 @@ pub struct ChartOptions {
     pub quick: bool,
 }
 
-/// A name in a list.
+/// Parses one name of the list `--charts`.
 #[cfg(feature = "cli")]
 fn listed(name: &str) -> Result<Chart> {
     Chart::named(name.trim())
 }
 
 impl ChartOptions {
-    /// All, if none is named.
+    /// The charts that are named; all if none is.
     fn charts(&self) -> Vec<Chart> {
         if self.charts.is_empty() { Chart::ALL.to_vec() } else { self.charts.clone() }
     }
@@ -260,7 +261,7 @@ pub struct ChartPoint {
     pub variant: Variant,
     /// The method.
     pub method: Method,
-    /// What was measured, or the rule by which nothing was.
+    /// What was measured, or why nothing was.
     pub measured: Row<Measured>,
 }
 
@@ -286,28 +287,28 @@ pub struct StruckPoint {
     pub alpha: f64,
     /// Mass ratio.
     pub rho: f64,
-    /// What tolerances came to.
+    /// The runs at all tolerances, or why there are none.
     pub runs: Row<StruckRuns>,
 }
 
 /// The charts.
 #[derive(Clone, Debug)]
 pub struct ChartStudy {
-    /// What was charted.
+    /// The charts that were made.
     pub charts: Vec<Chart>,
-    /// By these methods.
+    /// The methods that were tried.
     pub methods: Vec<Method>,
     /// Force evaluations times sites that a run may take.
     pub work: f64,
-    /// Of what.
+    /// The chain and the state that were varied.
     pub problem: Problem,
-    /// Chart by chart, in each variant by variant, in each all methods.
+    /// The points of charts of variants, ordered by chart, then by variant, then by method.
     pub points: Vec<ChartPoint>,
-    /// Scheme by scheme, in each multiple by multiple.
+    /// The points of the chart of resonances, ordered by scheme, then by multiple.
     pub resonances: Vec<ResonancePoint>,
-    /// Number of beads by number of beads.
+    /// The struck chains, ordered by number of beads.
     pub struck: Vec<StruckPoint>,
-    /// How many points were in the stores.
+    /// Number of points that were read from stores instead of computed.
     pub resumed: usize,
     /// Wall time.
     pub wall: Duration,
@@ -342,7 +343,7 @@ impl ChartStudy {
     }
 }
 
-/// A point before anything is known of it.
+/// A point that is to be measured.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Place<'a> {

@@ -1,4 +1,4 @@
-//! What is charted: a chain and a state, and their variants.
+//! The problem that is charted, a chain and a state, and its variants.
 
 use crate::{
     chain::{Boundary, Chain},
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Sites, exponent, spring constant and mass ratio of the chain that is charted unless a scene is
 /// given.
 const CHAIN: (usize, f64, f64, f64) = (4, 1.5, 1.0, 1.0 / 3.0);
-/// A golden angle: displacements without a pattern.
+/// The golden angle in radians: cosines of its multiples are displacements without a pattern.
 const ANGLE: f64 = 2.399_963_229_728_653;
 /// The longest span of a point, in periods of its fastest motion.
 const MOST_PERIODS: f64 = 1e4;
@@ -44,7 +44,7 @@ pub struct Variant {
 #[derive(Clone, Debug)]
 pub struct Problem {
     name: String,
-    /// What it was made from, all of it.
+    /// The TOML of the scene, or `built-in`; it identifies the problem in a store.
     source: String,
     chain: ChainSection,
     /// `u, v, u', v'` at amplitude 1; `None`: the state of [`built_in`](Self::built_in), which fits
@@ -57,7 +57,7 @@ pub struct Problem {
 #[derive(Clone, Debug)]
 pub(super) struct Prepared {
     pub(super) scene: Scene,
-    /// `Omega_c = sqrt(2 alpha A^{alpha-1})`.
+    /// `Omega_c = sqrt(2 alpha (A + delta_0)^{alpha-1})`.
     pub(super) contact: f64,
     /// `max(omega, Omega_c)`.
     pub(super) fast: f64,
@@ -65,9 +65,9 @@ pub(super) struct Prepared {
 
 impl Problem {
     /// Four spheres between walls, `kappa = 1`, `rho = 1/3`, beads displaced by up to `A = 1`
-    /// without a pattern, resonators so far from their beads that springs hold as much energy as
-    /// contacts (or as far as the beads are, if springs are soft): no error hides behind the other
-    /// energy.
+    /// without a pattern. Resonators are so far from their beads that springs hold as much energy
+    /// as contacts, so that the energy error shows errors of both. With soft springs they are as
+    /// far from them as beads are displaced.
     pub fn built_in() -> Self {
         let (sites, alpha, kappa, rho) = CHAIN;
         let chain = ChainSection { sites, alpha, kappa, rho, boundary: Boundary::Fixed, precompression: 0.0 };
@@ -102,7 +102,7 @@ impl Problem {
         &self.name
     }
 
-    /// What it was made from: the TOML of the scene.
+    /// The TOML of the scene, or `built-in`.
     pub(super) fn source(&self) -> &str {
         &self.source
     }
@@ -139,8 +139,8 @@ impl Problem {
         [u, v, Vec::new(), Vec::new()]
     }
 
-    /// A variant as a scene over ten contact periods, or as many as it says; at most 10^4 periods
-    /// of its fastest motion unless it says so.
+    /// A variant as a scene. It runs over as many contact periods as the variant says, or else over
+    /// ten, but at most 10^4 periods of the fastest motion.
     pub(super) fn prepare(&self, variant: &Variant) -> Result<Prepared> {
         let mut section = self.chain.clone();
         section.rho = variant.rho.unwrap_or(section.rho);

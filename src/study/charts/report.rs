@@ -1,4 +1,4 @@
-//! The charts of stability as people and machines read them.
+//! The charts of stability as text, JSON, CSV and pictures.
 
 use super::struck::TOLERANCES;
 #[cfg(feature = "plot")]
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 impl Report for ChartStudy {
-    /// `wall` is seconds a unit of time, on whatever the machine did beside.
+    /// `wall` is seconds a unit of time, and depends on the load of the machine.
     fn json(&self) -> Value {
         let chain = self.problem.chain();
         json!({
@@ -38,7 +38,7 @@ impl Report for ChartStudy {
         })
     }
 
-    /// The verdict and the error of every method at its usual step, what resonates where, and the
+    /// The verdict and the error of every method at its usual step, the resonances, and the
     /// cheapest method of every regime.
     fn text(&self) -> String {
         let mut text = format!(
@@ -115,7 +115,7 @@ impl Report for ChartStudy {
     }
 }
 
-/// How many points were not in the stores.
+/// Number of points that were computed, not read from stores.
 fn computed(study: &ChartStudy) -> usize {
     study.points.len() + study.resonances.len() + study.struck.len() - study.resumed
 }
@@ -214,8 +214,8 @@ fn place(chart: Chart, variant: &Variant) -> Vec<f64> {
         .collect()
 }
 
-/// The charts as CSV files by name: a line a point; `light` has all its steps in a file of their
-/// own. Empty: there is none.
+/// The charts as CSV files by name: a line a point. Charts of variants have the runs of their
+/// ladders in a second file. A cell is empty if there is no value.
 fn csv_files(study: &ChartStudy) -> Vec<File> {
     let mut files = Vec::new();
     for &chart in &study.charts {
@@ -392,12 +392,12 @@ fn struck_table(study: &ChartStudy) -> String {
         + "The largest error over all exponents and mass ratios, in units of tolerance times amplification: how many times larger the motion makes an error.\n"
 }
 
-/// Which method, at which step, for a variant.
+/// The cheapest method for a variant, and its step.
 struct Cheapest {
     chart: Chart,
     variant: Variant,
-    /// For each bound: the method, its run, whether longer steps may do, `Omega_c` and `max(omega,
-    /// Omega_c)`.
+    /// For each bound: the method, its limit, `Omega_c` and `max(omega, Omega_c)`; `None` if no
+    /// method meets the bound.
     best: Vec<Option<(Method, Limit, f64, f64)>>,
 }
 
@@ -470,7 +470,7 @@ fn heading(chart: Chart) -> &'static str {
     }
 }
 
-/// The error, and a letter for what is not stable.
+/// The error with a `d` if it drifts, or a word if there is none.
 fn error_cell(point: &ChartPoint) -> String {
     match &point.measured {
         Err(_) => "refused".to_owned(),
@@ -487,7 +487,7 @@ fn error_cell(point: &ChartPoint) -> String {
     }
 }
 
-/// How bad a cell is.
+/// A rank that is larger for a worse point: the table shows the worst point of a cell.
 fn badness(point: &ChartPoint) -> f64 {
     match &point.measured {
         Err(_) => f64::INFINITY,
@@ -605,8 +605,8 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
     format!("Scene {}: {}. hertzchain {}.", study.problem.name(), words.join(", "), env!("CARGO_PKG_VERSION"))
 }
 
-/// The error as a colour: rounding and what is lost at the ends of the scale, 0 (grey) for what was
-/// not finished.
+/// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run
+/// that was not finished.
 #[cfg(feature = "plot")]
 fn shade(trial: &Trial) -> f64 {
     match (trial.verdict, trial.error) {
@@ -616,7 +616,7 @@ fn shade(trial: &Trial) -> f64 {
     }
 }
 
-/// Minus the decade of the error, and a letter for what drifts.
+/// Minus the decimal logarithm of the error, rounded, with a `d` if it drifts.
 #[cfg(feature = "plot")]
 fn note(point: &ChartPoint) -> String {
     match &point.measured {
@@ -671,7 +671,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> crate::figures::Matrix {
     }
 }
 
-/// Rows of the map of steps: from 12 down to 0.1, each over the root of two.
+/// Rows of the map of steps: `h Omega` from 12 down to 0.1, each the one before over `sqrt 2`.
 #[cfg(feature = "plot")]
 const STEP_ROWS: i32 = 14;
 

@@ -1,5 +1,5 @@
-//! Resonances of steps with multiples of half a period: where an exact linear flow makes no error,
-//! and the kicks between do.
+//! Resonances of the step with multiples of half a period, in schemes on the exact linear flow: the
+//! flow itself makes no error, the kicks between do.
 //!
 //! One bead between walls under the static overlap `delta` never leaves them: its contacts are
 //! springs of `K = 2 alpha delta^{alpha-1}`, and a step of any method is a matrix. Where an
@@ -31,16 +31,18 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Offsets from `k pi` at which a resonance is looked for, from and to in tenths of decades, and
-/// how many a tenth: finer than any that is wider than a hundredth of its offset.
+/// Offsets from `k pi` at which a resonance is looked for: the first and the last in tenths of
+/// decades, and the number of offsets in a tenth. They are dense enough to meet every resonance
+/// that is wider than a hundredth of its offset.
 const OFFSETS: (i32, i32, i32) = (-70, 1, 24);
-/// Growth a step that is no rounding.
+/// Least growth a step of a resonance; less may be rounding.
 const LEAST_GROWTH: f64 = 1e-6;
 /// Share of the largest growth at the edges: an edge is thereby off by `5e-5` of the half width.
 const EDGE: f64 = 1e-2;
-/// Displacement that derivatives are taken by, in units of `delta`.
+/// Displacement for central differences, in units of `delta`.
 const SHIFT: f64 = 1e-5;
-/// The runs inside and beside a resonance: long enough to grow by `e^10`, up to so many steps.
+/// Runs inside and beside a resonance have as many steps as a growth by `e^FOLDS` takes, up to
+/// `MOST_STEPS`.
 const FOLDS: f64 = 10.0;
 const MOST_STEPS: f64 = 1e5;
 
@@ -53,11 +55,11 @@ pub struct Resonance {
     pub centre: f64,
     /// The largest growth a step, `ln |lambda|`.
     pub growth: f64,
-    /// Largest energy error of the chain that is charted, not pressed, at this amplitude, with the
-    /// step of the centre, and with one half-way to the resonance before; over as many steps as
-    /// `growth` takes for `e^10`, up to 10^5. `None`: not bounded.
+    /// Largest energy error of the charted chain, not of the bead, at this amplitude, with the step
+    /// of the centre. The run has as many steps as `growth` takes for `e^10`, up to 10^5. `None` if
+    /// the error is not bounded.
     pub inside: Option<f64>,
-    /// The same beside it.
+    /// The same error with a step half-way to the resonance before, at `h omega = (k - 1/2) pi`.
     pub beside: Option<f64>,
 }
 
@@ -85,12 +87,11 @@ pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Resul
         return Ok(None);
     }
     let between = maximum(scanned[top - 1].0, scanned[top + 1].0, &growth)?;
-    // One so narrow that the search between its neighbours missed it is taken where the scan met
-    // it.
+    // If the search between the neighbours misses a narrow maximum, the scanned point is taken.
     let (centre, largest) = if between.1 > scanned[top].1 { between } else { scanned[top] };
     let quiet = |at: &&(f64, f64)| at.1 < EDGE * largest;
     let (Some(below), Some(above)) = (scanned[..top].iter().rfind(quiet), scanned[top + 1..].iter().find(quiet)) else {
-        // The contacts alone are too stiff for such steps.
+        // It has no edge on one side: the contacts alone are too stiff for such steps.
         return Ok(None);
     };
     let edge = |outside: f64| bisect(centre, outside, &|x| Ok(growth(x)? >= EDGE * largest));
@@ -123,7 +124,7 @@ fn growth(problem: &Problem, method: Method, delta: f64, h: f64) -> Result<f64> 
     Ok(radius.ln())
 }
 
-/// The derivative of so many steps of length `h`, by central differences.
+/// The derivative of the map of `steps` steps of length `h`, by central differences.
 fn step_matrix(problem: &Problem, method: Method, delta: f64, h: f64, steps: u64) -> Result<DMatrix<f64>> {
     let span = steps as f64 * h;
     let dim = problem.pressed(1, delta, 0, 0.0, span)?.initial().as_slice().len();
@@ -180,7 +181,7 @@ fn maximum(mut a: f64, mut b: f64, f: &dyn Fn(f64) -> Result<f64>) -> Result<(f6
     Ok(if fc > fd { (c, fc) } else { (d, fd) })
 }
 
-/// Where a condition that holds at `good` and not at `bad` ends.
+/// The place between `good` and `bad` where a condition that holds at `good` ends, by bisection.
 fn bisect(mut good: f64, mut bad: f64, holds: &dyn Fn(f64) -> Result<bool>) -> Result<f64> {
     for _ in 0..40 {
         let middle = 0.5 * (good + bad);

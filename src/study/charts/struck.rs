@@ -1,8 +1,8 @@
-//! Long chains at rest that are struck, by contact collocation: what it makes of loose tolerances.
+//! Long chains at rest that are struck: the errors of contact collocation at loose tolerances.
 //!
-//! Nothing in a chain at rest limits the first windows but contacts that are yet to come. An error
-//! is held against the tolerance times the *amplification*: how many times larger the motion makes
-//! an error of velocities by the end, from the start or from half way, at least 1.
+//! In a chain at rest only contacts that are yet to begin limit the first windows. An error is
+//! compared with the tolerance times the *amplification*: the factor by which an error of
+//! velocities, made at the start or half way, is larger at the end; at least 1.
 
 use crate::{
     Run,
@@ -23,52 +23,52 @@ pub(super) const EXPONENTS: [f64; 3] = [1.2, 1.5, 2.5];
 pub(super) const MASS_RATIOS: [f64; 2] = [0.0, 1.0];
 /// Time until which a chain of `N` beads runs, in units of `N`.
 const SPAN: f64 = 0.2;
-/// Relative size of a perturbation; runs that it is compared with are a million times finer.
+/// Relative size of a perturbation. The runs that are compared have a tolerance of [`FINE`].
 const PERTURBATION: f64 = 1e-7;
-/// The tolerance of the runs that others are held against.
+/// The tolerance of the runs that others are compared with.
 const FINE: f64 = 1e-12;
 
-/// A chain with a state that runs until a time.
+/// A chain with an initial state, and the end of its runs.
 #[derive(Clone, Debug)]
 pub struct Struck {
     run: Run,
     end: f64,
 }
 
-/// What a tolerance came to.
+/// A run at one tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StruckRun {
     /// The tolerance.
     pub tol: f64,
     /// The error at the end, see [`deviation`]; `None` for a run that failed.
     pub error: Option<f64>,
-    /// Windows and force evaluations.
+    /// Number of windows.
     pub windows: u64,
-    /// Force evaluations.
+    /// Number of force evaluations.
     pub force_evaluations: u64,
 }
 
-/// All tolerances on a chain.
+/// The runs of a chain at all tolerances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StruckRuns {
-    /// How long the runs are.
+    /// End time of the runs.
     pub until: f64,
-    /// How many times larger an error is at the end.
+    /// Factor by which an error of velocities is larger at the end, at least 1.
     pub amplification: f64,
     /// A run for each tolerance.
     pub runs: Vec<StruckRun>,
 }
 
-/// How far a state is from a reference: relative to the largest position, or to the largest
-/// velocity.
+/// The distance of a state from a reference: the larger of the largest error of a position relative
+/// to the largest position, and that of a velocity relative to the largest velocity.
 pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
     let half = y.len() / 2;
     let part = |a: &[f64], b: &[f64]| max_norm(a.iter().zip(b).map(|(a, b)| a - b)) / max_norm(b.iter().copied());
     part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
 }
 
-/// The state with a perturbation of the velocities that are not small, each to a side that its
-/// number decides.
+/// The state with perturbed velocities: those that are not small, with signs that depend on their
+/// index.
 fn perturbed(state: &State<f64>) -> State<f64> {
     let mut out = state.clone();
     let half = state.as_slice().len() / 2;
@@ -81,7 +81,7 @@ fn perturbed(state: &State<f64>) -> State<f64> {
 }
 
 impl Struck {
-    /// A chain with its state at rest, and some velocities, until a time.
+    /// A chain with an initial state, to run until `end`.
     pub fn new(chain: Chain<f64>, state: State<f64>, end: f64) -> Self {
         Self { run: Run::new(chain, state).method(Method::Collocation).records(Records::End), end }
     }
@@ -94,7 +94,7 @@ impl Struck {
         Ok(Self::new(chain, state, SPAN * sites as f64))
     }
 
-    /// The state a time after `from`.
+    /// The state at a time `time` after `from`, by a run with tolerance [`FINE`].
     fn fine(&self, from: &State<f64>, time: f64) -> Result<State<f64>> {
         let run = Run::new(self.run.chain().clone(), from.clone()).until(time)?.method(Method::Collocation);
         let end = run.setting(Setting::Tolerance(FINE)).records(Records::End).start()?.complete()?.state;
@@ -103,8 +103,8 @@ impl Struck {
         Ok(state)
     }
 
-    /// How many times larger errors of velocities are at the end: those made at the start or half
-    /// way, at least 1; and the state at the end.
+    /// The factor by which errors of velocities, made at the start or half way, are larger at the
+    /// end, at least 1; and the state at the end.
     ///
     /// # Errors
     /// A fine run that fails.

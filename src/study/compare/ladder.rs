@@ -3,9 +3,10 @@
 //! Rungs go in factors of two for steps and of ten for tolerances. A ladder ends early for one of
 //! three reasons: the reference resolves no smaller error; the time is up; or a run of the next rung
 //! takes more than a 400th of all time and is expected to be dominated: some row of another method
-//! has an error that is not larger in a time that is not longer. What is expected is the better of
-//! the last two gains of the ladder (the nominal one while there are fewer) at the time of the last
-//! rung, so a rung that is left out would have had to do better than its ladder has lately done.
+//! has an error that is not larger in a time that is not longer. The expected error is the last one
+//! times the better of the last two gains of the ladder (the nominal one counts while there are
+//! fewer), and the expected time is that of the last rung. So a rung that is left out would have
+//! had to gain more than its ladder did lately.
 
 use super::{
     Entrant, Progress, Row,
@@ -32,11 +33,11 @@ const KICKS: f64 = 16.0;
 const TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13];
 /// A rung whose run takes a smaller share of the time than this is never left out.
 const CHEAP: f64 = 1.0 / 400.0;
-/// Runs that a rung costs, about: one for its error, and those that are timed.
+/// Approximate cost of a rung in runs: one for its error, and those that are timed.
 const RUNS: f64 = 4.0;
 /// Growth of the cost from rung to rung, at most.
 const GROWTH: f64 = 2.0;
-/// Gains that an expectation looks back upon.
+/// Number of last gains from which the error of the next rung is expected.
 const GAINS: usize = 2;
 
 /// A rung of a ladder.
@@ -88,8 +89,8 @@ pub(in crate::study) fn time(
 ) -> Result<(f64, usize, Stats)> {
     let mut y = scene.initial().as_slice().to_vec();
     median(left, || {
-        // What a method does before its first step is part of its run: of a tolerance, that may be
-        // runs of its own.
+        // The set-up of a method is part of its run: to meet a tolerance it may make runs of its
+        // own.
         let mut stepper = scene.run().method(method).setting(setting).stepper()?;
         drive(&mut *stepper, &mut Silent, &mut y)?;
         Ok(stepper.stats())
@@ -150,7 +151,7 @@ impl Ladder {
     }
 }
 
-/// All ladders on their way up.
+/// All ladders, which are climbed together.
 pub(super) struct Climb<'a> {
     scene: &'a Scene,
     ladders: Vec<Ladder>,
@@ -192,7 +193,7 @@ impl<'a> Climb<'a> {
         (self.ladders.into_iter().flat_map(|ladder| ladder.rows).collect(), stopped)
     }
 
-    /// The ladders that have a next rung; the others are told why not.
+    /// The indices of the ladders that have a next rung. The others store why they have none.
     fn going(&mut self, truth: &Truth) -> Vec<usize> {
         let mut left = self.budget - self.spent();
         let mut going = Vec::new();
@@ -214,7 +215,8 @@ impl<'a> Climb<'a> {
         going
     }
 
-    /// Why the next rung of a ladder would show nothing, if it takes long.
+    /// Why the next rung of a ladder is left out; `None` if it takes little time or may show
+    /// something.
     fn dominated(&self, index: usize, truth: &Truth) -> Option<String> {
         let ladder = &self.ladders[index];
         let (expected, wall) = (ladder.expected()?, ladder.last_wall()?);

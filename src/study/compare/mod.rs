@@ -77,8 +77,8 @@ fn integrators_help() -> String {
 }
 
 impl CompareOptions {
-    /// The methods: those that are named must be able to run the scene, of all others those that
-    /// can are taken.
+    /// The methods. Those that are named must be able to run the scene; of `all` and of the default
+    /// those that can are taken.
     fn methods(&self, scene: &Scene) -> Result<Vec<Method>> {
         let mut methods = methods(&self.integrators, Method::telling)?;
         if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
@@ -90,8 +90,8 @@ impl CompareOptions {
 
     /// The methods, then the plain loops.
     fn entrants(&self, scene: &Scene) -> Result<Vec<Entrant>> {
-        // Plain loops are those of uniform chains. Without resonators nothing turns: both are the
-        // same.
+        // Plain loops exist for uniform chains only. Without resonators nothing rotates, and both
+        // loops are the same.
         let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
             (Some(_), _) => 0,
             (None, Resonators::None) => 1,
@@ -117,7 +117,7 @@ impl Study for Compare {
     }
 }
 
-/// What errors are measured against.
+/// The reference that errors are measured against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Method and setting, in words.
@@ -163,11 +163,11 @@ pub struct Row {
     /// `max |x - x_ref|` at the end over the amplitude; `None` if the run failed.
     pub error: Option<f64>,
     /// Largest relative energy error; `None` if the run failed or the state has no energy, and for
-    /// plain loops, which look at no energy.
+    /// plain loops, which do not compute the energy.
     pub energy_error: Option<f64>,
     /// Median wall time of several runs that record nothing, in seconds; `None` if the run failed.
     pub wall: Option<f64>,
-    /// Runs behind the median.
+    /// Number of runs whose median is `wall`.
     pub repeats: usize,
     /// Work of one such run.
     pub stats: Stats,
@@ -205,13 +205,13 @@ impl Row {
 pub struct Comparison {
     /// Scene.
     pub scene: Scene,
-    /// What errors are divided by.
+    /// The amplitude that errors are divided by.
     pub amplitude: f64,
-    /// What they are measured against.
+    /// The reference that errors are measured against.
     pub reference: Reference,
     /// Rows, method by method, coarse to fine.
     pub rows: Vec<Row>,
-    /// Whose ladders ended before the last rung, and why.
+    /// Methods and loops whose ladders ended before the last rung, and why.
     pub stopped: Vec<(Entrant, String)>,
 }
 
@@ -232,8 +232,8 @@ impl Comparison {
         entrants
     }
 
-    /// Wall time of a step of a row, in steps of plain Verlet: of its row of the same rung, which was
-    /// timed just after, or of its last.
+    /// Wall time of a step of a row over that of a step of plain Verlet. The latter is taken from
+    /// Verlet's row of the same rung, which was timed just after, or else from its last row.
     pub fn step_cost(&self, row: &Row) -> Option<f64> {
         let rung = self.rows_of(&row.entrant).iter().position(|other| std::ptr::eq(*other, row))?;
         let verlet = self.rows_of(&Entrant::Plain(Loop::VERLET));
@@ -260,13 +260,13 @@ impl Comparison {
         fit_line(points).filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10()).map(|(slope, _)| slope)
     }
 
-    /// The fastest row of a method whose error is certainly at most `error`: its own and that of the
-    /// reference together.
+    /// The fastest row of a method whose error, together with the error estimate of the reference,
+    /// is at most `error`.
     pub fn fastest(&self, error: f64) -> Option<&Row> {
         self.fastest_of(error, |entrant| matches!(entrant, Entrant::Method(_)))
     }
 
-    /// The same of the plain loops.
+    /// [`fastest`](Self::fastest) of the plain loops.
     pub fn fastest_plain(&self, error: f64) -> Option<&Row> {
         self.fastest_of(error, |entrant| matches!(entrant, Entrant::Plain(_)))
     }
@@ -285,7 +285,7 @@ impl Comparison {
 /// at a time.
 ///
 /// # Errors
-/// A budget outside its rule, no method, or references that cannot be had.
+/// A budget outside its rule, no method, or references that cannot be computed.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
     let entrants = options.entrants(scene)?;
     let budget = options.max_time;

@@ -1,4 +1,5 @@
-//! What errors are measured against: the exact solution, a stored reference, or two runs.
+//! The reference that errors are measured against: the exact solution, a stored reference, or two
+//! runs.
 //!
 //! Built-in scenes come with a stored reference (`stored/`), which is used while chain, initial state
 //! and span of the scene are those it was made for. Any other scene computes its own in the same
@@ -23,19 +24,19 @@ use std::time::Duration;
 
 /// The method of references, and its tolerance.
 const FINEST: (&str, f64) = ("collocation", 1e-14);
-/// The method that checks references on chains of up to [`FEW_SITES`]: a tenth of a rounding a
-/// step, so that rounding is all there is.
+/// The method that checks references on chains of up to [`FEW_SITES`]. Its tolerance of a step is
+/// below a rounding, so that only rounding errors remain.
 const RESOLVED: (&str, f64) = ("dop853-regularised", 1e-16);
 /// The work of a method that stops at every event grows with the square of the chain.
 const FEW_SITES: usize = 100;
-/// The methods that check references on longer chains, the first that can run, or give them if
-/// collocation cannot, the first two that can run.
+/// Methods with fixed steps for longer chains: the first that can run checks a reference. If
+/// collocation cannot run, the first two that can are the reference and its check.
 const STEPPED: [&str; 3] = ["corrected", "aba1064-linear", "srkn11-6-linear"];
 /// Kicks a period of these: of a trial, at least and at most.
 const TRIAL_KICKS: f64 = 256.0;
 const FEWEST_KICKS: f64 = 64.0;
 const MOST_KICKS: f64 = 131_072.0;
-/// Share of the span that tells what a reference will cost.
+/// Share of the span of a trial run, from which the cost of a reference is estimated.
 const TRIAL_SHARE: f64 = 0.05;
 /// Rows nearer to the reference than this many times its error estimate are marked.
 pub(super) const TRUSTED: f64 = 3.0;
@@ -98,7 +99,7 @@ struct Stored {
 }
 
 impl Stored {
-    /// What is stored for this very scene.
+    /// The stored reference, if it was made for this chain, initial state and span.
     fn of(scene: &Scene) -> Option<Self> {
         let (_, text) = STORED.iter().find(|(name, _)| *name == scene.name())?;
         let stored: Self = serde_json::from_str(text).ok()?;
@@ -107,7 +108,7 @@ impl Stored {
     }
 }
 
-/// What of a scene determines its motion.
+/// The parts of a scene that determine its motion.
 fn what(scene: &Scene) -> Value {
     let scene = scene_json(scene);
     json!({"chain": scene["chain"], "initial": scene["initial"], "span": scene["span"]})
@@ -124,7 +125,7 @@ fn start(scene: &Scene) -> (f64, f64) {
 pub(super) struct Truth {
     /// Methods and settings, in words.
     pub(super) method: String,
-    /// A row is held against the first that is not of its own method.
+    /// The ends of the reference runs. An error is measured against the first of another method.
     ends: Vec<End>,
     pub(super) amplitude: f64,
     pub(super) error_estimate: f64,
@@ -188,14 +189,16 @@ fn computed(scene: &Scene, budget: f64) -> Result<Vec<End>> {
 /// Whether a run to a tolerance fits, by the time of a short trial.
 fn affordable(scene: &Scene, (method, tolerance): (&str, f64), budget: f64) -> bool {
     let trial = || {
-        // Of a run, not a scene, which would refuse to end before its drives are in full swing.
+        // The run is shortened, not the scene: a scene would refuse to end before its drives have
+        // their full amplitude.
         let run = scene.run().until(TRIAL_SHARE * scene.end())?.samples(0)?;
         run.method(Method::named(method)?).setting(Setting::Tolerance(tolerance)).records(Records::End).start()
     };
     trial().is_ok_and(|trial| trial.failure.is_none() && trial.wall.as_secs_f64() <= TRIAL_SHARE * budget)
 }
 
-/// So many runs with fixed steps, by the first methods that can, with kicks that fit the budget.
+/// `count` runs with fixed steps, by the first methods that can run, with as many kicks as fit the
+/// budget.
 fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
     let mut methods = Vec::new();
     let mut wall = Duration::ZERO;

@@ -1,4 +1,4 @@
-//! A comparison as people and machines read it.
+//! A comparison as text, JSON, CSV and a picture.
 
 #[cfg(feature = "plot")]
 use super::Entrant;
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// Columns of the CSV: keys of the rows.
 const COLUMNS: &str = "integrator,setting,step,error,energy_error,wall_s,runs,force_evaluations,steps,rejected,below_reference,failure,step_cost";
 
-/// What stands for a number or words that there are not.
+/// The text of a cell of the CSV without a value.
 fn missing(key: &str) -> &'static str {
     match key {
         "failure" => "",

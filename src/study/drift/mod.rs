@@ -1,8 +1,8 @@
 //! How the error of the energy grows with time.
 //!
-//! A method whose errors have no rule to their sign makes a random walk of the energy, which grows
-//! like the square root of time; one with a bias grows like time; a symplectic one on a smooth
-//! problem does not grow at all.
+//! If the errors of a method have random signs, the energy makes a random walk and its error grows
+//! like the square root of time. With a bias it grows like time. With a symplectic method on a
+//! smooth problem it does not grow at all.
 
 mod report;
 
@@ -20,21 +20,21 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{ops::ControlFlow, time::Instant};
 
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "drift.store";
 
-/// Lengths of the runs in periods.
+/// Lengths of runs that may be asked for, in periods.
 const PERIODS: std::ops::RangeInclusive<f64> = 1.0..=1e9;
-/// Times that are kept.
+/// Numbers of times that may be kept.
 const SAMPLES: std::ops::RangeInclusive<usize> = 2..=100_000;
 /// Contact kicks a period of splitting schemes.
 const KICKS: f64 = 64.0;
 /// Tolerance of adaptive methods.
 const TOLERANCE: f64 = 1e-13;
-/// Periods from one look at the energy to the next: by the golden ratio, so that looks meet every
-/// phase of the motion alike.
+/// Periods between two evaluations of the energy: the golden ratio, so that evaluations meet all
+/// phases of the motion evenly.
 const LOOK: f64 = 0.618_033_988_749_894_9;
-/// Times of the fit of a slope: the last of them over this.
+/// A slope is fitted from the last time over this factor to the last time.
 const FITTED: f64 = 100.0;
 /// A run is unstable when its energy exceeds the initial one by this factor.
 const ENERGY_BOUND: f64 = 10.0;
@@ -105,15 +105,15 @@ pub struct DriftRow {
     pub setting: String,
     /// Times, up to the end or to where the run failed.
     pub t: Vec<f64>,
-    /// Largest `|E - E(0)| / |E(0)|` seen up to each (absolute where `E(0) = 0`); the energy is
-    /// looked at more than once a period.
+    /// Largest `|E - E(0)| / |E(0)|` up to each time (absolute where `E(0) = 0`); the energy is
+    /// evaluated more than once a period.
     pub energy_error: Vec<f64>,
     /// Slope of `log energy_error` against `log t` over the last two decades, if the run covers
     /// them and did not fail.
     pub slope: Option<f64>,
-    /// Wall time of the run, looks included, in seconds.
+    /// Wall time of the run in seconds, evaluations of the energy included.
     pub wall: f64,
-    /// Work of the run, looks included.
+    /// Work of the run, evaluations of the energy included.
     pub stats: Stats,
     /// Why it stopped before the end, if it did.
     pub failure: Option<String>,
@@ -122,7 +122,7 @@ pub struct DriftRow {
 /// The outcome of the study.
 #[derive(Clone, Debug)]
 pub struct DriftStudy {
-    /// Scene, until the end of the runs.
+    /// The scene, whose span is that of the runs.
     pub scene: Scene,
     /// Length of the runs in periods of the scene.
     pub periods: f64,
@@ -130,7 +130,7 @@ pub struct DriftStudy {
     pub rows: Vec<DriftRow>,
 }
 
-/// What is kept of a method.
+/// What the store keeps of the run of a method.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     energy_error: Vec<f64>,
@@ -185,7 +185,7 @@ pub fn drift(
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
 }
 
-/// So many times from `first` to `last`, both included, spaced evenly in their logarithm.
+/// `count` times from `first` to `last`, both included, spaced evenly in their logarithm.
 fn spaced(first: f64, last: f64, count: usize) -> Vec<f64> {
     let step = (last / first).ln() / (count - 1) as f64;
     let inner = (0..count - 1).map(|k| (first * (step * k as f64).exp()).min(last));
@@ -200,7 +200,7 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     }
 }
 
-/// Runs a method.
+/// Runs a method, and returns what the store keeps of it.
 fn kept(scene: &Scene, method: Method, times: &[f64]) -> Result<Kept> {
     let mut stepper = scene.run().method(method).setting(setting(scene, &method).0).stepper()?;
     let mut state = scene.initial().as_slice().to_vec();
@@ -239,7 +239,7 @@ fn row_of(scene: &Scene, method: Method, times: &[f64], kept: Kept) -> Result<Dr
 /// The slope over the last two decades of `t`.
 fn slope(t: &[f64], errors: &[f64]) -> Option<f64> {
     let from = t.last()? / FITTED;
-    // Rounding must not lose a first time that is just as far back.
+    // The first time may be `from` itself, up to rounding.
     let covered = *t.first()? <= from * (1.0 + 1e-9);
     let fitted = t.iter().zip(errors).filter(|(t, _)| **t >= from * (1.0 - 1e-9));
     let points: Vec<(f64, f64)> = fitted.map(|(t, error)| (t.log10(), error.log10())).collect();
@@ -253,17 +253,17 @@ pub(super) fn energy(chain: &Chain<f64>, y: &[f64]) -> Twofold<f64> {
     chain.site_energies(y).into_iter().fold(Twofold::zero(), |sum, site| sum + Twofold::new(site))
 }
 
-/// The observer that looks at the energy again and again and keeps its largest error at a few
-/// times.
+/// Observer that evaluates the energy at regular times and keeps the largest error so far at each
+/// of `times`.
 struct Look<'a> {
     scene: &'a Scene,
     times: &'a [f64],
-    /// Looks so far, but for those at `times`.
+    /// Number of regular evaluations so far, without those at `times`.
     looks: u64,
     initial: Twofold<f64>,
     /// Largest error so far.
     largest: f64,
-    /// The same at each of `times` that has passed.
+    /// Largest error up to each of `times` that has passed.
     errors: Vec<f64>,
     token: interrupt::Token,
 }
@@ -274,7 +274,7 @@ impl<'a> Look<'a> {
         Self { scene, times, looks: 0, initial, largest: 0.0, errors: Vec::new(), token: interrupt::token() }
     }
 
-    /// The next look that is not one of `times`.
+    /// Time of the next regular evaluation.
     fn regular(&self) -> f64 {
         LOOK * self.scene.period() * (self.looks + 1) as f64
     }

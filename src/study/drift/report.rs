@@ -1,4 +1,4 @@
-//! The drift study as people and machines read it.
+//! The drift study as text, JSON, CSV and a picture.
 
 use super::{DriftRow, DriftStudy};
 use crate::{
@@ -92,7 +92,8 @@ fn csv(study: &DriftStudy) -> Vec<u8> {
 #[cfg(feature = "plot")]
 const MOST_POINTS: usize = 40;
 
-/// Every k-th point of a row, the last of all included: the largest error so far is exact at each.
+/// Every k-th point of a row, with the last point included. Each has the largest error so far, so
+/// that points left out hide no error.
 #[cfg(feature = "plot")]
 fn points(row: &DriftRow) -> Vec<crate::figures::Point> {
     let stride = row.t.len().div_ceil(MOST_POINTS).max(1);

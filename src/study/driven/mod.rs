@@ -88,7 +88,7 @@ pub struct Driven {
     pub told: DrivenScene,
 }
 
-/// An orbit of a driven scene and what is asked of it.
+/// An orbit of a driven scene with its multipliers, samples and energy balance.
 #[derive(Clone, Debug)]
 pub struct DrivenStudy {
     /// The scene.
@@ -124,7 +124,7 @@ pub fn driven_orbit(scene: Scene, search: &DrivenSearch, progress: Progress<'_>)
 }
 
 impl DrivenStudy {
-    /// What is asked of an orbit.
+    /// Computes multipliers, samples and energy balance of an orbit.
     ///
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.

@@ -1,4 +1,4 @@
-//! Orbits of driven scenes and their branches as people and machines read them.
+//! Orbits of driven scenes and their branches as text, JSON, CSV and pictures.
 
 use super::{DrivenBranchStudy, DrivenStudy};
 use crate::{
@@ -10,9 +10,9 @@ use crate::{
 };
 use serde_json::{Value, json};
 
-/// Multipliers of a point of a branch that are in its JSON.
+/// Number of leading multipliers, one of each conjugate pair, that text and JSON show.
 const LEADING: usize = 6;
-/// Method, as it is called where runs name theirs.
+/// Name of the integrator of driven orbits.
 const METHOD: &str = "dop853-regularised";
 
 fn parameters(point: &DrivenPoint) -> Value {
@@ -195,7 +195,7 @@ impl Report for DrivenBranchStudy {
         (!self.succeeded()).then(|| format!("error: the branch ended: {}", self.branch.end.words()))
     }
 
-    /// A branch that turned back has answered the question as well as one that got to its end.
+    /// A branch succeeds if it reached its end or turned back.
     fn succeeded(&self) -> bool {
         matches!(self.branch.end, End::Reached | End::TurnedBack)
     }

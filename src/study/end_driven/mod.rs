@@ -37,16 +37,17 @@ use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bonds at each end that are no background.
+/// Bonds at each end that are left out of the background.
 const ENDS: usize = 2;
-/// Sites of the conservative breather that is the measure.
+/// Sites of the ring of the conservative breather that gives `K_x`.
 const RING: usize = 21;
 /// Periods that the chain runs before its first orbit is sought.
 const SETTLE: u32 = 400;
 /// Ramps of runs from rest, in periods, and the periods that a run takes after its ramp.
 const RAMPS: [u32; 2] = [20, 800];
 const AFTER_RAMP: u32 = 4000;
-/// Most orbits of a branch to which runs from rest are tried, those with the strongest background.
+/// Largest number of orbits of a branch for which runs from rest are made: those with the strongest
+/// background.
 const MOST_TRIED: usize = 4;
 /// Distance from an orbit, in units of its largest unknown, at which a run has reached it.
 const REACHED: f64 = 1e-3;
@@ -114,22 +115,24 @@ pub enum Ends {
     Antiphase,
 }
 
-/// A point of a branch, and what its strains are like.
+/// A point of a branch, with the background and the kink of its strains.
 #[derive(Clone, Debug)]
 pub struct EndDrivenPoint {
     /// The orbit with its multipliers.
     pub point: DrivenPoint,
-    /// `B`.
+    /// Background amplitude `B`.
     pub background: f64,
     /// Cosine of the angle between `L` and `R`.
     pub cosine: f64,
-    /// `C`.
+    /// Amplitude `C` in the middle.
     pub centre: f64,
-    /// `c_b`, bond by bond, from the left; in phase with `L` where real and of the sign of `(-1)^b`.
+    /// `c_b`, bond by bond, from the left, turned by the phase of `L`: a bond is in phase with the
+    /// left half if `(-1)^b c_b` is real and positive.
     pub harmonics: Vec<Complex<f64>>,
 }
 
-/// A chain, a way to drive it, a frequency: the branch in the amplitude.
+/// A branch of orbits in the drive amplitude, for one length, one motion of the ends and one
+/// frequency.
 #[derive(Clone, Debug)]
 pub struct EndDrivenCase {
     /// Number of sites.
@@ -138,7 +141,7 @@ pub struct EndDrivenCase {
     pub ends: Ends,
     /// Frequency of the drive.
     pub omega: f64,
-    /// `K_x`.
+    /// `K_x` of the conservative dark breather of this frequency.
     pub free: f64,
     /// The points, in their order along the branch.
     pub points: Vec<EndDrivenPoint>,
@@ -146,7 +149,7 @@ pub struct EndDrivenCase {
     pub bifurcations: Vec<DrivenBifurcation>,
     /// Why the branch ended; `None` if the chain did not settle to a first orbit.
     pub end: Option<End>,
-    /// The stable dark breather with the strongest background, by its number.
+    /// Index of the stable dark breather with the strongest background.
     pub best: Option<usize>,
     /// Runs from rest to stable dark breathers, the strongest background first.
     pub from_rest: Vec<FromRest>,
@@ -164,9 +167,9 @@ pub struct FromRest {
 /// The outcome of the study.
 #[derive(Clone, Debug)]
 pub struct EndDrivenStudy {
-    /// What was asked for.
+    /// The options.
     pub options: EndDriven,
-    /// By length, then by the way the ends move, then by frequency.
+    /// The branches, ordered by length, then by the motion of the ends, then by frequency.
     pub cases: Vec<EndDrivenCase>,
 }
 
@@ -193,12 +196,13 @@ impl EndDrivenPoint {
         self.cosine <= -0.9 && self.centre <= 0.1 * self.background
     }
 
-    /// Whether it is a dark breather for a conservative one of this amplitude.
+    /// Whether it counts as a dark breather, where `free` is the background amplitude `K_x` of the
+    /// conservative one.
     pub fn dark(&self, free: f64) -> bool {
         self.kinked() && self.background >= 0.5 * free
     }
 
-    /// What the strains of an orbit are like.
+    /// Measures the background and the kink in the strains of an orbit.
     ///
     /// # Errors
     /// An integration that fails.
@@ -216,7 +220,8 @@ impl EndDrivenPoint {
             let count = range.len() as f64;
             staggered[range].iter().sum::<Complex<f64>>() / count
         };
-        // The middle: one bond of an odd number, two of an even one, and one more on each side.
+        // The middle is one bond of an odd number, or two of an even one. `L` and `R` also leave
+        // out the bond on either side of it.
         let (low, high) = ((bonds - 1) / 2, bonds / 2 + 1);
         let (left, right) = (mean(ENDS..low - 1), mean(high + 1..bonds - ENDS));
         let cosine = (left * right.conj()).re / (left.norm() * right.norm()).max(f64::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! The study of chains driven at both ends as people and machines read it.
+//! The study of chains driven at both ends as text, JSON, CSV and a picture.
 
 use super::{AFTER_RAMP, EndDriven, EndDrivenCase, EndDrivenPoint, EndDrivenStudy, Ends, RAMPS, RING, SETTLE};
 use crate::{
@@ -58,7 +58,7 @@ fn case_json(case: &EndDrivenCase) -> Value {
     })
 }
 
-/// What was searched.
+/// The ranges of the search, in words.
 fn searched(options: &EndDriven) -> String {
     let list = |values: &[String]| values.join(", ");
     format!(

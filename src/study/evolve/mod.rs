@@ -1,4 +1,5 @@
-//! What becomes of an orbit: its return error, and where its kink goes (Sec. 7).
+//! The evolution of an orbit over many periods: its return error, and the position of its kink
+//! (Sec. 7).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -92,37 +93,36 @@ pub struct Motion {
     pub misfit: f64,
 }
 
-/// An orbit that was let go.
+/// The run of an orbit, and what was measured on the way.
 #[derive(Clone, Debug)]
 pub struct Evolution {
-    /// Where it started, without the kick.
+    /// The orbit that the run started from, without the kick.
     pub orbit: Orbit,
     /// The kick, and the multiplier it is along.
     pub kick: Option<(Kick, Complex<f64>)>,
     /// Tolerance of the run.
     pub tol: f64,
-    /// `m T`, from 0.
+    /// Times `m T`, from 0.
     pub times: Vec<f64>,
-    /// `E_b` there.
+    /// `E_b` at these times.
     pub e_b: Vec<f64>,
-    /// Position of the kink there, in sites `n`.
+    /// Position of the kink at these times, in sites `n`.
     pub position: Vec<f64>,
-    /// The last three quarters of the run in three equal windows: equal velocities mean no
-    /// acceleration.
+    /// Straight lines fitted to the second, third and fourth quarter of the run: equal velocities
+    /// mean no acceleration.
     pub motion: Vec<Motion>,
-    /// `|lambda|^m` of the largest multiplier over the whole run: by how much roundings grow, as
-    /// long as they are small.
+    /// `|lambda|^m` of the largest multiplier over the whole run: the factor by which roundings
+    /// grow, as long as they are small.
     pub amplification: f64,
     /// Largest strains in time.
     pub swing: Swing,
     /// The state `(Z, Z')` at the last of the times.
     pub end: Vec<f64>,
-    /// Why it ended before its time.
+    /// Why the run ended early; `None` if it did not.
     pub failure: Option<String>,
 }
 
-/// Largest strains, a row for each of equal numbers of periods: what a picture over space and time
-/// shows.
+/// Largest strains over space and time, for pictures. Each row covers the same number of periods.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Swing {
     /// Time that a row covers; the first one begins at 0.
@@ -144,7 +144,8 @@ const MOST_ROWS: u64 = 600;
 ///
 /// # Errors
 /// `until` not in `[T, 10^6 T]`; a kick of size zero, not finite or above 1, or along a multiplier
-/// that is not there; multipliers that cannot be computed. A run that fails keeps what it had.
+/// that is not there; multipliers that cannot be computed. A run that fails is no error: what was
+/// measured so far is returned with the failure.
 pub fn evolve(
     orbit: &Orbit,
     until: f64,
@@ -217,7 +218,7 @@ impl Swing {
     }
 }
 
-/// Adds the kick; the multiplier it is along.
+/// Adds the kick to a state, and returns the multiplier whose eigenvector it is along.
 fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> Result<Complex<f64>> {
     let Kick { size, mode } = kick;
     if !(size.is_finite() && size != 0.0 && size.abs() <= 1.0) {
@@ -235,8 +236,8 @@ fn pushed(start: &mut [f64], kick: Kick, orbit: &Orbit, spectrum: &Spectrum) -> 
     Ok(Complex::new(one.re, one.im))
 }
 
-/// Where the background is missing, from amplitudes over its own, in sites `n = -N .. N`: of all
-/// images round the ring the one nearest to the position `before`.
+/// Position of the kink, in sites `n = -N .. N`, from amplitudes in units of the background. Of all
+/// images round the ring it is the one nearest to the position `before`.
 fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
     let length = amplitudes.len() as f64;
     let moment: Complex<f64> = (0..)
@@ -248,7 +249,7 @@ fn kink(amplitudes: &[f64], before: Option<f64>) -> f64 {
     position - length * ((position - before) / length).round()
 }
 
-/// Lines through the second, third and fourth quarter.
+/// Lines fitted to the positions in the second, third and fourth quarter.
 fn motion(times: &[f64], position: &[f64]) -> Vec<Motion> {
     let quarter = times.len() / 4;
     let window = |k: usize| {

@@ -1,4 +1,4 @@
-//! Orbits that were let go as people and machines read them.
+//! The evolution of an orbit as text, JSON, CSV and a picture.
 
 use super::Evolution;
 use crate::{
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 const ROWS: usize = 20;
 
 impl Report for Evolution {
-    /// A number a period.
+    /// Times, return errors and positions are lists with one number a period.
     fn json(&self) -> Value {
         let setting = self.orbit.setting;
         let motion = self.motion.iter().map(
@@ -111,7 +111,7 @@ pub(crate) fn swing_csv(study: &Evolution) -> Vec<(&'static str, Vec<u8>)> {
 }
 
 /// Largest strains over space and time, beads and resonators; the scale of colours ends at twice
-/// the largest of the first row, so that what was before a break-up is seen.
+/// the largest of the first row, so that the motion before a break-up stays visible.
 #[cfg(feature = "plot")]
 pub(crate) fn swing_maps(study: &Evolution) -> [crate::figures::SpaceTime; 2] {
     let sites = study.orbit.setting.sites;

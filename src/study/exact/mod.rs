@@ -28,11 +28,11 @@ use std::f64::consts::PI;
 const SAMPLES: usize = 2048;
 /// Samples of a profile for largest values.
 const FEW_SAMPLES: usize = 256;
-/// The scene where none is named.
+/// The default scene.
 const SCENE: &str = "tw-q15";
-/// What is kept of a search that did not converge.
+/// File with the best iterate of a search that did not converge.
 const STALLED: &str = "stalled.json";
-/// The files of a search that did.
+/// The files of a search that converged.
 const RESULTS: [&str; 9] = [
     "exact.json",
     "exact.png",
@@ -44,7 +44,7 @@ const RESULTS: [&str; 9] = [
     "waves.csv",
     report::STATES,
 ];
-/// Largest tolerance of the flow; above it, waves are not solved to 1e-12.
+/// Least and largest tolerance of the flow; above the largest, waves are not solved to 1e-12.
 const TOLERANCES: (f64, f64) = (1e-15, 1e-12);
 
 /// The wave that is looked for.
@@ -120,7 +120,7 @@ impl Wanted {
         }
     }
 
-    /// The exact wave, and all that is asked of it.
+    /// The exact wave, and all numbers of the study of it.
     ///
     /// # Errors
     /// Numbers outside their rules; [`Error::Stalled`] where no wave is found.
@@ -175,8 +175,8 @@ impl Numbers {
 }
 
 /// The setting with the mean strain of the ansatz as a value: an exact wave is the companion of the
-/// ansatz with the same frequency and the same mean strain. With the amplitude given, a share of
-/// the amplitude is the same for both.
+/// ansatz with the same frequency and the same mean strain. If the amplitude is given, a mean
+/// strain in proportion to it is the same for both.
 fn companion(setting: WaveSetting, given: Given) -> Result<WaveSetting> {
     // One harmonic has another mean strain than the exact wave of the same shape.
     let Some(ansatz) = Start::new(&setting, given)?.ansatz() else { return Ok(setting) };
@@ -220,12 +220,12 @@ fn keep_iterate(folder: Option<&Folder>, resonators: bool, why: &Error) {
     let [x, vx] = [0, half].map(|from| &z[from..from + half / arrays]);
     let [y, vy] = [0, half].map(|from| &z[from + half / arrays..from + half]);
     let kept = json!({ "steps": steps, "residual": residual, "place": place, "x": x, "y": y, "vx": vx, "vy": vy });
-    // The error that is told is that of the search.
+    // An error of writing is ignored: the command reports that of the search.
     let _ = folder.remove(RESULTS);
     let _ = folder.write(STALLED, to_json(&kept).as_bytes());
 }
 
-/// An exact wave and what is asked of it.
+/// An exact wave with its ansatz, profiles, multipliers and growth rates.
 #[derive(Clone, Debug)]
 pub struct ExactStudy {
     /// Name of the scene.
@@ -235,7 +235,7 @@ pub struct ExactStudy {
     /// The ansatz of the same frequency or amplitude, and of the same mean strain; `None` where
     /// resonators do not move, and below `(kappa/rho)^{1/2}`.
     pub ansatz: Option<TravellingWave>,
-    /// `X` and `Y`.
+    /// The profiles `X` and `Y`.
     pub profile: Profile,
     /// Fourier coefficients of `X` and `Y`.
     pub fourier: [Vec<f64>; 2],
@@ -245,7 +245,8 @@ pub struct ExactStudy {
     pub errors: Option<[f64; 2]>,
     /// Multipliers.
     pub spectrum: WaveSpectrum,
-    /// How near an exact wave is.
+    /// Bound of the distance to a solution, by the theorem of Newton and Kantorovich; `None` if the
+    /// equations are not independent.
     pub kantorovich: Option<Kantorovich>,
     /// Growth at the Bloch wave numbers of the ring from 0 to `pi`.
     pub growth: Vec<BlochGrowth>,
@@ -256,13 +257,13 @@ pub struct ExactStudy {
 pub struct BlochGrowth {
     /// Bloch wave number.
     pub bloch: f64,
-    /// Of the exact wave.
+    /// Growth of the exact wave.
     pub exact: f64,
-    /// Of the ansatz, by the linearised modulation equations; `None` without an ansatz.
+    /// Growth of the ansatz, by the linearised modulation equations; `None` without an ansatz.
     pub modulation: Option<f64>,
 }
 
-/// All that is asked of an exact wave.
+/// Computes everything in [`ExactStudy`] for an exact wave.
 ///
 /// # Errors
 /// An integration that fails; a ring that does not fit the wave.
@@ -344,7 +345,7 @@ impl ContinueWave {
         branch_from(&numbers, &continuation, None, progress)
     }
 
-    /// The first wave and the continuation, as far as they can be checked at once.
+    /// The first wave and the continuation, checked as far as possible before the wave is known.
     fn checked(&self) -> Result<(Numbers, WaveContinuation)> {
         let mut numbers = self.wanted.numbers()?;
         // Waves of a branch keep their shape, unless the mean strain is given or varies.
@@ -393,7 +394,7 @@ pub struct BranchWave {
     pub modulation: Option<f64>,
     /// Share of the period in which a contact is closed.
     pub closed: f64,
-    /// How near an exact wave is.
+    /// Bound of the distance to a solution, as in [`ExactStudy`].
     pub kantorovich: Option<Kantorovich>,
 }
 
@@ -402,7 +403,7 @@ pub struct BranchWave {
 pub struct WaveBranchStudy {
     /// Name of the scene.
     pub scene: String,
-    /// How it was followed.
+    /// The continuation that followed it.
     pub continuation: WaveContinuation,
     /// Sites of the ring of the multipliers.
     pub sites: usize,
@@ -432,7 +433,7 @@ pub fn wave_branch(
         waves.push(branch_wave(wave, sites, &continuation.search));
         if let (Some(folder), true) = (folder, waves.len().is_multiple_of(20)) {
             let states: Vec<&ExactWave> = waves.iter().flatten().map(|one| &one.wave).collect();
-            // What cannot be kept now is written at the end, or that is the error.
+            // An error is ignored here: the states are written again at the end.
             let _ = report::states_npz(&states).and_then(|bytes| folder.write(report::STATES, &bytes));
         }
     })?;

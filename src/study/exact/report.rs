@@ -282,7 +282,7 @@ impl WaveBranchStudy {
         self.continuation.parameter.of(&one.wave)
     }
 
-    /// Why it ended, for people.
+    /// The number of waves, and why the branch ended, in words.
     fn words(&self) -> String {
         format!("{} waves; the branch ends because {}.", self.waves.len(), self.end.words())
     }

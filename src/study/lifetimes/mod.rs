@@ -1,5 +1,4 @@
-//! How long the long-lived bright breather lives, over a map of its size and the mass ratio (Sec.
-//! 5).
+//! Lifetimes of the long-lived bright breather over a map of its size and the mass ratio (Sec. 5).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,7 +8,7 @@
 //! | core | the central sites, [`BrightBreather::core`] |
 //! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
 //!
-//! A run starts from (ini_num) and is looked at 16 times a `T_b` or oftener. It ends when all three
+//! A run starts from (ini_num) and is sampled at least 16 times a `T_b`. It ends when all three
 //! criteria are met, or at the cap. Each has its own time:
 //!
 //! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
@@ -20,13 +19,13 @@
 //!   periods, has a frequency nearer to `omega` than to `Omega_b`. Do its neighbours still act on
 //!   it?
 //!
-//! Lifetimes are first times: of what is seen so often, for both shares swing a little within a
-//! period. Those of energy and distance are located on the dense output to `10^-8 T_b`; the
-//! frequency belongs to the middle of its four periods and is interpolated linearly between one and
-//! the next.
+//! A lifetime is the first time at which a sample meets a criterion; the share of energy and the
+//! relative distance oscillate a little within a period. Those of energy and distance are located
+//! on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and
+//! is interpolated linearly between one and the next.
 //!
-//! What becomes of a breather is its [`Fate`]: whichever comes first, less than 0.9 of the energy
-//! in the core or less contact than 1/3.
+//! The [`Fate`] of a breather depends on what comes first: less than 0.9 of the energy in the core,
+//! or less contact than 1/3.
 
 mod report;
 
@@ -53,11 +52,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "lifetimes.store";
 /// Share of the energy in the core, below which the breather has radiated.
 const CORE_SHARE: f64 = 0.9;
-/// Relative distance, above which the ansatz describes nothing.
+/// Relative distance, above which the ansatz no longer describes the breather.
 const DISTANCE: f64 = 0.5;
 /// Contact, below which bonds are open twice as long as they are closed.
 const CONTACT: f64 = 1.0 / 3.0;
@@ -69,11 +68,11 @@ const CONTACT_PERIODS: f64 = 10.0;
 const FREQUENCY_PERIODS: usize = 4;
 /// Accuracy of a crossing, in periods.
 const RESOLUTION: f64 = 1e-8;
-/// The cap in horizons, unless it is given.
+/// Default end of a run, the cap, in horizons.
 const CAP: f64 = 25.0;
 /// Share of the energy at which an end of the chain counts as reached.
 const REACHED: f64 = 1e-9;
-/// Sites that a chain has at first and at most, unless they are given.
+/// Sites of a chain at first, and at most after it was doubled, unless they are given.
 const SITES: RangeInclusive<usize> = 100..=25_600;
 /// Sites that may be given.
 const GIVEN_SITES: RangeInclusive<usize> = 20..=100_000;
@@ -84,7 +83,7 @@ const FITTED_FROM: f64 = 10.0;
 /// Largest ratio of a lifetime to its fit that a power law may have.
 const HONEST: f64 = 1.25;
 
-/// When a breather is at its end.
+/// The criterion by which the life of a breather ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -97,14 +96,14 @@ pub enum Criterion {
     Frequency,
 }
 
-/// What becomes of a breather.
+/// The fate of a breather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fate {
-    /// The core loses a tenth of its energy while its bonds are at work.
+    /// The core has less than 0.9 of the energy before contact falls below 1/3.
     Radiates,
-    /// Gaps open between the central sites, until each swings for itself as in a trivial breather
-    /// (uncpl).
+    /// Contact falls below 1/3 first: gaps open between the central sites, until each oscillates on
+    /// its own as in a trivial breather (uncpl).
     Decouples,
     /// Neither before the cap.
     Persists,
@@ -189,11 +188,11 @@ pub struct Life {
     pub distance: Option<f64>,
     /// Lifetime by frequency.
     pub frequency: Option<f64>,
-    /// How long it was followed.
+    /// Time until which it was followed.
     pub end: f64,
-    /// What became of it.
+    /// Its fate.
     pub fate: Fate,
-    /// When contact fell below 1/3, if it did.
+    /// Time at which contact fell below 1/3, if it did.
     pub decoupled: Option<f64>,
     /// Share of the energy in the core at the end.
     pub core_share: f64,
@@ -201,7 +200,8 @@ pub struct Life {
     pub contact: f64,
     /// Sites of the chain.
     pub sites: usize,
-    /// From when on the ends of the chain may be felt: twice the time at which they were reached.
+    /// Time from which the ends of the chain may be felt: twice the time at which they were
+    /// reached.
     pub ends_felt: Option<f64>,
 }
 
@@ -229,7 +229,7 @@ pub struct LifetimePoint {
     pub horizon: f64,
     /// `Omega_b`.
     pub omega_b: f64,
-    /// What came of it.
+    /// The life of the breather, or why there is none.
     pub life: Row<Life>,
 }
 
@@ -264,15 +264,15 @@ impl PowerLaw {
 /// The map.
 #[derive(Clone, Debug)]
 pub struct LifetimeStudy {
-    /// What was run.
+    /// The options.
     pub options: LifetimeOptions,
     /// All points: sizes one after the other, in each all mass ratios.
     pub points: Vec<LifetimePoint>,
     /// The power law; `None` with fewer than four points, or if they lie on a line.
     pub fit: Option<PowerLaw>,
-    /// How many points were in the store.
+    /// Number of points that were read from the store.
     pub resumed: usize,
-    /// How many were computed now.
+    /// Number of points that were computed now.
     pub computed: usize,
     /// Wall time.
     pub wall: Duration,
@@ -303,7 +303,7 @@ pub fn lifetimes(
     Ok(LifetimeStudy { options: options.clone(), points, fit, resumed, computed, wall: clock.elapsed() })
 }
 
-/// What lives depend on beside size and mass ratio.
+/// The settings of the store: all that a life depends on besides size and mass ratio.
 fn settings(options: &LifetimeOptions) -> serde_json::Value {
     let LifetimeOptions { alpha, center, sites, until, method, tolerance, .. } = options;
     json!({
@@ -355,7 +355,7 @@ fn checked(options: &LifetimeOptions) -> Result<Vec<Place>> {
     Ok(places)
 }
 
-/// A point of the map before anything is known of it.
+/// A point of the map that is to be computed.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Place {
     epsilon: f64,
@@ -388,7 +388,7 @@ impl Place {
         })
     }
 
-    /// The life, on a chain from whose ends nothing comes back in time.
+    /// The life, on a chain that is doubled until nothing comes back from its ends during the run.
     fn life(&self, options: &LifetimeOptions) -> Result<Life> {
         let mut sites = self.sites(options);
         loop {
@@ -401,8 +401,8 @@ impl Place {
         }
     }
 
-    /// The life on a chain of so many sites; `None` once its ends may be felt, if a longer one is
-    /// to be had.
+    /// The life on a chain of `sites` sites; `None` once its ends may be felt, if a longer chain is
+    /// allowed.
     fn follow(&self, options: &LifetimeOptions, sites: usize, may_grow: bool) -> Result<Option<Life>> {
         let breather = self.breather(options, sites)?;
         let scene = self.scene(options, sites, options.until.unwrap_or(CAP * breather.horizon()))?;
@@ -451,7 +451,7 @@ impl Place {
     }
 }
 
-/// What is seen of a state.
+/// What is measured of a state at one time.
 #[derive(Clone, Copy)]
 struct Sight {
     t: f64,
@@ -461,13 +461,13 @@ struct Sight {
     ends: f64,
     /// Share of the bonds of the core that are closed.
     closed: f64,
-    /// Relative distance to the ansatz; not measured where that has been answered.
+    /// Relative distance to the ansatz; `None` once the lifetime by distance is known.
     distance: Option<f64>,
     /// Stretch `u - v` of the first central bead, and its rate.
     stretch: (f64, f64),
 }
 
-/// Looks at a run and remembers what has happened.
+/// Measures samples of a run and stores the times at which criteria were met.
 struct Watch<'a> {
     breather: &'a BrightBreather,
     chain: &'a Chain<f64>,
@@ -476,7 +476,8 @@ struct Watch<'a> {
     size: f64,
     y: Vec<f64>,
     last: Sight,
-    /// Time that bonds of the core have been closed, at some of the last times.
+    /// Times of samples of the last ten periods, each with the time up to it in which bonds of the
+    /// core were closed, on average over bonds.
     closed: VecDeque<(f64, f64)>,
     /// The last times at which the stretch became positive.
     upward: VecDeque<f64>,
@@ -515,7 +516,7 @@ impl<'a> Watch<'a> {
         watch
     }
 
-    /// What is seen of the state `y` at time `t`.
+    /// The measures of the state `y` at time `t`.
     fn sight(&self, t: f64) -> Sight {
         let (chain, layout, y, n) = (self.chain, self.chain.layout(), &self.y, self.chain.sites());
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
@@ -547,7 +548,8 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Looks at time `t` of the last step; the time before is in it, too.
+    /// Measures the state at time `t` of the last step, which also holds the time of the sample
+    /// before.
     fn look(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<()> {
         let (before, now) = (self.last, self.sight_of(t, run)?);
         if self.energy.is_none() && now.core < CORE_SHARE {
@@ -569,7 +571,7 @@ impl<'a> Watch<'a> {
         Ok(())
     }
 
-    /// Where between two times `beyond` begins to hold.
+    /// The time between two times at which `beyond` begins to hold, by bisection.
     fn crossing(
         &mut self,
         mut before: f64,
@@ -584,8 +586,8 @@ impl<'a> Watch<'a> {
         Ok(after)
     }
 
-    /// Where between two times the stretch is zero: two of Newton's steps from the chord, which is
-    /// good to a hundredth of the period.
+    /// The time between two samples at which the stretch is zero: two of Newton's steps from the
+    /// chord, which is good to a hundredth of the period.
     fn zero(&mut self, before: Sight, after: Sight, run: &mut dyn Stepper<f64>) -> Result<f64> {
         let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
         let mut t = before.t + share * (after.t - before.t);
@@ -596,7 +598,8 @@ impl<'a> Watch<'a> {
         Ok(t)
     }
 
-    /// A swing of the central bead is complete.
+    /// Takes the time `t` at which an oscillation of the central bead is complete, and with it the
+    /// frequency over the last four.
     fn swung(&mut self, t: f64) {
         self.upward.push_back(t);
         if self.upward.len() <= FREQUENCY_PERIODS {
@@ -616,7 +619,7 @@ impl<'a> Watch<'a> {
         self.swing = Some(now);
     }
 
-    /// Contacts between two times.
+    /// Adds the contact between two samples, and checks whether it fell below 1/3.
     fn touched(&mut self, before: Sight, now: Sight) {
         let sum = self.closed.back().map_or(0.0, |last| last.1);
         self.closed.push_back((now.t, sum + 0.5 * (before.closed + now.closed) * (now.t - before.t)));
@@ -641,7 +644,8 @@ impl<'a> Watch<'a> {
         self.energy.is_some() && self.distance.is_some() && self.frequency.is_some()
     }
 
-    /// Whether what went to the ends may be back: it does not come faster than it went.
+    /// Whether waves from the ends may be back: they take at least as long as they took to the
+    /// ends.
     fn ends_felt(&self) -> bool {
         self.ends_reached.is_some_and(|reached| self.last.t > 2.0 * reached)
     }

@@ -1,4 +1,4 @@
-//! The map of lifetimes as people and machines read it.
+//! The map of lifetimes as text, JSON, CSV and a picture.
 
 use super::{Criterion, Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
@@ -38,7 +38,7 @@ impl Report for LifetimeStudy {
     }
 }
 
-/// All but what it took.
+/// The results, without wall time and the numbers of computed and resumed points.
 fn value(study: &LifetimeStudy) -> Value {
     let options = &study.options;
     json!({
@@ -120,7 +120,7 @@ fn fit_json(fit: PowerLaw) -> Value {
     value
 }
 
-/// Its name, and what it says.
+/// Name and meaning of a criterion.
 fn criterion_words(criterion: Criterion) -> (&'static str, &'static str) {
     match criterion {
         Criterion::Energy => ("energy", "the core has less than 0.9 of the energy"),
@@ -154,7 +154,7 @@ fn lifetime_cell(point: &LifetimePoint, criterion: Criterion) -> String {
     format!("{relation}{seen:.1}{felt}")
 }
 
-/// What became of a point that has no life.
+/// The word for a point without a life: `stopped` or `failed`.
 fn without_life(why: &str) -> &'static str {
     if why == STOPPED { "stopped" } else { "failed" }
 }
@@ -184,7 +184,7 @@ fn fit_lines(fit: Option<PowerLaw>) -> String {
     )
 }
 
-/// A line a point; what there is not is empty.
+/// A line a point; a cell without a value is empty.
 pub(crate) fn csv(study: &LifetimeStudy) -> Vec<u8> {
     const COLUMNS: &str = "epsilon,rho,lifetime,not_before,fate,energy,distance,frequency,end,decoupled,core_share,contact,x,horizon,omega_b,sites,ends_felt";
     let rows: Vec<Value> = study.points.iter().map(|point| point_json(point, study.options.criterion)).collect();

@@ -22,13 +22,13 @@ use std::{
     ops::{ControlFlow, RangeInclusive},
 };
 
-/// Rings that can be asked for, and those that are integrated.
+/// Sites of rings that may be asked for, and most sites of rings that are integrated.
 const SITES: RangeInclusive<usize> = 2..=10_000;
 const MOST_MEASURED_SITES: usize = 1000;
 /// Size of the mode at the start, relative to the wave.
 const SEED: f64 = 1e-6;
-/// Tolerance of the runs: what is left of it in the growth of a perturbation of that size is its
-/// square root.
+/// Tolerance of the runs. The error that it leaves in the growth of a perturbation of that size is
+/// its square root.
 const TOLERANCE: f64 = 1e-11;
 /// The window of the fit, in e-folding times of the fastest mode of the ring (of a neutral wave: in
 /// `1/Omega`), and samples in it.
@@ -39,7 +39,7 @@ const MOST_PERIODS: f64 = 1e5;
 /// Cells of the chart in `q` and in `b / (2 kappa a)`, and the range of the latter.
 const CELLS: (usize, usize) = (120, 120);
 const MEANS: (f64, f64) = (-3.0, 1.0);
-/// Mass ratios whose factors are told beside the chart.
+/// Mass ratios for which the chart gives the factor of its growth rates.
 const RHOS: [f64; 4] = [1.0 / 3.0, 1.0, 3.0, 10.0];
 
 /// Modulations of a wave, from a scene or from numbers.
@@ -149,7 +149,8 @@ pub struct StabilityOptions {
     pub params: Params,
     /// The wave, all but its size.
     pub shape: Shape,
-    /// Its sizes: rates per unit of time are told for the first, and growth is measured at each.
+    /// Sizes of the wave: rates per unit of time are those of the first, and growth is measured at
+    /// each.
     pub epsilons: Vec<f64>,
     /// Sites of the ring.
     pub sites: usize,
@@ -160,7 +161,7 @@ pub struct StabilityOptions {
     pub chart: bool,
 }
 
-/// What turns slow rates into others.
+/// Factors that convert rates per slow time, for a wave of one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// `epsilon`.
@@ -214,7 +215,7 @@ pub struct MeasuredGrowth {
     pub epsilon: f64,
     /// What was measured; rates per slow time.
     pub row: StabilityRow,
-    /// What theory says.
+    /// The rates of theory.
     pub theory: StabilityRow,
     /// Largest deviation of the logarithm of the mode's size from the line that was fitted.
     pub residual: f64,
@@ -235,14 +236,14 @@ pub struct StabilityChart {
     /// For each `b` the `q` at which `cos q + s cos^2(q/2)` vanishes: long waves grow below it,
     /// short ones from there to `pi/2`.
     pub edge: Vec<f64>,
-    /// Mass ratios, and how many times faster all of this is there.
+    /// Mass ratios, each with the factor by which all growth rates are larger there.
     pub rho: Vec<(f64, f64)>,
 }
 
 /// The outcome of the study.
 #[derive(Clone, Debug)]
 pub struct StabilityStudy {
-    /// What was asked.
+    /// The options.
     pub options: StabilityOptions,
     /// The linear problem.
     pub modulation: Modulation,
@@ -264,7 +265,8 @@ impl StabilityStudy {
     }
 }
 
-/// Theory, and with it what was asked for. `progress` is told the share done and what runs.
+/// Computes the growth rates of theory, and the chart and the measurements that the options ask
+/// for. `progress` is told the share done and what runs.
 ///
 /// # Errors
 /// An option outside its rule, or a run that fails.
@@ -320,7 +322,7 @@ fn theory(modulation: &Modulation, p: f64) -> StabilityRow {
     StabilityRow { p, growth: first.growth, frequency: first.frequency }
 }
 
-/// The largest growth of waves of the same amplitude, all `q` and `b`.
+/// The chart of the largest growth of waves of the same amplitude, for all `q` and `b`.
 fn chart(params: Params, shape: Shape) -> Result<StabilityChart> {
     let middles = |(from, to): (f64, f64), count: usize| -> Vec<f64> {
         (0..count).map(|k| from + (to - from) * (k as f64 + 0.5) / count as f64).collect()
@@ -368,7 +370,7 @@ impl Bench {
         Ok(bench)
     }
 
-    /// What `look` makes of the amplitudes at every time of a run.
+    /// The values of `look`, called with the amplitudes at each of `times`, along a run.
     fn run<T>(&self, initial: &State<f64>, mut look: impl FnMut(usize, Vec<Complex64>) -> T) -> Result<Vec<T>> {
         let mut y = initial.as_slice().to_vec();
         let end = self.times.last().copied().unwrap_or_default();
@@ -448,8 +450,8 @@ fn measure(study: &StabilityStudy, count: usize, progress: &(dyn Fn(f64, &str) +
     tally.map(&jobs, |(bench, (row, mode))| bench.growth(mode, *row)).into_iter().collect()
 }
 
-/// So many rows spread over the ring's wave numbers but zero, with the last of them; and the
-/// fastest.
+/// `count` rows spread over the ring's wave numbers without zero, the last one included; and the
+/// row that grows fastest.
 fn chosen(study: &StabilityStudy, count: usize) -> Vec<StabilityRow> {
     let last = study.rows.len() - 1;
     let count = count.min(last);

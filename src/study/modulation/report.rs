@@ -1,4 +1,4 @@
-//! The modulational stability of travelling waves as people and machines read it.
+//! The modulational stability of travelling waves as text, JSON, CSV and a picture.
 
 use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy};
 use crate::{
@@ -127,13 +127,13 @@ impl Report for StabilityStudy {
     }
 }
 
-/// The rates that are told per unit of time: those of the first size.
+/// The factors of the first size of the wave, by which rates are given per unit of time.
 fn rates(study: &StabilityStudy) -> Rates {
     // The study refuses an empty list of sizes.
     study.rates[0]
 }
 
-/// A number, or the word that JSON lacks.
+/// A number; as text if it is not finite, since JSON has no number for it.
 fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
@@ -244,7 +244,7 @@ fn chart_words(chart: &StabilityChart) -> String {
 #[cfg(feature = "plot")]
 const POINTS: usize = 600;
 
-/// The same as numbers and words.
+/// The picture as numbers and words.
 #[cfg(feature = "plot")]
 pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures::Growth {
     use crate::figures::{Growth, Line};
@@ -274,7 +274,7 @@ pub(crate) fn figure(study: &StabilityStudy, caption: String) -> crate::figures:
     }
 }
 
-/// What a picture of the study says beneath it.
+/// The caption of the picture.
 pub(crate) fn caption(study: &StabilityStudy) -> String {
     let (options, modulation) = (&study.options, &study.modulation);
     let (params, Shape { q, a, b, .. }) = (options.params, options.shape);

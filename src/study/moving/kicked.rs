@@ -1,4 +1,5 @@
-//! A breather at rest that is kicked: when its kink passes the bonds, and how deep it is there.
+//! A breather at rest that is kicked: the times at which its kink passes bonds, and its depth
+//! there.
 
 use super::Moving;
 use crate::{
@@ -16,7 +17,7 @@ const MOST_PERIODS: f64 = 1e5;
 /// A kink that passes a bond.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Passage {
-    /// When.
+    /// Time of the passage.
     pub t: f64,
     /// The bond, between the sites `bond` and `bond + 1`, `n = -N .. N` and on round the ring.
     pub bond: i64,
@@ -33,9 +34,9 @@ pub struct KickedRun {
     pub omega_b: f64,
     /// Middles of periods.
     pub times: Vec<f64>,
-    /// Position of the kink there, in sites `n`.
+    /// Position of the kink at these times, in sites `n`.
     pub position: Vec<f64>,
-    /// Bonds that it passes; where it turns back to one, the first time.
+    /// The first passage of each bond, in the direction in which the kink is displaced at the end.
     pub passages: Vec<Passage>,
 }
 
@@ -51,7 +52,8 @@ pub(super) fn check(options: &Moving, period: f64) -> Result<()> {
     Ok(())
 }
 
-/// Local amplitudes of a period, in units of the background: their median.
+/// Position of the kink and local amplitudes over one period. Amplitudes are in units of the
+/// background, which is their median.
 struct Local {
     t: f64,
     position: f64,
@@ -127,7 +129,7 @@ impl Local {
     }
 }
 
-/// The first time at each bond, in the direction in which the kink is at last.
+/// The first passage of each bond, in the direction in which the kink is displaced at the end.
 fn passages(local: &[Local]) -> Vec<Passage> {
     let Some(n) = local.first().map(|one| one.amplitudes.len()) else { return Vec::new() };
     let start = (n / 2) as i64;

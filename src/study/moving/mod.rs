@@ -28,9 +28,9 @@ use crate::{
 };
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Frequency over `omega`, where none is given.
+/// Default frequency, in units of `omega`.
 const RATIO: f64 = 1.025;
-/// Share of the work that a kicked run is told to be.
+/// Share of the progress that the kicked run counts for.
 const KICKED: f64 = 0.1;
 
 /// Moving dark breathers as relative periodic orbits, and a kicked one.
@@ -104,7 +104,7 @@ impl Default for Moving {
     }
 }
 
-/// A moving breather and what is asked of it.
+/// A moving breather with its envelope, multipliers, tail and energy.
 #[derive(Clone, Debug)]
 pub struct MovingPoint {
     /// The orbit.
@@ -122,7 +122,7 @@ pub struct MovingPoint {
     pub resonant: Vec<LinearWave>,
     /// Energies of the kink ([`MovingOrbit::kink_energy`]); NaN where the background was not found.
     pub energy: KinkEnergy,
-    /// How near an exact orbit is, if that was asked for.
+    /// Bound of the distance to an exact orbit, if that was asked for.
     pub kantorovich: Option<Kantorovich>,
 }
 
@@ -150,7 +150,7 @@ impl MovingPoint {
 /// Moving breathers of some frequencies and velocities.
 #[derive(Clone, Debug)]
 pub struct MovingStudy {
-    /// What was asked for.
+    /// The options.
     pub options: Moving,
     /// The breathers that were found, by frequency, then by turns, as asked for.
     pub points: Vec<MovingPoint>,
@@ -207,7 +207,7 @@ impl Moving {
         Ok(breathers)
     }
 
-    /// The breathers, with what is asked of them, and the kicked run.
+    /// Computes the breathers with all numbers of the study, and the kicked run.
     ///
     /// # Errors
     /// Numbers outside their rules; an integration that fails; not one breather found.
@@ -254,8 +254,8 @@ impl Moving {
 
     fn point(&self, orbit: MovingOrbit, envelope: Envelope) -> Result<MovingPoint> {
         let (breather, tail) = (&orbit.breather, envelope.tail_wave());
-        // The background of the ring has this frequency. It is looked for by a search of its own,
-        // which the orbit does not need.
+        // The frequency is that of the ring's background. A search of its own looks for the
+        // background, and the orbit is kept even if that search fails.
         let waves = LinearWaves::new(breather.params, breather.omega_b + tail.twist / breather.passage());
         Ok(MovingPoint {
             return_error: orbit.return_error(self.tol)?,
@@ -274,8 +274,8 @@ impl Moving {
         Ok((orbit, envelope))
     }
 
-    /// Looks for each breather from its neighbour in the list of frequencies, with the same turns, upwards and
-    /// downwards, and keeps what has the smaller tail.
+    /// Looks for each breather again from its neighbour in the list of frequencies, with the same
+    /// turns, upwards and downwards. Keeps the orbit with the smaller tail.
     fn follow(&self, breathers: &[MovingBreather], found: &mut [Result<Measured>]) {
         let mut pairs: Vec<(usize, usize)> =
             (self.turns.len()..breathers.len()).map(|k| (k - self.turns.len(), k)).collect();

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 impl MovingPoint {
-    /// Its numbers, in the order of [`NAMES`].
+    /// The numbers of the breather, in the order of [`NAMES`].
     fn numbers(&self) -> [f64; 18] {
         let (breather, envelope) = (&self.orbit.breather, &self.envelope);
         [
@@ -212,7 +212,7 @@ impl Report for MovingStudy {
         (!places.is_empty()).then(|| format!("error: no moving breather was found at omega_b = {}", places.join(", ")))
     }
 
-    /// What was found is written, but a breather that was not found is a failure.
+    /// The breathers that were found are written, but one that was not found is a failure.
     fn succeeded(&self) -> bool {
         self.missing.is_empty()
     }

@@ -1,4 +1,4 @@
-//! Normal modes as people and machines read them.
+//! Normal modes as text, JSON, CSV and a picture.
 
 use super::ModeStudy;
 use crate::{
@@ -10,7 +10,8 @@ use crate::{
 };
 use serde_json::{Value, json};
 
-/// Linear modes that the text table has: those nearest in frequency to the one that is followed.
+/// Number of linear modes below and above the followed one, by frequency, that the text table
+/// shows.
 const NEIGHBOURS: usize = 3;
 
 impl ModeStudy {
@@ -40,7 +41,7 @@ impl ModeStudy {
         &self.branch.points[self.branch.points.len() - 1]
     }
 
-    /// Where bifurcations are, as a table.
+    /// The bifurcations as a table.
     fn events(&self) -> String {
         let row = |ModeBifurcation { kind, tau, point }: &ModeBifurcation| {
             let [a, omega] = [point.orbit.amplitude, point.orbit.omega].map(|x| format!("{x:.8}"));

@@ -1,4 +1,4 @@
-//! What contacts do to the order of every method, and what lifts it.
+//! The order of every method through contacts, and the modes that keep it.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -42,17 +42,18 @@ const KAPPA: f64 = 1.0;
 const RHO: f64 = 1.0 / 3.0;
 /// Force evaluations on the rungs of the ladder, over the whole run.
 const EVALUATIONS: [f64; 8] = [480.0, 960.0, 1920.0, 3840.0, 7680.0, 15_360.0, 30_720.0, 61_440.0];
-/// The same for corrected kicks, which are at the floor of the tangent before others begin.
+/// The same for corrected kicks, which reach the floor of the tangent with fewer evaluations than
+/// other methods.
 const CORRECTED_EVALUATIONS: [f64; 8] = [60.0, 120.0, 240.0, 480.0, 960.0, 1920.0, 3840.0, 7680.0];
-/// Each rung is the root mean square over runs with these shares of steps more: where a step
-/// happens to cross an event is chance, and a slope should not depend on it. For corrected kicks it
-/// is the median.
+/// Factors of the number of steps of a rung. Its error is the root mean square over these runs, so
+/// that a slope does not depend on where in a step events happen to lie. For corrected kicks it is
+/// the median.
 const NEIGHBOURS: [f64; 7] = [1.0, 1.015, 1.031, 1.046, 1.062, 1.079, 1.095];
-/// Steps a leg, where legs are regularised.
+/// Steps a leg, from event to event, on the rungs of the regularised mode.
 const STEPS_A_LEG: [u64; 11] = [2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
-/// Steps a leg of the reference, and of the run that its error is told from.
+/// Steps a leg of the reference, and of the run from which its error is estimated.
 const REFERENCE_STEPS: [u64; 2] = [120, 90];
-/// Errors above so many times that of the reference show an order.
+/// Errors above this many times that of the reference are fitted.
 const RESOLVED: f64 = 20.0;
 /// Rungs that a slope is fitted to: the finest, where the order has set in.
 const RUNGS_FITTED: usize = 6;
@@ -68,7 +69,7 @@ pub enum Mode {
     Landed,
     /// Kicks integrate the contact force along the exact linear flow instead of sampling it.
     Averaged,
-    /// Kicks sample the contact force, and what they miss at events is taken back.
+    /// Kicks sample the contact force, and their error at events is corrected.
     Corrected,
     /// Steps start anew at events, in a variable in which the solution is smooth.
     Regularised,
@@ -90,7 +91,7 @@ impl Mode {
     }
 }
 
-/// What an error is taken of.
+/// The quantity whose error is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The state at the end.
@@ -116,7 +117,7 @@ pub struct OrderRow {
     pub method: Method,
     /// How it meets contacts.
     pub mode: Mode,
-    /// What the errors are of.
+    /// The quantity whose errors these are.
     pub quantity: Quantity,
     /// The order it shows, if its errors lie on a line somewhere.
     pub slope: Option<f64>,
@@ -143,7 +144,7 @@ pub struct OrderStudy {
     pub q: u32,
     /// Onsets and releases of the reference run, in order of time.
     pub events: Vec<Event<f64>>,
-    /// What the reference is good to: the state, and the tangent.
+    /// Estimated errors of the reference: of the state, and of the tangent.
     pub floor: (f64, f64),
     /// All rows.
     pub rows: Vec<OrderRow>,
@@ -193,7 +194,7 @@ pub struct OrderOptions {
 }
 
 impl OrderOptions {
-    /// Of the methods that can be run, those that are asked for.
+    /// Methods and modes of the study, for the integrators that are asked for.
     fn cases(&self) -> Result<Vec<(Method, Mode)>> {
         let (mut cases, wanted) = (cases(self.alpha), methods(&self.integrators, Method::all)?);
         let all = wanted.len() > self.integrators.len();
@@ -220,7 +221,7 @@ impl Study for OrderOptions {
 /// the share done.
 ///
 /// # Errors
-/// An option outside its rule, or a reference that cannot be had.
+/// An option outside its rule, or a reference that cannot be computed.
 pub fn order(options: &OrderOptions, progress: &(dyn Fn(f64) + Sync)) -> Result<OrderStudy> {
     let &OrderOptions { alpha, beads, .. } = options;
     let problem = Problem::new(alpha, beads)?;
@@ -274,7 +275,7 @@ struct Problem {
     starts: [Vec<f64>; 3],
 }
 
-/// What errors are held against.
+/// The reference run, with estimates of its errors.
 struct Truth {
     events: Vec<Event<f64>>,
     itinerary: Itinerary<f64>,
@@ -287,7 +288,7 @@ struct Truth {
 /// without a pattern.
 ///
 /// # Errors
-/// None for a chain that is there.
+/// None for a valid chain.
 pub fn generic_state(chain: &Chain<f64>) -> Result<State<f64>> {
     let middle = 0.5 * (chain.sites() as f64 - 1.0);
     let noise = |k: usize| (0.710_550_39 * k as f64 + 0.092_516_4).fract() - 0.5;
@@ -465,7 +466,8 @@ impl Problem {
             (Method::Dop853(_), Mode::Landed) => Rung::Divided(Division::Length(END / steps)),
             _ => Rung::Steps(steps as u64),
         };
-        // Averaged kicks cost a hundred times more, and do not care where a step crosses.
+        // Averaged kicks cost a hundred times more, and their errors do not depend on where in a
+        // step an event lies.
         let (rungs, shares) = if mode == Mode::Averaged { (5, 1) } else { (EVALUATIONS.len(), NEIGHBOURS.len()) };
         let rung = |rung: f64| NEIGHBOURS[..shares].iter().map(|&share| work(steps(rung, share))).collect();
         let ladder = if mode == Mode::Corrected { CORRECTED_EVALUATIONS } else { EVALUATIONS };
@@ -477,20 +479,20 @@ fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Corrected kicks are no continuous function of the start: where an event meets a kick they jump
-/// by what corrections leave. A difference across a jump is no derivative, and the median passes
-/// over it.
+/// The median of errors. Corrected kicks are no continuous function of the start: where an event
+/// meets a kick they jump by the remaining error of the correction. A difference across a jump is
+/// no derivative, and the median ignores it.
 fn median(mut errors: Vec<f64>) -> f64 {
     errors.sort_by(f64::total_cmp);
     errors[errors.len() / 2]
 }
 
-/// How finely a run goes.
+/// The division of a run into steps.
 #[derive(Clone, Copy)]
 enum Rung {
-    /// So many equal steps over the whole span.
+    /// This number of equal steps over the whole span.
     Steps(u64),
-    /// From event to event.
+    /// Steps from event to event.
     Divided(Division<f64>),
 }
 

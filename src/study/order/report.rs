@@ -1,4 +1,4 @@
-//! The order study as people and machines read it.
+//! The order study as text, JSON, CSV and pictures.
 
 use super::{OrderRow, OrderStudy, Quantity};
 use crate::{

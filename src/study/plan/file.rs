@@ -14,7 +14,7 @@ use toml::{Table, Value};
 const MOST_BYTES: u64 = 1 << 26;
 /// Most points of a plan.
 const MOST_POINTS: usize = 1 << 32;
-/// What is kept unless the plan says so.
+/// Quantities that are kept if the plan names none.
 const KEPT: [&str; 2] = ["energy_error", "force_evaluations"];
 /// What a run reports as a number, or as a table or an array of numbers.
 const REPORTED: [&str; 19] = [
@@ -43,7 +43,7 @@ const REPORTED: [&str; 19] = [
 #[derive(Clone, Debug)]
 pub struct Plan {
     path: PathBuf,
-    /// Its name; that of the file if it says none.
+    /// Name of the plan; that of its file if it says none.
     pub name: String,
     /// The scene as TOML, and how messages call it.
     scene: (String, String),
@@ -52,7 +52,7 @@ pub struct Plan {
     pub keep: Vec<Reported>,
     /// The axes, the first one slowest.
     pub axes: Vec<Axis>,
-    /// The quantity of the picture, by its number in `keep`.
+    /// Index in `keep` of the quantity of the picture.
     pub picture: usize,
 }
 
@@ -61,7 +61,7 @@ pub struct Plan {
 pub struct Reported {
     /// Its name, such as `contacts.impulse` or `u[3]`.
     pub name: String,
-    /// The same as a pointer into the JSON of a run.
+    /// The name as a pointer into the JSON of a run.
     pointer: String,
 }
 
@@ -130,8 +130,8 @@ impl Plan {
     /// The plan in `text`; messages call it `path`, and files of scenes are looked for beside it.
     ///
     /// # Errors
-    /// The place and the rule that the plan breaks; scenes that cannot be read or built at both ends
-    /// of every axis.
+    /// The place and the rule that the plan breaks; scenes at the ends of the axes that cannot be
+    /// read or built.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let file: PlanFile = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start.min(text.len())].matches('\n').count());
@@ -157,7 +157,8 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses what the ends of the axes show.
+    /// Refuses too many points, scenes at the ends of the axes that cannot be built, and quantities
+    /// that runs with this boundary do not report.
     fn check(&self) -> Result<()> {
         let points = self.axes.iter().try_fold(1usize, |points, axis| points.checked_mul(axis.values.len()));
         if points.is_none_or(|points| points >= MOST_POINTS) {
@@ -184,7 +185,7 @@ impl Plan {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
-    /// The point of a number: the last axis goes fastest.
+    /// The point with this number, from 0; the last axis goes fastest.
     pub fn point(&self, mut number: usize) -> Point {
         let mut places = Vec::with_capacity(self.axes.len());
         for axis in self.axes.iter().rev() {
@@ -268,7 +269,7 @@ impl Serialize for Point {
     }
 }
 
-/// A value of TOML as JSON; what JSON has no number for as text.
+/// A value of TOML as JSON; numbers that are not finite, which JSON lacks, as text.
 pub(super) fn in_json(value: &Value) -> Json {
     match value {
         Value::Float(number) if !number.is_finite() => json!(number.to_string()),
@@ -335,7 +336,7 @@ fn axes(files: Vec<AxisFile>, path: &Path) -> Result<Vec<Axis>> {
     Ok(axes)
 }
 
-/// What breaks a rule, and the rule.
+/// The key that breaks a rule, and the rule.
 type Refusal = (&'static str, String);
 
 impl AxisFile {

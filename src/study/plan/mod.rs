@@ -30,12 +30,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "sweep.store";
 /// The tables with a line a point.
 const CSV: &str = "sweep.csv";
 const NDJSON: &str = "sweep.ndjson";
-/// Failures that are shown.
+/// Largest number of points without a result whose reasons are shown.
 const SHOWN: usize = 10;
 
 /// A sweep of your own.
@@ -78,26 +78,26 @@ impl Study for PlanFile {
 pub struct NumberColumn {
     /// The key or the quantity.
     pub name: String,
-    /// The numbers: one a point, or as many for each; not-a-number where there is none.
+    /// The numbers, `width` for each point; not-a-number where there is none.
     pub numbers: Vec<f64>,
-    /// How many a point.
+    /// Numbers for each point.
     pub width: usize,
 }
 
-/// What came of a plan.
+/// The outcome of a plan.
 #[derive(Clone, Debug)]
 pub struct PlanStudy {
     /// The plan.
     pub plan: Plan,
     /// The columns of numbers: keys first, then quantities.
     pub columns: Vec<NumberColumn>,
-    /// How many points have no result.
+    /// Number of points that failed.
     pub failures: usize,
-    /// The first of them, with the reasons.
+    /// The first points without a result, failed or not run, with the reasons.
     pub failed: Vec<(usize, String)>,
     /// How many points were not run because the process was asked to end.
     pub missing: usize,
-    /// How many points were in the store.
+    /// Number of points that were read from the store.
     pub resumed: usize,
     /// Wall time.
     pub wall: Duration,
@@ -215,7 +215,7 @@ impl NumberColumn {
     }
 }
 
-/// Takes all rows into a table and writes them line by line; how many are missing.
+/// Takes all rows into a table and writes them line by line. Returns the number of missing rows.
 fn written(folder: &Folder, rows: &Rows<'_>, table: &mut Table<'_>) -> Result<usize> {
     let (plan, mut missing) = (table.plan, 0);
     let make = |k: usize, row: Row<Vec<Value>>| (csv_line(plan, k, row.clone()), json_line(plan, k, &row), k, row);
@@ -243,7 +243,7 @@ fn written(folder: &Folder, rows: &Rows<'_>, table: &mut Table<'_>) -> Result<us
     both.map(|_| missing).map_err(innermost)
 }
 
-/// The error that made the writing of a file fail, where it is one of ours.
+/// The library's own error inside an error of writing a file, if there is one.
 fn innermost(error: Error) -> Error {
     match error {
         Error::File { path, source } => match source.downcast::<Error>() {
@@ -260,7 +260,8 @@ fn csv_head(plan: &Plan) -> String {
     format!("{},failure\n", names.join(","))
 }
 
-/// A cell a key and a quantity, and the reason of a failure; arrays are in the other files.
+/// A cell for each key and quantity, and the reason of a failure. Of an array the cell has only the
+/// length; its numbers are in the other files.
 fn csv_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
     let (values, why) = match row {
         Ok(values) => (values, Value::Null),

@@ -1,4 +1,4 @@
-//! What came of a plan as people and machines read it.
+//! The outcome of a plan as text, JSON, an archive and a picture.
 
 use super::{NumberColumn, Plan, PlanStudy, file::in_json};
 use crate::{
@@ -37,7 +37,8 @@ impl Report for Template {
 }
 
 impl Report for PlanStudy {
-    /// All but what it took, and the numbers column by column.
+    /// The results with the numbers column by column, the numbers of computed and resumed points,
+    /// and the wall time.
     fn json(&self) -> Value {
         let mut value = self.value();
         value["computed"] = json!(self.plan.points() - self.resumed - self.missing);

@@ -25,13 +25,14 @@ use crate::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "disorder.store";
-/// Above, a mass could be so small that its contacts need shorter steps.
+/// Strengths that may be asked for. Above them a mass could be so small that its contacts need
+/// shorter steps.
 const STRENGTHS: std::ops::RangeInclusive<f64> = 0.0..=0.9;
 const CHAINS: std::ops::RangeInclusive<usize> = 2..=100_000;
 const DRAWN: std::ops::RangeInclusive<usize> = 20..=2000;
-/// Bonds that the line of the rate leaves out.
+/// Number of first bonds that the line fit of the rate leaves out.
 const FIRST: usize = 10;
 /// Beads after the last that is measured, so that the free end is not felt.
 const BEYOND: usize = 8;
@@ -71,13 +72,13 @@ impl Default for DisorderOptions {
 /// Pulses in chains with disorder of one strength.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisorderRow {
-    /// `eps`.
+    /// Strength `eps`.
     pub strength: f64,
-    /// The rate.
+    /// Rate of decay of the energy from bead to bead.
     pub rate: f64,
     /// Its standard error, from the spread of the rates of single chains.
     pub error: f64,
-    /// `eps^2/6`.
+    /// `eps^2/6`, the rate of a sequence of collisions of two beads.
     pub binary: f64,
     /// Mean of `ln E_n` over seeds, from the first disordered bond on.
     pub log_energy: Vec<f64>,
@@ -146,7 +147,7 @@ pub fn disorder(options: &DisorderOptions, engine: &Engine, progress: Progress<'
     Ok(DisorderStudy { seeds: *seeds, rows: rows.map(|(&strength, energies)| row_of(strength, energies)).collect() })
 }
 
-/// Energies `E_n` of the solitary wave of speed 1 in so many beads with masses drawn from `1 -
+/// Energies `E_n` of the solitary wave of speed 1 in `beads` beads with masses drawn from `1 -
 /// strength` to `1 + strength`, at all their bonds.
 ///
 /// ```

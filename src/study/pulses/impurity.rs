@@ -13,10 +13,10 @@
 //! contacts on the other sides of the neighbours are soft, `w'' = -2 f'(G/2) (1/M + 1/2) w` for small
 //! `w`, so that `Omega = (f'(G/2) (2/M + 1))^{1/2}`. A heavy bead is a wall that throws the wave back,
 //! takes up twice its momentum `p`, and passes its energy on: `T = 2 p^2/(M E)`. If the wave were a
-//! collision of two beads after the other, `T` would be `(4 M/(1 + M)^2)^2`.
+//! sequence of collisions of two beads, `T` would be `(4 M/(1 + M)^2)^2`.
 //!
-//! A run ends at `t = 200 + 20 (M - 1)_+`. Beads still touch each other then, gently; by how much
-//! the shares still changed in the last quarter of the run stands with them.
+//! A run ends at `t = 200 + 20 (M - 1)_+`. Beads still touch each other then, gently; each row also
+//! has the largest change of a share in the last quarter of the run.
 
 use super::{ALPHA, LEAD, METHOD, STEP, check_count, check_range, follow, geometric, plain, solitary_wave};
 use crate::{
@@ -32,7 +32,8 @@ use serde_json::{Value, json};
 
 const RATIOS: std::ops::RangeInclusive<f64> = 1e-3..=20.0;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
-/// Beads behind the bead: some, and more for each unit of its mass, as it drives a train of pulses.
+/// Number of beads behind the impurity: a fixed one, and more for each unit of its mass, as a heavy
+/// bead drives a train of pulses.
 const BEYOND: f64 = 16.0;
 const BEYOND_A_MASS: f64 = 8.0;
 /// Length of a run, and what each unit of mass adds.
@@ -71,19 +72,19 @@ impl Default for ImpurityOptions {
 /// A solitary wave that has met an impurity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImpurityRow {
-    /// `M`.
+    /// Mass ratio `M`.
     pub ratio: f64,
-    /// `T`.
+    /// Share `T` of the energy behind the impurity.
     pub transmitted: f64,
-    /// `R`.
+    /// Share `R` of the energy before the impurity.
     pub reflected: f64,
-    /// `L`.
+    /// Share `L` of the energy of the impurity itself.
     pub localised: f64,
     /// The most by which one of these shares changed in the last quarter of the run.
     pub late_change: f64,
-    /// `(4 M/(1 + M)^2)^2`.
+    /// `(4 M/(1 + M)^2)^2`, the share `T` of two collisions, one after the other.
     pub binary: f64,
-    /// `2 p^2/(M E)`.
+    /// `2 p^2/(M E)`, the share `T` of a heavy bead.
     pub heavy: f64,
     /// Sign changes of `w''` until a contact of the impurity first opens.
     pub changes: usize,
@@ -205,7 +206,7 @@ impl Ringing {
         Self { ratio, last: None, opened: false, changes: 0, times: [0.0; 2], phase: 0.0, phases: [0.0; 2] }
     }
 
-    /// Positions of the bead and of two neighbours on either side.
+    /// Takes the positions of the bead and of two neighbours on either side after a step.
     fn look(&mut self, t: f64, u: &[f64]) {
         let force = |bond: usize| (u[bond] - u[bond + 1]).max(0.0).powf(ALPHA);
         let closed = u[1] > u[2] && u[2] > u[3];

@@ -7,8 +7,8 @@
 //! | [`taper`] | radii in a geometric sequence | growth of the pulse from bead to bead |
 //! | [`disorder`] | masses drawn at random | decay of the energy of the pulse with distance |
 //!
-//! But for the dimer, whose pulse is another, all begin with the solitary wave of the plain chain,
-//! of speed 1, in [`LEAD`] beads of mass 1 with contacts of constant 1.
+//! Except for the dimer, whose pulse is another, all begin with the solitary wave of the plain
+//! chain, of speed 1, in [`LEAD`] beads of mass 1 with contacts of constant 1.
 
 mod dimer;
 mod disorder;
@@ -32,7 +32,8 @@ use std::ops::RangeInclusive;
 
 /// Exponent of the contacts.
 const ALPHA: f64 = 1.5;
-/// Method and step, of the time 1 in which the solitary wave of speed 1 moves by a bead.
+/// Method and step. The step is in units of the time in which the solitary wave of speed 1 moves by
+/// a bead.
 const METHOD: &str = "aba864";
 const STEP: f64 = 0.02;
 /// Beads of mass 1 before the first that may differ.
@@ -65,10 +66,11 @@ fn solitary_wave(chain: &Chain<f64>, line: &LinePulse) -> State<f64> {
     state
 }
 
-/// Shows `look` the time and the state after every step, until it says that it has seen enough.
+/// Runs a chain and calls `look` with the time and the state after every step, until it returns
+/// `true`.
 ///
 /// # Errors
-/// A run that fails; a signal; the time `end`, at which `look` had not seen enough.
+/// A run that fails; a signal; a run that reaches the time `end` before `look` returns `true`.
 fn follow(
     chain: &Chain<f64>,
     state: State<f64>,
@@ -106,7 +108,7 @@ impl Crests {
         Self { recent: vec![[0.0; 3]; places], crest: vec![0.0; places], passed: vec![false; places] }
     }
 
-    /// The next values, one a place; `higher` is told a place that has a new crest.
+    /// Takes the next values, one a place; `higher` is called with each place that has a new crest.
     fn look(&mut self, values: impl IntoIterator<Item = f64>, mut higher: impl FnMut(usize)) {
         for (k, value) in values.into_iter().enumerate() {
             if self.passed[k] {
@@ -150,7 +152,7 @@ fn check_range(from: f64, to: f64, allowed: &RangeInclusive<f64>, rule: &'static
     Ok(())
 }
 
-/// Checks a number of things, which a flag names, by a rule in words.
+/// Checks a count, which belongs to a flag, by a rule in words.
 fn check_count(flag: &'static str, count: usize, allowed: &RangeInclusive<usize>, rule: &'static str) -> Result<()> {
     if allowed.contains(&count) { Ok(()) } else { Err(Error::parameter(flag, count, rule)) }
 }

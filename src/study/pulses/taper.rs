@@ -9,8 +9,8 @@
 //!
 //! As a sequence of collisions of two spheres the pulse grows by `V_n/V_{n-1} = 2/(1 + s^3)` (U.
 //! Harbola, A. Rosas, M. Esposito & K. Lindenberg 2009, Phys. Rev. E 80, 031302). If it kept its
-//! energy, `V_n` would be as `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are `1 - 3 (s - 1)/2`
-//! near `s = 1`.
+//! energy, `V_n` would be proportional to `m_n^{-1/2}`, which is `s^{-3/2}` a sphere. Both are
+//! `1 - 3 (s - 1)/2` near `s = 1`.
 
 use super::{
     ALPHA, CREST, Crests, LEAD, METHOD, STEP, check_count, check_range, follow, plain, pulse_energy, solitary_wave,
@@ -33,8 +33,8 @@ const SPHERES: std::ops::RangeInclusive<usize> = 10..=200;
 const LIMITS: (f64, f64) = (1e-3, 1e3);
 /// Spheres after the last that is measured, so that the free end is not felt.
 const BEYOND: usize = 8;
-/// The time of a contact is as `R^{13/10}` for a pulse of given energy: `(m/A)^{1/2} g^{-1/4}`, `g`
-/// as `A^{-2/5}`.
+/// The duration of a contact is proportional to `R^{13/10}` for a pulse of given energy: to
+/// `(m/A)^{1/2} g^{-1/4}`, with `g` proportional to `A^{-2/5}`.
 const TIME: f64 = 1.3;
 
 /// The study of a pulse in tapered chains.
@@ -70,13 +70,13 @@ impl Default for TaperOptions {
 /// A pulse in a tapered chain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TaperRow {
-    /// `s`.
+    /// Ratio of radii `s`.
     pub ratio: f64,
     /// Growth of `ln V_n` a sphere.
     pub growth: f64,
-    /// `ln(2/(1 + s^3))`.
+    /// `ln(2/(1 + s^3))`, the growth by a sequence of collisions of two spheres.
     pub binary: f64,
-    /// `-3/2 ln s`.
+    /// `-3/2 ln s`, the growth of a pulse that keeps its energy.
     pub adiabatic: f64,
     /// Share of the energy that the pulse has at the last sphere that is measured.
     pub energy: f64,
@@ -130,8 +130,8 @@ pub fn taper(options: &TaperOptions, progress: Progress<'_>) -> Result<TaperStud
     Ok(TaperStudy { rows: rows.into_iter().collect::<Result<_>>()? })
 }
 
-/// The solitary wave of speed 1 that runs into so many spheres, each with this radius over that of
-/// the one before it.
+/// The solitary wave of speed 1 that runs into `spheres` spheres, each with the radius of the one
+/// before it times `ratio`.
 ///
 /// ```
 /// use hertzchain::{study::tapered, waves::LinePulse};
@@ -151,8 +151,8 @@ pub fn tapered(ratio: f64, spheres: usize, line: &LinePulse) -> Result<TaperRow>
     let start = solitary_wave(&chain, line);
     let whole = pulse_energy(&chain, start.as_slice(), CREST);
     let layout = chain.layout();
-    // From the last sphere of the uniform chain on, whose velocity is that of the solitary wave but
-    // for what it feels of the next: so the reference is a sphere before.
+    // Velocities are taken from a sphere of the uniform chain on, which is the reference. It is
+    // not the last of them, whose velocity would depend on the first tapered sphere.
     let first = CREST + 2;
     let mut crests = Crests::new(LEAD + spheres - first);
     let mut energy = 0.0;

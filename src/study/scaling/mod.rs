@@ -2,8 +2,8 @@
 //!
 //! The wave of the scene `tw-q15`, on a ring as long as is asked for, perturbed so that all
 //! contacts begin and end at times of their own. Contact collocation works bond by bond and costs
-//! the same on every ring; a method that takes one step for the whole chain pays for each event
-//! with all of it.
+//! the same per bond on every ring; a method that takes one step for the whole chain pays for each
+//! event with a step of the whole chain.
 
 mod report;
 
@@ -29,7 +29,7 @@ const PERIODS: f64 = 3.0;
 const PERTURBATION: f64 = 0.1;
 /// Tolerances that every method takes.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
-/// Sites of the run that tells what a first ring longer than that will cost.
+/// Sites of a trial run, from which the run time on a first ring with more sites is predicted.
 const TRIAL_SITES: usize = 50;
 
 /// The scaling study.
@@ -80,12 +80,12 @@ pub struct ScalingRow {
     pub sites: usize,
     /// Median wall time of several runs, in seconds; `None` if there is none.
     pub wall: Option<f64>,
-    /// The same per bond and period.
+    /// Wall time per bond and period, in seconds.
     pub per_bond_period: Option<f64>,
-    /// Runs behind the median.
+    /// Number of runs whose median is `wall`.
     pub repeats: usize,
-    /// Work of one run. A force evaluation is one of the whole chain: so many by each bond, at
-    /// most.
+    /// Work of one run. Force evaluations are those of the whole chain: each bond makes at most
+    /// this number.
     pub stats: Stats,
     /// Why there is no time: the run failed, or was left out.
     pub failure: Option<String>,
@@ -185,7 +185,7 @@ fn rows(options: &ScalingOptions, sizes: &[usize], progress: &(dyn Fn(f64, &str)
     Ok(studied.into_iter().flat_map(|method| method.rows).collect())
 }
 
-/// A method on its way through the rings.
+/// A method with its rows so far.
 struct Studied<'a> {
     method: Method,
     options: &'a ScalingOptions,
@@ -233,7 +233,8 @@ impl<'a> Studied<'a> {
         ScalingRow { method, sites, wall: None, per_bond_period: None, repeats: 0, stats, failure: None }
     }
 
-    /// What one run will take, from the last one; from one on a short ring if the first is long.
+    /// Predicted wall time of one run, in seconds, from the last run; before the first run on a
+    /// long ring, from a trial on a short one.
     fn predicted(&mut self, sites: usize) -> Result<Option<f64>> {
         if self.known.is_none() && sites > TRIAL_SITES {
             self.known = self.time(TRIAL_SITES, 0.0)?.ok().map(|(wall, ..)| (TRIAL_SITES, wall));
@@ -253,8 +254,8 @@ fn growth(method: &Method) -> f64 {
     }
 }
 
-/// The wave on a ring of so many sites, every entry perturbed; the means stay, so that the ring
-/// keeps its energy.
+/// The wave on a ring of `sites` sites, every entry perturbed; the means do not change, so that the
+/// ring keeps its energy.
 fn perturbed(sites: usize, seed: u64) -> Result<Scene> {
     let mut file = SceneFile::parse(&Scene::source(SCENE)?, SCENE)?;
     file.chain.sites = sites;

@@ -1,4 +1,4 @@
-//! The scaling study as people and machines read it.
+//! The scaling study as text, JSON, CSV and a picture.
 
 use super::{ScalingRow, ScalingStudy};
 use crate::{
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// Columns of the CSV: keys of the rows.
 const COLUMNS: &str = "integrator,sites,wall,per_bond_period,runs,steps,rejected,force_evaluations,failure";
 
-/// What stands for a number or words that there are not.
+/// The text of a cell of the CSV without a value.
 fn missing(key: &str) -> &'static str {
     if key == "failure" { "" } else { "nan" }
 }

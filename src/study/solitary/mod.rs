@@ -106,7 +106,7 @@ pub struct TailFit {
 /// The Hertz pulse, and pulses with tails.
 #[derive(Clone, Debug)]
 pub struct SolitaryStudy {
-    /// What was asked for.
+    /// The options.
     pub options: Solitary,
     /// The pulse of the line.
     pub line: LinePulse,
@@ -116,7 +116,7 @@ pub struct SolitaryStudy {
     pub hertz: SolitaryWave,
     /// Pulses where resonators move, by mass ratio.
     pub tails: Vec<Tail>,
-    /// How their tails fall, where there are three to tell.
+    /// Fit of the wakes against `k`; `None` with fewer than three that can be fitted.
     pub fit: Option<TailFit>,
 }
 
@@ -144,7 +144,7 @@ impl Solitary {
         }
     }
 
-    /// The pulses.
+    /// Computes the pulses.
     ///
     /// # Errors
     /// Numbers outside their rules; [`Error::Stalled`] where there is no pulse without resonators.

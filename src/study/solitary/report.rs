@@ -106,7 +106,7 @@ impl Report for SolitaryStudy {
         (!lost.is_empty()).then(|| format!("error: no wave was found at rho = {}", lost.join(", ")))
     }
 
-    /// What was found is written, but a wave that was not found is a failure.
+    /// The waves that were found are written, but one that was not found is a failure.
     fn succeeded(&self) -> bool {
         self.tails.iter().all(|tail| tail.wave.is_some())
     }

@@ -34,9 +34,9 @@ use serde_json::json;
 use start::Start;
 use std::time::{Duration, Instant};
 
-/// The store in the folder of results.
+/// Name of the store in the folder of results.
 const STORE: &str = "theorem.store";
-/// Seed of what is random, unless one is given.
+/// Default seed of random numbers.
 const SEED: u64 = 1;
 /// Tolerance of the runs over `epsilon^{alpha-1}`.
 const ACCURACY: f64 = 1e-6;
@@ -65,7 +65,7 @@ impl RhoLaw {
     /// The law of this name, or the value that it is.
     ///
     /// # Errors
-    /// Neither.
+    /// A text that is neither.
     pub fn named(text: &str) -> Result<Self> {
         let rule = "the laws are eps^-2(alpha-1), eps^-(alpha-1), or a positive number (inf for Newton's cradle)";
         match text.parse::<f64>() {
@@ -191,7 +191,7 @@ pub struct TheoremOptions {
     /// Up to 1000 [default: those where A(0) is above 1e-16 of its largest value; generic: 21].
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
-    /// Where suprema are looked for.
+    /// The times at which errors are sampled for the suprema.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub sampling: Sampling,
     /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is
@@ -251,14 +251,14 @@ pub struct TheoremRun {
     pub rho: f64,
     /// End time, `T epsilon^{1-alpha}`.
     pub end: f64,
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
-    /// Windows of the integrator.
+    /// Number of windows of the integrator.
     pub windows: u64,
     /// Suprema, in the order of [`Norm::ALL`].
     pub suprema: [Errors; 3],
-    /// The share of each that samples miss: an eighth of the second differences at the largest, see
-    /// [`Sampling`].
+    /// The share of each supremum that samples may miss: an eighth of the second differences at the
+    /// largest sample, see [`Sampling`].
     pub sampling_errors: [Errors; 3],
 }
 
@@ -269,7 +269,7 @@ impl TheoremRun {
     }
 }
 
-/// A size as a point of the sweep: sizes and mass ratios have their bits, also an infinite one.
+/// A size as a point of the sweep.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Point {
     epsilon: f64,
@@ -287,17 +287,17 @@ struct Measured {
 /// The outcome.
 #[derive(Clone, Debug)]
 pub struct TheoremStudy {
-    /// What was asked for; sizes from large to small.
+    /// The options, with the sizes that were run, from large to small.
     pub options: TheoremOptions,
     /// Sites of the chain.
     pub sites: usize,
     /// Runs, from large to small sizes.
     pub runs: Vec<TheoremRun>,
-    /// For each norm and each error.
+    /// The slopes of each error in each norm.
     pub slopes: Vec<TheoremSlope>,
-    /// How many of the runs were in the store.
+    /// Number of runs that were read from the store.
     pub resumed: usize,
-    /// How many sizes were not run, since the process was asked to end.
+    /// Number of sizes that were not run, since the process was asked to end.
     pub missing: usize,
     /// Wall time.
     pub wall: Duration,
@@ -315,17 +315,19 @@ impl TheoremStudy {
         Errors(std::array::from_fn(|k| errors.0[k] / run.epsilon.powf(powers[k])))
     }
 
-    /// What all norms say of one error (`u, v, v'` are 0, 1, 2).
+    /// The verdict over all norms of one error (`u, v, v'` are 0, 1, 2).
     pub fn bound(&self, quantity: usize) -> Bound {
         Bound::of_all(self.slopes.iter().filter(|slope| slope.quantity == quantity).map(|slope| slope.bound))
     }
 
-    /// What all norms and errors say: violated if one is, undecided if none is and one is that.
+    /// The verdict over all norms and errors: violated if one is; otherwise undecided if one is;
+    /// otherwise bounded.
     pub fn verdict(&self) -> Bound {
         Bound::of_all(self.slopes.iter().map(|slope| slope.bound))
     }
 
-    /// Whether it contradicts the theorem: its hypotheses hold, what it says does not.
+    /// Whether the outcome contradicts the theorem: the law of `rho` is allowed, but an error is
+    /// not bounded.
     pub fn contradicts(&self) -> bool {
         self.options.rho_law.allowed() && self.verdict() == Bound::Violated
     }
@@ -339,7 +341,7 @@ fn powers(alpha: f64) -> [f64; 3] {
 /// each size is kept there as soon as it was run, and is not run again. `progress` is told the
 /// share that is done now.
 ///
-/// Asked to end, it gives what the sizes say that were run.
+/// If the process is asked to end, the outcome is that of the sizes that were run.
 ///
 /// # Errors
 /// An option outside its rule, a run that fails; a store of another study, or one that was altered.
@@ -368,7 +370,7 @@ pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: &(dyn Fn(f64
                 let rho = options.rho_law.rho(options.alpha, epsilon);
                 runs.push(TheoremRun { epsilon, rho, end: end(epsilon), samples, windows, suprema, sampling_errors });
             }
-            // Those that were not begun are missing, not wrong.
+            // After a signal, sizes that were not begun are missing, which is no error.
             Err(_) if interrupt::asked() => {}
             Err(why) => return Err(Error::Point { point: format!("epsilon = {epsilon}"), why }),
         }
@@ -381,7 +383,7 @@ pub fn theorem(options: &TheoremOptions, engine: &Engine, progress: &(dyn Fn(f64
     Ok(TheoremStudy { sites: start.sites(), runs, slopes, resumed, missing, wall: clock.elapsed(), options })
 }
 
-/// What a run depends on beside its size.
+/// The settings of the store: all that a run depends on besides its size.
 fn settings(options: &TheoremOptions) -> serde_json::Value {
     let TheoremOptions { alpha, horizon, rho_law, initial, c_i, sites, sampling, accuracy, .. } = options;
     json!({

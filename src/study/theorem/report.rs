@@ -1,4 +1,4 @@
-//! Theorem 1 as people and machines read it.
+//! The study of Theorem 1 as text, JSON, CSV and a picture.
 
 use super::{Bound, Errors, Norm, TheoremRun, TheoremSlope, TheoremStudy};
 use crate::{
@@ -16,7 +16,7 @@ impl Report for TheoremStudy {
     /// `rows` with `*_error` the suprema over time, `*_scaled` the same over `epsilon^alpha,
     /// epsilon^alpha, epsilon^{2 alpha-1}`; `slopes` with `local` from large to small `epsilon`,
     /// `theory` the power of the theorem, `expected` that of its proof at this law of `rho`;
-    /// `bounded` is null where it cannot be told.
+    /// `bounded` is null where it is undecided.
     fn json(&self) -> Value {
         let options = &self.options;
         let row = |(run, norm): (&TheoremRun, Norm)| {
@@ -145,7 +145,7 @@ fn rows(study: &TheoremStudy) -> impl Iterator<Item = (&TheoremRun, Norm)> {
     study.runs.iter().flat_map(|run| Norm::ALL.map(|norm| (run, norm)))
 }
 
-/// A number, or the word that JSON lacks.
+/// A number; as text if it is not finite, since JSON has no number for it.
 fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
@@ -166,7 +166,7 @@ fn size_row(study: &TheoremStudy, run: &TheoremRun) -> Vec<String> {
     ends.into_iter().chain(scaled).chain([format!("{missed:.1e}")]).collect()
 }
 
-/// Five decimals, unless they would show nothing or too much.
+/// A number with five decimals; with an exponent if it is very small or very large.
 fn five_digits(x: f64) -> String {
     if x == 0.0 || (1e-3..1e4).contains(&x) { format!("{x:.5}") } else { format!("{x:.4e}") }
 }
@@ -265,7 +265,7 @@ fn picture(study: &TheoremStudy) -> Result<crate::figures::Picture> {
         let lines = Norm::ALL.map(|norm| line(quantity, norm)).into();
         Panel::new(Kind::LogLog, ["size ε", labels[quantity]], lines)
     };
-    // Where resonators do not move there are no errors of theirs.
+    // Where resonators do not move, their errors are zero and have no panel.
     let seen = |panel: &Panel| panel.lines.iter().flat_map(|line| &line.points).any(|point| point.1 > 0.0);
     let all = (0..3).map(panel).filter(seen).collect();
     let caption = format!(

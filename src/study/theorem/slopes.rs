@@ -1,4 +1,4 @@
-//! Local slopes and what they say.
+//! Local slopes of the suprema, their limits, and the verdict on them.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -13,12 +13,12 @@ use std::f64::consts::PI;
 
 /// A scaled supremum may grow like `epsilon^-0.03` and count as bounded.
 const LEAST: f64 = -0.03;
-/// Where the limit is near: at `max(1, T) epsilon^{alpha-1}` below this, since what the theorem
-/// leaves out is of the next order in `epsilon^{alpha-1}` and grows with `T`.
+/// A limit is taken only if the smallest size has `max(1, T) epsilon^{alpha-1}` up to this, since
+/// what the theorem leaves out is of the next order in `epsilon^{alpha-1}` and grows with `T`.
 const NEAR: f64 = 0.02;
-/// What counts as the last sizes: those up to this many times the smallest, but for rounding.
+/// The line is fitted to sizes up to this many times the smallest, with a margin for rounding.
 const DECADES: f64 = 100.0 * (1.0 + 1e-9);
-/// The last slope is no farther from the limit, or the slopes are still on their way.
+/// Largest distance of the last slope from the limit. Farther away, slopes have not converged.
 const SETTLED: f64 = 0.05;
 
 /// Whether a supremum over its power of `epsilon` is bounded as `epsilon` goes to zero: bounded if
@@ -26,11 +26,11 @@ const SETTLED: f64 = 0.05;
 /// not tell, see [`RULE`](Bound::RULE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
-    /// It is.
+    /// The scaled supremum is bounded.
     Bounded,
-    /// It grows.
+    /// The scaled supremum grows.
     Violated,
-    /// It cannot be told.
+    /// The sizes given do not tell.
     Undecided,
 }
 
@@ -80,7 +80,7 @@ pub struct TheoremSlope {
     /// The power that its proof bounds the error with at this law of `rho`: (estimr1) and
     /// (estimrp); `None` if `rho` is constant.
     pub expected: Option<f64>,
-    /// From large to small sizes; not a number where an error is zero.
+    /// The local slopes, from large to small sizes; not a number where an error is zero.
     pub local: Vec<f64>,
     /// The limit of the slopes, and its uncertainty.
     pub limit: Option<(f64, f64)>,
@@ -103,7 +103,7 @@ pub(super) fn of_all(options: &TheoremOptions, runs: &[TheoremRun]) -> Vec<Theor
         });
         let points: Vec<Point> = points.collect();
         let limit = limit(options, power, &points);
-        // Resonators that never move are as the theorem says.
+        // Errors of resonators that never move are zero, and so bounded.
         let still = points.iter().all(|point| point.error == 0.0);
         TheoremSlope {
             norm,
@@ -129,7 +129,8 @@ fn slope(pair: &[Point]) -> f64 {
     (pair[0].error / pair[1].error).ln() / (pair[0].epsilon / pair[1].epsilon).ln()
 }
 
-/// `(s, d)`.
+/// The limit `s` of the local slopes less `power`, and its uncertainty `d`; `None` if the sizes do
+/// not tell.
 fn limit(options: &TheoremOptions, power: f64, points: &[Point]) -> Option<(f64, f64)> {
     let &TheoremOptions { alpha, horizon, .. } = options;
     let smallest = points.last()?.epsilon;

@@ -16,16 +16,16 @@ use num_complex::Complex64;
 
 /// Sites where a breather is smaller than this share of its largest value are left out.
 const TAIL: f64 = 1e-16;
-/// A generic profile has this many sites on each side of its middle: 1e-11 there.
+/// A generic profile has this many sites on each side of its middle; it is 1e-11 there.
 const GENERIC: i64 = 10;
 /// Longest chain.
 const MOST_SITES: usize = 1000;
 /// Tolerance of the DpS equation: of a step, relative.
 const FLOW_TOLERANCE: f64 = 1e-13;
-/// Tolerances that collocation takes seriously.
+/// Least and largest tolerance of the runs of the chain.
 const TOLERANCES: (f64, f64) = (1e-14, 1e-6);
 
-/// `A(0)`, and where the initial state is.
+/// `A(0)`, and the departure of the initial state from the ansatz.
 pub(super) struct Start {
     amplitudes: Vec<Complex64>,
     /// Frequency of a breather; `None` where the DpS equation must be solved.
@@ -55,7 +55,7 @@ impl Start {
         Ok(Self {
             amplitudes: amplitudes.collect(),
             omega_0: breather.as_ref().map(Homoclinic::omega_0),
-            // A seed of its own: what A(0) is does not change with it.
+            // The departure has a seed of its own, so that it does not change A(0).
             departure: departure(places, seed ^ 0x5555_5555),
         })
     }
@@ -141,7 +141,7 @@ fn bell(n: i64) -> f64 {
     (-0.25 * (n * n) as f64).exp()
 }
 
-/// The sites where a breather can be seen.
+/// The sites where a breather is not below [`TAIL`] of its largest value.
 fn visible(breather: &Homoclinic) -> std::ops::RangeInclusive<i64> {
     let largest = breather.a(0).abs();
     let seen = |n: &i64| breather.a(*n).abs() >= TAIL * largest;
@@ -165,7 +165,7 @@ fn places(needed: std::ops::RangeInclusive<i64>, sites: Option<usize>) -> Result
     Ok(first..=first + sites as i64 - 1)
 }
 
-/// A direction: `sum |u_n| + |u'_n| = sum |v_n| = sum |v'_n| = 1`, random under a bell.
+/// A departure with `sum |u_n| + |u'_n| = sum |v_n| = sum |v'_n| = 1`: random numbers times a bell.
 fn departure(places: std::ops::RangeInclusive<i64>, seed: u64) -> Vec<Site<f64>> {
     let mut random = uniform(seed);
     let mut next = |n| bell(n) * random();

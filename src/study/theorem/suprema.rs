@@ -1,4 +1,4 @@
-//! Errors at a time, the times at which they are looked at, and the largest.
+//! Errors at a time, the times at which they are sampled, and their suprema.
 
 use crate::{
     chain::Layout,
@@ -66,7 +66,7 @@ pub(super) fn errors(layout: Layout, y: &[f64], a: &[Complex64], epsilon: f64, t
 /// those beside it rises above it by no more than an eighth of their second difference.
 #[derive(Clone, Copy, Default)]
 struct Peak {
-    /// The last two: values, and what they miss themselves.
+    /// The last two values, each with what it misses itself.
     before: [Option<(f64, f64)>; 2],
     largest: f64,
     missed: f64,
@@ -81,8 +81,8 @@ impl Peak {
         self.before = [middle, Some((value, missed))];
     }
 
-    /// `(largest, missed)`. What a series is cut off from is taken to be like what is beside it;
-    /// where time ends, nothing is missed.
+    /// `(largest, missed)`. Where a series is cut off, the next value is taken to be the one before
+    /// the last; where time ends, nothing is missed.
     fn end(mut self, time_ends: bool) -> (f64, f64) {
         if let [before, Some(last)] = self.before {
             let beside = before.filter(|_| !time_ends).map_or(last.0, |before| before.0);
@@ -99,7 +99,7 @@ impl Peak {
     }
 }
 
-/// The largest errors of a period, and of those periods that were looked at.
+/// The largest errors of the present period, and of all periods that were sampled.
 #[derive(Default)]
 pub(super) struct Suprema {
     period: [[Peak; 3]; 3],
@@ -113,7 +113,7 @@ impl Suprema {
         }
     }
 
-    /// A period is over, maybe the last.
+    /// Ends a period; `last`: whether it is the last one of the run.
     pub(super) fn close(&mut self, last: bool) {
         for (all, period) in self.run.iter_mut().flatten().zip(std::mem::take(&mut self.period).iter().flatten()) {
             let (largest, missed) = period.end(last);
@@ -129,22 +129,22 @@ impl Suprema {
     }
 }
 
-/// Where suprema over time are looked for.
+/// The times at which errors are sampled for their suprema.
 ///
 /// To leading order an error is a function of two variables, the phase `t` and the slow time `tau`,
 /// that is smooth where it is largest (norms have kinks where a value is zero, which is never a
-/// maximum). So a run that is long enough is looked at in periods `2 pi` spread equally over it,
-/// the first and the last among them; a shorter one throughout. What is missed falls with the
-/// squares of both spacings, and is told from the curvature at the largest sample, in both
-/// variables. (Half the samples would not tell: where two samples are as far from the maximum, they
-/// agree.)
+/// maximum). So a run that is long enough is sampled in periods `2 pi` spread equally over it, the
+/// first and the last among them; a shorter one throughout. What is missed falls with the squares
+/// of both spacings, and is estimated from the curvature at the largest sample, in both variables.
+/// (A comparison with half of the samples would not show it: two samples that are as far from the
+/// maximum agree.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Sampling {
     /// Samples a period `2 pi`, at least 4.
     pub points: u32,
-    /// Periods: at least this many, at least 3,
+    /// Least number of periods that are sampled, at least 3.
     pub periods: u32,
-    /// and this many a unit of slow time.
+    /// Number of periods a unit of slow time, if that makes more.
     pub periods_per_slow_time: u32,
 }
 
@@ -165,7 +165,7 @@ impl Sampling {
         Ok(())
     }
 
-    /// The periods that are looked at, or the whole run: increasing times, the first 0 and the last
+    /// The sample times of each period, or of the whole run: increasing, the first 0 and the last
     /// the end.
     pub(super) fn periods(self, end: f64, horizon: f64) -> Vec<Vec<f64>> {
         let points = f64::from(self.points);

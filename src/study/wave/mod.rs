@@ -1,4 +1,4 @@
-//! Travelling waves on the chain against what the modulation equations say of them (Sec. 4).
+//! Travelling waves on the chain, compared with the modulation equations (Sec. 4).
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -30,17 +30,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The store of an ensemble in the folder of results.
+/// Name of the store of an ensemble in the folder of results.
 const STORE: &str = "ensemble.store";
 const PERTURBED: &str = "a perturbed wave";
-/// Samples a period.
+/// Samples a period that may be asked for.
 const SAMPLES_PER_PERIOD: std::ops::RangeInclusive<u32> = 2..=1000;
-/// Members of an ensemble.
+/// Numbers of members that an ensemble may have.
 const SEEDS: std::ops::RangeInclusive<u32> = 1..=10_000;
 /// Most numbers that a run or an ensemble may hold: a gigabyte.
 const MOST_NUMBERS: f64 = (1_u64 << 27) as f64;
-/// Largest and smallest tolerance of the modulation equations: below and above, their error is not
-/// the one that is seen.
+/// Least and largest tolerance of the modulation equations. That of the run is clamped to this
+/// range, so that their error is not the one that is seen.
 const FLOW_TOLERANCES: (f64, f64) = (1e-13, 1e-8);
 
 /// A travelling wave, from a scene, perturbed or not.
@@ -155,9 +155,9 @@ impl Study for Wave {
 /// `E_x` and `E_y`, or `tilde E_x` and `tilde E_y`, at the sample times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Of the beads.
+    /// Errors of the strains of beads.
     pub x: Vec<f64>,
-    /// Of the resonators.
+    /// Errors of the strains of resonators.
     pub y: Vec<f64>,
 }
 
@@ -175,9 +175,9 @@ pub struct Strains {
 pub struct PerturbedRun {
     /// The wave and its draw.
     pub wave: PerturbedWave,
-    /// At the end, on the chain.
+    /// Strains at the end, on the chain.
     pub strains: Strains,
-    /// At the end, by (eq:xy_app).
+    /// Strains at the end, by (eq:xy_app).
     pub ansatz: Strains,
     /// Chain against ansatz (eq:xy_app).
     pub errors: Errors,
@@ -196,13 +196,13 @@ pub struct PerturbedRun {
 pub struct Envelopes {
     /// Time.
     pub t: f64,
-    /// Of the chain.
+    /// Envelope of the chain.
     pub chain: Envelope,
-    /// Of the modulation equations.
+    /// Envelope by the modulation equations.
     pub flow: Envelope,
 }
 
-/// How the perturbation of one seed grows.
+/// The growth of the perturbation of one seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Member {
     /// The seed.
@@ -239,7 +239,7 @@ pub struct Spread {
 pub struct Ensemble {
     /// Members, in the order of their seeds.
     pub members: Vec<Member>,
-    /// How many seeds were not run because the process was asked to end.
+    /// Number of seeds that were not run because the process was asked to end.
     pub missing: usize,
     /// `tilde E_x` at the sample times.
     pub difference_x: Vec<Spread>,
@@ -276,9 +276,9 @@ pub struct WaveStudy {
     pub stats: Stats,
     /// The perturbed wave of the scene, if it is perturbed.
     pub perturbed: Option<PerturbedRun>,
-    /// The perturbed waves of all seeds; of one, unless more were asked for.
+    /// The perturbed waves of all seeds (of one seed by default), if the wave is perturbed.
     pub ensemble: Option<Ensemble>,
-    /// Wall time of all of it.
+    /// Wall time of the study.
     pub wall: Duration,
 }
 
@@ -294,8 +294,8 @@ pub fn wave(scene: &Scene, options: &WaveOptions, progress: &(dyn Fn(u64, u64) +
     wave_in(scene, options, &Engine::threads(), progress)
 }
 
-/// The same; in a folder of the engine members of the ensemble are kept as they are run, and those
-/// that are there are not run again.
+/// As [`wave`]; in a folder of the engine members of the ensemble are kept as they are run, and
+/// those that are there are not run again.
 ///
 /// # Errors
 /// As [`wave`]; a store of another ensemble, or one that was altered.
@@ -322,9 +322,9 @@ pub fn wave_in(
     let mut ensemble = None;
     if let Some(own) = tracks.get(1) {
         let difference = differences(&wave, own, unperturbed);
-        // All but the wave of the scene leave no more than how they differ.
+        // Of the other seeds only the differences from the unperturbed wave are kept.
         let others = Others { scene, options, times: &times, unperturbed };
-        // Before what may be asked to end and then has part of its members.
+        // This comes before the ensemble, which a signal may end with part of its members.
         perturbed = Some(perturbed_run(scene, options, &times, own, &difference)?);
         ensemble = Some(others.ensemble(&seeds, difference, engine, &tell)?);
     }
@@ -343,7 +343,7 @@ pub fn wave_in(
     })
 }
 
-/// What differences depend on beside the seed.
+/// The settings of the store: all that differences depend on besides the seed.
 fn settings(scene: &Scene, options: &WaveOptions) -> Value {
     let mut file = scene_json(scene);
     file["initial"]["seed"] = Value::Null;
@@ -410,7 +410,7 @@ fn times(scene: &Scene, options: &WaveOptions) -> Result<Vec<f64>> {
     if !SAMPLES_PER_PERIOD.contains(&options.samples_per_period) {
         return Err(Error::parameter("samples-per-period", options.samples_per_period, "from 2 to 1000"));
     }
-    // A whole number of samples that fits but for rounding is taken as it is.
+    // If the number is whole up to rounding, no sample is added.
     let wanted = scene.end() / scene.period() * f64::from(options.samples_per_period);
     let count = (wanted * (1.0 - 1e-12)).ceil().max(1.0);
     if (count + 1.0) * 2.0 * scene.chain().sites() as f64 > MOST_NUMBERS {
@@ -445,7 +445,7 @@ fn seeds(scene: &Scene, options: &WaveOptions, samples: usize) -> Result<Vec<u64
     }
 }
 
-/// A run seen at the sample times.
+/// The strains of a run at the sample times, and its work.
 struct Track {
     strains: Vec<Strains>,
     stats: Stats,
@@ -488,7 +488,7 @@ fn differences(wave: &TravellingWave, one: &Track, other: &Track) -> Errors {
     errors_of(one.strains.iter().zip(&other.strains).map(|(one, other)| distance(wave, one, other)))
 }
 
-/// What is said of the wave of the scene beside how it differs: its own ansatz, and the envelopes.
+/// Compares the perturbed wave of the scene with its own ansatz, and computes the envelopes.
 fn perturbed_run(
     scene: &Scene,
     options: &WaveOptions,
@@ -541,7 +541,7 @@ fn perturbed_run(
     })
 }
 
-/// How a difference grows, from its largest value in each period.
+/// The growth of a difference, from its largest values in the periods of the run.
 fn member(seed: u64, t: &[f64], period: f64, difference: &Errors) -> Member {
     let end = t[t.len() - 1];
     let growth = |errors: &[f64]| {

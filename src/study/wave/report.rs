@@ -1,4 +1,4 @@
-//! Travelling waves as people and machines read them.
+//! Travelling waves as text, JSON, CSV and a picture.
 
 use super::{Ensemble, Envelopes, Member, PerturbedRun, Spread, WaveStudy};
 use crate::{
@@ -167,7 +167,7 @@ fn ensemble_table(ensemble: &Ensemble) -> String {
     )
 }
 
-/// All tables, `(file name, CSV)`, but JSON.
+/// All tables as `(file name, CSV)`.
 pub(crate) fn tables(study: &WaveStudy) -> Vec<(&'static str, Vec<u8>)> {
     let mut tables = vec![("errors.csv", errors_csv(study)), ("profile.csv", profile_csv(study))];
     if let Some(Envelopes { chain, flow, .. }) = study.perturbed.as_ref().and_then(|run| run.envelopes.as_ref()) {

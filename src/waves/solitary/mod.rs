@@ -1,4 +1,4 @@
-//! Solitary waves: the Hertz pulse of the plain chain, and what resonators make of it.
+//! Solitary waves: the Hertz pulse of the plain chain, and its tails where resonators move.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -15,8 +15,8 @@
 //!
 //! # Tails
 //!
-//! `D'' + omega^2 D = f`, where `f` is the second difference of the contact forces. If it comes
-//! back after every `P = N/c`, and is nothing in between, the amplitude of `D` in between is
+//! `D'' + omega^2 D = f`, where `f` is the second difference of the contact forces. If `f` repeats
+//! after every `P = N/c`, and is zero between the pulses, the amplitude of `D` between them is
 //!
 //! `delta = W/(2 |sin(omega P/2)|)`, `W = |int f e^{i omega t} dt|/omega`.
 //!
@@ -44,7 +44,7 @@ const OFF_RESONANCE: f64 = 1e-4;
 /// Sites of a ring of solitary waves.
 const SITES: std::ops::RangeInclusive<usize> = 8..=64;
 
-/// A solitary wave, or what takes its place where resonators radiate, on a ring.
+/// A solitary wave on a ring; where resonators radiate, the exact wave with tails in its place.
 ///
 /// ```
 /// use hertzchain::{chain::Params, waves::{LinePulse, Search, SolitaryWave}};
@@ -58,7 +58,7 @@ const SITES: std::ops::RangeInclusive<usize> = 8..=64;
 pub struct SolitaryWave {
     /// The wave of the ring.
     pub wave: ExactWave,
-    /// `c`.
+    /// Speed `c`, in sites per unit of time.
     pub speed: f64,
 }
 
@@ -98,7 +98,7 @@ impl SolitaryWave {
         -self.wave.z[0]
     }
 
-    /// `c/g^{(alpha-1)/2}`.
+    /// The coefficient `C = c/g^{(alpha-1)/2}`.
     pub fn coefficient(&self) -> f64 {
         self.speed * self.crest().powf(-0.5 * (self.wave.setting.params.alpha - 1.0))
     }
@@ -115,13 +115,13 @@ impl SolitaryWave {
         strain.hypot(rate / params.omega())
     }
 
-    /// `W` as this ring has it.
+    /// The wake `W`, from the tail of this ring.
     pub fn wake(&self) -> f64 {
         2.0 * ring_phase(self.wave.setting.params, self.speed, self.wave.setting.q.cell()) * self.tail()
     }
 }
 
-/// `W` of the pulse whose resonators follow their beads.
+/// The wake `W` of the pulse whose resonators follow their beads.
 pub fn wake_of_line(params: Params, speed: f64, line: &LinePulse) -> f64 {
     let k = params.omega() / speed;
     mass(params) * k * size(params, speed) * line.transform(k).abs()

@@ -36,7 +36,7 @@ const CELLS: std::ops::RangeInclusive<usize> = 4..=1000;
 const POINTS: std::ops::RangeInclusive<usize> = 3..=10_000;
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// Mass ratios at maxima are found to this.
+/// Accuracy of the mass ratios at maxima.
 const NEAR: f64 = 2e-5;
 
 /// The study of a pulse in dimers.
@@ -85,7 +85,7 @@ pub struct DimerRow {
     pub ratio: f64,
     /// Largest contact force near the struck end.
     pub first: f64,
-    /// The same `cells` cells on.
+    /// Largest contact force `cells` cells further on.
     pub last: f64,
 }
 
@@ -182,7 +182,7 @@ pub fn pulse_by(ratio: f64, cells: usize, step: f64) -> Result<DimerRow> {
     state.u_dot_mut()[0] = 1.0;
     let bonds = [2 * FIRST_CELL, 2 * (FIRST_CELL + cells)];
     let mut crests = Crests::new(2);
-    // The pulse of equal beads takes 1.6 a bead at most: slow ones are those that have decayed.
+    // A pulse in equal beads takes at most 1.6 units of time a bead; slower pulses have decayed.
     follow(&chain, state, (step, 8.0 * sites as f64), &mut |_, y| {
         let overlaps = chain.overlaps(chain.layout().u(y));
         crests.look(bonds.map(|bond| overlaps[bond]), |_| ());

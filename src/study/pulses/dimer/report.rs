@@ -1,4 +1,4 @@
-//! The study of dimers as people and machines read it.
+//! The study of dimers as text, JSON, CSV and a picture.
 
 use super::{DimerRow, DimerStudy, FIRST_CELL, PUBLISHED};
 use crate::{
