@@ -8,7 +8,7 @@ from . import _native
 
 
 def main() -> None:
-    """Run the command of the command line, and end with its exit code."""
+    """Run the program with the arguments of this process, and end with its exit code."""
     sys.exit(_native.program(["hertzchain", *sys.argv[1:]]))
 
 

@@ -1,4 +1,4 @@
-"""Numbers and arrays from outside."""
+"""Checks of the numbers and arrays that a caller gives, and their conversion to doubles."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ Vector = NDArray[np.float64]
 
 
 def vector(name: str, values: Any, length: int | None = None) -> Vector:
-    """Doubles in one row, without loss.
+    """A one-dimensional array of doubles with exactly the given values.
 
     Parameters
     ----------
     name : str
-        What messages call it.
+        Name of the argument in messages.
     values : array_like
         Numbers in one dimension, of any layout and of any type whose values doubles can hold.
     length : int, optional
-        The length that it must have.
+        The required length.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def vector(name: str, values: Any, length: int | None = None) -> Vector:
 
 
 def _same(doubles: Vector, given: NDArray[Any]) -> bool:
-    """Whether doubles have the values of an array of another type."""
+    """Whether the doubles equal the values of the array of another type from which they come."""
     if given.dtype.kind == "f":
         return bool(np.array_equal(doubles.astype(given.dtype), given, equal_nan=True))
     if given.dtype.kind in "iu":
@@ -62,7 +62,7 @@ def number(name: str, value: Any) -> float:
     Parameters
     ----------
     name : str
-        What messages call it.
+        Name of the argument in messages.
     value : float
         The number, such as 1.5, 2 or ``numpy.float64(3)``.
     """
@@ -89,7 +89,7 @@ def whole(name: str, value: Any) -> int:
 
 
 def word(name: str, value: Any) -> str:
-    """A name."""
+    """A string."""
     if not isinstance(value, str):
         raise ParameterError(f"{name} = {value!r} is not valid: a string")
     return value

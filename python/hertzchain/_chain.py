@@ -38,22 +38,24 @@ class Chain:
     rho : float
         Mass ratio resonator to bead; 0 for no resonators, ``math.inf`` for resonators at rest.
     boundary : {"free", "fixed", "ring", "strain-ring"}
-        What is beyond the ends. On a strain ring the unknowns are strains ``x, y``.
+        Nothing beyond the ends, walls, or a ring. On a strain ring the unknowns are strains
+        ``x, y``.
     precompression : float
         Static overlap of each contact.
     beads : mapping, optional
-        What differs from bead to bead: ``mass, kappa, rho, drag, dashpot``. A value is a number for
-        all, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
+        Parameters of the beads: ``mass, kappa, rho, drag, dashpot``. A value is one number for all
+        beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
-        What differs from contact to contact: ``contact, alpha, overlap, viscoelastic, dashpot``, as
-        for `beads`, for the bonds that can touch from left to right: ``sites - 1`` between free
-        ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall`` is a number.
+        Parameters of the contacts: ``contact, alpha, overlap, viscoelastic, dashpot``, with values
+        as for `beads`. An array has one number for each bond that can touch, from left to right:
+        ``sites - 1`` between free ends, ``sites`` on a ring, ``sites + 1`` between walls. ``wall``,
+        the contact constant of both walls, is one number.
     drive : sequence of mappings, optional
         Beads that are moved or pushed: ``site, kind, amplitude, omega, phase, ramp`` and so on.
     units : mapping, optional
         Spheres in SI units: ``radius, density, young, poisson`` and so on.
 
-        Keys, rules and meanings of these four are those of the tables of a scene.
+        These four have the keys, rules and meanings of the tables of a scene.
 
     Examples
     --------
@@ -107,7 +109,7 @@ class Chain:
 
     @cached_property
     def masses(self) -> tuple[Vector, Vector]:
-        """Masses of the beads, and of the resonators: zero where none moves."""
+        """Masses of the beads and of the resonators, shape (sites,) each; 0 where nothing moves."""
         beads, resonators = _native.Scene.of_chain(self._numbers, (None,) * 4, 1e300).masses()
         return beads, resonators
 
@@ -120,7 +122,7 @@ class Chain:
 
     @property
     def resonators(self) -> bool:
-        """Whether resonators move."""
+        """Whether at least one resonator moves."""
         if self._tables:
             return bool(self.masses[1].any())
         return self.kappa > 0.0 and 0.0 < self.rho < math.inf
@@ -138,7 +140,7 @@ class Chain:
         return u, v, u_dot, v_dot
 
     def scene(self, y0: Any, until: float) -> Scene:
-        """A scene: this chain from a state up to a time.
+        """The scene in which this chain runs from a state up to a time.
 
         Parameters
         ----------
@@ -204,7 +206,7 @@ class Scene:
 
     @property
     def chain(self) -> Chain:
-        """The chain; rules and units of a scene have become numbers of each bead."""
+        """The chain, with numbers for each bead in place of the rules and units of the scene."""
         if self._chain is None:
             self._chain = Chain(*self._scene.chain, **(self._scene.tables or {}))
         return self._chain
@@ -221,7 +223,7 @@ class Scene:
 
     @property
     def units(self) -> dict[str, float] | None:
-        """What one of each quantity is in SI units, of a scene with the table ``[units]``.
+        """Value of the unit of each quantity in SI units; None without a table ``[units]``.
 
         Keys: ``length_m, mass_kg, time_s, velocity_m_per_s, force_n, energy_j``.
         """
@@ -229,7 +231,7 @@ class Scene:
 
     @property
     def period(self) -> float:
-        """Unit of time of "steps per period"."""
+        """Time that counts as a period in ``steps_per_period``."""
         return self._scene.period
 
     @property
@@ -258,7 +260,7 @@ def names(strains: bool) -> tuple[str, str, str, str]:
 
 
 def changes_of(changes: Mapping[str, Any] | None) -> list[str]:
-    """Changes to a scene as the program takes them."""
+    """Changes to a scene as the program takes them: a text ``key=value`` each."""
 
     def value(of: Any) -> str:
         if isinstance(of, bool):
@@ -285,7 +287,7 @@ def state_of(y0: Any, known: tuple[str, ...], sites: int, resonators: bool) -> d
 
 
 def velocity(name: str, momenta: Vector, masses: Vector | float) -> Vector:
-    """Velocities from momenta; what has no mass has none of either."""
+    """Velocities from momenta. Momenta must be zero where the mass is zero; so are velocities."""
     if isinstance(masses, float):
         return momenta if masses == 1.0 else momenta / masses
     lost = np.flatnonzero((masses == 0.0) & (momenta != 0.0))

@@ -19,7 +19,7 @@ class Comparison:
     Attributes
     ----------
     rows : list of dict
-        One for each run.
+        A dictionary for each run: ``integrator``, ``setting``, ``error``, ``wall_s`` and so on.
     record : dict
         All that ``hertzchain compare --json`` prints.
     """
@@ -55,9 +55,9 @@ def compare(
     scene : Scene
         The scene.
     methods : sequence of str, optional
-        Integrators; by default the telling ones.
+        Names of integrators; by default those of ``hertzchain compare``.
     max_time : float
-        Wall time for all runs, in seconds; what would not fit is left out.
+        Wall time for all runs, in seconds; runs that would exceed it are left out.
     progress : bool or callable
         As in :func:`run`.
     """

@@ -22,8 +22,8 @@ class DrivenOrbit:
     Attributes
     ----------
     y0 : dict of ndarray
-        Displacements and momenta ``u, v, pu, pv`` at ``t = 0``, for :func:`run`; of a drive with a
-        ramp, those at its full height.
+        Displacements and momenta ``u, v, pu, pv`` at ``t = 0``, for :func:`run`; for a drive with a
+        ramp, those under the drive at its full height.
     period, response, residual : float
         Period of the orbit; largest half range of a bead that no drive moves; residual of Newton's
         method.
@@ -34,7 +34,7 @@ class DrivenOrbit:
     stable : bool
         Whether no multiplier is outside the unit circle.
     driven, dissipated : float
-        Energies that the drives put in and that is dissipated over the orbit.
+        Work of the drives, and dissipated energy, over the orbit.
     record : dict
         All that ``hertzchain orbit driven --json`` prints.
     """
@@ -70,7 +70,7 @@ class DrivenBranch:
     Attributes
     ----------
     parameter : {"amplitude", "omega", "damping"}
-        What varies.
+        The parameter that varies.
     values, response, max_modulus : ndarray, shape (points,)
         The parameter, the largest half range of a bead that no drive moves, and the largest modulus
         of a multiplier.
@@ -117,9 +117,9 @@ class DrivenBranch:
 
 
 def stretches(ax: Any, x: Vector, y: Vector, stable: NDArray[np.bool_], color: str, label: str | None) -> None:
-    """A branch, dotted where it is unstable."""
+    """Draw a branch, dotted where it is unstable."""
     for which, line, name in ((stable, "-", label), (~stable, ":", None)):
-        # A stretch ends at the first point of the next one.
+        # Dotted stretches reach to the stable points beside them, so that the curve has no gaps.
         near = which | np.append(which[1:], False) | np.insert(which[:-1], 0, False) if line == ":" else which
         ax.plot(x, np.where(near, y, np.nan), line, color=color, label=name)
 
@@ -132,20 +132,22 @@ def driven_orbit(
     settle: int = 300,
     progress: Progress = False,
 ) -> DrivenOrbit:
-    """The periodic orbit to which a driven chain leads.
+    """The periodic orbit to which a driven chain settles.
 
-    It runs for a while and starts Newton's method on the stroboscopic map from there.
+    The chain runs for some periods. From the state that it has then, Newton's method solves for a
+    fixed point of the stroboscopic map.
 
     Parameters
     ----------
     scene : Scene or Chain
-        With a drive: harmonics of one frequency, with or without a ramp.
+        With a drive: harmonics that are multiples of one frequency, with or without a ramp.
     y0
         As in :func:`run`; for a chain, rest by default.
     turns : int
         Periods of the drive in a period of the orbit, from 1 to 64.
     settle : int
-        Periods of the orbit for which it runs before, fewer if it has become periodic.
+        Periods of the orbit for which the chain runs before the search; fewer if its motion
+        becomes periodic earlier.
     progress : bool or callable
         As in :func:`run`.
 
@@ -166,7 +168,7 @@ def driven_orbit(
     (True, True)
     """
     if isinstance(scene, Chain):
-        # The time is that of a run; an orbit has its own.
+        # A scene needs an end time; the orbit has its own period.
         scene = scene_of(scene, {} if y0 is None else y0, 1.0)
     else:
         scene = scene_of(scene, y0, None)
@@ -184,7 +186,7 @@ def continue_driven(
     points: int,
     progress: Progress,
 ) -> DrivenBranch:
-    """The branch of a driven orbit; :func:`continue_branch` has the words."""
+    """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
     turns, settle = orbit._search
     with shown(progress, "branch") as tell:
         return DrivenBranch(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Error(Exception):
-    """What hertzchain refuses, or what went wrong. The message names the value and the rule."""
+    """Any error of hertzchain. For a refused value the message names the value and the rule."""
 
 
 class ParameterError(Error, ValueError):
@@ -20,7 +20,7 @@ class SceneError(Error, ValueError):
 
 
 class RunError(Error, RuntimeError):
-    """An integration that could not go on."""
+    """An integration that failed before its end."""
 
 
 class ConvergenceError(Error, RuntimeError):

@@ -22,24 +22,24 @@ class NormalMode:
     Attributes
     ----------
     linear : structured ndarray, shape (modes,)
-        The linear modes by frequency: ``omega``, ``participation``, and the ``site`` with most of
-        each, with ``resonator`` true where it is a resonator.
+        The linear modes in order of frequency: ``omega``, ``participation``, and the ``site`` with
+        the largest share in the mode; ``resonator`` is true if that is the share of a resonator.
     mode : int
-        Number of the one that is followed, from 1 on.
+        Number of the linear mode that is followed, counted from 1.
     amplitude, omega, energy, participation, least_overlap, max_modulus : ndarray, shape (points,)
-        Amplitude; frequency; energy above the equilibrium; how many coordinates share the orbit;
-        the least overlap at the two times of rest, negative where beads are apart; the largest
-        modulus of a multiplier.
+        Amplitude; frequency; energy above the equilibrium; participation number, which counts the
+        coordinates that share the orbit; least overlap at the two times of rest, negative where
+        beads are apart; largest modulus of a multiplier.
     stable : bool ndarray, shape (points,)
         Whether no multiplier is outside the unit circle.
     bifurcations : list of dict
         ``kind``, ``amplitude`` and ``omega`` of each that was located.
     y0 : dict of ndarray
-        The last orbit at rest, ``u`` and ``v``, for :func:`run`.
+        The last orbit of the branch when it is at rest, ``u`` and ``v``, for :func:`run`.
     period : float
-        Its period.
+        Period of the last orbit.
     multipliers : complex ndarray
-        Its multipliers.
+        Multipliers of the last orbit.
     end : str
         Why the branch ended.
     record : dict
@@ -98,29 +98,30 @@ def normal_mode(
     points: int = 200,
     progress: Progress = False,
 ) -> NormalMode:
-    """A nonlinear normal mode of a conservative chain, from the linear mode on.
+    """Follow a nonlinear normal mode of a conservative chain, starting from the linear mode.
 
     Parameters
     ----------
     scene : Scene or Chain
-        One whose contacts are closed at rest: a static overlap, between walls or on a ring. The
+        Its contacts must be closed at rest: a static overlap, between walls or on a ring. The
         initial state of a scene does not matter.
     to : float
-        The amplitude where the branch ends: the displacement at the start of that bead or resonator
-        of which the linear mode has most.
+        The amplitude at which the branch ends. The amplitude is the initial displacement of the
+        bead or resonator with the largest share in the linear mode.
     mode : int, optional
-        Number of the linear mode, from 1 on, by frequency; by default the most localised one.
+        Number of the linear mode in order of frequency, counted from 1; by default that of the most
+        localised mode.
     step : float, optional
-        The first amplitude and its largest change; by default a twentieth of `to`.
+        First amplitude, and its largest change from point to point; by default a twentieth of `to`.
     points : int
-        Points of the branch at most.
+        Largest number of points of the branch.
     progress : bool or callable
         As in :func:`run`.
 
     Raises
     ------
     ParameterError
-        For a chain that dissipates, is driven, or whose beads contacts do not hold.
+        For a chain that dissipates or is driven, or in which contacts do not hold every bead.
     ConvergenceError
         If no first orbit is found.
 

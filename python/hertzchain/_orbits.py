@@ -34,11 +34,14 @@ class DarkBreather:
     omega_b : float, optional
         Frequency, above ``omega = sqrt(kappa (1 + 1/rho))``; by default 1.025 of it.
     rho, kappa, alpha : float
-        The chain.
+        Parameters of the chain.
     sites : int
         Sites of the ring, an odd number.
     c_x : float
-        Vertical centre of the background.
+        Vertical centre of the background: the mean of two strains of the first site, half a period
+        apart.
+    tol : float
+        Tolerance of the flow in Newton's method.
 
     Examples
     --------
@@ -88,7 +91,7 @@ class Orbit:
     krein : int ndarray, shape (4 sites,)
         Krein signatures of multipliers on the unit circle; 0 elsewhere.
     kinds : list of str
-        Where each one is: trivial, linear, circle, real, negative, quartet.
+        Kind of each multiplier: trivial, linear, circle, real, negative, quartet.
     errors : ndarray, shape (4 sites,)
         Estimated errors of the moduli.
     modes : ndarray, shape (4 sites, 4 sites)
@@ -134,7 +137,7 @@ class Orbit:
         return Chain(of.sites, of.alpha, of.kappa, of.rho, STRAIN_RING)
 
     def scene(self, periods: float = 1.0) -> Scene:
-        """The ring from this state, for so many periods."""
+        """The scene in which the ring runs from this state for a number of periods."""
         return self.chain.scene(self.y0, number("periods", periods) * self.period)
 
     def plot(self, ax: Any = None) -> Any:
@@ -175,13 +178,13 @@ class Branch:
     Attributes
     ----------
     parameter : str
-        What varies.
+        Name of the parameter that varies.
     end : str
         Why the branch ended.
     bifurcations : list of dict
         ``kind``, ``parameter``, and more, of each.
     gaps : list of float
-        Parameters of orbits whose multipliers are not known.
+        Parameters of orbits whose multipliers could not be computed.
     record : dict
         All that ``hertzchain breather continue --json`` prints.
     """
@@ -224,14 +227,14 @@ class Branch:
         return self._points[k]
 
     def column(self, name: str) -> Vector:
-        """A number of all points, such as ``"k_x"`` or ``"max_modulus"``, shape (points,)."""
+        """A quantity of all points, such as ``"k_x"`` or ``"max_modulus"``, shape (points,)."""
         return np.array([getattr(point, name) for point in self._points], dtype=np.float64)
 
     def __repr__(self) -> str:
         return f"Branch({self.parameter}, {len(self)} points, {len(self.bifurcations)} bifurcations, {self.end})"
 
     def plot(self, ax: Any = None, y: str = "k_x") -> Any:
-        """A number of the points over the parameter, dashed where orbits are unstable."""
+        """A quantity of the points over the parameter, dashed where orbits are unstable."""
         import matplotlib.pyplot as plt
 
         ax = ax if ax is not None else plt.subplots(layout="constrained")[1]
@@ -292,25 +295,27 @@ def continue_branch(
     Parameters
     ----------
     orbit : Orbit, DarkBreather or DrivenOrbit
-        Where it begins.
+        Orbit at which the branch begins.
     parameter : str
-        What varies: ``"omega_b", "rho", "kappa", "alpha"`` or ``"c_x"`` of a dark breather;
+        The parameter that varies: ``"omega_b", "rho", "kappa", "alpha"`` or ``"c_x"`` of a dark
+        breather;
         ``"amplitude", "omega"`` or ``"damping"`` (a factor, 1 at the start) of a driven orbit.
     to : float
-        Where it ends.
+        Value of the parameter at which the branch ends.
     step : float, optional
-        Largest change from point to point; by default a hundredth of the range, of driven orbits a
-        twentieth.
+        Largest change of the parameter from point to point; by default a hundredth of the range,
+        for driven orbits a twentieth.
     points : int, optional
-        Most points; by default 1000, of driven orbits 200.
+        Largest number of points; by default 1000, for driven orbits 200.
     natural : bool
-        Count the way by the parameter and not by the arclength; of dark breathers only.
+        Follow the branch in the parameter itself, not in arclength; it then ends at a fold. For
+        dark breathers only.
     weak : float
-        Collisions of multipliers that stay below ``1 + weak`` are not located; of dark breathers
-        only.
+        Collisions of multipliers after which moduli stay below ``1 + weak`` are not located. For
+        dark breathers only.
     bound : bool
-        Give each point a bound on the distance to an exact orbit, ``kantorovich``; of dark breathers
-        only.
+        Give each point a bound on the distance to an exact orbit, ``kantorovich``. For dark
+        breathers only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -369,7 +374,7 @@ def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = Non
     Raises
     ------
     ParameterError
-        For contacts that dissipate, or more than 256 of them.
+        For contacts that dissipate, or a chain of more than 256 bonds.
 
     Examples
     --------

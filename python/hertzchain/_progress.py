@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 Progress = bool | Callable[[float], Any]
-"""Whether to show progress, or a function that is called with the share that is done."""
+"""Whether to show progress, or a function that is called with the share done, from 0 to 1."""
 
 
 @contextlib.contextmanager
 def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | None]:
-    """The function that is told the share that is done, or None."""
+    """The function to call with the share that is done, from 0 to 1, or None."""
     if callable(progress):
         yield progress
         return
@@ -23,7 +23,7 @@ def shown(progress: Progress, what: str) -> Iterator[Callable[[float], Any] | No
         return
     try:
         with warnings.catch_warnings():
-            # In a notebook without widgets it says so, and shows a line of text.
+            # In a notebook without widgets tqdm warns, and shows a line of text instead.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:

@@ -18,7 +18,7 @@ from ._progress import Progress, shown
 ENERGIES = np.dtype([(name, np.float64) for name in ("beads", "resonators", "springs", "contacts")])
 CONTACTS = np.dtype([(name, np.int64 if name == "bond" else np.float64) for name in _native.CONTACT_COLUMNS])
 DEFAULT_SAMPLES = 400
-# Columns of contacts by their units; the bond has none.
+# The units whose product is the unit of a column of the log of contacts; the bond has none.
 CONTACT_UNITS = {
     **dict.fromkeys(("onset", "release", "t_largest"), ("time_s",)),
     **dict.fromkeys(("approach", "separation"), ("velocity_m_per_s",)),
@@ -41,7 +41,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Trajectory:
-    """What a run has recorded.
+    """The record of a run.
 
     Attributes
     ----------
@@ -49,26 +49,25 @@ class Trajectory:
         Sample times.
     u, v, pu, pv : ndarray, shape (times, sites), or None
         Displacements of beads and resonators, and their momenta, mass times rate; for equal beads
-        ``pu = u'``, ``pv = rho v'``. ``v``
-        and ``pv`` are None if no resonator moves. On a strain ring these are ``x, y, vx, vy``:
-        strains and their rates.
+        ``pu = u'``, ``pv = rho v'``. ``v`` and ``pv`` are None if no resonator moves. On a strain
+        ring these are ``x, y, vx, vy``: strains and their rates.
     energy : ndarray, shape (times,), or None
-        Energy at the sample times; None for states of a strain ring that have none.
+        Energy at the sample times; None on a strain ring whose state has no energy.
     energies : structured ndarray or None
         The energy by kind: ``beads``, ``resonators``, ``springs``, ``contacts``.
     contacts : structured ndarray or None
         The log of contacts, if it was asked for: ``bond``, ``onset``, ``release``, and so on. NaN
-        stands for what a contact does not have.
+        stands for a number that a contact does not have, such as the release of an open one.
     stats : dict
         ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
     energy_error : float or None
         Largest sampled ``|E(t) - E(0)| / |E(0)|``; of chains that dissipate or are driven, that of
         the balance energy + dissipated - driven.
     dissipated : dict or None
-        Work lost up to the end: ``drag``, ``dashpots``, ``contacts`` and ``total``, of a chain that
-        dissipates or is driven.
+        Energy dissipated up to the end by ``drag``, ``dashpots`` and ``contacts``, and ``total``,
+        for a chain that dissipates or is driven.
     driven : float or None
-        Work that drives have put in, of such a chain.
+        Work of the drives up to the end, for such a chain.
     failure : str or None
         Why the run stopped before its end, if it did.
     t_end : float
@@ -78,7 +77,7 @@ class Trajectory:
     integrator, setting, reason : str
         The method, its accuracy, and why it was chosen if nobody named one.
     units : dict or None
-        What one of each quantity is in SI units, of a scene or chain with ``[units]``.
+        Value of the unit of each quantity in SI units, for a scene or chain with ``[units]``.
     """
 
     def __init__(self, chain: Chain, record: dict[str, Any], units: dict[str, float] | None = None) -> None:
@@ -163,8 +162,9 @@ class Trajectory:
     def in_si(self) -> Trajectory:
         """The trajectory in SI units: metres, seconds, joules, momenta in kilogram metres per second.
 
-        Times, states, energies and contacts are those of ``hertzchain run --si``. What a failure says
-        stays dimensionless, and so does the chain: `end` cannot be the ``y0`` of another run.
+        Times, states, energies and contacts are those of ``hertzchain run --si``. The message of a
+        failure stays dimensionless, and so does the chain: `end` cannot be the ``y0`` of another
+        run.
 
         Raises
         ------
@@ -280,39 +280,40 @@ def run(
     until : float, optional
         End time; the run begins at zero.
     method : str, optional
-        An integrator by name, see :func:`integrators`. Without one, it follows from `tol` (contact
-        collocation), else from the scene.
+        An integrator by name, see :func:`integrators`. Without a name, a `tol` selects contact
+        collocation (DOP853 where contacts dissipate); otherwise ``hertzchain run`` has the same
+        choice.
     tol : float, optional
-        Tolerance, from 1e-15 to 0.1; for collocation it is one of the whole run.
+        Tolerance, from 1e-15 to 0.1; for collocation it bounds the error of the whole run.
     step, steps_per_period : float, optional
         Step of a method with equal steps, slightly reduced so that a whole number fits.
     at : array_like or int, optional
         Times of the samples, ascending, or a number of equal parts of the span. By default as the
         scene says; 400 parts for a chain.
     states : bool
-        Whether states are kept at these times; energies always are.
+        Whether states are kept at the sample times; energies are always kept.
     events : bool
         Whether to log all contacts.
     progress : bool or callable
-        Whether to show progress; or a function that is called with the share that is done.
+        Whether to show progress; or a function that is called with the share done, from 0 to 1.
     on_sample : callable, optional
         Called with the time of every sample and the state there, ``[u, v, u', v']``.
     on_contact : callable, optional
-        Called with each contact once the step is done in which it ends: a dictionary with the
-        columns of the log. It turns `events` on. An exception in one of the two functions stops
-        the run and is raised; its attribute ``partial`` is the trajectory so far.
+        Called with each contact, a dictionary with the columns of the log, after the step in which
+        the contact ends. It turns `events` on. An exception in one of the two functions stops the
+        run and is raised; its attribute ``partial`` is the trajectory so far.
 
     Returns
     -------
     Trajectory
-        With its `failure`, if the run could not go on.
+        The attribute `failure` is set if the run failed before its end.
 
     Raises
     ------
     Error
-        What is refused before the run begins.
+        If an argument is refused, before the run begins.
     Interrupted
-        Ctrl-C; it has the partial trajectory.
+        On Ctrl-C; its attribute ``partial`` is the trajectory so far.
 
     Examples
     --------
@@ -357,7 +358,7 @@ def run(
 
 
 def contact_of(numbers: Vector) -> dict[str, float]:
-    """A contact by the columns of the log."""
+    """A contact as a dictionary with the columns of the log."""
     contact: dict[str, float] = dict(zip(_native.CONTACT_COLUMNS, numbers.tolist()))
     return contact | {"bond": int(numbers[0])}
 

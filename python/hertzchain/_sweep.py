@@ -1,4 +1,4 @@
-"""Sweeps: a function at many points, on threads, on shards and on MPI ranks."""
+"""Sweeps: a function at many points, on threads, in shards and on MPI ranks."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from ._progress import Progress, shown
 
 
 class Table:
-    """What came of the sweep of a plan.
+    """The results of the sweep of a plan.
 
     Attributes
     ----------
     columns : dict of ndarray
         Keys of the scene and quantities, of shape (points,), or (points, numbers) for arrays.
     failures : dict
-        Numbers of points that failed, the first of them, with the reasons.
+        The first of the points that failed: the reason by the number of the point.
     record : dict
         All that ``hertzchain sweep --json`` prints; for a shard ``{"shard": words}``.
     """
@@ -57,7 +57,8 @@ def sweep_plan(
     plan : path
         A TOML file; ``python -m hertzchain sweep --template`` prints one.
     out : path, optional
-        A folder for tables and for the store: the same sweep goes on where it was.
+        A folder for tables and for the store. The same sweep with the same folder resumes: it
+        computes only what is missing.
     format : str or list of str, optional
         Draw the pictures of ``hertzchain sweep`` into `out`: ``"png"``, ``"svg"`` or both.
     shard : str, optional
@@ -101,7 +102,7 @@ def sweep(
     workers : int, optional
         Threads; by default the number of cores.
     store : path, optional
-        A file to which each value is added as soon as it is there. A sweep with the same file
+        A file to which each value is added as soon as it is computed. A sweep with the same file
         computes only what is missing.
     shard : str, optional
         ``"K/N"``: compute only every N-th point from the K-th on, counted from 1, into a store of
@@ -180,7 +181,7 @@ class _Store:
         self._points = points
         self._file = None if file is None else file.open("a+b")
         if self._file is not None:
-            # A line that was torn is ended, so that the next one is whole.
+            # A truncated last line is ended, so that the next line begins on its own.
             self._file.seek(0, os.SEEK_END)
             if self._file.tell() > 0:
                 self._file.seek(-1, os.SEEK_END)
@@ -226,7 +227,7 @@ class _Store:
 
 
 def _rows(file: Path) -> Iterator[tuple[Any, Any]]:
-    """The whole lines of a store; a torn one is passed over."""
+    """The complete lines of a store; truncated lines are skipped."""
     if not file.exists():
         return
     with file.open("rb") as lines:

@@ -1,4 +1,4 @@
-"""What differs from bead to bead: the tables of a scene, from Python values to TOML."""
+"""The tables of beads, bonds, drives and units of a scene: from Python values to TOML."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ BEADS = ("mass", "kappa", "rho", "drag", "dashpot")
 BONDS = ("contact", "wall", "alpha", "overlap", "viscoelastic", "dashpot")
 DRIVE = ("site", "kind", "amplitude", "omega", "phase", "band", "seed", "ramp", "start", "length")
 UNITS = ("radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
-# What a bond is, by what holds the ends: sites and so many more.
+# Number of bonds that can touch, less the number of sites, by boundary.
 TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1}
 
 
 def table(name: str, given: Any, keys: tuple[str, ...], count: int | None) -> Table:
-    """A table whose lists have `count` numbers; checked, copied, and not to be changed."""
+    """A checked copy of a table, which cannot be changed; its lists have `count` numbers."""
     if not isinstance(given, Mapping):
         raise ParameterError(f"{name} = {given!r} is not valid: a dictionary with some of {', '.join(keys)}")
     unknown = [key for key in given if key not in keys]
@@ -33,7 +33,7 @@ def table(name: str, given: Any, keys: tuple[str, ...], count: int | None) -> Ta
 
 
 def drives(given: Any) -> tuple[Table, ...]:
-    """The drives, a table each."""
+    """The drives, a checked table for each."""
     if isinstance(given, Mapping) or not isinstance(given, Sequence) or isinstance(given, str):
         raise ParameterError(f"drive = {given!r} is not valid: a list of dictionaries, one for each drive")
     return tuple(table("drive", one, DRIVE, None) for one in given)

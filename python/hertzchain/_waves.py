@@ -22,11 +22,11 @@ class TravellingWave:
     b : float
         Mean strain.
     epsilon, detuning : float
-        Size of the wave, or its frequency less ``omega``; one of them.
+        Size of the wave, or its frequency minus ``omega``; exactly one of the two.
     phi : float
         Phase.
     rho, kappa, alpha : float
-        The chain.
+        Parameters of the chain.
 
     Attributes
     ----------
@@ -84,14 +84,14 @@ class TravellingWave:
         return {name: table[:, k].copy() for k, name in enumerate(("x", "y", "vx", "vy"))}
 
     def scene(self, sites: int, periods: float) -> Scene:
-        """A strain ring that begins with the wave, for so many of its periods."""
+        """The scene of a strain ring that starts as the wave, for a number of its periods."""
         alpha, kappa, rho = self._params
         chain = Chain(sites, alpha, kappa, rho, STRAIN_RING)
         return chain.scene(self.at(0.0, sites), number("periods", periods) * 2 * 3.141592653589793 / self.omega_tw)
 
 
 class BrightBreather:
-    """The long-lived bright breather of heavy resonators, from a homoclinic solution of DpS.
+    """The long-lived bright breather with heavy resonators, from a homoclinic solution of DpS.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class BrightBreather:
     sites : int
         Number of sites.
     rho, kappa, alpha : float
-        The chain.
+        Parameters of the chain.
 
     Examples
     --------
@@ -131,7 +131,7 @@ class BrightBreather:
 
     @property
     def horizon(self) -> float:
-        """Time up to which theory bounds the error."""
+        """Time up to which the theorem on long-lived breathers bounds the norms."""
         return self._breather.horizon
 
     def at(self, t: float) -> dict[str, Vector]:
@@ -143,7 +143,7 @@ class BrightBreather:
         return arrays
 
     def scene(self, periods: float, boundary: str = "free") -> Scene:
-        """A chain that begins with the breather, for so many of its periods."""
+        """The scene of a chain that starts as the breather, for a number of its periods."""
         if boundary == STRAIN_RING:
             raise ParameterError(f"boundary = {boundary!r} is not valid: a bright breather is a state of displacements")
         alpha, kappa, rho = self._params

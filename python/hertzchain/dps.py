@@ -116,9 +116,9 @@ def flow(
     force, mean_strain : float
         Which constraint holds: a mean force ``C > 0``, or a mean strain of the ring.
     ends : {"ring", "free"}
-        What is beyond the ends.
+        Whether the sites form a ring or a chain with free ends.
     form : {"displacements", "strains"}
-        What the amplitudes are.
+        Whether the amplitudes are those of displacements ``A_n`` or of strains ``D_n``.
     tol : float
         Tolerance of a step.
 
