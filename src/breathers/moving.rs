@@ -445,8 +445,9 @@ impl MovingOrbit {
         Ok(Envelope::new(&a, mean))
     }
 
-    /// How near an exact orbit is, after Newton and Kantorovich; `None` where the equations are not
-    /// independent. Unknowns are the coordinates of the states that are symmetric at `t = 0`.
+    /// A bound for the distance to an exact orbit, after Newton and Kantorovich; `None` where the
+    /// equations are not independent. Unknowns are the coordinates of the states that are symmetric
+    /// at `t = 0`.
     ///
     /// # Errors
     /// More than 61 sites, whose tangent maps of all windows would not fit the memory of a small
