@@ -8,9 +8,8 @@
 //! The derivative of the flow over a period has two Jordan blocks at the multiplier 1: shift of
 //! phase with change of frequency, and uniform strain with uniform drift. Among states at rest only
 //! one null vector remains, the derivative by the mean strain; one more equation, for `C_x`, makes
-//! the derivative of `F` injective. With the half period, `F`
-//! has one equation more than unknowns; since `sum (x' + rho y')` is conserved, the least-squares
-//! solution satisfies all of them.
+//! the derivative of `F` injective. With the half period, `F` has one equation more than unknowns;
+//! since `sum (x' + rho y')` is conserved, the least-squares solution satisfies all of them.
 
 use super::{
     flow::{Moment, flow},
