@@ -302,11 +302,11 @@ impl Search {
     /// The exact companion of the ansatz with the same mean strain, and the same frequency or
     /// amplitude; the exact wave near one harmonic, where there is no ansatz.
     ///
-    /// Newton's method starts from the ansatz or the harmonic. Where it does not converge, waves of
-    /// the same shape grow in steps from a thousandth of the size of the ansatz; each wave is
-    /// scaled up to start the next. Two other ways come before a harmonic: without resonators,
-    /// waves under a precompression that is reduced in steps; with moving ones, a wave of the chain
-    /// without resonators.
+    /// Newton's method starts from the ansatz or the harmonic. Where it does not converge and there
+    /// are resonators, waves of the same shape grow in steps from a thousandth of the size of the
+    /// ansatz; each wave is scaled up to start the next. Two other ways come before a harmonic:
+    /// without resonators, waves under a precompression that is reduced in steps; with moving ones,
+    /// a wave of the chain without resonators.
     ///
     /// # Errors
     /// A setting outside its rules; as [`ansatz`] and [`Search::solve`]; [`Error::Stalled`] where
