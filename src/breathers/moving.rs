@@ -17,9 +17,9 @@
 //! A moving breather has a phase jump that is not `pi`. On a ring of an odd number of sites the
 //! background takes up the difference: its wave number is `pi + delta` with `delta` of the order
 //! `1/N`, and it is a travelling wave. The equation `x_{n+1}(t + T_m) = x_n(t)` holds for it if its
-//! frequency is `omega_b + delta/T_m`; so `omega_b` is the frequency on a long ring. Other chains
-//! have no such orbits: free ends are not invariant under shifts, and a second kink that moves the
-//! other way is not at rest in the moving frame.
+//! frequency is `omega_b + delta/T_m`; so `omega_b` is the frequency on a long ring. The
+//! ring is odd, since free ends are not invariant under shifts, and since a second kink that moves
+//! the other way is not at rest in the moving frame.
 //!
 //! # The equations
 //!

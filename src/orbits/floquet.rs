@@ -23,8 +23,9 @@
 //!
 //! A relative periodic orbit can have one reversal `R_1` at its start and another, `R_2`, after
 //! half of its time. With each reversal go coordinates `(Q, P)` in which it is `diag(1, -1)`. In
-//! them all of this holds with `Q` for `Z` and `P` for `Z'`: the relative monodromy is `R_1
-//! M_h^{-1} R_2 M_h`. A [`Frame`] holds the metric and the uniform vectors in these coordinates.
+//! them all of this holds with `Q` for `Z` and `P` for `Z'`: the relative monodromy is
+//! `R_1 M_h^{-1} R_2 M_h`. A [`Frame`] holds the metric and the uniform vectors in these
+//! coordinates.
 
 use super::eigen::{Eigenpair, eigen, eigenvalues};
 use crate::chain::{Boundary, Chain};
@@ -111,9 +112,9 @@ struct Vectors {
 }
 
 impl Spectrum {
-    /// The multipliers of a reversible orbit. `half` is the tangent map over half of its time, `dim
-    /// x dim`, in the coordinates of the frame; `exact` lists the `tau` that are known in theory,
-    /// with their kinds.
+    /// The multipliers of a reversible orbit. `half` is the tangent map over half of its time,
+    /// `dim x dim`, in the coordinates of the frame; `exact` lists the `tau` that are known in
+    /// theory, with their kinds.
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
     pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, exact: &[(f64, Kind)]) -> Option<Self> {

@@ -13,10 +13,11 @@
 //! | `A` | amplitude of the part that oscillates |
 //! | `T, h` | time over which the bond must stay open, [`AHEAD`] steps and eight more; a step |
 //!
-//! A bond may sleep if it is open, its force was zero at the last two surveys, and `G + (G')_+ T +
-//! A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. The last term keeps the overlaps of
-//! three surveys in a row from looking like a turn near zero, also where the bond wakes between
-//! them: a turn counts only if the overlap is below three times its second difference.
+//! A bond may sleep if it is open, its force was zero at the last two surveys, and
+//! `G + (G')_+ T + A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. The last term keeps
+//! the overlaps of three surveys in a row from looking like a turn near zero, also where the bond
+//! wakes between them: a turn counts only if the overlap is below three times its second
+//! difference.
 //!
 //! A bond that closes pushes its sites from then on. So [`MARGIN`] sites on either side of a bond
 //! that may not sleep are awake. The sites around a bond that changes its side or is corrected are

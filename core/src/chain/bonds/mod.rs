@@ -4,6 +4,7 @@
 //! |---|---|
 //! | bond `b` | lies to the left of site `b`; all chains have `n + 1` bonds here: the outer two of a free chain never close, on a ring they are the same |
 //! | survey | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
+//! | turn | an overlap that is larger or smaller than at the surveys before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
 //! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
@@ -342,7 +343,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 }
 
-/// What a survey does with the sites of a flow.
+/// A survey, as work on the sites of a flow.
 struct Survey<'a>(Forces<'a>);
 
 impl<M> Visit<f64, M> for Survey<'_> {
@@ -352,7 +353,7 @@ impl<M> Visit<f64, M> for Survey<'_> {
     }
 }
 
-/// What a kick with modified forces does with the sites of a flow.
+/// A kick with modified forces, as work on the sites of a flow.
 struct Kick<'a>(Modified<'a>);
 
 impl<M> Visit<f64, M> for Kick<'_> {

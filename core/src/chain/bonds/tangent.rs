@@ -23,8 +23,8 @@
 //!
 //! One part is written out in closed form. Where an event meets a kick, the factor `f''` of the
 //! modified force's derivative has a pole, and the correction of the two kicks around the event
-//! cancels it. The sum of both is the derivative of the force of the processed path, `f'(g + e) (dg
-//! + de)` with `e = c s`, which has no pole.
+//! cancels it. The sum of both, with `e = c s`, is the derivative of the force of the processed
+//! path, `f'(g + e) (dg + de)`, which has no pole.
 //!
 //! The processor's midpoint step is differentiated as it is computed. So columns are the derivative
 //! of the run as computed, to 1e-9; the tests compare them with differences of runs.
@@ -486,7 +486,7 @@ impl Columns {
         }
         let beside = self.topology.beside(b);
         beside.into_iter().flatten().for_each(|side| add(c * change, self.forces[0].at(side), to));
-        // Sites are kicked by bonds that are marked as closed only.
+        // Only bonds that are marked as closed kick their sites.
         self.closed[0][b] = true;
     }
 
