@@ -152,7 +152,8 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
 }
 
 /// Kicks and drifts sites and surveys their bonds, from the register at `start` up to, and without,
-/// that at `stop`. Returns whether a bond may have changed its side or turned near zero.
+/// that at `stop`; all of them if both are the same. Returns whether a bond may have changed its
+/// side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
