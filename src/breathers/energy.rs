@@ -7,11 +7,12 @@
 //! | `J, P` | action of the oscillation, and momentum of the kink: `2 K = omega' J + v P` |
 //! | `L` | averaged Lagrangian; `E - 2 K = -L` |
 //!
-//! `E` less that of `N` sites of the background depends on `omega'` like `N de/domega`, which is
-//! large: a small error of the twist is a large one of the energy. `E - 2 K = E - omega' J - v P`
-//! depends on it like `N j`, where `j` is the action of a site, since `de = omega dj` along the
-//! background. It is the energy of the kink at a given action and momentum up to `omega' J + v P`,
-//! and its derivative by `v` is `-P`.
+//! The difference of `E` and the energy of `N` sites of the background changes with `omega'` like
+//! `N de/domega`, where `e` is the energy of a site. That is large, so a small error of the twist
+//! makes a large error of this difference. `E - 2 K = E - omega' J - v P` changes with `omega'`
+//! like `N j` only, where `j` is the action of a site, since `de = omega dj` along the background.
+//! It is the energy of the kink at a given action and momentum up to `omega' J + v P`, and its
+//! derivative by `v` is `-P`.
 
 use super::MovingOrbit;
 use crate::{
@@ -22,12 +23,12 @@ use crate::{
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use std::f64::consts::PI;
 
-/// Samples of a quarter of a period.
+/// Intervals of the trapezoidal rule in a quarter of a period.
 const PARTS: usize = 32;
 /// Sites of the ring of a background.
 const SITES: usize = 4;
 
-/// Energies of a kink or of a site of a background.
+/// Two energies of a kink, or of one site of a background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinkEnergy {
     /// `E`.
@@ -36,13 +37,13 @@ pub struct KinkEnergy {
     pub free: f64,
 }
 
-/// The setting of the background of this frequency, `x_n = X(pi n - omega_b t)`.
+/// The setting of the background with the frequency `omega_b`, `x_n = X(pi n - omega_b t)`.
 pub(super) fn background(params: Params, omega_b: f64) -> Result<WaveSetting> {
     let q = WaveNumber::on_ring(1.0, SITES)?;
     Ok(WaveSetting { params, q, omega_tw: omega_b, mean: MeanStrain::Value(0.0) })
 }
 
-/// Energies of a site of the background of this frequency.
+/// Energies of one site of the background with the frequency `omega_b`.
 ///
 /// # Errors
 /// As [`Search::wave`].
@@ -68,7 +69,8 @@ pub fn background_energy(params: Params, omega_b: f64) -> Result<KinkEnergy> {
     Ok(KinkEnergy { energy: whole.energy / SITES as f64, free: whole.free / SITES as f64 })
 }
 
-/// Energies over a time at whose ends the kinetic energy is even.
+/// `E` and `E - 2 K` of a state, where `K` is averaged from 0 to `time` by the trapezoidal rule.
+/// The kinetic energy is even about both ends of this interval.
 fn averaged(chain: &Chain<f64>, start: &[f64], time: f64, parts: usize, tol: f64) -> Result<KinkEnergy> {
     let mut run = chain.collocation(start, (0.0, time), Pace::Tolerance(tol))?;
     let (mut state, mut kinetic) = (start.to_vec(), 0.0);
@@ -89,8 +91,8 @@ fn averaged(chain: &Chain<f64>, start: &[f64], time: f64, parts: usize, tol: f64
 
 impl MovingOrbit {
     /// Energies of the kink: those of the ring less those of as many sites of a background without
-    /// a twist, of the frequency `omega_b + delta/T_m` that the twist `delta` leaves it. The energy
-    /// of the twist itself, of the order of `1/N`, is left in.
+    /// a twist, at the frequency `omega_b + delta/T_m` that the background has on the ring. The
+    /// energy of the twist `delta` itself, of the order of `1/N`, is not subtracted.
     ///
     /// # Errors
     /// Those of [`background_energy`], and an integration that fails.

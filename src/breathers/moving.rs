@@ -17,9 +17,9 @@
 //! A moving breather has a phase jump that is not `pi`. On a ring of an odd number of sites the
 //! background takes up the difference: its wave number is `pi + delta` with `delta` of the order
 //! `1/N`, and it is a travelling wave. The equation `x_{n+1}(t + T_m) = x_n(t)` holds for it if its
-//! frequency is `omega_b + delta/T_m`; so `omega_b` is the frequency on a long ring. Free ends are
-//! not invariant under shifts, and a second kink that moves the other way is not at rest in the
-//! moving frame.
+//! frequency is `omega_b + delta/T_m`; so `omega_b` is the frequency on a long ring. The
+//! ring is odd, since free ends are not invariant under shifts, and since a second kink that moves
+//! the other way is not at rest in the moving frame.
 //!
 //! # The equations
 //!
@@ -53,21 +53,23 @@ use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Largest number of steps of Newton's method, and the least share of a step.
+/// Largest number of steps of Newton's method, and the share of a step at which halving ends.
 const MOST_STEPS: usize = 20;
 const LEAST_SHARE: f64 = 0.03;
-/// Longest step, in units of the amplitude.
+/// Longest step, in units of the largest strain.
 const LONGEST_STEP: f64 = 0.5;
-/// A step below this is the last.
+/// A full step of at most this length, in the same units, is the last.
 const LAST_STEP: f64 = 1e-9;
-/// Largest residual of an orbit.
+/// Largest residual of an orbit, in the same units.
 const SOLVED: f64 = 1e-12;
-/// Seeds: shares of the background that are turned by a quarter of a period.
+/// The `twist` of each [seed](MovingBreather::seed): the share of the background that is turned by
+/// a quarter of a period.
 const TWISTS: [f64; 8] = [0.1, 0.15, 0.21, 0.28, 0.35, 0.45, 0.58, 0.72];
-/// Seeds that Newton's method starts from, and a tail that ends the search.
+/// Number of seeds that Newton's method starts from, and the tail, in units of the background, at
+/// which the search ends.
 const TRIES: usize = 3;
 const SMALL_TAIL: f64 = 0.01;
-/// Samples of half a period for local amplitudes.
+/// Intervals of half a period for local amplitudes.
 const SAMPLES: usize = 32;
 /// Largest number of turns.
 const MOST_TURNS: u32 = 100;
@@ -92,7 +94,8 @@ pub struct MovingOrbit {
     pub breather: MovingBreather,
     /// `[x, y, x', y']` at `t = 0`, when the kink is on the middle bond: sites `n = -N .. N`.
     pub z: Vec<f64>,
-    /// Largest of the equations, in units of `max |x|`; rates are divided by `omega_b`.
+    /// Largest absolute value of the equations, in units of `max |x|`; rates are divided by
+    /// `omega_b`.
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
@@ -116,8 +119,9 @@ pub struct Envelope {
     pub tail: f64,
 }
 
-/// The `2 N` rows of a reflection's symmetric states, then those of the others: entries `i` and `j`
-/// of `[x, y, x', y']` enter with the weight `2^{-1/2}` and a sign, or one entry alone.
+/// Coordinates of states `[x, y, x', y']` for a reversal: first `2 N` rows that the reversal keeps,
+/// then `2 N` rows whose sign it changes. A row takes entries `i` and `j` with the weight
+/// `2^{-1/2}` and a sign for `j`, or one entry alone if `i = j`.
 struct Mirror {
     rows: Vec<(usize, usize, f64)>,
 }
@@ -164,14 +168,14 @@ struct Equations {
     jacobian: DMatrix<f64>,
 }
 
-/// What all steps of Newton's method share.
+/// The problem that Newton's method solves: what its equations depend on besides the unknowns.
 struct Shot<'a> {
     breather: &'a MovingBreather,
     chain: Chain<f64>,
     tol: f64,
     /// Symmetric states at the start, as columns.
     start: DMatrix<f64>,
-    /// Rows that vanish after half of the time, rates in units of `omega_b`.
+    /// Rows that are zero for the state at `T_m/2` of an orbit; rates in units of `omega_b`.
     end: DMatrix<f64>,
     /// Row of the mean strain far from the kink.
     far: DVector<f64>,
@@ -193,8 +197,9 @@ impl Shot<'_> {
         Ok(Equations { residual: residual.push(self.far.dot(&z)), jacobian })
     }
 
-    /// A step of Newton's method, as long as the equations allow: its share, and the coordinates
-    /// after it.
+    /// A step of Newton's method from `at` by a share of `-by`, halved until the norm of the
+    /// equations falls enough. Returns the share and the coordinates after the step; `None` where
+    /// no share above [`LEAST_SHARE`] does.
     fn step(&self, at: &DVector<f64>, by: &DVector<f64>, norm: f64, longest: f64) -> Option<(f64, DVector<f64>)> {
         let mut share = (longest / by.amax()).min(1.0);
         while share > LEAST_SHARE {
@@ -273,8 +278,8 @@ impl MovingBreather {
 
     /// A start from the breather at rest, after the dark solitons of the nonlinear Schrödinger
     /// equation: where its amplitude is `a_n`, that of the seed is `((1 - b^2)^{1/2} a_n + i b
-    /// (-1)^{n+N} a_{-N}) e^{i delta (n - 1/2)}` with `b = twist`; `delta` closes the ring. The seed
-    /// moves to the right, the faster the larger `twist`.
+    /// (-1)^{n+N} a_{-N}) e^{i delta (n - 1/2)}` with `b = twist`; `delta` closes the ring. The
+    /// seed moves to the right, the faster the larger `twist`.
     ///
     /// # Panics
     /// If `rest` has another number of sites.
@@ -333,9 +338,9 @@ impl MovingBreather {
         Err(Error::Stalled { steps: newton.len(), best: Some(Box::new(Iterate { z, residual, place })) })
     }
 
-    /// The orbit: of those that Newton's method finds from seeds of several velocities, the one with
-    /// the smallest tail. The seeds that are nearest to an orbit come first, and a tail below 1 %
-    /// ends the search.
+    /// The orbit: of those that Newton's method finds from seeds of several velocities, the one
+    /// with the smallest tail. The seeds that are nearest to an orbit come first, and a tail below
+    /// 1 % ends the search.
     ///
     /// # Errors
     /// As [`solve`](Self::solve), and those of the breather at rest.
@@ -428,7 +433,7 @@ impl MovingOrbit {
                 run.step()?;
             }
             run.sample(t, &mut state);
-            // By symmetry the half of a period before is that after, reflected.
+            // By symmetry the half period before t = 0 is the reflection of that after it.
             let weight = if k == 0 || k == SAMPLES { 0.25 } else { 0.5 } / SAMPLES as f64;
             let turn = Complex::from_polar(2.0 * weight, breather.omega_b * t);
             for i in 0..n {
@@ -440,8 +445,9 @@ impl MovingOrbit {
         Ok(Envelope::new(&a, mean))
     }
 
-    /// How near an exact orbit is, after Newton and Kantorovich; `None` where the equations are not
-    /// independent. Unknowns are the coordinates of the states that are symmetric at `t = 0`.
+    /// A bound for the distance to an exact orbit, after Newton and Kantorovich; `None` where the
+    /// equations are not independent. Unknowns are the coordinates of the states that are symmetric
+    /// at `t = 0`.
     ///
     /// # Errors
     /// More than 61 sites, whose tangent maps of all windows would not fit the memory of a small
@@ -503,13 +509,13 @@ impl MovingOrbit {
 }
 
 impl Envelope {
-    /// Of complex amplitudes and means; the kink is on the middle bond.
+    /// From complex amplitudes `a_n` and means; the kink is on the middle bond.
     fn new(a: &[Complex<f64>], mean: Vec<f64>) -> Self {
         let n = a.len();
         let amplitude: Vec<f64> = a.iter().map(|a| a.norm()).collect();
         let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let phase = a.iter().enumerate().map(|(i, a)| (a * sign(i)).arg()).collect();
-        // Sites at the distance d from site 0, which is opposite to the kink.
+        // Sites up to a quarter of the ring from site 0, which is opposite to the kink.
         let far: Vec<f64> = (0..n).filter(|i| 4 * i.min(&(n - i)) <= n).map(|i| amplitude[i]).collect();
         let background = far.iter().sum::<f64>() / far.len() as f64;
         let (least, most) = far.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &r| (a.min(r), b.max(r)));
@@ -518,8 +524,9 @@ impl Envelope {
     }
 }
 
-/// Where amplitudes are missing on a ring of them: in sites counted from the first, of all images
-/// the one nearest to `before`.
+/// Position of a dip of amplitudes on a ring, in sites from the first: the angle of the sum of all
+/// sites, weighted by how far their amplitudes lie below `background`. Of the positions that differ
+/// by turns round the ring it is the one nearest to `before`.
 pub(crate) fn centre(amplitudes: &[f64], background: f64, before: f64) -> f64 {
     let length = amplitudes.len() as f64;
     let angle = |i: usize| 2.0 * PI * i as f64 / length;

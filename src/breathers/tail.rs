@@ -24,9 +24,9 @@
 //!
 //! `(-1)^n a_n = e^{i delta s} (c + A cos(p s) + i B sin(p s))`,
 //!
-//! where `s` counts sites from the one opposite to the kink: by the symmetry of the orbit the other
-//! parts vanish. Waves of which less than two are in that half are left out, since they cannot be
-//! told from a twist.
+//! where `s` counts sites from the one opposite to the kink; the parts with the other parity vanish
+//! by the symmetry of the orbit. Waves of which the half holds less than two wavelengths are left
+//! out, since they cannot be told from a twist.
 
 use super::{Envelope, energy::background};
 use crate::{
@@ -39,11 +39,11 @@ use std::f64::consts::PI;
 
 /// Wave numbers `2 pi j/SITES` at which frequencies are computed.
 const SITES: usize = 256;
-/// Steps of twists and of wave numbers in the fit; the largest twist.
+/// Grids of the fit, in radians per site: step of twists, step of wave numbers, and largest twist.
 const TWIST: f64 = 1e-3;
 const WAVE: f64 = 2e-3;
 const MOST_TWIST: f64 = 0.4;
-/// Rounds of the fit, and sections of an interval in each.
+/// Rounds in which wave number and twist are improved in turn, and golden sections in each.
 const ROUNDS: usize = 4;
 const SECTIONS: usize = 30;
 
@@ -76,7 +76,7 @@ pub struct LinearWaves {
 }
 
 impl LinearWaves {
-    /// Those of the background of this frequency.
+    /// The linear waves of the background with the frequency `omega_b`.
     ///
     /// # Errors
     /// As [`Search::wave`] and [`ExactWave::spectrum`](crate::waves::ExactWave::spectrum).
@@ -89,14 +89,16 @@ impl LinearWaves {
             let here = multipliers.iter().filter(|one| (one.bloch - p).abs() < 1e-6);
             let mut frequencies: Vec<f64> = here.map(|one| one.frequency).collect();
             frequencies.sort_by(f64::total_cmp);
-            // Where a frequency is near omega_b/2 one of the four has its label elsewhere.
+            // Where a frequency is near omega_b/2, one of the four is labelled with another wave
+            // number; such wave numbers are left out.
             frequencies.try_into().ok().map(|four: [f64; 4]| (p, four))
         };
         Ok(Self { bands: (1..=SITES / 2).filter_map(at).collect() })
     }
 
-    /// Those that keep their phase in the frame of a kink that moves on by a site in the time
-    /// `passage`, by wave number; straight lines between wave numbers.
+    /// The waves that keep their phase in the frame of a kink that moves on by a site in the time
+    /// `passage`, in order of wave number. Frequencies are interpolated linearly between the wave
+    /// numbers of the grid.
     pub fn resonant(&self, passage: f64) -> Vec<LinearWave> {
         let mut found = Vec::new();
         for pair in self.bands.windows(2).filter(|pair| pair[1].0 - pair[0].0 < 3.0 * PI / SITES as f64) {
@@ -125,20 +127,21 @@ pub struct Tail {
     pub wave_number: f64,
     /// `A/c`.
     pub amplitude: f64,
-    /// Share of the squares of the tail that the wave is.
+    /// Share of the sum of squares of the tail, about its mean, that the fit explains.
     pub share: f64,
 }
 
 /// Local amplitudes of the half of the ring that is far from the kink: `s`, and `(-1)^n a_n`.
 struct Far(Vec<(f64, Complex<f64>)>);
 
-/// What a wave of one wave number leaves of a tail.
+/// The least-squares fit of a tail by a wave of one wave number.
 #[derive(Clone, Copy)]
 struct Fit {
+    /// `A`.
     amplitude: f64,
-    /// What is left of the twist.
+    /// Correction of the twist, radians per site.
     slope: f64,
-    /// Sum of squares.
+    /// Sum of squares of the residual.
     left: f64,
 }
 
@@ -155,7 +158,7 @@ impl Far {
         Self((-reach..=reach).map(|s| (s as f64, local(s))).collect())
     }
 
-    /// Without the twist, with a positive mean.
+    /// The amplitudes with a twist removed, and rotated together so that their mean is positive.
     fn turned(&self, twist: f64) -> Vec<(f64, Complex<f64>)> {
         let turned = self.0.iter().map(|(s, a)| (*s, a * Complex::from_polar(1.0, -twist * s)));
         let turned: Vec<_> = turned.collect();
@@ -163,7 +166,7 @@ impl Far {
         turned.into_iter().map(|(s, a)| (s, a * sum.conj() / sum.norm())).collect()
     }
 
-    /// The twist with the largest sum.
+    /// The twist on the grid whose removal makes the modulus of the sum of amplitudes largest.
     fn twist(&self) -> f64 {
         let steps = (MOST_TWIST / TWIST) as i32;
         let sum = |twist: f64| self.turned(twist).iter().map(|(_, a)| a).sum::<Complex<f64>>().norm();
@@ -194,7 +197,7 @@ impl Envelope {
     }
 }
 
-/// Where a function is least near `x`, by the golden section.
+/// The minimum point of a function within `2 reach` of `x`, by golden sections.
 fn least(x: f64, reach: f64, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = (x - 2.0 * reach, x + 2.0 * reach);
@@ -209,7 +212,7 @@ fn least(x: f64, reach: f64, of: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The least squares of `c (1 + i slope s) + A cos(p s) + i B sin(p s)`.
+/// The least-squares fit by `c (1 + i slope s) + A cos(p s) + i B sin(p s)`.
 fn fit(far: &[(f64, Complex<f64>)], p: f64) -> Fit {
     let sum = |of: &dyn Fn(f64, Complex<f64>) -> f64| far.iter().map(|(s, a)| of(*s, *a)).sum::<f64>();
     let count = far.len() as f64;

@@ -37,7 +37,7 @@ pub struct TrivialBreather {
     means: Vec<f64>,
 }
 
-/// How many numbers there are for how many amplitudes.
+/// The lengths of two arrays that should be the same, in words for an error message.
 fn counts(numbers: &[f64], amplitudes: &[f64]) -> String {
     format!("{} numbers for {} amplitudes", numbers.len(), amplitudes.len())
 }
@@ -73,7 +73,8 @@ impl TrivialBreather {
     /// The breather with given mean positions `b_n`.
     ///
     /// # Errors
-    /// As [`new`](Self::new); a bond with `b_n - b_{n-1} < l_n` by more than roundings.
+    /// As [`new`](Self::new); a bond at which `b_n - b_{n-1}` is less than `l_n` by more than
+    /// rounding errors.
     pub fn with_means(params: Params, amplitudes: Vec<f64>, phases: Vec<f64>, means: Vec<f64>) -> Result<Self> {
         if means.len() != amplitudes.len() {
             return Err(Error::parameter("b", counts(&means, &amplitudes), "as many means as amplitudes"));

@@ -65,14 +65,16 @@ const MOST_CUTS: u32 = 5;
 const MOST_TRIALS: u32 = 60;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-10;
-/// A quartet is the same on both sides if `Re tau` differs by at most `NEAR` and `Im tau` there is
-/// at least `ALIKE` of that here.
+/// A quartet at one end of a stretch is taken to exist at the other end as well if there is one
+/// there whose `Re tau` differs by at most `NEAR` and whose `Im tau` is at least `ALIKE` times as
+/// large.
 const NEAR: f64 = 0.05;
 const ALIKE: f64 = 0.3;
-/// Values of `tau` that are no farther apart are made equal by a symmetry, and cross together: as
-/// one bifurcation. Chosen between errors of `tau` and distances that are no symmetry's.
+/// Values of `tau` that differ by at most this count as equal by a symmetry; they cross together,
+/// as one bifurcation. Chosen larger than errors of `tau`, and smaller than differences between
+/// values that no symmetry relates.
 const EQUAL: f64 = 1e-8;
-/// The value of `weak` inside a stretch, where bifurcations are separated.
+/// Largest value of `weak` in the parts of a stretch that is halved to separate its bifurcations.
 const WEAK_INSIDE: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug)]
@@ -92,15 +94,16 @@ enum Test {
 pub(super) trait Branch {
     /// An orbit with its multipliers.
     type Point;
-    /// The largest `psi` of a point that counts as the bifurcation where the corrector fails: it is
-    /// singular where another branch crosses.
+    /// If the corrector fails during the search for the zero of `psi`, the last point counts as the
+    /// bifurcation if its `|psi|` is at most this: the corrector is singular where another branch
+    /// crosses.
     const NEAR: f64;
     /// The multipliers of a point.
     fn spectrum<'a>(&self, point: &'a Self::Point) -> &'a Spectrum;
     /// Unknowns and parameter of a point.
     fn place(&self, point: &Self::Point) -> (Vec<f64>, f64);
-    /// Units of both for the stretch that begins at these unknowns, where the parameter changes by
-    /// so much.
+    /// Units of the unknowns and of the parameter for a stretch that begins at `from`, and over
+    /// which the parameter changes by `change`.
     fn scales(&self, from: (&[f64], f64), change: f64) -> Scales;
     /// The point that the corrector finds at a distance along the unit chord from a point.
     fn step(&self, from: &Self::Point, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<Self::Point>;
@@ -150,7 +153,7 @@ impl Branch for Continuation {
     }
 }
 
-/// A part of a branch, over the chord of its ends.
+/// The part of a branch between two points, parametrised by their chord.
 struct Stretch<'a, B: Branch> {
     branch: &'a B,
     from: &'a B::Point,
@@ -172,7 +175,7 @@ impl<'a, B: Branch> Stretch<'a, B> {
         self.branch.step(self.from, &self.chord, self.scales, s * self.length)
     }
 
-    /// The value of `psi`, and its `tau`.
+    /// The value of `psi` at a point, and the `tau` that it belongs to.
     fn test(&self, test: Test, at: &B::Point) -> Option<(f64, f64)> {
         let spectrum = self.branch.spectrum(at);
         match test {
@@ -350,6 +353,8 @@ pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> 
     (out, left_out)
 }
 
+/// Appends the bifurcations between two points to `out`, after up to `cuts` halvings. Returns the
+/// number of parts whose bifurcations are not separated.
 fn between<B: Branch>(
     branch: &B,
     [a, b]: [&B::Point; 2],

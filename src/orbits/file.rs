@@ -1,8 +1,9 @@
 //! Files of orbits and branches, read back to the bit.
 //!
-//! A branch is an NPZ file: `settings.json` with what holds for the whole branch, and arrays with a
-//! row for each orbit. The arrays `parameter`, `x`, `y` and `residual` are read back; other arrays
-//! are for readers of the file. A single orbit is the JSON that `breather dark` writes.
+//! A branch is an NPZ file: `settings.json` with the numbers that hold for the whole branch, and
+//! arrays with a row for each orbit. The arrays `parameter`, `x`, `y` and `residual` are read back;
+//! other arrays are for readers of the file. A single orbit is the JSON that `breather dark`
+//! writes.
 
 use super::{
     arclength::End,
@@ -88,7 +89,7 @@ fn orbit_version() -> u64 {
     ORBIT_FORMAT.1
 }
 
-/// What a file is not that holds anything else.
+/// The rule that a file breaks if it holds anything else than an orbit or a branch.
 const NO_ORBIT: &str = "neither an orbit of `breather dark` nor a branch.npz";
 
 /// Choice of an orbit on a branch.
@@ -100,7 +101,8 @@ pub enum Pick {
     At(f64),
 }
 
-/// Largest residual, relative to the strains, of an orbit in a file; printed digits leave less.
+/// Largest residual, relative to the strains, of an orbit in a file. The rounding of printed
+/// numbers leaves a smaller one.
 const ORBIT: f64 = 1e-8;
 
 /// Largest frequency of contacts and resonators in units of that of the orbit.

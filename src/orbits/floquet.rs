@@ -22,9 +22,10 @@
 //! # Two reversals
 //!
 //! A relative periodic orbit can have one reversal `R_1` at its start and another, `R_2`, after
-//! half of its time. In coordinates `(Q, P)` of each in which it is `diag(1, -1)`, all of this
-//! holds with `Q` for `Z` and `P` for `Z'`: the relative monodromy is `R_1 M_h^{-1} R_2 M_h`. A
-//! [`Frame`] has what depends on the coordinates.
+//! half of its time. With each reversal go coordinates `(Q, P)` in which it is `diag(1, -1)`. In
+//! them all of this holds with `Q` for `Z` and `P` for `Z'`: the relative monodromy is
+//! `R_1 M_h^{-1} R_2 M_h`. A [`Frame`] holds the metric and the uniform vectors in these
+//! coordinates.
 
 use super::eigen::{Eigenpair, eigen, eigenvalues};
 use crate::chain::{Boundary, Chain};
@@ -75,7 +76,8 @@ pub struct Quality {
     pub symplectic_defect: f64,
     /// `max |A z - tau z| / (|A| |z|)`.
     pub eigen_residual: f64,
-    /// `|tau - 1|` of the `tau` that are 1 in theory: two of a ring, one between walls (and 0).
+    /// `|tau - 1|` of the `tau` that are 1 in theory: two of a ring; one between walls, where the
+    /// second entry is 0.
     pub trivial: [f64; 2],
     /// `|tau - cos(omega T)|` of the `tau` that is `cos(omega T)` in theory, on a strain ring.
     pub linear: f64,
@@ -110,9 +112,9 @@ struct Vectors {
 }
 
 impl Spectrum {
-    /// The multipliers of a reversible orbit from the tangent map `half` of half of its time, `dim
-    /// x dim`, in the coordinates of the frame. `exact` has the `tau` that are known, with their
-    /// kinds.
+    /// The multipliers of a reversible orbit. `half` is the tangent map over half of its time,
+    /// `dim x dim`, in the coordinates of the frame; `exact` lists the `tau` that are known in
+    /// theory, with their kinds.
     ///
     /// `None` if the eigenvalues of a matrix do not converge, or if `half` is singular.
     pub(crate) fn new(frame: &Frame, half: &DMatrix<f64>, exact: &[(f64, Kind)]) -> Option<Self> {
@@ -334,8 +336,8 @@ fn metric(chain: &Chain<f64>) -> DMatrix<f64> {
 pub(crate) struct Frame {
     /// `G`: `G P` is conjugate to `Q`.
     metric: DMatrix<f64>,
-    /// Vectors that are left out of the symplectic form: on a strain ring uniform strains and
-    /// rates.
+    /// Vectors that are projected out before the symplectic defect is measured: on a strain ring
+    /// uniform strains and rates.
     uniform: Vec<DVector<f64>>,
 }
 
@@ -344,8 +346,8 @@ impl Frame {
     pub(crate) fn at_rest(chain: &Chain<f64>) -> Self {
         let (metric, sites) = (metric(chain), chain.sites());
         let n = 2 * metric.nrows();
-        // Not of unit length: the mean of a column is more accurate than its product with such a
-        // vector.
+        // These vectors have entries 1, not unit length: the mean of a column is more accurate than
+        // its product with a unit vector.
         let ones = |first: usize| DVector::from_fn(n, |i, _| f64::from((first..first + sites).contains(&i)));
         let uniform = match chain.boundary() {
             Boundary::StrainRing => (0..n).step_by(sites).map(ones).collect(),

@@ -6,7 +6,7 @@
 //! | `M(s)` | derivative of the state at `s` by that at 0; `M_x` its rows of strains of contacts |
 //! | `V` | orthonormal basis of the left null space of `F'(z)` |
 //! | `A` | inverse of `[F'(z), V]`, as computed |
-//! | `d` | `|1 - A [F'(z), V]|`, what the computed inverse leaves |
+//! | `d` | `|1 - A [F'(z), V]|`, the defect of the computed inverse |
 //! | `p` | `min(alpha - 1, 1)`: the tangent map is Hölder continuous with this exponent |
 //!
 //! All norms are largest entries, with strains in units of the amplitude and velocities in units of
@@ -36,16 +36,16 @@
 //!
 //! # What is rigorous
 //!
-//! The theorem is, and the step from its numbers to the radii: for given `F(z)`, `F'(z)` and
-//! `kappa`, the norm of `A`, `eta` and `d` are upper bounds, from sums that are rounded up and from
-//! a bound of the roundings of each product, and both inequalities are checked with results rounded
-//! up. (For `p` other than 1/2 and 1 the power is taken to be right to 4 roundings.) So `A` need
-//! not be the inverse.
+//! The theorem is rigorous, and so is the step from its numbers to the radii. For given `F(z)`,
+//! `F'(z)` and `kappa`, the norm of `A`, `eta` and `d` are upper bounds: their sums are rounded up,
+//! and the rounding errors of each product are bounded. Both inequalities are checked with results
+//! that are rounded up. (For `p` other than 1/2 and 1 the power is taken to be right to 4
+//! roundings.) So `A` need not be the inverse.
 //!
-//! Not rigorous are the three numbers that come from the flow: `F(z)` and `F'(z)`, where the error
-//! of the first is taken to be the tolerance and that of the second to be none; and `kappa`, for
-//! which `M` is that of the computed solution where the theorem needs the largest in the ball, and
-//! the integral is an upper sum over windows. A proof would take interval arithmetic for these.
+//! Not rigorous are the three numbers that come from the flow. The error of `F(z)` is taken to be
+//! the tolerance, that of `F'(z)` to be zero. `kappa` uses `M` of the computed solution, where the
+//! theorem needs the largest in the ball, and its integral is an upper sum over windows. A proof
+//! would take interval arithmetic for these.
 
 use crate::chain::Params;
 use nalgebra::{DMatrix, DVector};
@@ -53,7 +53,7 @@ use serde::Serialize;
 
 /// Largest number of steps of the iteration for the radius.
 const MOST_STEPS: usize = 200;
-/// Relative change that makes room for roundings.
+/// Relative margin of the radii for rounding errors.
 const SLACK: f64 = 1e-12;
 
 /// The numbers of the theorem.
@@ -71,7 +71,8 @@ pub struct Kantorovich {
     pub hoelder: f64,
     /// `d`.
     pub defect: f64,
-    /// The least `r`: a solution is as near, in units of the amplitude. `None` where no `r` fits.
+    /// The least `r`, in units of the amplitude: the ball of this radius about `z` holds a
+    /// solution. `None` where no `r` is found that satisfies both inequalities.
     pub radius: Option<f64>,
     /// There is no other solution within this distance: `d + kappa r^p < 1`.
     pub unique_within: Option<f64>,
@@ -128,7 +129,8 @@ pub(crate) struct Shot {
     pub(crate) size: f64,
     /// Unit of rates over that of strains.
     pub(crate) omega: f64,
-    /// Contacts: their strains come first in a state, their rates first in its second half.
+    /// Number of contacts. Their strains are the first entries of a state, their rates the first of
+    /// its second half.
     pub(crate) sites: usize,
     /// Largest overlap.
     pub(crate) overlap: f64,
@@ -195,8 +197,8 @@ impl Shot {
         Some(self.stiffness(exponent) * total.max())
     }
 
-    /// The Hölder constant of `alpha (-x)_+^{alpha-1}` in the units of the theorem, with the unit
-    /// of rates that its place in the equations brings.
+    /// The Hölder constant of `alpha (-x)_+^{alpha-1}` in the units of the theorem, over the unit
+    /// of rates: the coefficient is in the equations for the rates.
     fn stiffness(&self, exponent: f64) -> f64 {
         let alpha = self.params.alpha;
         let constant = if alpha <= 2.0 { alpha } else { alpha * (alpha - 1.0) * self.overlap.powf(alpha - 2.0) };
@@ -227,7 +229,8 @@ fn bordered(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
     let mut square = jacobian.clone().resize(rows, rows, 0.0);
     let mut null: Vec<DVector<f64>> = Vec::new();
     while columns + null.len() < rows {
-        // The unit vector that is least in the range so far, made orthogonal to it twice.
+        // The unit vector that has the smallest part in the range so far, made orthogonal to that
+        // range twice.
         let outside = |i: usize| 1.0 - q.row(i).norm_squared() - null.iter().map(|v| v[i] * v[i]).sum::<f64>();
         let Some(i) = (0..rows).max_by(|&a, &b| outside(a).total_cmp(&outside(b))) else { break };
         let mut v = DVector::zeros(rows);
@@ -311,7 +314,7 @@ mod tests {
         }
     }
 
-    // Truth: both inequalities, to twice the precision, at the radius that is told.
+    // Truth: both inequalities, to twice the precision, at the radius that is returned.
     #[test]
     fn the_radius_satisfies_both_inequalities() {
         for (eta, d, p, kappa) in

@@ -15,7 +15,8 @@ use nalgebra::DMatrix;
 
 /// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
-/// Larger differences of the centre, in units of the amplitude, are those of its two definitions.
+/// Largest error of the centre, in units of the amplitude. A larger residual of its equation means
+/// that the orbit was solved with the other definition of the centre.
 const SAME_CENTRE: f64 = 1e-11;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
@@ -105,8 +106,8 @@ impl Orbit {
         Ok(max_norm(apart) / self.amplitude())
     }
 
-    /// How near an exact orbit is, after Newton and Kantorovich, by the equations of the half
-    /// period; `None` where they are not independent.
+    /// A bound for the distance to an exact orbit, after Newton and Kantorovich, by the equations
+    /// of the half period; `None` where these are not independent.
     ///
     /// # Errors
     /// An integration that fails.
@@ -117,12 +118,12 @@ impl Orbit {
         let mut history = Vec::new();
         let keep = |moment: &Moment| history.push((moment.t, moment.columns.clone()));
         shooting.flow(&setting.chain()?, &self.z, 0.5 * setting.period(), 2 * n, keep)?;
-        // The centre is half of the first strain at the end; a doubled period has it at an earlier
-        // time, where the derivative has grown less.
+        // The equation for the centre has half of the first strain at the end. For a doubled period
+        // it has the strain at an earlier time, where the derivative has grown less.
         let mut pick = DMatrix::zeros(n + 1, 2 * n);
         pick.view_mut((0, n), (n, n)).fill_with_identity();
         pick[(n, 0)] = 0.5;
-        // An orbit of the full period has its own centre.
+        // The equations of the full period define the centre in another way.
         let mut residual = residual / size;
         if residual[n].abs() > SAME_CENTRE {
             residual[n] = 0.0;
@@ -159,8 +160,8 @@ impl Orbit {
     }
 }
 
-/// The top of the parabola through three values if it lies next to the middle one, and that one
-/// otherwise.
+/// The top of the parabola through three values if it lies next to the middle one; otherwise the
+/// middle value.
 fn summit(w: &[f64]) -> f64 {
     let (slope, bend) = (0.5 * (w[2] - w[0]), w[0] - 2.0 * w[1] + w[2]);
     if bend < 0.0 && slope.abs() < -0.5 * bend { w[1] - 0.5 * slope * slope / bend } else { w[1] }

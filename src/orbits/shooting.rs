@@ -6,10 +6,10 @@
 //! | `F(Z) = 0` | conditions of periodicity, and the centre `C_x` |
 //!
 //! The derivative of the flow over a period has two Jordan blocks at the multiplier 1: shift of
-//! phase with change of frequency, and uniform strain with uniform drift. Among states at rest one
-//! null vector is left, the derivative by the mean strain; one more equation, for `C_x`, makes the
-//! derivative of `F` injective. `F` has one equation more than unknowns, since `sum (x' + rho y')`
-//! is conserved; the least squares solution satisfies all of them.
+//! phase with change of frequency, and uniform strain with uniform drift. Among states at rest only
+//! one null vector remains, the derivative by the mean strain; one more equation, for `C_x`, makes
+//! the derivative of `F` injective. With the half period, `F` has one equation more than unknowns;
+//! since `sum (x' + rho y')` is conserved, the least-squares solution satisfies all of them.
 
 use super::{
     flow::{Moment, flow},
@@ -76,7 +76,8 @@ pub struct Orbit {
     pub newton: Vec<NewtonStep>,
 }
 
-/// A step below this is the last: by quadratic convergence the next one would be below rounding.
+/// A step of at most this length, in units of `max |Z|`, is the last: by quadratic convergence the
+/// next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of an orbit; rounding is near 1e-16.
 const SOLVED: f64 = 1e-12;
@@ -111,8 +112,8 @@ impl Shooting {
         }
     }
 
-    /// The flow from `(z, 0)` over the time `t`, with its derivatives by the first `columns` entries
-    /// of `z`.
+    /// The flow from `(z, 0)` over the time `t`, with its derivatives by the first `columns`
+    /// entries of `z`.
     pub(super) fn flow(
         &self,
         chain: &Chain<f64>,

@@ -24,7 +24,7 @@ pub struct Claim {
     /// The rule for our value where the claim of the paper is known to be false, or cannot be
     /// decided.
     pub instead: Option<Rule>,
-    /// What the paper would have to say for a verdict, of a claim that cannot be decided.
+    /// Of a claim that cannot be decided: the information that the paper does not give.
     pub open: Option<String>,
     /// The claim whose misprint this one repeats.
     pub same: Option<String>,

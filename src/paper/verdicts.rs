@@ -25,7 +25,8 @@ fn count(verification: &Verification, verdict: Verdict) -> usize {
 /// The verdicts as JSON.
 ///
 /// `value` is null if it is not finite. `instead` is the rule of our value where it is known to
-/// differ from that of the paper, or where the paper leaves open what decides; `open` says what.
+/// differ from that of the paper, or where the claim cannot be decided; `open` is the information
+/// that the paper does not give.
 pub fn verify_json(verification: &Verification) -> String {
     let item = |item: &Item| {
         let claim = item.claim;

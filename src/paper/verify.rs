@@ -18,7 +18,7 @@ pub enum Verdict {
     Holds,
     /// The statement is false.
     Fails,
-    /// The paper leaves open what decides.
+    /// The paper does not give the information that would decide.
     NotDecidable,
 }
 

@@ -78,7 +78,7 @@ pub struct LimitWave {
     pub errors: [f64; 2],
     /// Growth at the Bloch wave number `pi`, per unit of time.
     pub growth: f64,
-    /// The same by the modulation equations.
+    /// The growth there by the modulation equations, per unit of time.
     pub modulation: f64,
 }
 
@@ -257,7 +257,7 @@ pub(super) fn exact_panels(title: &str, data: &ExactData, caption: String) -> cr
         }
         ExactData::Solitary(study) => crate::study::solitary_columns(study),
         ExactData::Barrier(studies) => studies.iter().map(crate::study::barrier_columns).collect(),
-        // Profiles, tails and depths of the first; tails and depths of the others.
+        // Of the first study profiles, tails and depths; of the others tails and depths only.
         ExactData::Moving(studies) => {
             let columns = |(k, study)| crate::study::moving_columns(study).into_iter().skip(k);
             studies.iter().enumerate().flat_map(|(k, study)| columns((usize::from(k > 0), study))).collect()

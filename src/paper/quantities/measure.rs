@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 
 /// Slow time during which a frequency is measured.
 const SLOW_TIME: f64 = 30.0;
-/// Size of the wave, at which the next order of the theory, `epsilon^{1/2}`, is below 0.4 % of the
-/// frequency shift.
+/// Size `epsilon` of the wave. Here the next order of the theory, `epsilon^{1/2}`, is below 0.4 %
+/// of the frequency shift.
 const SIZE: f64 = 1e-5;
 /// Sites of the ring, which hold two waves with `q = 4 pi/5`.
 const SITES: usize = 5;
@@ -46,7 +46,7 @@ pub(super) fn measured_slow_frequency(wave: &TravellingWave) -> Result<f64> {
     Ok(fit_line(&points).map_or(f64::NAN, |line| line.0))
 }
 
-/// The slope of a modulation equation at the state `z`.
+/// The right-hand side `dz/dtau` of a modulation equation at the state `z`.
 pub(super) fn slope(mut flow: impl VectorField<f64>, z: &[f64]) -> Vec<f64> {
     let mut dz = vec![0.0; z.len()];
     flow.eval(0.0, z, &mut dz);

@@ -164,7 +164,7 @@ fn ansatz(runs: &Runs) -> Result<Vec<Quantity>> {
     let (wave, sites) = (&first.wave, first.strains.x.len());
     let rho = wave.params().rho;
     let mean = first.strains.x.iter().zip(&first.strains.y).map(|(x, y)| (x + rho * y) / (1.0 + rho)).sum::<f64>();
-    // The perturbed initial data with the smallest perturbation, which rounds to none.
+    // The perturbed initial data, with a perturbation so small that rounding removes it.
     let quiet = PerturbedWave::new(*wave, sites, f64::MIN_POSITIVE, 1)?;
     let initial = quiet.initial(quiet.constraint())?;
     let apart = initial.iter().enumerate().map(|(n, site)| {

@@ -122,7 +122,7 @@ fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
 fn trivial(_: &Runs) -> Result<Vec<Quantity>> {
     let (loose, antiphase) = (breather(irregular, STEP)?, breather(|n| PI * n, STEP)?);
     let omega = loose.params().omega();
-    // (uncpl) as printed compared with the chain, at a time not in step with the oscillation.
+    // (uncpl) as printed compared with the chain, at a time that is no multiple of the period.
     let (chain, state) = chain_of(&loose, 1.0)?;
     let end = 10.3 * 2.0 * PI / omega;
     let mut run = chain.collocation(state.as_slice(), (0.0, end), Pace::Tolerance(TOLERANCE))?;
@@ -275,8 +275,8 @@ fn omega_0(alpha: f64) -> f64 {
 
 /// Theorem longlivedb in the norm `l_1`.
 fn theorem(_: &Runs) -> Result<Vec<Quantity>> {
-    // Growth of sup / epsilon^power over a decade of epsilon, for C_r = 1 and a start on the breather
-    // itself: a departure with C_i = 1 would exceed what the dynamics adds.
+    // Growth of sup / epsilon^power over a decade of epsilon, for C_r = 1 and a start on the
+    // breather itself: a departure with C_i = 1 would exceed what the dynamics adds.
     let decade = |initial: Initial| -> Result<[f64; 3]> {
         let epsilons = vec![1e-4, 1e-5];
         let options = TheoremOptions { horizon: 2.0, initial, epsilons, ..TheoremOptions::default() };

@@ -75,10 +75,11 @@ fn equations(_: &Runs) -> Result<Vec<Quantity>> {
 }
 
 /// The largest `abs(a_n)` that Newton's iteration with `mu = -1` leads to, relative to the
-/// background with `mu = 1`; both kinds.
+/// background with `mu = 1`; the larger value of the guesses about a site and about a bond.
 fn vanishing(averages: &Averages, background: f64) -> f64 {
     let sizes = [0.0, 0.5].map(|n_0| {
-        // At zero the Jacobian is singular; the steps become roundings and need not end.
+        // At zero the Jacobian is singular: steps of the size of rounding errors need not fall
+        // below the tolerance. So convergence is not asked for.
         let mut ring = Ring::guess(averages, n_0, -1.0);
         ring.iterate();
         ring.size()

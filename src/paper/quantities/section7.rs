@@ -64,6 +64,7 @@ fn spectra(rho: f64, center: Center, omega_b: &[f64]) -> Result<Vec<Spectrum>> {
 }
 
 /// Evolution of an orbit on the chain, with a kick along its most unstable mode if `kick` is given.
+/// If the run fails, the last `E_b` and the last position are NaN.
 fn released(rho: f64, center: Center, omega_b: f64, until: f64, kick: Option<f64>) -> Result<Evolution> {
     let kick = kick.map(|size| Kick { size, mode: 0 });
     let mut run = evolve(&orbit(rho, center, omega_b)?, until, kick, &Shooting::default(), &|_, _| {})?;
@@ -79,7 +80,7 @@ fn most(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().reduce(|a, b| if a.is_nan() || a >= b { a } else { b }).unwrap_or(f64::NAN)
 }
 
-/// The smallest value, with the same rules.
+/// The smallest value; NaN if one of them is NaN, or if there is none.
 fn least(values: impl IntoIterator<Item = f64>) -> f64 {
     -most(values.into_iter().map(|value| -value))
 }

@@ -5,7 +5,8 @@
 //! | `(z/s, p/P)` | state and parameter, scaled by `s = sqrt(4m) max abs(z - mean)` and `P` |
 //! | `ds` | length of a step along the branch |
 //!
-//! A branch in the amplitude varies the frequency: the amplitude is a number of the state.
+//! On a branch in the amplitude the unknown parameter is the frequency: the amplitude follows from
+//! the state.
 
 use super::{
     ExactWave, Given, MeanStrain, Search, WaveSetting,
@@ -28,9 +29,9 @@ const SHORTEST: f64 = 1e-7;
 /// Largest number of corrector steps, and the number up to which `ds` grows.
 const MOST_CORRECTIONS: usize = 8;
 const GOOD_CORRECTIONS: usize = 4;
-/// A correction below this is the last one.
+/// A correction of at most this length, in scaled unknowns, is the last one.
 const LAST_CORRECTION: f64 = 1e-9;
-/// Least unit of the frequency, relative to it.
+/// Least unit of the frequency, as a share of the frequency.
 const LEAST_DETUNING: f64 = 1e-4;
 /// Relative distance of `omega_tw` from `omega` below which a wave with a crest no higher than its
 /// mean strain is free of contacts: then both are equal up to roundings.
@@ -71,7 +72,7 @@ impl WaveParameter {
         }
     }
 
-    /// The value of a wave.
+    /// The value that a wave has.
     pub fn of(self, wave: &ExactWave) -> f64 {
         match self {
             Self::Amplitude => wave.amplitude(),
@@ -80,7 +81,7 @@ impl WaveParameter {
         }
     }
 
-    /// A bound below all of its values, and the rule.
+    /// A number below all of its values, and the rule in words.
     fn rule(self) -> (f64, &'static str) {
         match self {
             Self::Mean => (f64::NEG_INFINITY, "a finite number"),
@@ -92,7 +93,7 @@ impl WaveParameter {
         }
     }
 
-    /// The number of the setting that is an unknown.
+    /// The number of the setting that is the unknown parameter.
     fn free(self, setting: &WaveSetting) -> f64 {
         match self {
             Self::OmegaTw | Self::Amplitude => setting.omega_tw,
@@ -103,7 +104,7 @@ impl WaveParameter {
         }
     }
 
-    /// The setting with another value of it.
+    /// The setting with another value of this number.
     fn with(self, setting: &WaveSetting, value: f64) -> WaveSetting {
         let params = setting.params;
         match self {
@@ -119,15 +120,15 @@ impl WaveParameter {
 /// Settings of a continuation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveContinuation {
-    /// What varies.
+    /// The parameter that varies.
     pub parameter: WaveParameter,
     /// The value at which the branch ends.
     pub to: f64,
-    /// Largest change of it from wave to wave.
+    /// Largest change of the parameter from wave to wave.
     pub step: f64,
     /// Largest number of waves.
     pub most_points: usize,
-    /// How waves are solved for.
+    /// Settings of the search for each wave.
     pub search: Search,
 }
 
@@ -296,8 +297,8 @@ impl WaveContinuation {
         let setting = &wave.setting;
         let size = swing(&wave.z, setting);
         let parameter = match self.parameter {
-            // About what changes the wave by its size. Waves without contacts have no detuning, and
-            // those below omega are not near it.
+            // About the change of frequency that changes the wave by its own size. Waves without
+            // contacts have no detuning, and that of waves far below omega exceeds omega_tw.
             WaveParameter::OmegaTw | WaveParameter::Amplitude => {
                 let detuning = (setting.omega_tw - setting.params.omega()).abs();
                 detuning.clamp(LEAST_DETUNING * setting.omega_tw, setting.omega_tw)
@@ -370,7 +371,7 @@ impl WaveContinuation {
             let relative = residual.amax() / swing(&wave.z, &wave.setting);
             let Some(by) = least_squares(matrix, &residual.push(0.0)) else { break };
             let step = by.norm();
-            // A correction as long as the step leads elsewhere.
+            // A correction longer than half of the step leads to another wave.
             if step.is_nan() || step > 0.5 * ds {
                 break;
             }

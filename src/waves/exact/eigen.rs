@@ -8,7 +8,7 @@ type Matrix = DMatrix<Complex<f64>>;
 
 /// Largest number of iterations for an eigenvalue; two or three are usual.
 const MOST: usize = 60;
-/// Every so many iterations without an eigenvalue the shift is exceptional.
+/// Each time that this many iterations have not found an eigenvalue, the shift is exceptional.
 const CYCLE: usize = 10;
 
 /// Eigenvalues and unit eigenvectors. `None` if the iteration did not converge.
@@ -55,7 +55,8 @@ fn schur(a: &Matrix) -> Option<(Matrix, Matrix)> {
     Some((q, t))
 }
 
-/// Whether the entry before the diagonal in row `k` is a rounding; then it becomes zero.
+/// Whether the entry before the diagonal in row `k` is as small as a rounding error; if so, it is
+/// set to zero.
 fn negligible(t: &mut Matrix, k: usize) -> bool {
     let beside = t[(k - 1, k - 1)].norm() + t[(k, k)].norm();
     let small = t[(k, k - 1)].norm() <= f64::EPSILON * beside;

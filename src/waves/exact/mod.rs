@@ -10,9 +10,9 @@
 //! | `B` | the relative map `S^{-r} Phi_{T/m}`; `S` shifts by a site, `Phi_t` is the flow |
 //! | `z` | state of a cell at `t = 0`: `x, y, x', y'`, or `x, x'` where no resonator moves |
 //!
-//! `B z = z` says that `z` is a wave. Shifts by one site in the time `q/omega_tw` follow, since
-//! `(S^{-r} Phi_{T/m})^l = S^{-1} Phi_{q/omega_tw}` on cells; for `l = 1` the two are the same map.
-//! For `l > 1` the fixed points of the second include waves whose profile has the period `2 pi l`.
+//! A state with `B z = z` is a wave. It also shifts by one site in the time `q/omega_tw`, since
+//! `(S^{-r} Phi_{T/m})^l = S^{-1} Phi_{q/omega_tw}` on cells. For `l = 1` both maps are the same;
+//! for `l > 1` the fixed points of the second include waves whose profile has the period `2 pi l`.
 //!
 //! # The equations
 //!
@@ -111,22 +111,22 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// What determines the mean of `X`, which is that of `Y`.
+/// The condition that determines the mean of `X`, which is also that of `Y`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeanStrain {
-    /// This number.
+    /// The mean is this number.
     Value(f64),
-    /// This share of the height of the crest above the mean: `b/(2 kappa a)` in the ansatz, 1/2 in
-    /// the paper. Waves of one shape have one share.
+    /// The mean is this share of the height of the crest above it: `b/(2 kappa a)` in the ansatz,
+    /// 1/2 in the paper. Waves of the same shape have the same share, whatever their size.
     OfAmplitude(f64),
-    /// Whatever leaves this strain at the site farthest from the crest, or as the mean of the two
-    /// farthest sites: a pulse on a background. Strains there count as in the mean, `(x + rho
-    /// y)/(1 + rho)`, which oscillations of a bead against its resonator do not change.
+    /// The strain at the site farthest from the crest, or the mean over the two farthest sites, is
+    /// this number: a pulse on a background. The strain of a site is here `(x + rho y)/(1 + rho)`,
+    /// as in the mean; oscillations of a bead against its resonator do not change it.
     Background(f64),
 }
 
 impl MeanStrain {
-    /// The number, with its name.
+    /// The number in the condition.
     fn value(self) -> f64 {
         match self {
             Self::Value(value) | Self::OfAmplitude(value) | Self::Background(value) => value,
@@ -141,7 +141,7 @@ impl MeanStrain {
         }
     }
 
-    /// That of a wave of the same shape whose strains are `factor` times as large.
+    /// The condition for a wave of the same shape whose strains are `factor` times as large.
     fn times(self, factor: f64) -> Self {
         match self {
             Self::Value(value) => Self::Value(factor * value),
@@ -190,7 +190,7 @@ impl WaveSetting {
         Chain::new(params, Boundary::StrainRing, cells * q.cell)
     }
 
-    /// Numbers of a state of a cell: strains and rates of beads, and of resonators that move.
+    /// Length of the state of a cell: strains and rates of beads, and of resonators that move.
     pub fn numbers(&self) -> usize {
         let arrays = if self.params.resonators() == Resonators::Moving { 4 } else { 2 };
         arrays * self.q.cell
@@ -247,7 +247,7 @@ impl ExactWave {
     }
 }
 
-/// The state of `cells` cells of `m` sites.
+/// The state of a ring of `cells` cells of `m` sites, each in the state `z`.
 pub(crate) fn repeated(z: &[f64], m: usize, cells: usize) -> Vec<f64> {
     z.chunks_exact(m).flat_map(|array| array.repeat(cells)).collect()
 }

@@ -8,20 +8,21 @@ use crate::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// A step below this is the last: by quadratic convergence the next one would be below rounding.
+/// A step of at most this length, in units of the amplitude, is the last: by quadratic convergence
+/// the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Largest residual of a wave; the message of [`Error::Stalled`] names it.
 const SOLVED: f64 = 1e-12;
 /// Longest step, in units of the amplitude.
 const LONGEST_STEP: f64 = 0.5;
-/// Largest amplitude on the way, in units of that of the seed.
+/// Largest amplitude of an iterate, in units of that of the seed.
 const FARTHEST: f64 = 100.0;
-/// Largest period on the way, in units of that of the seed.
+/// Largest period of an iterate, in units of that of the seed.
 const SLOWEST: f64 = 10.0;
 /// Relative change of a parameter for difference quotients.
 const DIFFERENCE: f64 = 1e-6;
 
-/// What a wave is asked to have, besides its mean strain.
+/// The number that is prescribed for a wave, besides its mean strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Given {
     /// The frequency of the setting.
@@ -83,8 +84,8 @@ impl Search {
         Ok(Equations { residual, jacobian })
     }
 
-    /// How near an exact wave is, after Newton and Kantorovich; `None` where the equations are not
-    /// independent.
+    /// A bound for the distance to an exact wave, after Newton and Kantorovich; `None` where the
+    /// equations are not independent.
     ///
     /// # Errors
     /// An integration that fails.
@@ -158,7 +159,7 @@ impl Search {
             }
             let Some(by) = by else { break };
             let size = swing(&wave.z, &wave.setting);
-            // A longer period costs more, and is no longer near the seed.
+            // A wave of much longer period takes longer to integrate, and is not near the seed.
             if size > FARTHEST * swing(seed, setting) || wave.setting.omega_tw * SLOWEST < setting.omega_tw {
                 break;
             }
@@ -174,8 +175,8 @@ impl Search {
         }
     }
 
-    /// The residual of a wave, and what Newton's method subtracts from `z` and, if it is an
-    /// unknown, from the frequency.
+    /// The residual of a wave and, if `derivative`, the vector that Newton's method subtracts from
+    /// `z` and, if the frequency is an unknown, from the frequency.
     fn step(&self, wave: &ExactWave, given: Given, derivative: bool) -> Result<(f64, Option<DVector<f64>>)> {
         let ExactWave { setting, z, .. } = wave;
         let Equations { residual, jacobian } = self.equations(setting, z, derivative)?;
@@ -261,7 +262,7 @@ impl ExactWave {
             *z -= share * by;
         }
         if let Some(by) = by.get(self.z.len()) {
-            // A frequency stays positive.
+            // At most half of the frequency is subtracted, so that it stays positive.
             self.setting.omega_tw -= (share * by).min(0.5 * self.setting.omega_tw);
         }
     }

@@ -5,7 +5,7 @@ use crate::{error::Result, waves::TravellingWave};
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use std::f64::consts::PI;
 
-/// Harmonics that are given.
+/// Largest harmonic of [`Profile::fourier`].
 const HARMONICS: usize = 128;
 
 /// Equally spaced samples of the profiles from `phi = 0` on, over a period.
@@ -18,7 +18,8 @@ pub struct Profile {
 }
 
 impl ExactWave {
-    /// At least `samples` values of the profiles: what every site of a cell does in the time `T/m`.
+    /// At least `samples` values of the profiles, from the motion of every site of a cell over the
+    /// time `T/m`.
     ///
     /// # Errors
     /// An integration that fails.
@@ -91,8 +92,8 @@ impl Profile {
         [largest(&self.x, amplitude) / amplitude, largest(&self.y, -amplitude / rho) * rho / amplitude]
     }
 
-    /// The share of the period in which a contact is closed, `X < 0`, with straight lines between
-    /// the samples.
+    /// The share of the period in which a contact is closed, `X < 0`, by linear interpolation
+    /// between the samples.
     pub fn closed(&self) -> f64 {
         let next = self.x.iter().skip(1).chain(self.x.first());
         let share = |(a, b): (&f64, &f64)| match (*a < 0.0, *b < 0.0) {

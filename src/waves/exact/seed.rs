@@ -1,5 +1,5 @@
-//! Where the search for an exact wave starts: the first-order ansatz (eq:xytw_app), one harmonic
-//! where there is no ansatz, and other waves where both are too far away.
+//! Starts of the search for an exact wave: the first-order ansatz (eq:xytw_app), a wave of one
+//! harmonic where there is no ansatz, and other exact waves where both are too far away.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -25,30 +25,34 @@ use crate::{
     waves::{Shape, Size, TravellingWave, detuning},
 };
 
-/// Size of the first wave where the ansatz of the wanted one is too far away, relative to it, and
-/// the first and the least factor from one wave to the next.
+/// Growth of waves up to the wanted one, whose ansatz is too far away: size of the first wave in
+/// units of the wanted one; the first factor from one wave to the next, which is also the largest;
+/// and the factor at which the search gives up.
 const SMALL: f64 = 1e-3;
 const FACTOR: f64 = 2.0;
 const LEAST_FACTOR: f64 = 1.002;
 /// Precompression in units of the amplitude, times `sin^2(q/2)/alpha`, under which a wave of one
-/// harmonic is near an exact one: long waves have little dispersion. The largest precompression,
-/// and the first and the least step from there, and the largest number of steps.
+/// harmonic is near an exact one: long waves have little dispersion.
 const PRESSED: f64 = 6.0;
+/// Largest precompression, in units of the amplitude.
 const MOST_PRESSED: f64 = 1000.0;
+/// Steps by which the precompression is reduced, in units of half the larger of precompression and
+/// amplitude: the first, which is also the largest; that at which the search gives up; and the
+/// largest number of steps.
 const STEP: f64 = 1.0;
 const LEAST_STEP: f64 = 0.02;
 const MOST_STEPS: usize = 60;
-/// Steps of Newton's method from one wave to the next.
+/// Largest number of steps of Newton's method for a wave without resonators.
 const NEAR_STEPS: usize = 8;
 /// Largest number of waves on the way to a frequency.
 const MOST_FOLLOWED: usize = 200;
 
-/// What the search for a wave starts from.
+/// The approximate wave from which the search for a wave starts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Start {
-    /// The ansatz of the same mean strain, and of the same frequency or amplitude.
+    /// The ansatz with the wanted mean strain, and the wanted frequency or amplitude.
     Ansatz(TravellingWave),
-    /// The wave of one harmonic that has the same.
+    /// The wave of one harmonic with the same numbers.
     Harmonic(Harmonic),
 }
 
@@ -87,7 +91,7 @@ impl Start {
         }
     }
 
-    /// The ansatz, if it is one.
+    /// The ansatz; `None` for a wave of one harmonic.
     pub(crate) fn ansatz(self) -> Option<TravellingWave> {
         match self {
             Self::Ansatz(wave) => Some(wave),
@@ -171,12 +175,12 @@ fn amplitude_of(setting: &WaveSetting, stiffness: impl Fn(f64) -> f64) -> Result
     }
     match mean {
         MeanStrain::Value(m) if m != 0.0 => {
-            // Under a gap no contact closes below an amplitude of m.
+            // With a positive mean strain no contact closes below an amplitude of m.
             let first = if m > 0.0 { m } else { -1e-6 * m };
             least_size(first, |amplitude| stiffness(amplitude) > wanted)
                 .map_err(|rule| Error::parameter("omega_tw", omega_tw, rule))
         }
-        // Without a length of its own, K is proportional to A^{alpha-1}.
+        // If the mean strain is zero or a share of the amplitude, K is proportional to A^{alpha-1}.
         _ => Ok((wanted / stiffness(1.0)).powf((alpha - 1.0).recip())),
     }
 }
@@ -228,14 +232,14 @@ fn size_under(mean: f64, setting: &WaveSetting) -> Result<f64> {
         let per_size = detuning(omega, q.q(), averages.h(mean / epsilon, 1.0));
         per_size * epsilon.powf(params.alpha - 1.0) > omega_tw - omega
     };
-    // Under a gap, no contact closes at the first size or below. Under a precompression, much
-    // smaller waves are those of the linear chain.
+    // With a positive mean strain no contact closes at the first size or below. With a negative
+    // one, a precompression, much smaller waves are those of the linear chain.
     let first = mean.abs() * if mean > 0.0 { 0.5 / params.kappa } else { 1e-6 };
     least_size(first, above).map_err(|rule| Error::parameter("omega_tw", omega_tw, rule))
 }
 
-/// The size from which on a wave has a frequency above the wanted one, by bisection; the first size
-/// is a wave below it. The error is the rule that is broken.
+/// The size above which the frequency of a wave is higher than the wanted one, by bisection; at the
+/// size `first` it must not be. The error is the rule that is broken.
 fn least_size(first: f64, above: impl Fn(f64) -> bool) -> std::result::Result<f64, &'static str> {
     if above(first) {
         return Err("under this mean strain the first approximation has only waves of higher frequency");
@@ -283,8 +287,8 @@ fn state(wave: &TravellingWave, cell: usize) -> Vec<f64> {
 }
 
 impl ExactWave {
-    /// The state of a wave of the same shape and another frequency; of a chain without resonators,
-    /// which has no time of its own.
+    /// The state of a wave of the same shape and another frequency, in a chain without resonators,
+    /// which has no time scale of its own.
     fn scaled(&self, omega_tw: f64) -> Vec<f64> {
         let faster = omega_tw / self.setting.omega_tw;
         let larger = faster.powf(2.0 / (self.setting.params.alpha - 1.0));
@@ -298,17 +302,20 @@ impl Search {
     /// The exact companion of the ansatz with the same mean strain, and the same frequency or
     /// amplitude; the exact wave near one harmonic, where there is no ansatz.
     ///
-    /// Newton's method starts from the ansatz or the harmonic. Where it does not converge, waves of
-    /// the same shape grow from a thousandth of the size of the ansatz in steps, each wave scaled
-    /// up to start the next; waves from one harmonic are followed from under a precompression.
+    /// Newton's method starts from the ansatz or the harmonic. Where it does not converge and there
+    /// are resonators, waves of the same shape grow in steps from a thousandth of the size of the
+    /// ansatz; each wave is scaled up to start the next. Two other ways come before a harmonic:
+    /// without resonators, waves under a precompression that is reduced in steps; with moving ones,
+    /// a wave of the chain without resonators.
     ///
     /// # Errors
     /// A setting outside its rules; as [`ansatz`] and [`Search::solve`]; [`Error::Stalled`] where
-    /// neither way leads to the wave.
+    /// no way leads to the wave.
     pub fn wave(&self, setting: &WaveSetting, given: Given) -> Result<(ExactWave, Option<TravellingWave>)> {
         let start = Start::new(setting, given)?;
         let resonators = setting.params.resonators();
-        // Far from one harmonic there may be other waves: those of the plain chain are nearer.
+        // Newton's method can lead from one harmonic to other waves; a wave of the chain without
+        // resonators is nearer.
         let plain = match start {
             Start::Harmonic(harmonic) if resonators == Resonators::None => self.plain(setting, given, &harmonic),
             Start::Harmonic(_) if resonators == Resonators::Moving => self.laden(setting),
@@ -323,8 +330,8 @@ impl Search {
         Ok((wave?, start.ansatz()))
     }
 
-    /// The wave of a chain without resonators: by its amplitude, and then scaled. It is the one that
-    /// is connected to the linear wave under a precompression, unless that way fails.
+    /// The wave of a chain without resonators: found for the amplitude of the harmonic, and then
+    /// scaled. It is connected to the linear wave under a precompression, unless that way fails.
     fn plain(&self, setting: &WaveSetting, given: Given, harmonic: &Harmonic) -> Option<ExactWave> {
         // More steps of Newton's method lead to other waves.
         let near = Self { most_steps: NEAR_STEPS.min(self.most_steps), ..*self };
@@ -348,7 +355,7 @@ impl Search {
         }
     }
 
-    /// The wave from smaller ones of the same shape.
+    /// The wave from smaller ones of the same shape, which grow in steps.
     fn grown(&self, setting: &WaveSetting, given: Given, amplitude: f64) -> Option<ExactWave> {
         let first = WaveSetting { mean: setting.mean.times(SMALL), ..*setting };
         let small = Given::Amplitude(SMALL * amplitude);
@@ -367,8 +374,9 @@ impl Search {
         self.landed(setting, given, wave)
     }
 
-    /// The wave whose resonators move with their beads, from that of a chain without them whose
-    /// beads have the mass of both: `1 + kappa rho/(kappa - rho omega_tw^2)` in the first harmonic.
+    /// The wave whose resonators move with their beads, from a wave of a chain without resonators.
+    /// The beads of that chain have the mass of both, `1 + kappa rho/(kappa - rho omega_tw^2)` in
+    /// the first harmonic.
     fn laden(&self, setting: &WaveSetting) -> Option<ExactWave> {
         let WaveSetting { params, omega_tw, .. } = *setting;
         let height = params.kappa / (params.kappa - params.rho * omega_tw * omega_tw);
@@ -383,7 +391,7 @@ impl Search {
         self.solve(setting, Given::Frequency, &seed).ok()
     }
 
-    /// The wave from those of the same amplitude under a precompression.
+    /// The wave from waves of the same amplitude under a precompression, which is reduced in steps.
     fn released(&self, setting: &WaveSetting, given: Given, harmonic: &Harmonic) -> Option<ExactWave> {
         let (amplitude, to) = (harmonic.amplitude, harmonic.mean);
         let at = |mean: f64| WaveSetting { mean: MeanStrain::Value(mean), ..*setting };
@@ -410,7 +418,8 @@ impl Search {
         if mean < to { None } else { self.landed(setting, given, wave) }
     }
 
-    /// The wave asked for, from one that has the amplitude of the start and a frequency near it.
+    /// The wave asked for, from one that has the amplitude of the start. If the frequency is given,
+    /// this wave is scaled or serves as a seed, and if that fails its branch is followed.
     fn landed(&self, setting: &WaveSetting, given: Given, wave: ExactWave) -> Option<ExactWave> {
         match given {
             Given::Amplitude(_) => {

@@ -39,7 +39,7 @@ type Matrix = DMatrix<Complex<f64>>;
 /// Error that `B` is taken to have, in units of the larger of its two measured errors.
 const MARGIN: f64 = 10.0;
 
-/// What a multiplier is.
+/// The kind of a multiplier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WaveKind {
@@ -74,7 +74,7 @@ pub struct WaveMultiplier {
     pub growth: f64,
     /// `Im lambda`, at most `omega_tw/2` in modulus.
     pub frequency: f64,
-    /// What it is.
+    /// Its kind.
     pub kind: WaveKind,
 }
 
@@ -203,7 +203,7 @@ impl ExactWave {
     }
 }
 
-/// `B_theta`, and what is needed to read its eigenvalues.
+/// `B_theta`, with the numbers that make multipliers of its eigenvalues.
 struct Block<'a> {
     wave: &'a ExactWave,
     theta: f64,
@@ -258,9 +258,9 @@ impl<'a> Block<'a> {
         largest(&(free.adjoint() * j(&free) - &form)) / largest(&form)
     }
 
-    /// All multipliers, and how good they are.
+    /// All multipliers, and their measured errors.
     fn multipliers(&self) -> Option<(Vec<WaveMultiplier>, WaveQuality)> {
-        // At theta = 0 and pi the matrix is real, and its eigenvalues cost a quarter.
+        // At theta = 0 and pi the matrix is real, and its eigenvalues take a quarter of the work.
         let real = self.matrix.iter().all(|entry| entry.im == 0.0);
         let pairs = if real { orbits::eigen(&self.matrix.map(|z| z.re))? } else { eigen::eigen(&self.matrix)? };
         let size = self.matrix.norm();
@@ -302,8 +302,8 @@ impl<'a> Block<'a> {
                 pairs[k].0 - value
             })
         };
-        // Without resonators nothing swings but beads against beads; beads on springs have no mean
-        // strain that drifts.
+        // Without resonators there is no linear oscillator. Beads on springs have neither another
+        // mean strain nor a drift.
         let (linear, trivial) = match setting.params.resonators() {
             Resonators::None => (0, 4),
             Resonators::Fixed => (2, 2),
@@ -383,7 +383,7 @@ impl WaveMultiplier {
 }
 
 impl WaveQuality {
-    /// The worse of two, with what only `theta = 0` has.
+    /// The larger errors of two blocks; the errors that only `theta = 0` has are those of `self`.
     fn with(self, other: &Self) -> Self {
         Self {
             symplectic_defect: self.symplectic_defect.max(other.symplectic_defect),

@@ -1,46 +1,51 @@
-//! Where in a long chain something may happen in the next steps.
+//! The sites of a long chain that contact forces can push in the next steps, and those that kicks
+//! leave out.
 //!
 //! The columns of the linear split change by kicks only: a site that no force pushes needs no work,
 //! and its path is known. Sites whose bonds are open, and stay open over the next [`AHEAD`] steps
 //! whatever the phase of their resonators, *sleep*: kicks leave them out. The other sites are
-//! *awake*. States have the bits of a chain that is awake throughout (the sign of a zero may be
-//! that of the initial state), as do events and turns.
+//! *awake*. States, events and turns have the bits of a chain that is awake throughout; only the
+//! sign of a zero in a state may be that of the initial state.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `G + G' t` | the part of an overlap that moves freely |
 //! | `A` | amplitude of the part that oscillates |
-//! | `T, h` | how long the look ahead is; a step |
+//! | `T, h` | time over which the bond must stay open, [`AHEAD`] steps and eight more; a step |
 //!
 //! A bond may sleep if it is open, its force was zero at the last two surveys, and
-//! `G + (G')_+ T + A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. With the last term no
-//! three surveys in a row look like a turn near zero, also where the bond wakes between them: that
-//! takes an overlap below three times its second difference.
+//! `G + (G')_+ T + A + 8 h (abs(G') + omega A) <= 0`, with room for rounding. The last term keeps
+//! the overlaps of three surveys in a row from looking like a turn near zero, also where the bond
+//! wakes between them: a turn counts only if the overlap is below three times its second
+//! difference.
 //!
-//! Where a bond closes, its sites are pushed from then on. So [`MARGIN`] sites on either side of a
-//! bond that may not sleep are awake, and those of a bond that changes its side or is corrected are
-//! woken first.
+//! A bond that closes pushes its sites from then on. So [`MARGIN`] sites on either side of a bond
+//! that may not sleep are awake. The sites around a bond that changes its side or is corrected are
+//! woken before the next kick.
 
 use super::{Bonded, LANES, PAD, SiteFlow, WORD};
 use std::ops::Range;
 
-/// Steps between two looks at the whole chain. Chosen: a look at 1000 sites takes about as long as
-/// 30 steps of a pulse on them.
+/// Steps between two checks of all bonds for sleep. Chosen: a check of 1000 sites takes about as
+/// long as 30 steps of a pulse on them.
 const AHEAD: usize = 256;
-/// Sites on either side of a bond that must be awake when it is corrected: where it is up to three
-/// bonds from the end of a ring, the bonds on both sides of the end are surveyed again, and those
-/// join the sites up to two from it.
+/// Sites on either side of a bond that must be awake when it is corrected. If the bond is up to
+/// three bonds from the end of a ring, the bonds on both sides of that end are surveyed again, and
+/// these join the sites up to two from the end.
 const MARGIN: usize = 5;
-/// Sites from which parts of a chain may sleep.
+/// Shorter chains, in sites, are awake as a whole.
 const FEW: usize = 8 * LANES;
-/// Steps of motion that a sleeping overlap stays away from zero. Turns reach as far as three second
-/// differences, which are at most `2 omega h A`, or `h abs(G')` where a bond has just woken.
+/// The distance of a sleeping overlap from zero, in steps of its motion. A turn counts up to three
+/// second differences from zero; these are at most `2 omega h A`, or `h abs(G')` where a bond has
+/// just woken.
 const SURVEYS: f64 = 8.0;
-/// Bound for what rounding does to an overlap, relative to the sizes of what it is computed from.
+/// Bound for the rounding error of an overlap, relative to the sizes of the numbers that it is
+/// computed from.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Sites from `from` up to `to`, multiples of the widest register; where `to` is not larger, up to
-/// the end and, if `to` is not zero, on from the first. All sites where both are the same.
+/// A range of sites that are awake, from `from` up to `to`; both are multiples of the widest
+/// register. If `to` is smaller than `from`, the range goes up to the end of the chain and on from
+/// site 0 up to `to`. If both are the same, it has all sites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stretch {
     pub(super) from: usize,
@@ -48,7 +53,7 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// Its bonds as ranges, in a chain with a last bond `n`.
+    /// Its bonds as ranges, in a chain whose last bond is `n`.
     #[inline(always)]
     pub(super) fn bonds(self, n: usize) -> [Range<usize>; 2] {
         let Self { from, to } = self;
@@ -65,18 +70,20 @@ impl Stretch {
 /// Which sites are awake.
 #[derive(Debug)]
 pub(super) struct Awake {
-    /// For each register of sites whether it is; whether all are; the stretches of those that are.
+    /// For each register of sites: whether it is awake.
     registers: Vec<bool>,
+    /// Whether all sites are awake.
     whole: bool,
+    /// The ranges of sites that are awake.
     pub(super) stretches: Vec<Stretch>,
-    /// Steps until the chain is looked at again.
+    /// Steps until all bonds are checked again.
     pub(super) left: usize,
-    /// Room for the flags of the next change.
+    /// Room for the next value of `registers`.
     next: Vec<bool>,
 }
 
 impl Awake {
-    /// All sites of a chain.
+    /// A chain with all sites awake.
     pub(super) fn all(sites: usize) -> Self {
         let registers = vec![true; sites.div_ceil(LANES)];
         let mut stretches = Vec::with_capacity(registers.len().div_ceil(2));
@@ -106,7 +113,8 @@ impl Awake {
 }
 
 impl<F: SiteFlow> Bonded<F> {
-    /// Lets those parts of the chain sleep in which nothing can happen in the next steps `h`.
+    /// Lets those parts of the chain sleep in which no bond can close or turn near zero in the next
+    /// [`AHEAD`] steps `h`.
     pub(super) fn look_ahead(&mut self, h: f64) {
         if !F::RESTS || self.sites < FEW {
             self.awake.left = usize::MAX;
@@ -165,11 +173,11 @@ impl<F: SiteFlow> Bonded<F> {
         let amplitude = p.abs() + s.abs();
         let room = SURVEYS * h * (v.abs() + omega * amplitude) + ROUNDING * (size(ends[0]) + size(ends[1]));
         let most = self.chain().precompression() + r + v.max(0.0) * long + amplitude + room;
-        // What is no number stirs.
+        // A bond whose bound is NaN stays awake.
         most > 0.0 || most.is_nan()
     }
 
-    /// Wakes and lets sleep, as `next` says of registers of sites.
+    /// Wakes registers of sites or lets them sleep, so that `next` are the flags of all registers.
     #[cold]
     fn change(&mut self, next: Vec<bool>) {
         let last = next.len() - 1;
@@ -183,9 +191,9 @@ impl<F: SiteFlow> Bonded<F> {
         self.awake.stretch(self.chain().topology().ring());
     }
 
-    /// Of bonds that wake, positions and overlaps are written as they are now. Overlaps of the
-    /// surveys before are made the same for bonds that wake or begin to sleep, so that they show no
-    /// turn.
+    /// Prepares bonds that wake or begin to sleep. Where they wake, their positions and overlaps
+    /// are computed for the present time. In both cases the overlaps of the surveys before are set
+    /// to the present ones, so that they show no turn.
     fn turn_over(&mut self, bonds: Range<usize>, awake: bool) {
         if awake {
             for site in bonds.start..bonds.end.min(self.sites) {
@@ -213,22 +221,22 @@ mod tests {
         splitting::corrected::{BondFlow, Corrected, Parts},
     };
 
-    /// A bead that is struck in a chain at rest, so that its pulse passes an end; resonators of
-    /// some chains swing already.
+    /// A chain in which two beads near the ends move towards them, so that pulses reach the ends,
+    /// or pass them on a ring. For `alpha = 2` all beads fly apart as well.
     fn struck(n: usize, boundary: Boundary, rho: f64, alpha: f64) -> (Chain<f64>, Vec<f64>) {
         let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, n).unwrap();
         let mut y = vec![0.0; chain.layout().dim()];
         let velocities = y.len() / 2;
         (y[velocities + n - 12], y[velocities + 5]) = (0.9, -0.4);
         if alpha == 2.0 {
-            // Beads that fly apart.
+            // A velocity that grows along the chain.
             (0..n).for_each(|i| y[velocities + i] += 1e-3 * i as f64);
         }
         (chain, y)
     }
 
-    /// The same chain with gaps in which all beads swing against their resonators, each with its own
-    /// phase.
+    /// The chain of [`struck`] with gaps, in which each bead swings against its resonator with a
+    /// phase of its own.
     fn swinging(n: usize, boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
         let rho = 1.0 / 3.0;
         let (chain, mut y) = struck(n, boundary, rho, 1.5);
@@ -243,8 +251,8 @@ mod tests {
         (chain, y)
     }
 
-    /// Beads of a plain ring that press each other from a site on, and others with gaps between
-    /// them; all fly.
+    /// A ring without resonators: the 20 bonds after site `first` are closed, the others are open,
+    /// and all beads have the same velocity.
     fn cluster(n: usize, first: usize) -> (Chain<f64>, Vec<f64>) {
         let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Ring, n).unwrap();
         let (mut y, mut u) = (vec![-0.3; 2 * n], 0.0);

@@ -1,4 +1,4 @@
-//! Loops over all bonds: forces from positions, and what modified forces give to sites.
+//! Loops over all bonds: forces from positions, and kicks of sites by modified forces.
 //!
 //! A bond has the lane of the site to its right, as in [`sweep`](super::super::sweep).
 
@@ -16,20 +16,21 @@ use hertzchain_integrators::{
 };
 use std::ops::Range;
 
-/// Overlaps, forces and derivatives, and which bonds are closed or turn near zero, from positions.
+/// The arrays of a survey: positions, and what follows from them, namely overlaps, forces and their
+/// derivatives, and which bonds are closed or turn near zero.
 ///
 /// Columns are whole registers long, with a register more at either end where they begin at `PAD`.
 pub struct Forces<'a> {
-    /// Turns count where the overlap is below this many times its second difference.
+    /// A turn counts as near zero where the overlap is below this many times its second difference.
     pub(super) reach: f64,
-    /// From `PAD` on; overlaps from the first bond on.
+    /// Positions, forces and derivatives begin at `PAD`, overlaps at 0.
     pub(super) q: Column<'a, f64>,
     pub(super) overlap: Column<'a, f64>,
     pub(super) force: Column<'a, f64>,
     pub(super) slope: Column<'a, f64>,
-    /// Overlaps at the last two surveys before, latest first.
+    /// Overlaps at the two surveys before, later one first.
     pub(super) before: [Column<'a, f64>; 2],
-    /// A bit for each bond, [`WORD`] in a number.
+    /// A bit for each bond, [`WORD`] of them in a number.
     pub(super) closed: &'a mut [u64],
     pub(super) turning: &'a mut [u64],
 }
@@ -41,7 +42,7 @@ impl Forces<'_> {
         f64::run_vector(Survey { topology, law, rest, sites, forces: self });
     }
 
-    /// Surveys some bonds, from positions as they are written. Which are closed is left as it is.
+    /// Surveys some bonds from the positions in `q`. The bits of closed bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, bonds: &[usize]) {
         f64::run_vector(Refresh { chain, bonds, forces: self });
     }
@@ -74,7 +75,7 @@ impl Refresh<'_> {
         let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
         assert!(bonds.iter().all(|&b| b <= chain.sites()));
         for bonds in bonds.chunks(V::LANES) {
-            // In lanes that are left, the last bond.
+            // Lanes for which no bond is left compute the last bond once more.
             let bond = |k: usize| bonds[k.min(bonds.len() - 1)];
             // SAFETY, here and below: columns have all bonds.
             let of = |column: &Column<'_, f64>, at: usize| V::by_lane(|k| unsafe { column.load::<f64>(at + bond(k)) });
@@ -106,11 +107,12 @@ pub(super) fn lanes<V: Vector<f64>>(register: V) -> [f64; LANES] {
     lanes
 }
 
-/// Which of some bonds, the first of a register on, are closed, and which turn near zero, from their
-/// overlaps now and at the last two surveys before, latest first.
+/// Sets the bits of a range of bonds, which begins with a register: which of them are closed, and
+/// which turn near zero. `overlaps` are those of now and of the two surveys before, later one
+/// first.
 ///
 /// # Safety
-/// The columns have whole registers of them.
+/// The columns have whole registers of these bonds.
 #[inline(always)]
 pub(super) unsafe fn mark<V: Vector<f64>>(
     bonds: Range<usize>,
@@ -195,8 +197,9 @@ impl<S: Sites<f64>> Survey<'_, S> {
     }
 }
 
-/// Which overlaps turned about the survey before, near zero: of three in a row, `g_1` is the
-/// largest or the smallest, and below `reach` times their second difference.
+/// The bits of bonds whose overlap turned near zero at the survey before: of three overlaps in a
+/// row the middle one, `g_1`, is the largest or the smallest, and `abs(g_1)` is below `reach` times
+/// the size of their second difference.
 #[inline(always)]
 pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
     let (before, after) = (g1 - g0, g2 - g1);
@@ -204,22 +207,24 @@ pub(super) fn turning<V: Vector<f64>>(reach: f64, [g0, g1, g2]: [V; 3]) -> u64 {
     (V::all(0.0) - before * after).positive() & near.positive()
 }
 
-/// Modified forces `F = f + c f' s` of bonds, and what they give to sites.
+/// What the modified forces `F = f + c f' s` of bonds are computed from for a kick.
 pub struct Modified<'a> {
     pub(super) c: f64,
-    /// From `PAD` on, as `slope` and, where springs kick, `spring`.
+    /// From `PAD` on, like `slope` and `spring`. The last is `None` where springs are part of the
+    /// drift.
     pub(super) force: Column<'a, f64>,
     pub(super) slope: Column<'a, f64>,
     pub(super) spring: Option<Column<'a, f64>>,
 }
 
 impl Modified<'_> {
-    /// Gives the sites of a chain their forces.
+    /// Kicks the sites of a chain by these forces.
     pub(super) fn kick<S: Sites<f64>>(self, topology: Topology, sites: S) {
         f64::run_vector(Kick { topology, sites, forces: self });
     }
 
-    /// `F` of the bonds from `at` on, with forces `f` and those of the registers around these.
+    /// `F` of the bonds from `at` on, from their forces `f` and those of the registers before and
+    /// after.
     ///
     /// # Safety
     /// The columns have room for a register from `PAD + at` on.

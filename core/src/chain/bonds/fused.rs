@@ -1,15 +1,15 @@
 //! Kicks with modified forces, each with its drift and the survey after it, in one pass.
 //!
-//! A pass gives sites their modified forces, moves them on and computes overlaps, forces and
-//! derivatives there, as in [`rows`](super::super::rows). Modified forces are not stored: those of
-//! a register of bonds come from the forces of the survey before in this register and its two
-//! neighbours, which are kept from one register to the next. What lies beyond the ends is asked of
-//! single bonds, so that no register is loaded that was written in parts.
+//! A pass kicks sites by their modified forces, drifts them and computes overlaps, forces and
+//! derivatives at the new positions, as in [`rows`](super::super::rows). Modified forces are not
+//! stored: those of a register of bonds are computed from the forces of the survey before in this
+//! register and its two neighbours, which are kept from one register to the next. Forces beyond the
+//! ends are loaded bond by bond, so that no register is loaded that was written in parts.
 //!
-//! Of each register it is known at once whether a bond in it may have changed its side or turned
-//! near zero. If so, it is asked whether one has. Steps follow each other in one call until one has.
-//! Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over each stretch of the
-//! others.
+//! For each register a cheap test finds whether a bond in it may have changed its side or turned
+//! near zero. Only after a pass in which one may have, the exact test follows. One call makes steps
+//! until a bond has. Sites that sleep, see [`awake`](super::awake), are left out: a pass goes over
+//! each stretch of awake sites.
 
 use super::{
     super::{
@@ -27,29 +27,30 @@ use hertzchain_integrators::{
     law::{Exponent, ThreeHalves},
 };
 
-/// The reach of a pass is wider than asked for, so that no rounding hides a turn.
+/// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
 
-/// What kicks that survey work with.
+/// Settings and arrays of kicks that are followed by drift and survey in one pass.
 pub struct Fused<'a> {
-    /// The share of the modified force.
+    /// The factor `c` of the modified force `f + c f' s`.
     pub(super) c: f64,
     /// As in [`Forces`](super::Forces).
     pub(super) reach: f64,
-    /// Whether to end where a bond has changed its side or turned near zero.
+    /// Whether to end after the first pass in which a bond has changed its side or turned near
+    /// zero.
     pub(super) watched: bool,
     /// The sites that are worked on.
     pub(super) awake: &'a [Stretch],
     /// Positions, from `PAD` on.
     pub(super) q: Column<'a, f64>,
-    /// Overlaps, now and at the last two surveys before. They change places at each survey, as
-    /// forces and derivatives do.
+    /// Overlaps at the last survey and at the two before, latest first. Each survey exchanges the
+    /// columns, and those of forces and derivatives.
     pub(super) overlaps: [Column<'a, f64>; 3],
-    /// Forces and derivatives, from `PAD` on: those of now, and room for the next.
+    /// Forces and derivatives, from `PAD` on: those of the last survey, and room for the next.
     pub(super) forces: [Column<'a, f64>; 2],
     pub(super) slopes: [Column<'a, f64>; 2],
-    /// A bit for each bond: which are closed and which may have turned, as surveyed last, and which
-    /// were closed when changes were last told.
+    /// A bit for each bond: whether it was closed and whether it had turned near zero at the last
+    /// survey, and whether it was closed at the last call of `changed`.
     pub(super) closed: &'a mut [u64],
     pub(super) turning: &'a mut [u64],
     pub(super) told: &'a [u64],
@@ -132,7 +133,7 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
                 }
             }
             if topology.ring() && whole {
-                // As far as the next pass needs forces that were computed last.
+                // The first registers of the next pass then need no force that was computed last.
                 start += if STRAIN { V::LANES } else { 2 * V::LANES };
                 while start >= n {
                     start -= n.next_multiple_of(V::LANES);
@@ -150,8 +151,9 @@ impl<S: Moving<f64>, C: Clock<Moment = S::Moment>> Kernel<'_, S, C> {
     }
 }
 
-/// Gives sites their forces, moves them on and surveys their bonds, from the register at `start` on
-/// and up to that at `stop`. Returns whether a bond may have changed its side or turned near zero.
+/// Kicks and drifts sites and surveys their bonds, from the register at `start` up to, and without,
+/// that at `stop`; all of them if both are the same. Returns whether a bond may have changed its
+/// side or turned near zero.
 ///
 /// # Safety
 /// Columns have room.
@@ -166,7 +168,8 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
     let chain = survey.chain;
     let (n, ring) = (chain.sites(), chain.topology().ring());
     let last = n.next_multiple_of(V::LANES) - V::LANES;
-    // Overlaps of strains need no neighbour; on a ring the first register waits for the last.
+    // Overlaps of strains need no neighbour. In a pass over a whole ring the first register is
+    // surveyed last, since its first overlap needs the site before it.
     let wait = ring && !STRAIN && start == stop;
     let (left, right) = chain.topology().ghosts(0.0, 0.0);
     let (mut q, mut first) = (V::all(left), V::all(left));
@@ -178,8 +181,8 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
             q = V::all(sites.advance(if start > 0 { start - 1 } else { n - 1 }, 0.0, next));
         }
         pushes.begin(at);
-        // The register that moved last is surveyed when the next has moved: its root does not keep
-        // the next waiting.
+        // The register that moved last is surveyed when the next has moved: so the next does not
+        // wait for the square roots of its forces.
         let (mut moved, mut here) = (at, sites.advance(at, pushes.next(at), next));
         if wait {
             first = here;
@@ -218,7 +221,7 @@ unsafe fn pass<V: Vector<f64>, S: Moving<f64>, P: Power<f64>, const STRAIN: bool
 }
 
 impl Fused<'_> {
-    /// Columns have room for registers that begin at most at the last bond.
+    /// Asserts that columns have room for registers that begin at most at the last bond.
     fn check(&self, n: usize, lanes: usize, sites: usize) {
         let room = (n + 1).next_multiple_of(lanes);
         assert!(self.awake.iter().all(|stretch| stretch.from.max(stretch.to) < n), "stretches are of the chain");
@@ -229,7 +232,7 @@ impl Fused<'_> {
     }
 }
 
-/// Whether bonds that can touch and are awake are on the sides that were told.
+/// Whether all bonds that can touch and are awake are on the sides of which `changed` told last.
 ///
 /// # Safety
 /// The column has whole registers up to the last bond.
@@ -253,7 +256,8 @@ unsafe fn sides<V: Vector<f64>>(
     differences == 0
 }
 
-/// Whether a bond that can touch is not on the side that was told, or turns near zero.
+/// Whether `changed` or `turned` have a bond to tell of: one that can touch, and is not on the side
+/// told last or turns near zero.
 #[inline(always)]
 fn tells(topology: Topology, [closed, turning, told]: [&[u64]; 3]) -> bool {
     let end = topology.touching().end;
@@ -269,20 +273,20 @@ fn low(bits: usize) -> u64 {
     u64::MAX >> WORD.saturating_sub(bits)
 }
 
-/// What modified forces give to the sites of a pass.
+/// The pushes of modified forces on the sites of a pass, register by register.
 struct Pushes<'a, 'b, V, const STRAIN: bool> {
     n: usize,
     c: f64,
     force: &'a Column<'b, f64>,
     slope: &'a Column<'b, f64>,
-    /// Force before the first bond, and that of the bond beyond the last site.
+    /// Force that stands before that of bond 0, and force of the bond beyond the last site.
     left: f64,
     right: f64,
-    /// The modified force of the bond beyond the last site; that of the last bond of a strain ring.
+    /// Modified force of the bond beyond the last site, and that of the last bond of a strain ring.
     beyond: f64,
     last: f64,
-    /// Forces of a register of bonds and of the next; modified forces of that before the register,
-    /// and of the register.
+    /// Forces of the present register of bonds and of the next; modified forces of the register
+    /// before and of the present one.
     f: [V; 2],
     modified: [V; 2],
 }
@@ -324,8 +328,8 @@ impl<'a, 'b, V: Vector<f64>, const STRAIN: bool> Pushes<'a, 'b, V, STRAIN> {
         if whole { f } else { f.first(self.n - at, V::all(self.right)) }
     }
 
-    /// The modified forces of the bonds from `at` on, with forces `f` of registers before it, of
-    /// it and after it.
+    /// The modified forces of the bonds from `at` on, from the forces of three registers: the one
+    /// before, that at `at`, and the one after.
     #[inline(always)]
     unsafe fn modified(&self, at: usize, [before, f, next]: [V; 3]) -> V {
         let whole = at + V::LANES <= self.n;
@@ -339,7 +343,7 @@ impl<'a, 'b, V: Vector<f64>, const STRAIN: bool> Pushes<'a, 'b, V, STRAIN> {
     }
 }
 
-/// `f + c f' s` of bonds with forces `f` between those of their neighbours.
+/// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
 #[inline(always)]
 fn modified<V: Vector<f64>>(c: f64, [before, f, behind]: [V; 3], slope: V) -> V {
     f + V::all(c) * slope * ((before - f) - (f - behind))
@@ -381,22 +385,23 @@ impl<V: Vector<f64>, const STRAIN: bool> Pushes<'_, '_, V, STRAIN> {
     }
 }
 
-/// What becomes of overlaps.
+/// The survey of a pass, register by register.
 struct Survey<'a, 'b, P> {
     chain: &'a Chain<f64>,
     law: ContactLaw<f64>,
     power: P,
     reach: f64,
-    /// Overlaps at the last two surveys before, latest first.
+    /// Overlaps at the two surveys before, later one first.
     read: [&'a Column<'b, f64>; 2],
-    /// Positions, which are known from the overlaps if they are strains, overlaps, forces and
-    /// derivatives.
+    /// Positions (not written if they are strains, which follow from the overlaps), overlaps,
+    /// forces and derivatives.
     write: [&'a mut Column<'b, f64>; 4],
 }
 
 impl<P: Power<f64>> Survey<'_, '_, P> {
-    /// Surveys the bonds to the left of the sites from `at` on, at positions `q` after those
-    /// `before`. Returns bits, not all zero where a bond has changed its side or may have turned.
+    /// Surveys the bonds to the left of the sites from `at` on; `q` are the positions of these
+    /// sites and `before` those of the register before. Returns bits, which are not all zero where
+    /// a bond has changed its side or may have turned near zero.
     #[inline(always)]
     unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) -> u64 {
         let g = overlaps::<f64, V, STRAIN>(self.chain, before, q);
@@ -412,7 +417,7 @@ impl<P: Power<f64>> Survey<'_, '_, P> {
             derivative.store(PAD + at, slope);
             [self.read[0].load(at), self.read[1].load(at)]
         };
-        // Where it turns near zero, it is near.
+        // An overlap that turns near zero is near zero: the test for a turn itself is left out.
         let bend = ((g - g1) - (g1 - g0)).size();
         let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * bend).exceeds(g1.size());
         let n = self.chain.sites();

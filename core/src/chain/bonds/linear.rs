@@ -85,7 +85,7 @@ impl SiteFlow for LinearFlow<f64> {
 }
 
 impl LinearFlow<f64> {
-    /// What a correction adds to `R0, V, C, S` of a bead.
+    /// The numbers that a correction adds to `R0, V, C, S` of a bead.
     #[inline(always)]
     pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
         let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;

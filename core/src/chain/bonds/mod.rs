@@ -2,7 +2,9 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | bond `b` | lies to the left of site `b`; all chains have `n + 1` here: the outer two of a free chain never close, on a ring they are the same |
+//! | bond `b` | lies to the left of site `b`; all chains have `n + 1` bonds here: the outer two of a free chain never close, on a ring they are the same |
+//! | survey | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
+//! | turn | an overlap that is larger or smaller than at the surveys before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
 //! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
@@ -27,94 +29,106 @@ use hertzchain_integrators::{
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
-/// Numbers before the first of an array, so that what lies before it can be loaded too.
+/// Numbers of an array before that of site or bond 0, so that a register can begin before it.
 const PAD: usize = LANES;
 /// Bonds in a word of bits.
 const WORD: usize = 64;
-/// Nodes of the window that leads back inside a step, and the tolerance where one window does not
-/// do. Chosen: both are far below the error of a step.
+/// Nodes of the collocation window by which [`BondFlow::back`] goes back inside a step. Chosen: the
+/// error of the window is far below that of a step.
 const INSIDE: usize = 12;
+/// Tolerance of the collocation run that takes over where that window does not converge. Chosen in
+/// the same way.
 const TOLERANCE: f64 = 1e-13;
 
 /// Sites that the drift of a split moves exactly, one by one.
 pub trait SiteFlow: SplitFlow<f64> {
     /// The chain.
     fn chain(&self) -> &Chain<f64>;
-    /// Writes positions, and computes forces from them.
+    /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
     fn survey(&mut self, forces: Forces<'_>);
     /// Position and velocity of a bead.
     fn bead(&self, site: usize) -> (f64, f64);
-    /// Velocity of a bead, its part that oscillates with `omega` in the drift, and the velocity of
-    /// that.
+    /// `[velocity, p, p']` of a bead; `p` is the part of its position that oscillates with `omega`
+    /// in the drift.
     fn motion(&self, site: usize) -> [f64; 3];
     /// Whether sites that no force pushes need no work.
     const RESTS: bool = false;
-    /// Position and velocity of what moves freely, position and velocity over `omega` of what
-    /// oscillates, of a bead that rests as long as no force pushes it.
+    /// `[r, r', p, p'/omega]` of a bead, where [`RESTS`](Self::RESTS): position and velocity of its
+    /// free motion, position and velocity over `omega` of its oscillation.
     fn rest(&self, _site: usize) -> [f64; 4] {
         [f64::NAN; 4]
     }
-    /// The shares of an impulse on a bead that move freely and that oscillate in the drift, and
-    /// `omega`.
+    /// `(m, mu, omega)`: a unit impulse on a bead changes the velocity of its free motion by `m`
+    /// and that of its oscillation with `omega` in the drift by `mu`.
     fn response(&self) -> (f64, f64, f64);
-    /// The force of the spring on a bead, where it is part of the kick, and its rate.
+    /// The force of the spring on a bead and its rate; zeros where springs are part of the drift.
     fn spring(&self, site: usize) -> (f64, f64);
-    /// How far a correction moves a bead, now.
+    /// Change of a bead's position at the present time by a correction.
     fn shift(&self, correction: &Correction) -> f64;
-    /// Gives beads a correction, each so many times as it says.
+    /// Gives each bead of the list, of sites and weights, the correction times its weight.
     fn give(&mut self, beads: &[(usize, f64)], correction: &Correction);
-    /// Moves what kicks move beside beads: resonators, where springs are part of the kick. By an
-    /// impulse over the mass, and a displacement.
+    /// Adds `impulse`, an impulse over the mass, to the velocity of a resonator and `displacement`
+    /// to its position. Does nothing where springs are part of the drift: kicks then leave
+    /// resonators alone.
     fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
-    /// Kicks beads by `kick` times modified forces, and by springs where these kick:
-    /// `-kappa (d + c d'')`, with the accelerations `a` of beads.
+    /// Kicks beads by `kick` times modified forces, and by springs where these are part of the
+    /// kick: `-kappa (d + c d'')`, where `d` is the stretch of a spring and `d''` comes from the
+    /// accelerations `a` of beads.
     fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
-    /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs do not
-    /// kick; as many times as there are durations of kicks and drifts, or fewer. Returns how many.
+    /// [`push`](Self::push), drift and [`survey`](Self::survey) in one pass, where springs are not
+    /// part of the kick; at most once for each of `pairs`, the durations of a kick and a drift.
+    /// Returns how many passes were made.
     fn push_and_survey(&mut self, pairs: &[(f64, Twofold<f64>)], fused: Fused<'_>) -> usize;
 }
 
 /// A split of the chain with the kicks of contact-corrected splitting.
 ///
-/// Arrays of surveys change places at each; behind pointers that is cheap.
+/// Each survey exchanges the arrays of the latest surveys with each other; as they lie behind
+/// pointers, that is cheap.
 ///
-/// Arrays are longer than the chain, so that loops over whole registers need no remainder; what is
-/// in the rest is not looked at.
+/// Arrays are longer than the chain, so that loops over whole registers need no remainder; the
+/// numbers beyond the chain are not used.
 pub struct Bonded<F> {
     flow: F,
     sites: usize,
-    /// Positions, from `PAD` on, with one of a neighbour on either side.
+    /// Positions of sites, from `PAD` on, with one position of a neighbour beyond either end.
     q: Aligned<f64>,
+    /// Overlaps of bonds at the last survey.
     overlap: Box<Aligned<f64>>,
-    /// Overlaps at the last two surveys before, latest first.
+    /// Overlaps at the two surveys before the last, later one first.
     overlaps_before: [Box<Aligned<f64>>; 2],
-    /// Forces and derivatives, from `PAD` on, with those of neighbours on either side.
+    /// Forces `f` of bonds and their derivatives `f'` at the last survey, from `PAD` on, with the
+    /// force of a neighbour beyond either end.
     force: Box<Aligned<f64>>,
     slope: Box<Aligned<f64>>,
-    /// Those at the survey before.
+    /// `f` and `f'` at the survey before.
     force_before: Box<Aligned<f64>>,
     slope_before: Box<Aligned<f64>>,
-    /// Which bonds are closed as surveyed, a bit each, and which were when changes were last told.
+    /// A bit for each bond: whether it was closed at the last survey, and whether it was closed at
+    /// the last call of [`changed`](BondFlow::changed).
     closed: Vec<u64>,
     told: Vec<u64>,
-    /// Forces of springs on beads, where these kick, from `PAD` on, and those at the survey before.
+    /// Forces of springs on beads at the last survey and the one before, from `PAD` on; empty where
+    /// springs are part of the drift.
     spring: Box<Aligned<f64>>,
     spring_before: Box<Aligned<f64>>,
-    /// Which bonds have turned near zero, a bit each, and how near they count.
+    /// A bit for each bond: whether its overlap has turned near zero.
     turning: Vec<u64>,
+    /// A turn is near zero if the overlap is smaller than this many times its second difference.
     reach: f64,
-    /// Accelerations of sites, for springs that kick.
+    /// Accelerations of sites, where springs are part of the kick.
     a: Aligned<f64>,
-    /// A step, and [`swung`] of it.
+    /// The step size, and [`swung`] of it.
     swung: (f64, f64),
-    /// Bonds whose sites corrections have moved; some more than once.
+    /// Bonds whose sites the last corrections have moved; some more than once.
     moved: Vec<usize>,
-    /// Which sites are worked on. Of others forces are zero, positions and overlaps old.
+    /// Which sites are worked on. Other sites have forces of zero, and positions and overlaps that
+    /// are out of date.
     awake: Awake,
 }
 
 impl<F: SiteFlow> Bonded<F> {
-    /// Of a flow that holds a state.
+    /// Adds the kicks to `flow`, which holds a state.
     pub fn new(flow: F) -> Self {
         let sites = flow.chain().sites();
         let (_, _, omega) = flow.response();
@@ -159,7 +173,7 @@ impl<F: SiteFlow> Bonded<F> {
         self.chain().topology().ring()
     }
 
-    /// Moves what is kept of surveys on by so many.
+    /// Exchanges the arrays of the latest surveys as that many surveys do.
     #[inline]
     fn keep(&mut self, surveys: usize) {
         for _ in 0..surveys % 3 {
@@ -173,10 +187,10 @@ impl<F: SiteFlow> Bonded<F> {
         }
     }
 
-    /// What a survey leaves beyond the ends.
+    /// Clears the bits beyond the last bond that can touch, and sets the forces beyond the ends.
     #[inline]
     fn finish(&mut self) {
-        // What lies behind the last bond; on a ring that is the first once more.
+        // On a ring the first bit to clear is that of bond `n`, which is bond 0 once more.
         let end = self.chain().touching().end;
         for bits in [&mut self.closed, &mut self.turning] {
             if let Some(word) = bits.get_mut(end / WORD) {
@@ -186,7 +200,7 @@ impl<F: SiteFlow> Bonded<F> {
         self.close();
     }
 
-    /// Copies what lies beyond the ends of a ring.
+    /// On a ring, copies the positions beyond both ends, and bond 0 to bond `n`.
     #[inline]
     fn join(&mut self) {
         if !self.ring() {
@@ -198,14 +212,14 @@ impl<F: SiteFlow> Bonded<F> {
         (self.force[PAD + n], self.slope[PAD + n]) = (self.force[PAD], self.slope[PAD]);
     }
 
-    /// The bond that number `index` among those that can touch is.
+    /// The bond with number `index` among those that can touch.
     #[inline]
     fn bond(&self, index: usize) -> usize {
         self.chain().touching().start + index
     }
 
-    /// What stands for forces beyond the ends, so that the accelerations of sites there are those
-    /// of neighbours, or none.
+    /// Sets the forces beyond the ends: on a ring those of the neighbours, else copies of the outer
+    /// bonds' forces, so that whatever lies beyond an end has no acceleration.
     #[inline]
     fn close(&mut self) {
         let (n, ring) = (self.sites, self.ring());
@@ -213,7 +227,7 @@ impl<F: SiteFlow> Bonded<F> {
         (f[0], f[n + 2]) = if ring { (f[n], f[2]) } else { (f[1], f[n + 1]) };
     }
 
-    /// Overlaps and forces of bonds whose sites have moved.
+    /// Surveys the bonds of `moved` again.
     #[inline(always)]
     fn refresh(&mut self) {
         let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, turning, .. } = self;
@@ -230,7 +244,7 @@ impl<F: SiteFlow> Bonded<F> {
         forces.refresh(flow.chain(), &self.moved);
     }
 
-    /// How forces of neighbours and springs, as given, accelerate the overlap of a bond.
+    /// Acceleration of the overlap of a bond by given forces of its neighbours and of springs.
     #[inline(always)]
     fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
         let [left, right] = self.chain().topology().beside(b);
@@ -238,10 +252,11 @@ impl<F: SiteFlow> Bonded<F> {
         if spring.is_empty() { contacts } else { contacts + self.chain().across(b, |i| spring[PAD + i]) }
     }
 
-    /// The path of a bond under a pull that was `before` a step `h` ago and is `now`: through its
-    /// places at both ends of the step, and moved by processing.
+    /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
+    /// is linear in time: through the bond's overlaps at both ends of the step, and moved by
+    /// processing.
     ///
-    /// With the mean `s` and the rate `s'` of the pull, what the chord lacks is
+    /// With the mean `s` and the rate `s'` of the pull, the path is the chord plus
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline(always)]
     fn along(&self, b: usize, pulls: [f64; 2], h: f64) -> BondPath {
@@ -256,14 +271,14 @@ impl<F: SiteFlow> Bonded<F> {
         site.map_or([0.0; 3], |i| self.flow.motion(i))
     }
 
-    /// The same from overlap and [motion](SiteFlow::motion) of the bond: linear in these and in
-    /// pulls.
+    /// [`along`](Self::along) for a given overlap and [motion](SiteFlow::motion) of the bond. The
+    /// path is linear in these and in the pulls.
     #[inline(always)]
     fn path_of(&self, (g, [rate, p, p_dot]): (f64, [f64; 3]), [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
         let change = if h > 0.0 { (now - before) / h } else { 0.0 };
         let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
-        // Of the chord's rate the bends add s h/2 + s' h^2/12, and processing s' h^2/12.
+        // To the chord's rate the bends add s h/2 + s' h^2/12, and processing adds s' h^2/12.
         let (overlap, bend) = (g + share * now, 2.0 * share * change);
         if omega == 0.0 {
             return BondPath {
@@ -285,8 +300,9 @@ impl<F: SiteFlow> Bonded<F> {
         }
     }
 
-    /// Accelerations of beads by the kick and their rates, and the same of resonators; bonds that
-    /// are near an event without rates.
+    /// Accelerations of beads by the forces of the kick and the rates of these, then both of
+    /// resonators. Forces of bonds that are [`Near`](Side::Near) an event count without their
+    /// rates.
     fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
         let n = self.sites;
         self.survey();
@@ -327,7 +343,7 @@ impl<F: SiteFlow> Bonded<F> {
     }
 }
 
-/// What a survey does with the sites of a flow.
+/// A survey, as work on the sites of a flow.
 struct Survey<'a>(Forces<'a>);
 
 impl<M> Visit<f64, M> for Survey<'_> {
@@ -337,7 +353,7 @@ impl<M> Visit<f64, M> for Survey<'_> {
     }
 }
 
-/// What a kick with modified forces does with the sites of a flow.
+/// A kick with modified forces, as work on the sites of a flow.
 struct Kick<'a>(Modified<'a>);
 
 impl<M> Visit<f64, M> for Kick<'_> {
@@ -347,8 +363,9 @@ impl<M> Visit<f64, M> for Kick<'_> {
     }
 }
 
-/// `tan(omega h/2)/(omega h/2)`: the rate at the end of a step of the forced oscillation that is
-/// zero at both its ends, in units of that without springs. 1 where steps are too long for that.
+/// `tan(omega h/2)/(omega h/2)`: the rate, at the end of a step, of the oscillation under a
+/// constant force that is zero at both ends of the step, in units of that rate without springs. 1
+/// where `omega h/2` is below 1e-4, or so large that steps are too long for the formula.
 fn swung(omega: f64, h: f64) -> f64 {
     let turn = 0.5 * omega * h;
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
@@ -565,7 +582,7 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         let (strain, sites) = (self.strain(), self.sites);
         let Self { flow, force, slope, spring, a, .. } = self;
         if !spring.is_empty() {
-            // Springs that kick want the accelerations of what they hold.
+            // Springs that kick need the accelerations of sites; of strains, on a strain ring.
             let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
             for i in 0..sites {
                 a[i] = if strain { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
@@ -583,17 +600,18 @@ impl<F: SiteFlow> BondFlow for Bonded<F> {
         self.shift(-0.5 * share, &start);
     }
 
-    /// By contact collocation: the equations are the same backwards, with velocities reversed.
+    /// By contact collocation, forward in time with velocities reversed: the equations of motion
+    /// are reversible.
     fn back(&self, y: &mut [f64], by: f64) {
         let half = y.len() / 2;
         let turn = |y: &mut [f64]| y[half..].iter_mut().for_each(|velocity| *velocity = -*velocity);
         turn(y);
         let window = Pace::Windows { windows: 1, nodes: INSIDE, neighbours: true };
-        // A window too long for the stiffness of its contacts does not settle; the tolerance makes
-        // it shorter.
+        // The iteration of a window that is too long for the stiffness of its contacts does not
+        // converge; a run with a tolerance takes shorter windows.
         let settled = self.run_on(y, by, window).or_else(|_| self.run_on(y, by, Pace::Tolerance(TOLERANCE)));
         if settled.is_err() {
-            // No state is better than a wrong one.
+            // The caller gets NaN, not a wrong state.
             y.fill(f64::NAN);
         }
         turn(y);
@@ -621,7 +639,8 @@ mod tests {
         splitting::corrected::{Corrected, Parts},
     };
 
-    /// All that a few steps leave behind, made in one pass each or one thing after the other.
+    /// Bits of the arrays after each of some steps and of the final state; each step in one fused
+    /// pass, or as kick, drift and survey.
     fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
         let (mut flow, mut out) = (Bonded::new(flow), Vec::new());
         flow.load(y);
@@ -730,7 +749,7 @@ mod tests {
 
     #[test]
     fn corrected_steps_in_a_row_are_steps_on_every_instruction_set() {
-        // Truth: one step at a time, to the bit; times that somebody wants, and none.
+        // Truth: one step at a time, to the bit; with wanted times, and without.
         let _alone = crate::chain::one_set_at_a_time();
         let used = Instructions::used();
         for (n, boundary, parts) in [

@@ -1,32 +1,33 @@
-//! The kicks of contact-corrected splitting with derivatives: columns that go along with the state.
+//! The tangent map of contact-corrected splitting: columns of derivatives that are moved along with
+//! the state.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `w` | a column: derivatives of `R0, V, C, S` of every site by one number |
-//! | `dq, dg, df` | those of positions, overlaps and forces; `df = f' dg` |
-//! | `dF` | those of modified forces |
+//! | `dq, dg, df` | derivatives of positions, overlaps and forces by the same number; `df = f' dg` |
+//! | `dF` | derivatives of modified forces |
 //!
-//! The drift leaves `R0, V, C, S` alone, so columns rest between kicks, as the state does. A kick
-//! adds to them what it adds to the state, with
+//! The drift does not change `R0, V, C, S`, so columns do not change between kicks either. A kick
+//! adds the same multiples of force to them as to the state, with
 //!
 //! ```text
 //! dF_b = (1 + c s_b f''/f') df_b + c f'_b (df_{b-1} - 2 df_b + df_{b+1})
 //! ```
 //!
-//! in place of `F`. Open bonds have none, and sites without a closed bond are passed over.
+//! in place of `F`. `dF` of an open bond is zero, and sites without a closed bond are left out.
 //!
 //! A correction is a function of six numbers of its bond: overlap, rate, the oscillating part of
 //! the position and of the velocity, and the pulls at both kicks. Its derivatives by these are
 //! central differences of the closed formula, good to 1e-9 of a derivative that is itself of order
 //! `h^alpha`.
 //!
-//! One part is not left to differences. Where an event meets a kick, `f''` of the modified force
-//! has a pole, which the correction of the two kicks around the event takes back. Both are written
-//! together, as the derivative of the force of the processed path, `f'(g + e) (dg + de)` with `e =
-//! c s`, which has no pole.
+//! One part is written out in closed form. Where an event meets a kick, the factor `f''` of the
+//! modified force's derivative has a pole, and the correction of the two kicks around the event
+//! cancels it. The sum of both, with `e = c s`, is the derivative of the force of the processed
+//! path, `f'(g + e) (dg + de)`, which has no pole.
 //!
-//! The processor's midpoint step is differentiated as it stands. So columns are the derivative of
-//! the run as computed, to 1e-9; the tests hold them against differences of runs.
+//! The processor's midpoint step is differentiated as it is computed. So columns are the derivative
+//! of the run as computed, to 1e-9; the tests compare them with differences of runs.
 
 use super::{
     super::{Chain, LinearFlow, aligned::Aligned, law::LANES, topology::Topology},
@@ -37,7 +38,7 @@ use hertzchain_integrators::{
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Dependence, Side},
 };
 
-/// Numbers of a bond that a correction depends on.
+/// Count of the numbers of a bond that a correction depends on.
 const NUMBERS: usize = 6;
 
 /// The linear split with the kicks of contact-corrected splitting, and derivatives of its state.
@@ -67,14 +68,16 @@ const NUMBERS: usize = 6;
 pub struct TangentFlow {
     state: Bonded<LinearFlow<f64>>,
     columns: Columns,
-    /// What corrections to come do to the columns of a bead; how many have been told, and how many
-    /// of them given.
+    /// For each correction that [`depends`](BondFlow::depends) was told of: the rows that it adds
+    /// to `R0, V, C, S` of a bead. Entries are used again.
     pending: Vec<[Vec<f64>; 4]>,
+    /// How many entries of `pending` are filled, and how many of these
+    /// [`correct`](BondFlow::correct) has applied.
     told: usize,
     given: usize,
 }
 
-/// Rows of derivatives, one number a column, of sites or bonds.
+/// Derivatives of sites or bonds: a row for each, with one number for each column.
 struct Rows {
     width: usize,
     numbers: Aligned<f64>,
@@ -103,14 +106,15 @@ impl Rows {
     }
 }
 
-/// Columns beside a state.
+/// The columns that go with a state, stored row by row.
 struct Columns {
-    /// How many; rows are longer by up to a register.
+    /// Number of columns; rows are padded to whole registers.
     count: usize,
     topology: Topology,
-    /// `R0, V, C, S` of sites; none of what a model lacks.
+    /// `dR0, dV, dC, dS` of sites; no rows where the model lacks the motion.
     modes: [Rows; 4],
-    /// `df` of bonds as surveyed and at the survey before, and which rows are not zero.
+    /// `df` of bonds at the last survey and the one before, and which of these rows can be other
+    /// than zero.
     forces: [Rows; 2],
     closed: [Vec<bool>; 2],
     /// Bonds that have changed their side in this step.
@@ -118,7 +122,7 @@ struct Columns {
     /// Positions of sites, and `dF` of bonds.
     positions: Rows,
     modified: Rows,
-    /// Which sites have a row of positions.
+    /// Whether the row of positions of a site is up to date.
     placed: Vec<bool>,
 }
 
@@ -239,7 +243,7 @@ fn add(by: f64, from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// `to = here * own + there * (left + right)`, as far as there are neighbours.
+/// `to = here * own + there * (left + right)`, where neighbours that are `None` count as zero.
 #[inline(always)]
 fn combine([here, there]: [f64; 2], own: &[f64], beside: [Option<&[f64]>; 2], to: &mut [f64]) {
     match beside {
@@ -261,7 +265,7 @@ fn combine([here, there]: [f64; 2], own: &[f64], beside: [Option<&[f64]>; 2], to
     }
 }
 
-/// `alpha - 1` over the overlap: `f''/f'`.
+/// `f''/f' = (alpha - 1)/g` at the overlap `g` of a bond.
 #[inline(always)]
 fn bend(state: &Bonded<LinearFlow<f64>>, b: usize) -> f64 {
     (state.chain().law().alpha() - 1.0) / state.overlap[b].max(f64::MIN_POSITIVE)
@@ -272,20 +276,20 @@ fn slope(state: &Bonded<LinearFlow<f64>>, g: f64) -> f64 {
     state.chain().law().force_with_slope(g).1
 }
 
-/// A factor for each of `R0, V, C, S`: a position is their sum.
+/// The factors of `R0, V, C, S` in a position, which is the sum of the four products.
 #[inline(always)]
 fn position(flow: &LinearFlow<f64>) -> [f64; 4] {
     let (sin, cos) = flow.phase.sin_cos();
     [1.0, flow.tau, cos, sin]
 }
 
-/// The same for a velocity.
+/// The factors of `R0, V, C, S` in a velocity.
 fn velocity(flow: &LinearFlow<f64>) -> [f64; 4] {
     let ((sin, cos), omega) = (flow.phase.sin_cos(), flow.omega());
     [0.0, 1.0, -omega * sin, omega * cos]
 }
 
-/// The same for a position a time `h` ago, if nothing has been kicked since.
+/// The factors of `R0, V, C, S` in a position a time `h` ago, if no kick came after it.
 fn position_before(flow: &LinearFlow<f64>, h: f64) -> [f64; 4] {
     let (sin, cos) = flow.phase.sin_cos_before(Twofold::new(h));
     [1.0, flow.tau - h, cos, sin]
@@ -316,7 +320,7 @@ impl Columns {
         }
     }
 
-    /// The row of positions of a site.
+    /// Computes the row of positions of a site.
     #[inline(always)]
     fn place(&mut self, flow: &LinearFlow<f64>, i: usize) {
         let [_, tau, cos, sin] = position(flow);
@@ -342,7 +346,7 @@ impl Columns {
         }
     }
 
-    /// The row of forces of a bond whose sites have been placed.
+    /// Computes the row of forces of a bond, whose sites have rows of positions.
     #[inline(always)]
     fn force(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize) {
         let slope = state.slope[PAD + b];
@@ -362,7 +366,8 @@ impl Columns {
         }
     }
 
-    /// Rows of a bond and its neighbours, after sites have been moved.
+    /// Computes the rows of forces of a bond and its neighbours again, after a correction has moved
+    /// the sites of the bond.
     fn refresh(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize) {
         let [before, after] = self.topology.beside(b);
         for b in [before, Some(b), after].into_iter().flatten() {
@@ -399,7 +404,8 @@ impl Columns {
             let rows = |b: Option<usize>| b.map(|b| self.modified.at(b));
             let push = self.positions.at_mut(i);
             if topology.strains() {
-                // Forces push strains as they are pulled: by twice the own, less those beside.
+                // The push on a strain is twice the force of its own bond less those of the bonds
+                // beside.
                 let beside = topology.beside(i).map(|b| b.filter(|&b| self.closed[0][b]));
                 if !self.closed[0][i] && beside == [None; 2] {
                     continue;
@@ -425,8 +431,9 @@ impl Columns {
         }
     }
 
-    /// What the kick before an event lacks: `h (f'(g + e) - f'(g)) (dg + de) - h f''(g) e dg`, an
-    /// impulse at that kick.
+    /// Adds the derivative of what the correction of an event gives for the kick before the event:
+    /// an impulse at that kick, whose derivative is
+    /// `h (f'(g + e) - f'(g)) (dg + de) - h f''(g) e dg`.
     fn kick_before(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, h: f64, to: &mut [Vec<f64>; 4]) {
         let (flow, share) = (&state.flow, h * h / 12.0);
         let (g, e) = (state.overlaps_before[0][b], share * state.pull(b, &state.force_before, &[]));
@@ -452,7 +459,7 @@ impl Columns {
         to.iter_mut().zip(by).for_each(|(to, by)| add(by, lack, to));
     }
 
-    /// The row `dF` of a bond under a pull.
+    /// Computes the row `dF` of a bond; `pull` is the acceleration `s` of its overlap.
     #[inline(always)]
     fn modify(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, pull: f64, c: f64) {
         let there = c * state.slope[PAD + b];
@@ -462,8 +469,9 @@ impl Columns {
         combine([here, there], forces.at(b), beside, self.modified.at_mut(b));
     }
 
-    /// The row of a bond whose event has made the kick worth the force of the processed path: `f'(g
-    /// + e) (dg + de)`, and what its own force modifies.
+    /// Computes the row `dF` of a bond whose correction has replaced the force of the kick by that
+    /// of the processed path: `f'(g + e) (dg + de)`, and the share of the modified force that comes
+    /// from the bond's own force.
     fn kick_fresh(&mut self, state: &Bonded<LinearFlow<f64>>, b: usize, c: f64) {
         if self.closed[0][b] {
             self.modify(state, b, -self.topology.recoil(b) * state.force[PAD + b], c);
@@ -478,12 +486,12 @@ impl Columns {
         }
         let beside = self.topology.beside(b);
         beside.into_iter().flatten().for_each(|side| add(c * change, self.forces[0].at(side), to));
-        // Sites are kicked by closed bonds.
+        // Only bonds that are marked as closed kick their sites.
         self.closed[0][b] = true;
     }
 
-    /// Derivatives of the accelerations of sites by the kick, and of their rates; bonds that have
-    /// none are told by `without`.
+    /// Derivatives of the accelerations of sites by the forces of the kick, and of the rates of
+    /// these; forces of bonds for which `without` is true count without their rates.
     #[inline(always)]
     fn jet(&mut self, state: &Bonded<LinearFlow<f64>>, without: impl Fn(usize) -> bool) -> [Rows; 2] {
         let (topology, width) = (self.topology, self.positions.width);
@@ -513,7 +521,8 @@ impl Columns {
         [a, da]
     }
 
-    /// Displacements by `share` times accelerations, impulses by `-share` times their rates.
+    /// Moves columns by displacements of `share` times accelerations and impulses of `-share` times
+    /// their rates.
     #[inline(always)]
     fn shift(&mut self, state: &Bonded<LinearFlow<f64>>, share: f64, [a, da]: &[Rows; 2]) {
         let one = |impulse, displacement| {
@@ -532,7 +541,7 @@ impl SplitFlow<f64> for TangentFlow {
         self.state.dim()
     }
 
-    /// The columns become those of the new state.
+    /// The columns keep the derivatives that they have now, for the new state.
     fn load(&mut self, y: &[f64]) {
         *self = Self::new(self.state.chain().clone(), y, &self.columns());
     }
@@ -673,13 +682,13 @@ impl BondFlow for TangentFlow {
         self.columns.shift(&self.state, -0.5 * share, &start_columns);
     }
 
-    /// The state alone: columns stay where they are.
+    /// Moves the state alone; columns are not changed.
     fn back(&self, y: &mut [f64], by: f64) {
         self.state.back(y, by);
     }
 }
 
-/// Derivatives of what a correction adds to `R0, V, C, S` of a bead by the numbers of its bond:
+/// Derivatives, by the numbers of a bond, of what its correction adds to `R0, V, C, S` of a bead:
 /// central differences.
 fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>) -> [[f64; NUMBERS]; 4] {
     let &Dependence { h, change, of, .. } = dependence;
@@ -689,7 +698,7 @@ fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>
     let pulls = [state.pull(b, &state.force_before, &[]), state.pull(b, &state.force, &[])];
     let [rate, p, p_dot] = topology.across(b, |i| state.flow.motion(i));
     let numbers = [state.overlap[b], rate, p, p_dot, pulls[0], pulls[1]];
-    // Changes of each number that change the path within a step alike.
+    // Sizes of changes of the numbers, each of which changes the path within a step about equally.
     let stiffness = omega * omega;
     let speed = rate.abs() + step * (pulls[0].abs() + pulls[1].abs() + stiffness * p.abs());
     let swing = speed / (stiffness * step);
@@ -707,7 +716,7 @@ fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>
     let mut corrections = Vec::with_capacity(views.len());
     of(&views, &mut corrections);
     for (&j, pair) in moving.iter().zip(corrections.chunks(2)) {
-        // Where there is a correction on one side only, it is about to vanish.
+        // Where only one of the two views has a correction, the correction is close to zero.
         let &[Some(ahead), Some(behind)] = pair else { continue };
         let [ahead, behind] = [ahead, behind].map(|correction| state.flow.shares(&correction));
         for k in 0..4 {
@@ -717,7 +726,8 @@ fn slopes(state: &Bonded<LinearFlow<f64>>, b: usize, dependence: &Dependence<'_>
     slopes
 }
 
-/// How the numbers of a bond come from modes of its sites and forces of its neighbours.
+/// The derivatives of the numbers of a bond: sums over the modes of its sites and the forces of its
+/// neighbours.
 struct Numbers {
     b: usize,
     position: [f64; 4],
@@ -729,7 +739,7 @@ impl Numbers {
         Self { b, position: position(&state.flow), velocity: velocity(&state.flow) }
     }
 
-    /// Adds what the columns of the numbers give by `slopes`.
+    /// Adds to a row the derivatives of the numbers, each times its slope.
     #[inline(always)]
     fn apply(&self, columns: &Columns, slopes: &[f64; NUMBERS], to: &mut [f64]) {
         let &[by_g, by_rate, by_p, by_p_dot, by_before, by_now] = slopes;

@@ -488,7 +488,7 @@ mod pictures {
         let mut left: Vec<Panel> = all.iter().map(whole).collect();
         if let (Some(zoom), Some(site)) = (zoom, all.iter().find(|one| one.center == Center::Site)) {
             let enlarged = titled(site, "near ω, enlarged", moduli(&site.branch, |p| p <= zoom));
-            // With the same label it would have the range of the panel above.
+            // A panel with the same label would get the range of the panel above.
             left.push(Panel { x_label: "frequency ω_b near ω".into(), ..enlarged });
         }
         let right: Vec<Panel> = all.iter().map(|one| titled(one, &at(one), plane(&one.one))).collect();

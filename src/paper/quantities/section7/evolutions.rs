@@ -1,7 +1,7 @@
 //! Evolutions of the breathers at `rho = 1/3` on the chain.
 //!
-//! Rounding errors of a run grow by `|lambda|^m`. Once they have the size of the breather, only
-//! sizes are properties of the chain.
+//! Rounding errors of a run grow by `|lambda|^m` over `m` periods. Once they have the size of the
+//! breather, only sizes are properties of the chain; other numbers depend on the rounding errors.
 
 use super::{
     super::{Quantity, Runs},
@@ -10,7 +10,8 @@ use super::{
 use crate::{dps::Center, error::Result, study::Evolution, sweep::map};
 
 const UNTIL: f64 = 1200.0;
-/// `E_b` slightly above rounding errors, and `E_b` that is no longer small.
+/// The range of `E_b` over which its growth rate is measured: from slightly above rounding errors
+/// to a value that is no longer small.
 const SMALL: [f64; 2] = [1e-12, 1e-2];
 
 /// Several runs in parallel, each with frequency, end and kick.
