@@ -14,7 +14,8 @@ pub struct Options<R> {
     pub first_step: Option<R>,
     /// Longest step; by default the whole span.
     pub max_step: Option<R>,
-    /// Largest number of trial steps, rejected ones included.
+    /// Largest number of trial steps, rejected ones included; of `Regularised`, without the trials
+    /// that land on an event.
     pub max_steps: u64,
     /// Stabilisation of the step size (Lund). The default is 0, none; useful values are up to 0.04.
     pub stabilisation: R,
