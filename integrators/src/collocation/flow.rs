@@ -19,6 +19,10 @@
 //! forms cancel; windows are short enough for them, see [`Flow::longest`].
 
 use super::system::{Path, Response};
+use crate::{
+    real::{Real, VectorKernel},
+    vector::{MOST_LANES, Vector},
+};
 
 /// The largest `theta` of a window. Chosen: 25 terms are then exact to rounding, and a rounding
 /// grows by `e^2` at most.
@@ -27,9 +31,11 @@ const LONGEST: f64 = 2.0;
 const TERMS: usize = 26;
 /// Terms below this are rounding.
 const ROUNDING: f64 = 1e-17;
+/// Most times that series are summed at side by side, in whole pairs of registers.
+const WIDE: usize = 2 * MOST_LANES;
 
-/// A series in `theta`.
-type Series = [f64; TERMS];
+/// Series in `theta` of `N` functions, term by term: they are summed side by side.
+type Series<const N: usize> = [[f64; N]; TERMS];
 
 /// The motion of one site.
 #[derive(Clone, Debug)]
@@ -41,52 +47,114 @@ pub(crate) struct Flow {
     slip: f64,
     rate: f64,
     /// `lag`, `cos`, `sin`.
-    position: [Series; 3],
-    /// What `v`, `c` and `s` contribute to the velocity, and to that of the oscillating part.
-    velocity: [Series; 3],
-    swing: [Series; 3],
+    position: Series<3>,
     /// `exp(-A t) b`.
-    answer: [Series; 4],
-    /// `K`.
-    kernel: Series,
+    answer: Series<4>,
 }
 
 fn apply(a: &[Path; 4], y: &Path) -> Path {
     std::array::from_fn(|i| (a[i][0] * y[0] + a[i][1] * y[1]) + (a[i][2] * y[2] + a[i][3] * y[3]))
 }
 
-/// `A^k y/k!`, entry by entry.
-fn powers(a: &[Path; 4], mut y: Path) -> [Series; 4] {
-    let mut out = [[0.0; TERMS]; 4];
-    for k in 0..TERMS {
-        for i in 0..4 {
-            out[i][k] = y[i];
-        }
+/// `A^k y/k!` for all `k`.
+fn powers(a: &[Path; 4], mut y: Path) -> Series<4> {
+    let mut out = [[0.0; 4]; TERMS];
+    for (k, term) in out.iter_mut().enumerate() {
+        *term = y;
         y = apply(a, &y).map(|x| x / (k + 1) as f64);
     }
     out
 }
 
-/// `1 + theta + ..` needs so many terms.
-#[inline(always)]
-fn terms(theta: f64) -> usize {
-    let (mut term, mut k) = (1.0, 1);
-    while k < TERMS && term > ROUNDING {
-        term *= theta / k as f64;
+/// The largest `theta` for which `1 + theta + ..` needs `k + 1` terms at most; those left out are
+/// rounding.
+const REACH: [f64; TERMS - 1] = {
+    let mut reach = [0.0; TERMS - 1];
+    let mut k = 1;
+    while k < TERMS - 1 {
+        let (mut low, mut high) = (0.0, 2.0 * LONGEST);
+        loop {
+            let theta = 0.5 * (low + high);
+            if theta == low || theta == high {
+                break;
+            }
+            let (mut term, mut i) = (1.0, 1);
+            while i <= k {
+                term *= theta / i as f64;
+                i += 1;
+            }
+            if term > ROUNDING {
+                high = theta;
+            } else {
+                low = theta;
+            }
+        }
+        reach[k] = low;
         k += 1;
     }
-    k
+    reach
+};
+
+/// `theta^k`, its integral and the integral of that, in units of `theta^k`, `theta^{k+1}` and
+/// `theta^{k+2}`.
+const INTEGRALS: [[f64; 3]; TERMS] = {
+    let (mut integrals, mut k) = ([[1.0; 3]; TERMS], 0);
+    while k < TERMS {
+        let next = (k + 1) as f64;
+        (integrals[k][1], integrals[k][2]) = (1.0 / next, 1.0 / (next * (next + 1.0)));
+        k += 1;
+    }
+    integrals
+};
+
+/// `1 + theta + ..` needs so many terms. A comparison with each of the numbers above costs less
+/// than the terms themselves.
+#[inline(always)]
+fn terms(theta: f64) -> usize {
+    REACH.iter().map(|&reach| usize::from(theta > reach)).sum::<usize>() + 1
 }
 
+/// The sums of some series, term by term, at `L` times.
 #[inline(always)]
-fn sum<const L: usize>(series: &Series, count: usize, theta: &[f64; L]) -> [f64; L] {
-    let mut out = [0.0; L];
-    for k in (0..count).rev() {
-        for j in 0..L {
-            out[j] = theta[j].mul_add(out[j], series[k]);
+fn sums<const L: usize, const N: usize>(series: &[[f64; N]], theta: &[f64; WIDE]) -> [[f64; L]; N] {
+    let mut sums = [[0.0; WIDE]; N];
+    f64::run_vector(Horner { series, theta, times: L, sums: &mut sums });
+    sums.map(|sum| std::array::from_fn(|j| sum[j]))
+}
+
+/// Sums series at some times side by side. It is written with registers: compilers keep so many sums
+/// of a loop in memory, number by number.
+struct Horner<'a, const N: usize> {
+    series: &'a [[f64; N]],
+    theta: &'a [f64; WIDE],
+    times: usize,
+    sums: &'a mut [[f64; WIDE]; N],
+}
+
+impl<const N: usize> VectorKernel<f64> for Horner<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        const { assert!(WIDE.is_multiple_of(2 * V::LANES)) };
+        for at in (0..self.times).step_by(2 * V::LANES) {
+            // SAFETY, here and below: two registers from `at` on are within `WIDE` numbers.
+            let theta = [at, at + V::LANES].map(|at| unsafe { V::load(self.theta.as_ptr().add(at)) });
+            let mut sums = [[V::all(0.0); 2]; N];
+            for term in self.series.iter().rev() {
+                for i in 0..N {
+                    for half in 0..2 {
+                        sums[i][half] = theta[half].fused(sums[i][half], V::all(term[i]));
+                    }
+                }
+            }
+            for i in 0..N {
+                for half in 0..2 {
+                    unsafe { sums[i][half].store(self.sums[i].as_mut_ptr().add(at + half * V::LANES)) };
+                }
+            }
         }
     }
-    out
 }
 
 impl Flow {
@@ -107,26 +175,9 @@ impl Flow {
         let rate = (omega + 2.0 * drag * (m + mu) + slip).max(1e-100);
         let scaled = a.map(|row| row.map(|x| x / rate));
         let transposed: [Path; 4] = std::array::from_fn(|i| std::array::from_fn(|j| scaled[j][i]));
-        let [_, mut lag, cos, sin] = powers(&transposed, [1.0, 0.0, 1.0, 0.0]);
-        lag[1] = 0.0;
-        let velocity = |of: Path| {
-            let [_, v, c, s] = powers(&transposed, of);
-            [v, c, s]
-        };
-        let [r, _, c, _] = powers(&scaled, b);
-        Self {
-            a,
-            b,
-            response,
-            drag,
-            slip,
-            rate,
-            position: [lag, cos, sin],
-            velocity: velocity([0.0, 1.0, 0.0, omega]),
-            swing: velocity([0.0, 0.0, 0.0, omega]),
-            answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
-            kernel: std::array::from_fn(|k| r[k] + c[k]),
-        }
+        let mut position = powers(&transposed, [1.0, 0.0, 1.0, 0.0]).map(|[_, v, c, s]| [v, c, s]);
+        position[1][0] = 0.0;
+        Self { a, b, response, drag, slip, rate, position, answer: powers(&scaled.map(|row| row.map(|x| -x)), b) }
     }
 
     /// Whether anything is damped.
@@ -171,52 +222,74 @@ impl Flow {
         apply(&self.a, y)
     }
 
+    /// `theta` at `L` times, at most [`WIDE`], and how many terms these need.
     #[inline(always)]
-    fn at<const L: usize, const N: usize>(&self, series: &[Series; N], t: &[f64; L]) -> [[f64; L]; N] {
-        let (mut theta, mut largest) = ([0.0; L], 0.0);
+    fn theta<const L: usize>(&self, t: &[f64; L]) -> ([f64; WIDE], usize) {
+        const { assert!(L <= WIDE) };
+        let (mut theta, mut largest) = ([0.0; WIDE], 0.0);
         for j in 0..L {
             theta[j] = self.rate * t[j];
             largest = if theta[j] > largest { theta[j] } else { largest };
         }
-        let (mut out, count) = ([[0.0; L]; N], terms(largest));
-        for i in 0..N {
-            out[i] = sum(&series[i], count, &theta);
-        }
-        out
+        (theta, terms(largest))
     }
 
     /// `lag`, `cos` and `sin` at some times.
     #[inline(always)]
     pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.position, t)
+        let (theta, count) = self.theta(t);
+        sums(&self.position[..count], &theta)
     }
 
-    /// What `v`, `c` and `s` contribute to the velocity.
+    /// What `v`, `c` and `s` contribute to the velocity: the derivatives of `t + lag`, `cos` and
+    /// `sin`.
     #[inline(always)]
     pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.velocity, t)
+        let (theta, count) = self.theta(t);
+        let mut rates = [[0.0; 3]; TERMS];
+        for k in 1..(count + 1).min(TERMS) {
+            rates[k - 1] = self.position[k].map(|term| k as f64 * self.rate * term);
+        }
+        rates[0][0] = 1.0;
+        sums(&rates[..count], &theta)
     }
 
-    /// The same for the velocity of the oscillating part.
+    /// The same for the velocity of the oscillating part: without that of the free part, which is
+    /// `v - drag m (q - q(0))`.
     #[inline(always)]
-    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        self.at(&self.swing, t)
+    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L], velocity: &[[f64; L]; 3]) -> [[f64; L]; 3] {
+        let ([lag, cos, sin], slows) = (self.position(t), self.drag * self.response.m);
+        let mut swing = *velocity;
+        for j in 0..L {
+            swing[0][j] += slows * (t[j] + lag[j]) - 1.0;
+            swing[1][j] += slows * (cos[j] - 1.0);
+            swing[2][j] += slows * sin[j];
+        }
+        swing
     }
 
     /// `exp(-A t) b`: the path that a unit impulse at `t` leaves behind.
     #[inline(always)]
     pub(crate) fn answer<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 4] {
-        self.at(&self.answer, t)
+        let (theta, count) = self.theta(t);
+        sums(&self.answer[..count], &theta)
+    }
+
+    /// The coefficient of `theta^k` in `K = b_v (t + lag) + b_s sin`.
+    #[inline(always)]
+    fn kernel(&self, k: usize) -> f64 {
+        let [lag, _, sin] = self.position[k];
+        let free = if k == 1 { 1.0 / self.rate } else { lag };
+        self.b[1] * free + self.b[3] * sin
     }
 
     /// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`, and `K` itself, in front.
     pub(crate) fn ramps(&self, t: f64) -> [f64; 3] {
-        let theta = self.rate * t;
-        let mut out = [0.0; 3];
+        let (theta, mut out) = (self.rate * t, [0.0; 3]);
         for k in (0..terms(theta)).rev() {
-            let (x, k) = (self.kernel[k], k as f64);
-            for (out, part) in out.iter_mut().zip([x, x / (k + 1.0), x / ((k + 1.0) * (k + 2.0))]) {
-                *out = theta * *out + part;
+            let term = self.kernel(k);
+            for i in 0..3 {
+                out[i] = theta * out[i] + term * INTEGRALS[k][i];
             }
         }
         [out[0], out[1] * t, out[2] * t * t]
@@ -224,7 +297,7 @@ impl Flow {
 
     /// Coefficients of `t^2`, `t^3` and `t^4` in `sum_k rates[k] int_0^t K(t - s) s^k/k! ds`.
     pub(crate) fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
-        let [_, a, b, c, ..] = self.kernel;
+        let [a, b, c] = [1, 2, 3].map(|k| self.kernel(k));
         let [a, b, c] = [a * self.rate, 2.0 * b * self.rate.powi(2), 6.0 * c * self.rate.powi(3)];
         [a * f0 / 2.0, (a * f1 + b * f0) / 6.0, (a * f2 + b * f1 + c * f0) / 24.0]
     }
@@ -268,7 +341,8 @@ mod tests {
 
     /// Position and velocity of the oscillating part, and of all, along `y` at `t`.
     fn at(flow: &Flow, y: Path, t: f64) -> [f64; 2] {
-        let ([lag, cos, sin], [v, c, s]) = (flow.position(&[t]), flow.swing(&[t]));
+        let [lag, cos, sin] = flow.position(&[t]);
+        let [v, c, s] = flow.swing(&[t], &flow.velocity(&[t]));
         let position = (y[0] + y[1] * t) + (y[1] * lag[0] + y[2] * cos[0] + y[3] * sin[0]);
         [position, y[1] * v[0] + y[2] * c[0] + y[3] * s[0]]
     }
