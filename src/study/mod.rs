@@ -16,6 +16,7 @@ mod driven;
 mod end_driven;
 mod evolve;
 mod exact;
+mod keeper;
 mod lifetimes;
 mod modulation;
 mod moving;
@@ -70,7 +71,6 @@ pub use moving::*;
 pub(crate) use moving::{moving_caption, moving_tables};
 pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
-#[cfg(feature = "cli")]
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
@@ -168,6 +168,9 @@ pub trait Report {
         true
     }
 }
+
+/// The table of a branch that crosses the one that was asked for.
+const SWITCHED_TABLE: &str = "switched-branch.csv";
 
 /// Names for files and pictures.
 fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {

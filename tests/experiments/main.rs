@@ -18,6 +18,7 @@ mod normal_modes;
 mod orbits;
 mod solitary;
 mod sweep;
+mod switching;
 mod theorem;
 mod verify;
 mod waves;
