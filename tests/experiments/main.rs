@@ -11,6 +11,7 @@ mod branch_files;
 mod breathers;
 mod charts;
 mod driven;
+mod driven_files;
 mod exact_waves;
 mod lifetimes;
 mod moving;

@@ -143,7 +143,7 @@ fn a_run_settles_onto_the_orbit_of_doubled_period_where_that_is_stable() {
     let chain = orbit.setting.chain().unwrap();
     let mut state = main.bifurcations[birth].point.orbit.start().unwrap().as_slice().to_vec();
     state[0] += 1e-3;
-    let flow = |y: &[f64], period: f64| Variations::flow(&chain, y, (0.0, period), &[], 1e-13).unwrap().state;
+    let flow = |y: &[f64], period: f64| Variations::flow(&chain, y, (0.0, period), &[], 1e-14).unwrap().state;
     for _ in 0..200 {
         state = flow(&state, orbit.setting.period());
     }

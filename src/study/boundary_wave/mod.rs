@@ -227,9 +227,8 @@ impl BoundaryWave {
         let end = (RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit;
         let periods = end * omega_d / TAU;
         if periods > MOST_PERIODS {
-            let value = format!("{omega_d}, for {periods:.3e} periods");
-            let rule = "a run of at most 10^5 periods of the drive, by how slow the wave is: farther above sqrt(1 + 1/rho)";
-            return Err(Error::parameter("omegas", value, rule));
+            let rule = "the wave is so slow that its run takes more than 10^5 periods of the drive: farther above sqrt(1 + 1/rho)";
+            return Err(Error::parameter("omegas", omega_d, rule));
         }
         Ok(end)
     }
