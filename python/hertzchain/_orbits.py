@@ -273,6 +273,7 @@ def continue_branch(
     to: float,
     step: float | None = None,
     points: int | None = None,
+    switch: int | None = None,
     progress: Progress = False,
 ) -> DrivenBranch: ...
 def continue_branch(
@@ -285,6 +286,7 @@ def continue_branch(
     natural: bool = False,
     weak: float = 0.01,
     bound: bool = False,
+    switch: int | None = None,
     progress: Progress = False,
 ) -> Branch | DrivenBranch:
     """Follow a branch from an orbit.
@@ -311,6 +313,9 @@ def continue_branch(
     bound : bool
         Give each point a bound on the distance to an exact orbit, ``kantorovich``; of dark breathers
         only.
+    switch : int, optional
+        Follow the branch that crosses at this bifurcation, too, numbered from 1 on: it is
+        ``switched`` of the result; of driven orbits only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -324,7 +329,9 @@ def continue_branch(
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, progress)
+        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, switch, progress)
+    if switch is not None:
+        raise ParameterError("switch is not valid: it is for driven orbits")
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
         raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")

@@ -136,12 +136,16 @@ impl DrivenBranch {
             let value = format!("{} of {}", k.saturating_add(1), self.bifurcations.len());
             return Err(Error::parameter("switch", value, "bifurcations of the branch are numbered from 1"));
         };
-        let refused = |what: &str, rule: &'static str| Err(Error::parameter("switch", format!("{}, {what}", k + 1), rule));
+        let refused =
+            |what: &str, rule: &'static str| Err(Error::parameter("switch", format!("{}, {what}", k + 1), rule));
         let setting = match birth.kind {
             BifurcationKind::PeriodDoubling => birth.point.orbit.setting.doubled()?,
             BifurcationKind::PlusOne => birth.point.orbit.setting.clone(),
             BifurcationKind::Torus => {
-                return refused("a torus bifurcation", "the orbits that begin there are not periodic: none is followed");
+                return refused(
+                    "a torus bifurcation",
+                    "the orbits that begin there are not periodic: none is followed",
+                );
             }
             _ => return refused("a fold", "a branch turns there, and no other one crosses it"),
         };

@@ -6,9 +6,11 @@
 //! leading coordinate may begin with the other sign, and the amplitude `a` is negative.
 
 use super::{
-    arclength::{self, Course, End, Scales, Way},
+    arclength::{self, Course, End, Scales, Solution, Way},
     bifurcation::{self, BifurcationKind, Located},
-    normal_modes::{ModeBifurcation, ModeBranch, ModeFamily, ModeOrbit, ModePoint, NormalModes, WEAK},
+    normal_modes::{
+        ModeBifurcation, ModeBranch, ModeContinuation, ModeFamily, ModeOrbit, ModePoint, NormalModes, TOL, WEAK,
+    },
     switching,
 };
 use crate::{
@@ -26,7 +28,7 @@ impl ModeFamily<'_> {
     fn turning_point(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
         let (modes, span) = (self.modes, (0.0, PI / orbit.omega));
         let start = modes.start(orbit.amplitude, &orbit.shape);
-        let end = Variations::flow(&modes.chain, &start, span, &[], super::normal_modes::TOL)?.state;
+        let end = Variations::flow(&modes.chain, &start, span, &[], TOL)?.state;
         Ok(DVector::from_iterator(modes.free.len(), modes.free.iter().map(|&i| end[i] - modes.rest[i])))
     }
 
@@ -64,48 +66,26 @@ impl ModeBranch {
             let value = format!("{} of {}", k.saturating_add(1), self.bifurcations.len());
             return Err(Error::parameter("switch", value, "bifurcations of the branch are numbered from 1"));
         };
-        let family = ModeFamily::new(modes, &self.continuation);
-        let doubled = birth.kind == BifurcationKind::PeriodDoubling;
-        let (turns, starts): (u32, &[bool]) = match birth.kind {
-            BifurcationKind::PeriodDoubling => (2, &[false, true]),
-            BifurcationKind::PlusOne => (1, &[false]),
-            _ => (1, &[]),
-        };
-        let range = self.continuation.to - self.continuation.step;
-        let mut found = None;
-        for &later in starts {
-            let place = family.told(&birth.point.orbit, turns, later)?;
-            let scales = Scales::new(&place.0, range);
-            let [a, b] = [0, 1].map(|j| family.told(&self.points[birth.after + j].orbit, turns, later));
-            let (a, b) = (a?, b?);
-            let along = scales.chord((&a.0, a.1), (&b.0, b.1)).normalize();
-            if let Some(v) = switching::crossing(&family, (&place.0, place.1), scales, &along)? {
-                found = Some((place, scales, v));
-                break;
-            }
-        }
-        let Some(((z, a), scales, v)) = found else {
-            let rule = "a period doubling or a branch point, at which one other branch of orbits crosses that are at rest twice in a period";
-            let kind = serde_json::to_value(birth.kind).ok().and_then(|kind| kind.as_str().map(str::to_owned));
-            return Err(Error::parameter("switch", format!("{}, {}", k + 1, kind.unwrap_or_default()), rule));
+        let continuation = self.continuation;
+        let ModeContinuation { to, step, most_points, .. } = continuation;
+        let family = ModeFamily::new(modes, &continuation);
+        let Some(((z, a), scales, v)) = self.crossing(&family, birth)? else {
+            let rule =
+                "a period doubling or a branch point where one other branch crosses, of orbits at rest twice a period";
+            return Err(Error::parameter("switch", format!("{}, {:?}", k + 1, birth.kind), rule));
         };
         let (first, ds) = switching::first(&family, (&z, a), scales, &v)?;
         let direction = a.signum();
-        let way = Way { to: direction * self.continuation.to, step: self.continuation.step, natural: false, direction };
-        let course = Course {
-            back: direction * self.continuation.step,
-            previous: Some((z.clone(), a)),
-            last: (first.z.clone(), first.p),
-            ds,
-            points: 2,
-        };
-        let start = arclength::Solution { z, p: a, residual: birth.point.orbit.residual, newton: Vec::new() };
+        let way = Way { to: direction * to, step, natural: false, direction };
+        let last = (first.z.clone(), first.p);
+        let course = Course { back: direction * step, previous: Some((z.clone(), a)), last, ds, points: 2 };
+        let start = Solution { z, p: a, residual: birth.point.orbit.residual, newton: Vec::new() };
         let mut points = vec![family.point(&start)?, family.point(&first)?];
         points.iter().for_each(&mut seen);
         let mut apart = family.halves_apart(&points[1].orbit)?;
-        let end = arclength::follow(&family, course, way, self.continuation.most_points, &mut |solution, _, _| {
+        let end = arclength::follow(&family, course, way, most_points, &mut |solution, _, _| {
             let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
-            if doubled {
+            if birth.kind == BifurcationKind::PeriodDoubling {
                 let now = family.halves_apart(&point.orbit)?;
                 if switching::changed_places(&apart, &now) {
                     return Ok(Some(End::Rejoined));
@@ -116,8 +96,33 @@ impl ModeBranch {
             points.push(point);
             Ok(None)
         })?;
-        let (bifurcations, unresolved) = self::located(&family, &points[1..], 1);
-        Ok(Self { continuation: self.continuation, points, bifurcations, unresolved, end })
+        let (bifurcations, unresolved) = located(&family, &points[1..], 1);
+        Ok(Self { continuation, points, bifurcations, unresolved, end })
+    }
+
+    /// A bifurcation as an orbit of the branch that crosses there, the units of both, and the
+    /// direction in which the other branch leaves.
+    fn crossing(
+        &self,
+        family: &ModeFamily<'_>,
+        birth: &ModeBifurcation,
+    ) -> Result<Option<(Place, Scales, DVector<f64>)>> {
+        let (turns, starts): (u32, &[bool]) = match birth.kind {
+            BifurcationKind::PeriodDoubling => (2, &[false, true]),
+            BifurcationKind::PlusOne => (1, &[false]),
+            _ => return Ok(None),
+        };
+        for &later in starts {
+            let told = |orbit: &ModeOrbit| family.told(orbit, turns, later);
+            let place = told(&birth.point.orbit)?;
+            let scales = Scales::new(&place.0, self.continuation.to - self.continuation.step);
+            let (a, b) = (told(&self.points[birth.after].orbit)?, told(&self.points[birth.after + 1].orbit)?);
+            let along = scales.chord((&a.0, a.1), (&b.0, b.1)).normalize();
+            if let Some(v) = switching::crossing(family, (&place.0, place.1), scales, &along)? {
+                return Ok(Some((place, scales, v)));
+            }
+        }
+        Ok(None)
     }
 }
 

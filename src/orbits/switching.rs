@@ -39,12 +39,12 @@ pub(super) fn crossing(
     let svd = bordered.svd(false, true);
     let (values, Some(vectors)) = (svd.singular_values, svd.v_t) else { return Ok(None) };
     let last = values.len() - 1;
-    if !(values[last] <= SINGULAR * values[last - 1]) {
-        return Ok(None);
-    }
-    let v = vectors.row(last).transpose();
-    let sign = v[v.icamax()].signum();
-    Ok(Some(v * sign))
+    let crosses = values[last] <= SINGULAR * values[last - 1];
+    Ok(crosses.then(|| {
+        let v = vectors.row(last).transpose();
+        let sign = v[v.icamax()].signum();
+        v * sign
+    }))
 }
 
 /// The first solution on the branch that leaves in the direction `v`, and its `delta`.

@@ -19,6 +19,7 @@ const SHAKEN: &str = "
     name = 'shaken'
     [chain]
     sites = 1
+    alpha = 1.5
     kappa = 0.0
     rho = 0.0
     boundary = 'fixed'

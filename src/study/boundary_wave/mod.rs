@@ -184,7 +184,8 @@ impl BoundaryWave {
         }
         let (name, value) =
             if self.overlap > 2.0 * self.drive { ("overlap", self.overlap) } else { ("drive", self.drive) };
-        let rule = "contacts are at most 100 times as fast as the drive: 6^(1/2) (overlap + 2 drive)^(1/4) <= 100 omega";
+        let rule =
+            "contacts are at most 100 times as fast as the drive: 6^(1/2) (overlap + 2 drive)^(1/4) <= 100 omega";
         Err(Error::parameter(name, value, rule))
     }
 

@@ -5,7 +5,10 @@
 
 use crate::{
     error::{Error, Result},
-    orbits::{BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenTrail, End},
+    orbits::{
+        BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenTrail,
+        End,
+    },
     output::{Archive, Array, SETTINGS, npz_with, to_json},
     scene::{Scene, SceneFile},
 };
@@ -133,7 +136,7 @@ fn orbits(
         setting.chain().map_err(|why| refused("parameter", &why))?;
         let orbit = DrivenOrbit { setting, z: z.to_vec(), residual, newton: Vec::new() };
         let off = orbit.measured(&continuation.shooting).map_err(|why| refused("z", &why))?;
-        if !(off <= ORBIT) {
+        if off.is_nan() || off > ORBIT {
             return Err(refused("z", &format!("an orbit returns to 1e-8: this comes back to {off:e}")));
         }
         orbits.push(orbit);

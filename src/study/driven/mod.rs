@@ -18,9 +18,9 @@ use crate::{
 };
 pub use file::load_driven_branch;
 use file::npz;
-use std::path::PathBuf;
 #[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
+use std::path::PathBuf;
 
 /// A driven scene, by name, and the search for its orbit.
 #[derive(Clone, Debug)]
@@ -305,7 +305,12 @@ fn followed(
 }
 
 /// Follows a branch on, unless it has ended, and studies it.
-fn go_on(scene: &Scene, mut trail: DrivenTrail, mut keeper: Keeper<'_>, progress: Progress<'_>) -> Result<DrivenBranch> {
+fn go_on(
+    scene: &Scene,
+    mut trail: DrivenTrail,
+    mut keeper: Keeper<'_>,
+    progress: Progress<'_>,
+) -> Result<DrivenBranch> {
     let DrivenContinuation { parameter, to, shooting, .. } = trail.continuation;
     let mut keep = |trail: &DrivenTrail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(scene, trail));
     if trail.end.is_none() {
@@ -324,7 +329,11 @@ fn go_on(scene: &Scene, mut trail: DrivenTrail, mut keeper: Keeper<'_>, progress
     let orbits = &trail.orbits;
     let point = |orbit: &DrivenOrbit| {
         let kept = || format!("all {} points of the branch, not yet its multipliers", orbits.len());
-        if interrupt::asked() { Err(Error::Stopped { kept: kept() }) } else { DrivenPoint::new(orbit.clone(), &shooting) }
+        if interrupt::asked() {
+            Err(Error::Stopped { kept: kept() })
+        } else {
+            DrivenPoint::new(orbit.clone(), &shooting)
+        }
     };
     let mut points = Vec::new();
     for found in map(orbits, point) {

@@ -314,7 +314,8 @@ fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> 
     let mut how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
     if let Some((number, other)) = switched {
         let names = ["stable, switched", "unstable, switched"];
-        lines.extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
+        lines
+            .extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
         largest.push(moduli("switched", other));
         how += &format!(" From bifurcation {number}: {} orbits; {}.", other.points.len(), other.end.words());
     }

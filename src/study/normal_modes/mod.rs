@@ -88,7 +88,8 @@ impl ModeWay {
 }
 
 impl Study for FollowMode {
-    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv.";
+    const FILES: &'static str =
+        "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv.";
     const STOPS: bool = true;
 
     fn sometimes() -> Vec<String> {
