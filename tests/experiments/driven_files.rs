@@ -156,9 +156,8 @@ fn what_cannot_be_a_driven_branch_is_refused_with_file_place_and_rule() {
         let (mut settings, mut arrays) = (settings.clone(), arrays.clone());
         alter(&mut settings, &mut arrays);
         let arrays = shapes.iter().zip(arrays);
-        let arrays: Vec<Array<'_>> = arrays
-            .map(|((name, shape), values)| Array { name, shape: shape.iter().map(|n| *n as u64).collect(), values })
-            .collect();
+        let arrays: Vec<Array<'_>> =
+            arrays.map(|((name, shape), values)| Array { name, shape: shape.clone(), values }).collect();
         fs::write(&path, npz_with("settings.json", &settings.to_string(), &arrays).unwrap()).unwrap();
         let error = load_driven_branch(&path).unwrap_err();
         let text = error.to_string();
