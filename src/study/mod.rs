@@ -91,7 +91,14 @@ pub(crate) use wave::wave_tables;
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
-use crate::{chain::Params, error::Result, number::written, run::Method, scene::Scene, sweep::Engine};
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    number::written,
+    run::Method,
+    scene::Scene,
+    sweep::Engine,
+};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -171,6 +178,12 @@ pub trait Report {
 
 /// The table of a branch that crosses the one that was asked for.
 const SWITCHED_TABLE: &str = "switched-branch.csv";
+
+/// Refuses the number of a bifurcation that is none.
+fn check_switch(number: Option<usize>) -> Result<()> {
+    let rule = "bifurcations of the branch are numbered from 1";
+    if number == Some(0) { Err(Error::parameter("switch", 0, rule)) } else { Ok(()) }
+}
 
 /// Names for files and pictures.
 fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {

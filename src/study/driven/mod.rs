@@ -4,7 +4,7 @@
 mod file;
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, keeper::Keeper};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, keeper::Keeper};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -221,12 +221,13 @@ impl Study for DrivenContinue {
     }
 
     fn begin(&self) -> Result<Work<'_>> {
+        check_switch(self.way.switch)?;
         let Some(path) = &self.resume else {
             let scene = self.told.load()?;
             self.way.continuation(&self.told.search.setting(&scene)?)?;
             return Ok(Box::new(move |engine, progress| {
-                let begun = |progress: Progress<'_>| first(&scene, &self.told.search, &self.way, progress);
-                let trail = begun(&|share, what| progress(SETTLING * share, what))?;
+                let settling = |share: f64, what: &str| progress(SETTLING * share, what);
+                let trail = first(&scene, &self.told.search, &self.way, &settling)?;
                 Ok(Box::new(followed(scene, trail, self.way.switch, engine.folder(), progress)?))
             }));
         };
@@ -274,6 +275,7 @@ pub fn driven_branch(
     way: &DrivenWay,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
+    check_switch(way.switch)?;
     let trail = first(&scene, search, way, &|share, what| progress(SETTLING * share, what))?;
     followed(scene, trail, way.switch, None, progress)
 }

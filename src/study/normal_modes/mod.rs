@@ -2,7 +2,7 @@
 
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch};
 use crate::{
     error::{Error, Result},
     orbits::{ModeBranch, ModeContinuation, ModePoint, NormalModes},
@@ -74,7 +74,8 @@ pub struct ModeStudy {
 
 impl ModeWay {
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
-        let &Self { mode, to, step, max_points: most_points, .. } = self;
+        let &Self { mode, to, step, max_points: most_points, switch } = self;
+        check_switch(switch)?;
         let mode = match mode {
             None => modes.most_localised(),
             Some(0) => {
