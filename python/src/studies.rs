@@ -179,6 +179,7 @@ pub(crate) fn driven_branch<'py>(
 /// The branch of a normal mode of a scene, as JSON.
 #[pyfunction]
 #[pyo3(signature = (scene, *, mode, to, step, points, switch, progress))]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn normal_mode<'py>(
     py: Python<'py>,
     scene: &Scene,
