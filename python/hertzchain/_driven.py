@@ -81,12 +81,17 @@ class DrivenBranch:
         ``multiplier`` of each.
     end : str
         Why the branch ended.
+    switched : DrivenBranch or None
+        The branch that crosses at the bifurcation that was asked for.
     record : dict
         All that ``hertzchain orbit continue --json`` prints.
     """
 
-    def __init__(self, text: str) -> None:
-        self.record: dict[str, Any] = json.loads(text)
+    def __init__(self, record: dict[str, Any]) -> None:
+        self.record = record
+        shared = {name: value for name, value in record.items() if name != "switched"}
+        other = record.get("switched")
+        self.switched: DrivenBranch | None = None if other is None else DrivenBranch({**shared, **other})
         points = self.record["points"]
         self.parameter: str = self.record["parameter"]
         self.end: str = self.record["end"]
@@ -184,20 +189,21 @@ def continue_driven(
     to: float,
     step: float | None,
     points: int,
+    switch: int | None,
     progress: Progress,
 ) -> DrivenBranch:
     """The branch of a driven orbit; :func:`continue_branch` describes the parameters."""
     turns, settle = orbit._search
     with shown(progress, "branch") as tell:
-        return DrivenBranch(
-            _native.driven_branch(
-                orbit.scene._scene,
-                turns=turns,
-                settle=settle,
-                parameter=word("parameter", parameter),
-                to=number("to", to),
-                step=optional("step", step),
-                points=whole("points", points),
-                progress=tell,
-            )
+        text = _native.driven_branch(
+            orbit.scene._scene,
+            turns=turns,
+            settle=settle,
+            parameter=word("parameter", parameter),
+            to=number("to", to),
+            step=optional("step", step),
+            points=whole("points", points),
+            switch=None if switch is None else whole("switch", switch),
+            progress=tell,
         )
+    return DrivenBranch(json.loads(text))

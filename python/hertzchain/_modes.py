@@ -42,12 +42,18 @@ class NormalMode:
         Multipliers of the last orbit.
     end : str
         Why the branch ended.
+    switched : NormalMode or None
+        The branch that crosses at the bifurcation that was asked for.
     record : dict
         All that ``hertzchain orbit mode --json`` prints.
     """
 
-    def __init__(self, text: str) -> None:
-        self.record: dict[str, Any] = json.loads(text)
+    def __init__(self, record: dict[str, Any]) -> None:
+        self.record = record
+        # What belongs to the chain is said once.
+        shared = {name: value for name, value in record.items() if name != "switched"}
+        other = record.get("switched")
+        self.switched: NormalMode | None = None if other is None else NormalMode({**shared, **other})
         points, last = self.record["points"], self.record["last"]
         kinds = [("omega", np.float64), ("participation", np.float64), ("site", np.int64), ("resonator", np.bool_)]
         rows = [tuple(one[name] for name, _ in kinds) for one in self.record["linear"]]
@@ -96,6 +102,7 @@ def normal_mode(
     mode: int | None = None,
     step: float | None = None,
     points: int = 200,
+    switch: int | None = None,
     progress: Progress = False,
 ) -> NormalMode:
     """Follow a nonlinear normal mode of a conservative chain, starting from the linear mode.
@@ -115,6 +122,9 @@ def normal_mode(
         First amplitude, and its largest change from point to point; by default a twentieth of `to`.
     points : int
         Largest number of points of the branch.
+    switch : int, optional
+        Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
+        is ``switched`` of the result.
     progress : bool or callable
         As in :func:`run`.
 
@@ -139,13 +149,13 @@ def normal_mode(
     elif not isinstance(scene, Scene):
         scene = scene_of(scene, None, None)
     with shown(progress, "mode") as tell:
-        return NormalMode(
-            _native.normal_mode(
-                scene._scene,
-                mode=None if mode is None else whole("mode", mode),
-                to=number("to", to),
-                step=optional("step", step),
-                points=whole("points", points),
-                progress=tell,
-            )
+        text = _native.normal_mode(
+            scene._scene,
+            mode=None if mode is None else whole("mode", mode),
+            to=number("to", to),
+            step=optional("step", step),
+            points=whole("points", points),
+            switch=None if switch is None else whole("switch", switch),
+            progress=tell,
         )
+    return NormalMode(json.loads(text))

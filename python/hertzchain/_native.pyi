@@ -134,6 +134,7 @@ def driven_branch(
     to: float,
     step: float | None,
     points: int,
+    switch: int | None,
     progress: Callable[[float], Any] | None,
 ) -> str: ...
 def normal_mode(
@@ -143,6 +144,7 @@ def normal_mode(
     to: float,
     step: float | None,
     points: int,
+    switch: int | None,
     progress: Callable[[float], Any] | None,
 ) -> str: ...
 def compare_json(

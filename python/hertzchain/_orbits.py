@@ -276,6 +276,7 @@ def continue_branch(
     to: float,
     step: float | None = None,
     points: int | None = None,
+    switch: int | None = None,
     progress: Progress = False,
 ) -> DrivenBranch: ...
 def continue_branch(
@@ -288,6 +289,7 @@ def continue_branch(
     natural: bool = False,
     weak: float = 0.01,
     bound: bool = False,
+    switch: int | None = None,
     progress: Progress = False,
 ) -> Branch | DrivenBranch:
     """Follow a branch from an orbit.
@@ -316,6 +318,9 @@ def continue_branch(
     bound : bool
         Give each point a bound on the distance to an exact orbit, ``kantorovich``. For dark
         breathers only.
+    switch : int, optional
+        Number of a bifurcation, counted from 1. The branch that crosses there is followed too; it
+        is ``switched`` of the result. For driven orbits only.
     progress : bool or callable
         As in :func:`run`.
 
@@ -329,7 +334,9 @@ def continue_branch(
     if isinstance(orbit, DrivenOrbit):
         if natural or bound or weak != 0.01:
             raise ParameterError("natural, weak and bound are not valid: they are for dark breathers")
-        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, progress)
+        return continue_driven(orbit, parameter, to, step, 200 if points is None else points, switch, progress)
+    if switch is not None:
+        raise ParameterError("switch is not valid: it is for driven orbits")
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
         raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")

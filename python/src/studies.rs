@@ -151,9 +151,9 @@ pub(crate) fn driven_orbit<'py>(
     })
 }
 
-/// The branch of that orbit in a parameter, as JSON.
+/// The branch of that orbit in a parameter, and the one that crosses it, as JSON.
 #[pyfunction]
-#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, progress))]
+#[pyo3(signature = (scene, *, turns, settle, parameter, to, step, points, switch, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn driven_branch<'py>(
     py: Python<'py>,
@@ -164,11 +164,13 @@ pub(crate) fn driven_branch<'py>(
     to: f64,
     step: Option<f64>,
     points: usize,
+    switch: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
         let search = DrivenSearch { turns, settle };
-        let way = DrivenWay { vary: DriveParameter::named(parameter)?, to, step, max_points: points };
+        let vary = DriveParameter::named(parameter)?;
+        let way = DrivenWay { vary, to: Some(to), step, max_points: points, switch };
         let branch = study::driven_branch(scene.0.clone(), &search, &way, &|share, _| watched.tell(share))?;
         Ok(text(&branch.json()))
     })
@@ -176,7 +178,8 @@ pub(crate) fn driven_branch<'py>(
 
 /// The branch of a normal mode of a scene, as JSON.
 #[pyfunction]
-#[pyo3(signature = (scene, *, mode, to, step, points, progress))]
+#[pyo3(signature = (scene, *, mode, to, step, points, switch, progress))]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn normal_mode<'py>(
     py: Python<'py>,
     scene: &Scene,
@@ -184,10 +187,11 @@ pub(crate) fn normal_mode<'py>(
     to: f64,
     step: Option<f64>,
     points: usize,
+    switch: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<String> {
     finished(py, progress.as_ref(), |watched| {
-        let way = ModeWay { mode, to, step, max_points: points };
+        let way = ModeWay { mode, to, step, max_points: points, switch };
         let branch = study::follow_mode(scene.0.clone(), &way, &|share, _| watched.tell(share))?;
         Ok(text(&branch.json()))
     })

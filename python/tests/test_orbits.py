@@ -91,6 +91,19 @@ def test_driven_branch_turns_at_folds() -> None:
         hc.driven_orbit(hc.Scene.load("impact"))
 
 
+def test_driven_orbits_double_their_period() -> None:
+    # A bead that rests on a wall under its weight, and is shaken.
+    push = {"site": 0, "kind": "pushed", "amplitude": 0.1, "omega": 1.8}
+    weight = {"site": 0, "kind": "pushed", "amplitude": -1.0, "omega": 0.0, "phase": math.pi / 2}
+    bonds = {"overlap": [1.0, 0.0], "contact": [1.0, 0.0]}
+    chain = hc.Chain(1, kappa=0.0, rho=0.0, boundary="fixed", beads={"drag": 0.15}, bonds=bonds, drive=[push, weight])
+    branch = hc.continue_branch(hc.driven_orbit(chain), "amplitude", to=2.0, step=0.1, switch=1)
+    doubled = branch.switched
+    assert doubled is not None and doubled.switched is None and doubled.end == "reached"
+    assert [one["kind"] for one in doubled.bifurcations] == ["fold", "fold", "period-doubling"]
+    assert doubled.record["points"][0]["turns"] == 2 and abs(doubled.values[0] - 1.833236) < 1e-6
+
+
 def test_waves_and_breathers_are_those_of_scenes() -> None:
     scene = hc.Scene.load("tw-q15")
     wave = hc.TravellingWave.of(scene)

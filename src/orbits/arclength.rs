@@ -79,22 +79,31 @@ pub enum End {
     Reached,
     /// The branch has the largest number of points.
     MostPoints,
-    /// The branch turned back and the parameter passed its first value.
+    /// The branch turned back and the parameter passed its first value; of a branch that crosses
+    /// another one, the first value of the other.
     TurnedBack,
     /// No orbit was found with the shortest step.
     Lost,
+    /// The branch, of doubled period, came back to that of half its period.
+    Rejoined,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
 }
 
 impl End {
+    /// Whether the branch was followed as far as it goes.
+    pub fn answers(self) -> bool {
+        matches!(self, Self::Reached | Self::TurnedBack | Self::Rejoined)
+    }
+
     /// The reason in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reached => "the parameter has its final value",
             Self::MostPoints => "it has the largest number of points",
-            Self::TurnedBack => "it turned back and passed its first value",
+            Self::TurnedBack => "it turned back and passed the first value",
             Self::Lost => "no orbit was found with the shortest step",
+            Self::Rejoined => "it came back to the branch of half its period",
             Self::NoMultipliers => "the multipliers of its last orbit are not known",
         }
     }
@@ -150,15 +159,23 @@ pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Resu
     Ok(())
 }
 
+/// Refuses a final value that is not beyond the last value of the parameter, seen from the first.
+pub(super) fn check_onward([from, last]: [f64; 2], to: f64) -> Result<()> {
+    if (to - last) * (to - from) <= 0.0 || (last - from) * (to - from) < 0.0 {
+        return Err(Error::parameter("to", to, "a branch goes on beyond its last point, seen from its first"));
+    }
+    Ok(())
+}
+
 /// The direction of the parameter at the first point of a branch with so many unknowns.
-pub(super) fn along(unknowns: usize, direction: f64) -> DVector<f64> {
+fn along(unknowns: usize, direction: f64) -> DVector<f64> {
     let mut along = DVector::zeros(unknowns + 1);
     along[unknowns] = direction;
     along
 }
 
 /// `F` and `[F_z s, F_p P]`.
-fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
+pub(super) fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
     let Equations { residual, jacobian } = family.equations(z, p, true)?;
     let columns = z.len();
     let by = DIFFERENCE * p.abs().max(scales.parameter);
@@ -264,42 +281,57 @@ pub(super) fn next(
     }
 }
 
-/// Follows a branch from a first solution, past folds, until the parameter has its final value or,
-/// back again, passes its first. `keep` gets every solution after the first one, and may end the
-/// branch; at most `most_points` with the first are computed.
+/// Where a branch goes on: unknowns and parameter of its last solution and of the one before.
+pub(super) struct Course {
+    /// The value of the parameter at which the branch ends if it has turned back.
+    pub(super) back: f64,
+    /// `None` at the first solution: the branch sets out towards the final value.
+    pub(super) previous: Option<(Vec<f64>, f64)>,
+    pub(super) last: (Vec<f64>, f64),
+    /// Length of the next predictor.
+    pub(super) ds: f64,
+    /// Number of solutions that there are.
+    pub(super) points: usize,
+}
+
+/// Given every new solution, the length of the predictor after it, and why the branch ends with it;
+/// may end the branch.
+pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
+
+/// Follows a branch on, past folds, until the parameter has its final value or, back again, passes
+/// `back`. At most `most_points` with the old ones are computed. A branch that was stopped on the
+/// way goes on with the same bits.
 pub(super) fn follow(
     family: &impl Family,
-    first: (&[f64], f64),
+    course: Course,
     way: Way,
     most_points: usize,
-    keep: &mut dyn FnMut(&Solution) -> Result<Option<End>>,
+    keep: Keep<'_>,
 ) -> Result<End> {
-    let Way { to, step, direction, .. } = way;
-    let (from, range) = (first.1, (to - first.1).abs());
-    let (mut z, mut p, mut before) = (first.0.to_vec(), from, along(first.0.len(), direction));
-    let mut ds = step / range;
-    for points in 1.. {
+    let Way { to, direction, .. } = way;
+    let Course { back, mut previous, last: (mut z, mut p), mut ds, points } = course;
+    for points in points.. {
         if points >= most_points {
             break;
         }
         if interrupt::asked() {
             return Err(Error::Stopped { kept: format!("{points} points of the branch") });
         }
-        let scales = Scales::new(&z, range);
+        let scales = Scales::new(&z, (to - back).abs());
+        let before = match &previous {
+            Some((before, q)) => scales.chord((before, *q), (&z, p)).normalize(),
+            None => along(z.len(), direction),
+        };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return Ok(End::Lost) };
         let spot = Spot { z: &z, p, tangent: &tangent };
         let Some((solution, longer)) = next(family, spot, scales, way, ds) else { return Ok(End::Lost) };
-        if let Some(end) = keep(&solution)? {
+        let gone_back = ((solution.p - back) * direction < 0.0).then_some(End::TurnedBack);
+        let end = if (solution.p - to) * direction >= 0.0 { Some(End::Reached) } else { gone_back };
+        if let Some(end) = keep(&solution, longer, end)?.or(end) {
             return Ok(end);
         }
-        before = Scales::new(&solution.z, range).chord((&z, p), (&solution.z, solution.p)).normalize();
-        (z, p, ds) = (solution.z, solution.p, longer);
-        if (p - to) * direction >= 0.0 {
-            return Ok(End::Reached);
-        }
-        if (p - from) * direction < 0.0 {
-            return Ok(End::TurnedBack);
-        }
+        previous = Some((std::mem::replace(&mut z, solution.z), p));
+        (p, ds) = (solution.p, longer);
     }
     Ok(End::MostPoints)
 }

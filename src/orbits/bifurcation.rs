@@ -116,6 +116,8 @@ pub(super) struct Located<P> {
     pub(super) kind: BifurcationKind,
     pub(super) tau: f64,
     pub(super) point: P,
+    /// Number of the point of the branch before it.
+    pub(super) after: usize,
 }
 
 /// An orbit with its multipliers.
@@ -227,7 +229,7 @@ impl<'a, B: Branch> Stretch<'a, B> {
             Test::Collision(_) => BifurcationKind::RealCollision,
             Test::Fold => BifurcationKind::Fold,
         };
-        Some(Located { kind, tau, point })
+        Some(Located { kind, tau, point, after: 0 })
     }
 }
 
@@ -340,14 +342,17 @@ fn tests(a: &Spectrum, b: &Spectrum, wanted: &Quartets) -> (Vec<Test>, bool) {
 /// separated then; these are left out.
 pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> (Vec<Located<B::Point>>, usize) {
     let (mut out, mut left_out) = (Vec::new(), 0);
-    for pair in points.windows(2) {
+    for (after, pair) in points.windows(2).enumerate() {
+        let before = out.len();
         left_out += between(branch, [&pair[0], &pair[1]], &Quartets { weak, near: None }, MOST_CUTS, &mut out);
+        out[before..].iter_mut().for_each(|one: &mut Located<B::Point>| one.after = after);
     }
     let p = |point: &B::Point| branch.place(point).1;
-    for three in points.windows(3) {
+    for (after, three) in points.windows(3).enumerate() {
         if (p(&three[1]) - p(&three[0])) * (p(&three[2]) - p(&three[1])) < 0.0 {
             let stretch = Stretch::new(branch, &three[0], &three[2]);
-            out.extend(stretch.locate(Test::Fold, &three[0], &three[2]));
+            let fold = stretch.locate(Test::Fold, &three[0], &three[2]);
+            out.extend(fold.map(|fold| Located { after, ..fold }));
         }
     }
     (out, left_out)
@@ -390,7 +395,7 @@ impl Continuation {
             .zip(spectra)
             .map(|(orbit, spectrum)| Known { orbit: orbit.clone(), spectrum: spectrum.clone() })
             .collect();
-        let bifurcation = |Located { kind, tau, point: Known { orbit, spectrum } }: Located<Known>| {
+        let bifurcation = |Located { kind, tau, point: Known { orbit, spectrum }, .. }: Located<Known>| {
             let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
             let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
             Bifurcation { kind, parameter: orbit.setting.get(self.parameter), tau, orbit, mode }

@@ -9,14 +9,13 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{self, End, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
+    arclength::{self, Course, End, Family, MOST_CORRECTIONS, Scales, Solution, Spot, Way},
     setting::{Parameter, Setting},
     shooting::{Equations, Orbit, Shooting},
 };
 use crate::{
     dps::Center,
     error::{Error, Result},
-    interrupt,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -124,7 +123,7 @@ impl Trail {
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
     pub fn onward(mut self, to: Option<f64>, step: Option<f64>, most_points: usize) -> Result<Self> {
-        let whole = to.is_none() && matches!(self.end, Some(End::Reached | End::TurnedBack));
+        let whole = to.is_none() && self.end.is_some_and(End::answers);
         let Continuation { parameter, to: old, step: by, .. } = self.continuation;
         let (to, step) = (to.unwrap_or(old), step.unwrap_or(by));
         self.continuation = Continuation { to, step, most_points, ..self.continuation };
@@ -133,9 +132,7 @@ impl Trail {
         };
         self.continuation.validate(from)?;
         if !whole {
-            if (to - last) * (to - from) <= 0.0 || (last - from) * (to - from) < 0.0 {
-                return Err(Error::parameter("to", to, "a branch goes on beyond its last point, seen from its first"));
-            }
+            arclength::check_onward([from, last], to)?;
             self.end = None;
         }
         Ok(self)
@@ -150,47 +147,27 @@ impl Trail {
     /// Numbers outside their rules; [`Error::Stopped`] if the process was asked to end, after which
     /// the branch can continue. A branch that ends early is not an error: the [`End`] says why.
     pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
-        let Continuation { parameter, to, most_points, .. } = self.continuation;
-        let Some([first, _]) = self.ends() else { return Err(Error::parameter("orbits", 0, "at least one")) };
-        let from = first.setting.get(parameter);
-        self.continuation.validate(from)?;
-        let direction = (to - from).signum();
-        self.end = None;
-        let end = loop {
-            if let Some(end) = self.end {
-                break end;
-            }
-            if self.orbits.len() >= most_points {
-                break End::MostPoints;
-            }
-            if interrupt::asked() {
-                return Err(Error::Stopped { kept: format!("{} points of the branch", self.orbits.len()) });
-            }
-            let Some((orbit, ds)) = self.next(from, direction) else { break End::Lost };
-            let p = orbit.setting.get(parameter);
-            self.orbits.push(orbit);
-            self.ds = ds;
-            let back = (p - from) * direction < 0.0;
-            self.end = if (p - to) * direction >= 0.0 { Some(End::Reached) } else { back.then_some(End::TurnedBack) };
-            // `end` is set before the call, so that a branch saved by `seen` has it.
-            seen(self);
+        let (continuation, Some([first, last])) = (self.continuation, self.ends()) else {
+            return Err(Error::parameter("orbits", 0, "at least one"));
         };
+        let Continuation { parameter, to, step, most_points, natural, .. } = continuation;
+        let place = |orbit: &Orbit| (orbit.z.clone(), orbit.setting.get(parameter));
+        let back = first.setting.get(parameter);
+        continuation.validate(back)?;
+        let previous = self.orbits.iter().rev().nth(1).map(place);
+        let course = Course { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
+        let way = Way { to, step, natural, direction: (to - back).signum() };
+        let family = continuation.varying(first.setting);
+        self.end = None;
+        let end = arclength::follow(&family, course, way, most_points, &mut |solution, ds, end| {
+            self.orbits.push(family.orbit(solution.clone()));
+            // `end` is set before the call, so that a branch saved by `seen` has it.
+            (self.ds, self.end) = (ds, end);
+            seen(self);
+            Ok(None)
+        })?;
         self.end = Some(end);
         Ok(end)
-    }
-
-    /// The next orbit, and the length of the predictor after it.
-    fn next(&self, from: f64, direction: f64) -> Option<(Orbit, f64)> {
-        let orbit = self.orbits.last()?;
-        let scales = self.continuation.scales(orbit, from);
-        // The tangent points along the last step or, at the first orbit, towards the final value of
-        // the parameter.
-        let before = match &self.orbits[..] {
-            [.., a, b] => self.continuation.chord(a, b, scales).normalize(),
-            _ => arclength::along(orbit.z.len(), direction),
-        };
-        let tangent = self.continuation.tangent(orbit, scales, &before).ok()?;
-        self.continuation.next(&Place { orbit: orbit.clone(), tangent }, scales, direction, self.ds)
     }
 }
 
@@ -217,20 +194,6 @@ impl Continuation {
     fn spot<'a>(&self, place: &'a Place) -> Spot<'a> {
         let Place { orbit, tangent } = place;
         Spot { z: &orbit.z, p: orbit.setting.get(self.parameter), tangent }
-    }
-
-    /// The next point after `place`, and the length `ds` for the point after it.
-    fn next(&self, place: &Place, scales: Scales, direction: f64, ds: f64) -> Option<(Orbit, f64)> {
-        let family = self.varying(place.orbit.setting);
-        let way = Way { to: self.to, step: self.step, natural: self.natural, direction };
-        let (solution, ds) = arclength::next(&family, self.spot(place), scales, way, ds)?;
-        Some((family.orbit(solution), ds))
-    }
-
-    /// The difference of two orbits in the units of `X`.
-    pub(super) fn chord(&self, a: &Orbit, b: &Orbit, scales: Scales) -> DVector<f64> {
-        let p = |orbit: &Orbit| orbit.setting.get(self.parameter);
-        scales.chord((&a.z, p(a)), (&b.z, p(b)))
     }
 
     pub(super) fn scales(&self, orbit: &Orbit, from: f64) -> Scales {

@@ -209,10 +209,16 @@ impl DrivenSetting {
         self.turns
     }
 
-    /// The same chain with another period of the orbit, unchecked.
-    #[must_use]
-    pub fn turned(&self, turns: u32) -> Self {
-        Self { turns, ..self.clone() }
+    /// The same chain with twice the period of the orbit.
+    ///
+    /// # Errors
+    /// More than 64 periods of the drive.
+    pub fn doubled(&self) -> Result<Self> {
+        let turns = 2 * self.turns;
+        if turns > MOST_TURNS {
+            return Err(Error::parameter("turns", turns, "from 1 to 64 periods of the drive"));
+        }
+        Ok(Self { turns, ..self.clone() })
     }
 
     /// Fundamental frequency of the drive.
@@ -281,6 +287,14 @@ impl DrivenSetting {
     fn size(&self, z: &[f64]) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         max_norm(z.iter().copied()).max(ROUNDED * overlap)
+    }
+
+    /// Largest displacement of a bead that a drive moves.
+    fn moved(&self) -> Result<f64> {
+        Ok(self.chain()?.details().map_or(0.0, |details| {
+            let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
+            moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
+        }))
     }
 
     /// The unknowns at rest.
@@ -424,10 +438,7 @@ impl DrivenShooting {
         if !seed.iter().all(|z| z.is_finite()) {
             return Err(Error::parameter("seed", "not finite", "a seed is finite"));
         }
-        let drives = setting.chain()?.details().map_or(0.0, |details| {
-            let moved = details.drives.iter().filter(|drive| drive.means == Means::Moved);
-            moved.map(|drive| drive.signal.size()).fold(0.0, f64::max)
-        });
+        let drives = setting.moved()?;
         // At rest the first residual is the only size that there is.
         let size = |z: &DVector<f64>, residual: &DVector<f64>| match setting.size(z.as_slice()).max(drives) {
             0.0 => residual.amax().max(f64::MIN_POSITIVE),
@@ -560,6 +571,21 @@ impl DrivenOrbit {
             samples.push(next);
         }
         Ok(samples)
+    }
+
+    /// The residual, computed anew.
+    pub(crate) fn measured(&self, shooting: &DrivenShooting) -> Result<f64> {
+        let Equations { residual, .. } = shooting.equations(&self.setting, &self.z, false)?;
+        Ok(residual.amax() / self.setting.size(&self.z).max(self.setting.moved()?))
+    }
+
+    /// Unknowns after half of the periods of the drive, less those at `t = 0`.
+    pub(super) fn halves_apart(&self, shooting: &DrivenShooting) -> Result<DVector<f64>> {
+        let (setting, chain) = (&self.setting, self.setting.chain()?);
+        let start = setting.start(&chain, &self.z);
+        let middle = f64::from(setting.turns / 2) * setting.period() / f64::from(setting.turns);
+        let end = Variations::flow(&chain, &start, (0.0, middle), &[], shooting.tol)?.state;
+        Ok(setting.unknowns_of(&chain, &end) - DVector::from_column_slice(&self.z))
     }
 
     /// Half the range of each bead's displacement over the orbit, moved beads included, and of each

@@ -10,9 +10,10 @@
 //! -1 at a period doubling, a pair of others where a torus branches off (Neimark-Sacker).
 
 use super::{
-    arclength::{self, End, Scales, Spot, Way},
+    arclength::{self, End, Scales, Spot},
     bifurcation::BifurcationKind,
     driven::{DriveParameter, DrivenFamily, DrivenMultiplier, DrivenOrbit, DrivenShooting, DrivenSpectrum, MARGIN},
+    driven_trail::DrivenTrail,
 };
 use crate::error::Result;
 use nalgebra::DVector;
@@ -54,6 +55,8 @@ pub struct DrivenBifurcation {
     pub multiplier: DrivenMultiplier,
     /// The orbit there, with its multipliers.
     pub point: DrivenPoint,
+    /// Number of the point of the branch before it, from 0 on.
+    pub after: usize,
 }
 
 /// A branch of driven orbits.
@@ -69,6 +72,9 @@ pub struct DrivenBranch {
     pub unresolved: usize,
     /// Why it ended.
     pub end: End,
+    /// All of its orbits, with what it takes to go on; more than points, where one has no
+    /// multipliers.
+    pub trail: DrivenTrail,
 }
 
 /// Largest number of times that a stretch is halved until each part has one bifurcation.
@@ -104,37 +110,37 @@ impl DrivenContinuation {
     }
 
     /// Follows the branch from `start`, past folds, until the parameter has its final value or, back
-    /// again, passes its first; `seen` is called with every point.
+    /// again, passes its first; `seen` is called after every new orbit.
     ///
     /// # Errors
-    /// Numbers outside their rules; multipliers that cannot be computed; a signal.
-    pub fn follow(&self, start: DrivenOrbit, mut seen: impl FnMut(&DrivenPoint)) -> Result<DrivenBranch> {
-        let from = start.setting.get(self.parameter);
-        self.check(from)?;
-        let first = DrivenPoint::new(start, &self.shooting)?;
-        seen(&first);
-        let (mut points, mut bifurcations, mut unresolved) = (vec![first], Vec::new(), 0);
-        let setting = points[0].orbit.setting.clone();
-        let family = DrivenFamily { shooting: &self.shooting, setting: &setting, parameter: self.parameter };
-        let way = Way { to: self.to, step: self.step, natural: false, direction: (self.to - from).signum() };
-        let z = points[0].orbit.z.clone();
-        let end = arclength::follow(&family, (&z, from), way, self.most_points, &mut |solution| {
-            let Ok(point) = DrivenPoint::new(family.orbit(solution.clone()), &self.shooting) else {
-                return Ok(Some(End::NoMultipliers));
-            };
-            unresolved += self.between(&points[points.len() - 1], &point, MOST_CUTS, &mut bifurcations);
-            seen(&point);
-            points.push(point);
-            Ok(None)
-        })?;
-        Ok(DrivenBranch { continuation: *self, points, bifurcations, unresolved, end })
+    /// Numbers outside their rules; no multipliers of the first orbit; a signal.
+    pub fn follow(&self, start: DrivenOrbit, seen: impl FnMut(&DrivenTrail)) -> Result<DrivenBranch> {
+        let mut trail = DrivenTrail::new(*self, start)?;
+        trail.extend(seen)?;
+        let point = |orbit: &DrivenOrbit| DrivenPoint::new(orbit.clone(), &self.shooting);
+        let first = point(&trail.orbits[0])?;
+        let others = trail.orbits[1..].iter().map_while(|orbit| point(orbit).ok());
+        let points = std::iter::once(first).chain(others).collect();
+        Ok(trail.branch(points))
+    }
+
+    /// The bifurcations between the points of a branch from `first` on, in their order, and the
+    /// number of changes of stability that were not resolved.
+    pub(super) fn bifurcations(&self, points: &[DrivenPoint], first: usize) -> (Vec<DrivenBifurcation>, usize) {
+        let (mut found, mut unresolved) = (Vec::new(), 0);
+        for (after, pair) in points.windows(2).enumerate().skip(first) {
+            let before = found.len();
+            unresolved += self.between(&pair[0], &pair[1], MOST_CUTS, &mut found);
+            found[before..].iter_mut().for_each(|one: &mut DrivenBifurcation| one.after = after);
+        }
+        (found, unresolved)
     }
 
     fn family<'a>(&'a self, orbit: &'a DrivenOrbit) -> DrivenFamily<'a> {
         DrivenFamily { shooting: &self.shooting, setting: &orbit.setting, parameter: self.parameter }
     }
 
-    fn place<'a>(&self, orbit: &'a DrivenOrbit) -> (&'a [f64], f64) {
+    pub(super) fn place<'a>(&self, orbit: &'a DrivenOrbit) -> (&'a [f64], f64) {
         (&orbit.z, orbit.setting.get(self.parameter))
     }
 
@@ -228,6 +234,7 @@ impl<'a> Stretch<'a> {
             parameter: point.orbit.setting.get(self.continuation.parameter),
             multiplier,
             point,
+            after: 0,
         })
     }
 

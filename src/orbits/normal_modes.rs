@@ -16,9 +16,10 @@
 //! this is the linear mode. A ring can move as a whole: there the centre of mass is held.
 
 use super::{
-    arclength::{self, End, Family, Scales, Solution, Spot, Way},
-    bifurcation::{self, BifurcationKind, Located},
+    arclength::{self, Course, End, Family, Scales, Solution, Spot, Way},
+    bifurcation::{self, BifurcationKind},
     floquet::{Frame, Kind, Spectrum},
+    mode_switching,
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
@@ -44,12 +45,12 @@ pub struct LinearMode {
 /// A conservative chain at its equilibrium, and its linear modes.
 #[derive(Clone, Debug)]
 pub struct NormalModes {
-    chain: Chain<f64>,
+    pub(super) chain: Chain<f64>,
     /// Entries of a state that are coordinates `q`.
-    free: Vec<usize>,
+    pub(super) free: Vec<usize>,
     masses: Vec<f64>,
     /// The state at rest in the equilibrium.
-    rest: Vec<f64>,
+    pub(super) rest: Vec<f64>,
     /// Largest overlap in the equilibrium.
     overlap: f64,
     /// Whether all coordinates can be displaced alike.
@@ -66,7 +67,7 @@ const AT_REST: f64 = 1e-13;
 /// Squares of frequencies below this share of the largest are zero.
 const ZERO: f64 = 1e-12;
 /// Tolerances of a step of the flow and of the tangent map.
-const TOL: f64 = 1e-14;
+pub(super) const TOL: f64 = 1e-14;
 const TANGENT_TOL: f64 = 1e-12;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
@@ -79,7 +80,7 @@ const LAST_STEP: f64 = 1e-9;
 const LEAST_CHANGE: f64 = 1e-3;
 /// Collisions that lead to no modulus above `1 + WEAK` are not located. Chosen: long chains have
 /// many weaker ones.
-const WEAK: f64 = 1e-3;
+pub(super) const WEAK: f64 = 1e-3;
 
 impl NormalModes {
     /// The linear modes of a chain about its equilibrium, the lowest frequency first.
@@ -216,7 +217,7 @@ impl NormalModes {
     }
 
     /// The state at rest with the displacements `a shape`.
-    fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
+    pub(super) fn start(&self, a: f64, shape: &[f64]) -> Vec<f64> {
         let mut state = self.rest.clone();
         for (&i, shape) in self.free.iter().zip(shape) {
             state[i] += a * shape;
@@ -313,6 +314,8 @@ pub struct ModeBifurcation {
     pub tau: f64,
     /// The orbit there.
     pub point: ModePoint,
+    /// Number of the point of the branch before it, from 0 on.
+    pub after: usize,
 }
 
 /// A branch of orbits in the amplitude.
@@ -368,29 +371,29 @@ impl ModeContinuation {
         let mut points = vec![family.point(&first)?];
         seen(&points[0]);
         let way = Way { to: self.to, step: self.step, natural: false, direction: 1.0 };
-        let end = arclength::follow(&family, (&first.z, first.p), way, self.most_points, &mut |solution| {
+        let ds = self.step / (self.to - self.step);
+        let course = Course { back: first.p, previous: None, last: (first.z, first.p), ds, points: 1 };
+        let end = arclength::follow(&family, course, way, self.most_points, &mut |solution, _, _| {
             let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
             seen(&point);
             points.push(point);
             Ok(None)
         })?;
-        let (found, unresolved) = bifurcation::located(&family, &points, WEAK);
-        let one = |Located { kind, tau, point }| ModeBifurcation { kind, tau, point };
-        let bifurcations = found.into_iter().map(one).collect();
+        let (bifurcations, unresolved) = mode_switching::located(&family, &points, 0);
         Ok(ModeBranch { continuation: *self, points, bifurcations, unresolved, end })
     }
 }
 
 /// Orbits of a mode, over their amplitude.
-struct ModeFamily<'a> {
-    modes: &'a NormalModes,
-    linear: &'a LinearMode,
+pub(super) struct ModeFamily<'a> {
+    pub(super) modes: &'a NormalModes,
+    pub(super) linear: &'a LinearMode,
     /// Least unit of residuals: what roundings of overlaps are at the least amplitude.
     floor: f64,
 }
 
 impl<'a> ModeFamily<'a> {
-    fn new(modes: &'a NormalModes, continuation: &ModeContinuation) -> Self {
+    pub(super) fn new(modes: &'a NormalModes, continuation: &ModeContinuation) -> Self {
         let linear = &modes.linear[continuation.mode];
         let floor = ROUNDED * modes.overlap / continuation.step;
         Self { modes, linear, floor }
@@ -404,14 +407,14 @@ impl<'a> ModeFamily<'a> {
     }
 
     /// The unknowns of an orbit.
-    fn unknowns(&self, orbit: &ModeOrbit) -> Vec<f64> {
+    pub(super) fn unknowns(&self, orbit: &ModeOrbit) -> Vec<f64> {
         let mut z = orbit.shape.clone();
         z.remove(self.linear.leading);
         z.push((orbit.omega / self.linear.omega).ln());
         z
     }
 
-    fn point(&self, solution: &Solution) -> Result<ModePoint> {
+    pub(super) fn point(&self, solution: &Solution) -> Result<ModePoint> {
         let (modes, m) = (self.modes, self.modes.free.len());
         let (shape, omega) = self.parts(&solution.z);
         let (start, half) = (modes.start(solution.p, &shape), std::f64::consts::PI / omega);
@@ -511,7 +514,7 @@ impl bifurcation::Branch for ModeFamily<'_> {
     }
 
     fn scales(&self, (z, a): (&[f64], f64), change: f64) -> Scales {
-        Scales::new(z, change.abs().max(LEAST_CHANGE * a))
+        Scales::new(z, change.abs().max(LEAST_CHANGE * a.abs()))
     }
 
     fn step(&self, from: &ModePoint, chord: &DVector<f64>, scales: Scales, ds: f64) -> Result<ModePoint> {

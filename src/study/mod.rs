@@ -15,6 +15,7 @@ mod driven;
 mod end_driven;
 mod evolve;
 mod exact;
+mod keeper;
 mod lifetimes;
 mod modulation;
 mod moving;
@@ -69,7 +70,6 @@ pub use moving::*;
 pub(crate) use moving::{moving_caption, moving_tables};
 pub use normal_modes::*;
 pub(crate) use orbits::branch_csv;
-#[cfg(feature = "cli")]
 pub(crate) use orbits::folder_of;
 pub use orbits::*;
 pub use order::*;
@@ -90,7 +90,14 @@ pub(crate) use wave::wave_tables;
 pub use wave::*;
 
 pub(crate) use crate::number::shown;
-use crate::{chain::Params, error::Result, number::written, run::Method, scene::Scene, sweep::Engine};
+use crate::{
+    chain::Params,
+    error::{Error, Result},
+    number::written,
+    run::Method,
+    scene::Scene,
+    sweep::Engine,
+};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -166,6 +173,15 @@ pub trait Report {
     fn succeeded(&self) -> bool {
         true
     }
+}
+
+/// The table of a branch that crosses the one that was asked for.
+const SWITCHED_TABLE: &str = "switched-branch.csv";
+
+/// Refuses the number of a bifurcation that is none.
+fn check_switch(number: Option<usize>) -> Result<()> {
+    let rule = "bifurcations of the branch are numbered from 1";
+    if number == Some(0) { Err(Error::parameter("switch", 0, rule)) } else { Ok(()) }
 }
 
 /// Names for files and pictures.

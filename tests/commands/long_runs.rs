@@ -9,7 +9,7 @@ use hertzchain::{
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
-    study::LongRun,
+    study::{LongRun, load_driven_branch},
 };
 use std::{
     fs,
@@ -374,6 +374,14 @@ mod processes {
         })
     }
 
+    fn driven_points(out: &Path) -> Option<f64> {
+        let path = out.join("driven-branch.npz");
+        path.exists().then(|| {
+            let (_, trail) = load_driven_branch(&path).expect("a branch is whole at any moment");
+            trail.orbits.len() as f64
+        })
+    }
+
     /// Kills a run of six intervals of the same work twelve times.
     fn killed_in_six_intervals(intervals: Option<f64>, random: &mut impl FnMut() -> f64) {
         let line = "run tw-q15 --until 12 --checkpoint 2 --integrator strang-linear --steps-per-period 2400000";
@@ -420,6 +428,10 @@ mod processes {
         ];
         let resume = Some((&["breather", "continue"][..], "branch.npz"));
         Study { args: &args, resume, kept: &points, kills: 6, intervals: None }.survives(&mut random);
+        let line = "orbit continue granular-crystal --settle 20 --to 2e-6 --step 2e-8";
+        let args: Vec<&str> = line.split(' ').collect();
+        let resume = Some((&["orbit", "continue"][..], "driven-branch.npz"));
+        Study { args: &args, resume, kept: &driven_points, kills: 4, intervals: None }.survives(&mut random);
     }
 
     fn signal(process: &Child, name: &str) {

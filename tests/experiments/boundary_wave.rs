@@ -1,6 +1,6 @@
 //! Travelling waves launched into a chain from one end.
 
-use hertzchain::study::{BoundaryWave, LaunchedWave};
+use hertzchain::study::{BoundaryWave, LaunchedWave, Study};
 
 /// Excess of the frequency that the first-order wave of this wave number would have, over that of the
 /// drive, in units of the detuning.
@@ -47,7 +47,13 @@ fn numbers_outside_their_rules_are_refused() {
         (BoundaryWave { drive: f64::NAN, ..default() }, 2.01, "drive = NaN is not valid"),
         (default(), 2.0, "omegas = 2 is not valid"),
         (default(), 2.1, "omegas = 2.1 is not valid"),
+        (default(), 2.0 + 1e-7, "omegas = 2.0000001 is not valid: the wave is so slow"),
+        (BoundaryWave { overlap: 1e300, ..default() }, 2.01, "overlap = 1e300 is not valid: contacts are at most 100"),
+        (BoundaryWave { drive: 1e200, ..default() }, 2.01, "drive = 1e200 is not valid: contacts are at most 100"),
+        (BoundaryWave { drive: f64::MAX, ..default() }, 2.01, "drive = 1.797"),
     ] {
+        let study = BoundaryWave { omegas: vec![omega], ..study };
+        assert!(study.begin().is_err(), "refused before a folder is made");
         let message = study.wave(omega).unwrap_err().to_string();
         assert!(message.starts_with(rule), "{message}");
     }

@@ -27,11 +27,12 @@ Examples:
     /// Follow the orbit of a driven scene in one parameter.
     ///
     /// In the drive's amplitude or frequency, or in the damping, past folds; with multipliers,
-    /// folds, period doublings and torus bifurcations. It begins with the scene's own value. Exit
-    /// code 1 if the branch is lost on its way.
+    /// folds, period doublings and torus bifurcations, and with the branch that crosses at one of
+    /// them. It begins with the scene's own value. Exit code 1 if a branch is lost on its way.
     #[command(after_long_help = "\
-Example:
-  hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch")]
+Examples:
+  hertzchain orbit continue granular-crystal --to 1e-5 --out out/branch
+  hertzchain orbit continue --resume out/branch --to 2e-5")]
     Continue(Told<DrivenContinue>),
     /// Follow a normal mode of a conservative scene from its linear mode on.
     ///

@@ -47,6 +47,10 @@ const SAMPLES: usize = 32;
 /// A run lasts so many times as long as a weak wave takes to the dashpots.
 const TRANSITS: f64 = 2.0;
 const TOLERANCE: f64 = 1e-9;
+/// Longest run, in periods of the drive.
+const MOST_PERIODS: f64 = 1e5;
+/// Largest frequency of contacts, in units of that of the drive.
+const FASTEST: f64 = 100.0;
 
 /// Travelling waves launched into a chain from one end.
 #[derive(Clone, Debug)]
@@ -163,7 +167,26 @@ impl BoundaryWave {
                 return Err(Error::parameter(name, value, "finite and positive"));
             }
         }
-        self.omegas.iter().try_for_each(|&omega_d| self.weak_wave_number(omega_d).map(drop))
+        self.omegas.iter().try_for_each(|&omega_d| {
+            self.weak_wave_number(omega_d)?;
+            self.check_contacts(omega_d)?;
+            self.end(omega_d).map(drop)
+        })
+    }
+
+    /// Refuses contacts that are too fast for a run with this drive. Beads of mass 1 joined by
+    /// springs `k` have frequencies up to `2 k^{1/2}`; here `k = alpha g^{alpha-1}`.
+    fn check_contacts(&self, omega_d: f64) -> Result<()> {
+        let largest = self.overlap + 2.0 * self.drive;
+        let frequency = 2.0 * (ALPHA * largest.powf(ALPHA - 1.0)).sqrt();
+        if frequency <= FASTEST * omega_d {
+            return Ok(());
+        }
+        let (name, value) =
+            if self.overlap > 2.0 * self.drive { ("overlap", self.overlap) } else { ("drive", self.drive) };
+        let rule =
+            "contacts are at most 100 times as fast as the drive: 6^(1/2) (overlap + 2 drive)^(1/4) <= 100 omega";
+        Err(Error::parameter(name, value, rule))
     }
 
     /// Wave number of a weak wave.
@@ -202,7 +225,13 @@ impl BoundaryWave {
     fn end(&self, omega_d: f64) -> Result<f64> {
         let (omega, q) = (self.params()?.omega(), self.weak_wave_number(omega_d)?);
         let transit = (self.sites - ABSORBING) as f64 * (0.5 * q).tan() / (omega_d - omega);
-        Ok((RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit)
+        let end = (RAMP + PERIODS as f64) * TAU / omega_d + TRANSITS * transit;
+        let periods = end * omega_d / TAU;
+        if periods > MOST_PERIODS {
+            let rule = "the wave is so slow that its run takes more than 10^5 periods of the drive: farther above sqrt(1 + 1/rho)";
+            return Err(Error::parameter("omegas", omega_d, rule));
+        }
+        Ok(end)
     }
 
     /// The wave of a frequency.

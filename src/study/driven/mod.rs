@@ -1,18 +1,26 @@
 //! Orbits of a driven scene under the stroboscopic map: one with its multipliers, or a branch with
 //! its bifurcations.
 
+mod file;
 mod report;
 
-use super::{Changes, Progress, Study, Work};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, keeper::Keeper};
 use crate::{
     error::{Error, Result},
+    interrupt,
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
+        DrivenTrail,
     },
+    output::Folder,
     scene::Scene,
+    sweep::map,
 };
+pub use file::load_driven_branch;
+use file::npz;
 #[cfg(feature = "plot")]
 pub(crate) use report::{multipliers_panel, stability_lines};
+use std::path::PathBuf;
 
 /// A driven scene, by name, and the search for its orbit.
 #[derive(Clone, Debug)]
@@ -147,6 +155,16 @@ pub struct DrivenContinue {
     /// The way.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub way: DrivenWay,
+    /// Go on with what this file, or the file in this folder, has kept.
+    ///
+    /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to, by
+    /// another --step; multipliers and bifurcations are computed anew. Results of a file
+    /// driven-branch.npz are written beside it unless --out says where.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "PATH", conflicts_with_all = ["scene", "set", "turns", "settle", "vary"])
+    )]
+    pub resume: Option<PathBuf>,
 }
 
 /// The way of a branch of driven orbits.
@@ -159,8 +177,8 @@ pub struct DrivenWay {
     /// Where it ends.
     ///
     /// It begins with the scene's own value (with 1 for `damping`).
-    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
-    pub to: f64,
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", required_unless_present = "resume"))]
+    pub to: Option<f64>,
     /// Its largest change from point to point.
     ///
     /// [default: a twentieth of the range]
@@ -169,6 +187,13 @@ pub struct DrivenWay {
     /// Points of the branch at most.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
     pub max_points: usize,
+    /// Follow the branch that crosses at bifurcation K, too.
+    ///
+    /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
+    /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits of
+    /// doubled period come back to those of half the period.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
+    pub switch: Option<usize>,
 }
 
 /// A branch of a driven scene.
@@ -178,23 +203,53 @@ pub struct DrivenBranchStudy {
     pub scene: Scene,
     /// The branch.
     pub branch: DrivenBranch,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there.
+    pub switched: Option<(usize, DrivenBranch)>,
 }
 
+/// The files that branches are gone on with.
+const BRANCH_FILE: &str = "driven-branch.npz";
+const SWITCHED_FILE: &str = "switched-branch.npz";
+
 impl Study for DrivenContinue {
-    const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv and driven-branch.png.";
+    const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, driven-branch.png and driven-branch.npz, with --switch \
+                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well.";
     const STOPS: bool = true;
 
+    fn sometimes() -> Vec<String> {
+        vec![SWITCHED_FILE.to_owned(), SWITCHED_TABLE.to_owned()]
+    }
+
     fn begin(&self) -> Result<Work<'_>> {
-        let scene = self.told.load()?;
-        self.way.continuation(&self.told.search.setting(&scene)?)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(driven_branch(scene, &self.told.search, &self.way, progress)?))))
+        check_switch(self.way.switch)?;
+        let Some(path) = &self.resume else {
+            let scene = self.told.load()?;
+            self.way.continuation(&self.told.search.setting(&scene)?)?;
+            return Ok(Box::new(move |engine, progress| {
+                let settling = |share: f64, what: &str| progress(SETTLING * share, what);
+                let trail = first(&scene, &self.told.search, &self.way, &settling)?;
+                Ok(Box::new(followed(scene, trail, self.way.switch, engine.folder(), progress)?))
+            }));
+        };
+        let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
+        let (scene, trail) = load_driven_branch(&file)?;
+        let trail = trail.onward(self.way.to, self.way.step, self.way.max_points)?;
+        Ok(Box::new(move |engine, progress| {
+            Ok(Box::new(followed(scene, trail, self.way.switch, engine.folder(), progress)?))
+        }))
+    }
+
+    fn beside(&self) -> Option<PathBuf> {
+        let path = self.resume.as_deref()?;
+        (path.is_dir() || path.ends_with(BRANCH_FILE)).then(|| super::folder_of(path))
     }
 }
 
 impl DrivenWay {
     /// The continuation from the scene's own value.
     fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
-        let &Self { vary: parameter, to, step, max_points: most_points } = self;
+        let &Self { vary: parameter, to, step, max_points: most_points, .. } = self;
+        let to = to.ok_or_else(|| Error::parameter("to", "nothing", "a branch needs a value at which it ends"))?;
         let from = setting.get(parameter);
         let step = step.unwrap_or(0.05 * (to - from).abs());
         let continuation = DrivenContinuation { parameter, to, step, most_points, shooting: DrivenShooting::default() };
@@ -204,28 +259,92 @@ impl DrivenWay {
     }
 }
 
+/// Share of the work at which the scene has settled, and at which a branch has its orbits.
+const SETTLING: f64 = 0.2;
+const ORBITS: f64 = 0.6;
+
 /// The branch of the orbit to which a driven scene leads, in one parameter. `progress` is told the
 /// share done.
 ///
 /// # Errors
-/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; a
-/// signal.
+/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; no
+/// branch to switch to; a signal.
 pub fn driven_branch(
     scene: Scene,
     search: &DrivenSearch,
     way: &DrivenWay,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
-    let setting = search.setting(&scene)?;
+    check_switch(way.switch)?;
+    let trail = first(&scene, search, way, &|share, what| progress(SETTLING * share, what))?;
+    followed(scene, trail, way.switch, None, progress)
+}
+
+/// The branch at its first orbit.
+fn first(scene: &Scene, search: &DrivenSearch, way: &DrivenWay, progress: Progress<'_>) -> Result<DrivenTrail> {
+    let setting = search.setting(scene)?;
     let continuation = way.continuation(&setting)?;
-    let (name, from) = (way.vary.name(), setting.get(way.vary));
-    let orbit = search.orbit(&scene, &setting, &|share, what| progress(0.2 * share, what))?;
-    let mut count = 0;
-    let seen = |point: &DrivenPoint| {
-        count += 1;
-        let p = point.orbit.setting.get(way.vary);
-        let share = ((p - from) / (way.to - from)).clamp(0.0, 1.0);
-        progress(0.2 + 0.8 * share, &format!("point {count}, {name} = {p:.6}"));
+    DrivenTrail::new(continuation, search.orbit(scene, &setting, progress)?)
+}
+
+/// A branch followed on and studied, and the one that crosses it.
+fn followed(
+    scene: Scene,
+    trail: DrivenTrail,
+    switch: Option<usize>,
+    folder: Option<&Folder>,
+    progress: Progress<'_>,
+) -> Result<DrivenBranchStudy> {
+    let whole = if switch.is_some() { 0.5 } else { 1.0 };
+    let stale = &["driven-branch.json", "driven-branch.csv", "driven-branch.png", SWITCHED_FILE, SWITCHED_TABLE];
+    let keeper = Keeper::new(folder, BRANCH_FILE, stale);
+    let branch = go_on(&scene, trail, keeper, &|share, what| progress(whole * share, what))?;
+    let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None }) };
+    let other = branch.switched(number.wrapping_sub(1))?;
+    let keeper = Keeper::new(folder, SWITCHED_FILE, &[]);
+    let other = go_on(&scene, other, keeper, &|share, what| progress(0.5 + 0.5 * share, what))?;
+    Ok(DrivenBranchStudy { scene, branch, switched: Some((number, other)) })
+}
+
+/// Follows a branch on, unless it has ended, and studies it.
+fn go_on(
+    scene: &Scene,
+    mut trail: DrivenTrail,
+    mut keeper: Keeper<'_>,
+    progress: Progress<'_>,
+) -> Result<DrivenBranch> {
+    let DrivenContinuation { parameter, to, shooting, .. } = trail.continuation;
+    let mut keep = |trail: &DrivenTrail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(scene, trail));
+    if trail.end.is_none() {
+        let back = trail.back;
+        let extended = trail.extend(|trail| {
+            keep(trail);
+            let p = trail.orbits.last().map_or(back, |orbit| orbit.setting.get(parameter));
+            let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
+            let words = format!("point {}, {} = {p:.6}", trail.orbits.len(), parameter.name());
+            progress(SETTLING + (ORBITS - SETTLING) * share, &words);
+        });
+        keep(&trail);
+        extended?;
+    }
+    progress(ORBITS, "multipliers");
+    let orbits = &trail.orbits;
+    let point = |orbit: &DrivenOrbit| {
+        let kept = || format!("all {} points of the branch, not yet its multipliers", orbits.len());
+        if interrupt::asked() {
+            Err(Error::Stopped { kept: kept() })
+        } else {
+            DrivenPoint::new(orbit.clone(), &shooting)
+        }
     };
-    Ok(DrivenBranchStudy { branch: continuation.follow(orbit, seen)?, scene })
+    let mut points = Vec::new();
+    for found in map(orbits, point) {
+        match found {
+            Ok(point) => points.push(point),
+            Err(error) if points.is_empty() || matches!(error, Error::Stopped { .. }) => return Err(error),
+            Err(_) => break,
+        }
+    }
+    progress(0.5 * (1.0 + ORBITS), "bifurcations");
+    Ok(trail.branch(points))
 }

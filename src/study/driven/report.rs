@@ -1,9 +1,9 @@
 //! Orbits of driven scenes and their branches as text, JSON, CSV and pictures.
 
-use super::{DrivenBranchStudy, DrivenStudy};
+use super::{BRANCH_FILE, DrivenBranchStudy, DrivenStudy, SWITCHED_FILE, SWITCHED_TABLE, npz};
 use crate::{
     error::Result,
-    orbits::{DriveParameter, DrivenBifurcation, DrivenMultiplier, DrivenPoint, End},
+    orbits::{DriveParameter, DrivenBifurcation, DrivenBranch, DrivenMultiplier, DrivenPoint},
     output::csv,
     present::table,
     study::{File, Report, named, scene_json, word},
@@ -101,89 +101,129 @@ impl Report for DrivenStudy {
     }
 }
 
+/// Points and bifurcations of a branch.
+fn branch_json(branch: &DrivenBranch) -> Value {
+    let points = branch.points.iter().map(|point| {
+        let leading: Vec<&DrivenMultiplier> =
+            point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect();
+        let mut value = parameters(point);
+        value["response"] = json!(point.amplitude);
+        value["residual"] = json!(point.orbit.residual);
+        value["max_modulus"] = json!(point.spectrum.largest());
+        value["unstable"] = json!(point.spectrum.unstable());
+        value["leading"] = json!(leading);
+        value["liouville"] = json!(point.spectrum.liouville);
+        value
+    });
+    let bifurcation = |one: &DrivenBifurcation| {
+        json!({
+            "kind": one.kind,
+            "parameter": one.parameter,
+            "multiplier": one.multiplier,
+            "response": one.point.amplitude,
+        })
+    };
+    json!({
+        "end": branch.end,
+        "points": points.collect::<Vec<Value>>(),
+        "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
+        "unresolved": branch.unresolved,
+    })
+}
+
+/// Points and bifurcations of a branch as tables.
+fn branch_text(branch: &DrivenBranch) -> String {
+    let parameter = branch.continuation.parameter;
+    let rows: Vec<Vec<String>> = branch
+        .points
+        .iter()
+        .map(|point| {
+            vec![
+                format!("{:.8}", point.orbit.setting.get(parameter)),
+                format!("{:.6e}", point.amplitude),
+                format!("{:.8}", point.spectrum.largest()),
+                point.spectrum.unstable().to_string(),
+            ]
+        })
+        .collect();
+    let event = |(k, one): (usize, &DrivenBifurcation)| {
+        let DrivenMultiplier { re, im, .. } = one.multiplier;
+        let numbers = [format!("{:.8}", one.parameter), format!("{re:.6}"), format!("{im:.6}")];
+        [(k + 1).to_string(), word(&one.kind)].into_iter().chain(numbers).collect()
+    };
+    let events: Vec<Vec<String>> = branch.bifurcations.iter().enumerate().map(event).collect();
+    let events = if events.is_empty() {
+        "no bifurcation\n".to_owned()
+    } else {
+        table(&["number", "bifurcation", parameter.name(), "Re lambda", "Im lambda"], &events)
+    };
+    let unresolved = match branch.unresolved {
+        0 => String::new(),
+        count => format!("changes of stability that were not resolved into single bifurcations: {count}\n"),
+    };
+    table(&[parameter.name(), "response", "largest |lambda|", "outside"], &rows)
+        + "\n"
+        + &events
+        + &format!("\n{} points; the branch ended: {}\n{unresolved}", branch.points.len(), branch.end.words())
+}
+
+fn branch_csv(branch: &DrivenBranch) -> Vec<u8> {
+    let parameter = branch.continuation.parameter;
+    let rows = branch.points.iter().map(|point| {
+        let unstable = point.spectrum.unstable() as f64;
+        vec![point.orbit.setting.get(parameter), point.amplitude, point.spectrum.largest(), unstable]
+    });
+    csv(&[parameter.name(), "response", "max_modulus", "unstable"], rows)
+}
+
+impl DrivenBranchStudy {
+    /// The branch, and the one that crosses it.
+    fn branches(&self) -> impl Iterator<Item = &DrivenBranch> {
+        std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
+    }
+}
+
 impl Report for DrivenBranchStudy {
     fn json(&self) -> Value {
-        let Self { scene, branch } = self;
-        let points = branch.points.iter().map(|point| {
-            let leading: Vec<&DrivenMultiplier> =
-                point.spectrum.multipliers.iter().filter(|one| one.im >= 0.0).take(LEADING).collect();
-            let mut value = parameters(point);
-            value["response"] = json!(point.amplitude);
-            value["residual"] = json!(point.orbit.residual);
-            value["max_modulus"] = json!(point.spectrum.largest());
-            value["unstable"] = json!(point.spectrum.unstable());
-            value["leading"] = json!(leading);
-            value["liouville"] = json!(point.spectrum.liouville);
-            value
-        });
-        let bifurcation = |one: &DrivenBifurcation| {
-            json!({
-                "kind": one.kind,
-                "parameter": one.parameter,
-                "multiplier": one.multiplier,
-                "response": one.point.amplitude,
-            })
-        };
-        json!({
-            "scene": scene.name(),
-            "parameter": branch.continuation.parameter.name(),
-            "end": branch.end,
-            "points": points.collect::<Vec<Value>>(),
-            "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
-            "unresolved": branch.unresolved,
-            "integrator": METHOD,
-            "scene_file": scene_json(scene),
-            "version": env!("CARGO_PKG_VERSION"),
-        })
+        let Self { scene, branch, switched } = self;
+        let mut value = branch_json(branch);
+        value["scene"] = json!(scene.name());
+        value["parameter"] = json!(branch.continuation.parameter.name());
+        if let Some((number, other)) = switched {
+            value["switched"] = branch_json(other);
+            value["switched"]["at"] = json!(number);
+        }
+        value["integrator"] = json!(METHOD);
+        value["scene_file"] = scene_json(scene);
+        value["version"] = json!(env!("CARGO_PKG_VERSION"));
+        value
     }
 
     fn text(&self) -> String {
-        let branch = &self.branch;
-        let parameter = branch.continuation.parameter;
-        let rows: Vec<Vec<String>> = branch
-            .points
-            .iter()
-            .map(|point| {
-                vec![
-                    format!("{:.8}", point.orbit.setting.get(parameter)),
-                    format!("{:.6e}", point.amplitude),
-                    format!("{:.8}", point.spectrum.largest()),
-                    point.spectrum.unstable().to_string(),
-                ]
-            })
-            .collect();
-        let events: Vec<Vec<String>> = branch
-            .bifurcations
-            .iter()
-            .map(|one| {
-                let DrivenMultiplier { re, im, .. } = one.multiplier;
-                vec![word(&one.kind), format!("{:.8}", one.parameter), format!("{re:.6}"), format!("{im:.6}")]
-            })
-            .collect();
-        let events = if events.is_empty() {
-            "no bifurcation\n".to_owned()
-        } else {
-            table(&["bifurcation", parameter.name(), "Re lambda", "Im lambda"], &events)
-        };
-        let unresolved = match branch.unresolved {
-            0 => String::new(),
-            count => format!("changes of stability that were not resolved into single bifurcations: {count}\n"),
-        };
-        table(&[parameter.name(), "response", "largest |lambda|", "outside"], &rows)
-            + "\n"
-            + &events
-            + &format!("\n{} points; the branch ended: {}\n{unresolved}", branch.points.len(), branch.end.words())
+        let other = self.switched.as_ref().map_or(String::new(), |(number, other)| {
+            let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
+            let periods = if turns == 1 { "the period".to_owned() } else { format!("{turns} periods") };
+            format!(
+                "\nThe branch that crosses at bifurcation {number}, of {periods} of the drive:\n\n{}",
+                branch_text(other)
+            )
+        });
+        branch_text(&self.branch)
+            + &other
             + "response: largest half range of a free bead; outside: multipliers outside the unit circle\n"
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
-        let parameter = self.branch.continuation.parameter;
-        let rows = self.branch.points.iter().map(|point| {
-            let unstable = point.spectrum.unstable() as f64;
-            vec![point.orbit.setting.get(parameter), point.amplitude, point.spectrum.largest(), unstable]
-        });
-        let table = csv(&[parameter.name(), "response", "max_modulus", "unstable"], rows);
-        Ok(named([("driven-branch.csv", table), ("driven-branch.json", format!("{json}\n").into())]))
+        let Self { scene, branch, switched } = self;
+        let mut files = named([
+            ("driven-branch.csv", branch_csv(branch)),
+            ("driven-branch.json", format!("{json}\n").into()),
+            (BRANCH_FILE, npz(scene, &branch.trail)?),
+        ]);
+        if let Some((_, other)) = switched {
+            files.extend(named([(SWITCHED_TABLE, branch_csv(other)), (SWITCHED_FILE, npz(scene, &other.trail)?)]));
+        }
+        Ok(files)
     }
 
     #[cfg(feature = "plot")]
@@ -192,12 +232,13 @@ impl Report for DrivenBranchStudy {
     }
 
     fn remark(&self) -> Option<String> {
-        (!self.succeeded()).then(|| format!("error: the branch ended: {}", self.branch.end.words()))
+        let short = self.branches().find(|branch| !branch.end.answers())?;
+        Some(format!("error: the branch ended: {}", short.end.words()))
     }
 
     /// A branch succeeds if it reached its end or turned back.
     fn succeeded(&self) -> bool {
-        matches!(self.branch.end, End::Reached | End::TurnedBack)
+        self.branches().all(|branch| branch.end.answers())
     }
 }
 
@@ -257,17 +298,31 @@ fn orbit_picture(study: &DrivenStudy) -> Result<crate::figures::Picture> {
 #[cfg(feature = "plot")]
 fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};
-    let DrivenBranchStudy { scene, branch } = study;
+    let DrivenBranchStudy { scene, branch, switched } = study;
     let parameter = branch.continuation.parameter;
     let place = |point: &DrivenPoint| point.orbit.setting.get(parameter);
-    let mut lines = stability_lines(&branch.points, |point| (place(point), point.amplitude), DrivenPoint::stable);
-    lines.push(Line::new("bifurcation", branch.bifurcations.iter().map(|one| (one.parameter, one.point.amplitude))));
-    let moduli = branch.points.iter().map(|point| (place(point), point.spectrum.largest()));
+    let responses = |branch: &DrivenBranch| {
+        stability_lines(&branch.points, |point| (place(point), point.amplitude), DrivenPoint::stable)
+    };
+    let mut lines = responses(branch);
+    let marks = study.branches().flat_map(|branch| &branch.bifurcations);
+    lines.push(Line::new("bifurcation", marks.map(|one| (one.parameter, one.point.amplitude))));
+    let moduli = |name: &str, branch: &DrivenBranch| {
+        Line::new(name, branch.points.iter().map(|point| (place(point), point.spectrum.largest())))
+    };
+    let mut largest = vec![moduli("largest |λ|", branch)];
+    let mut how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
+    if let Some((number, other)) = switched {
+        let names = ["stable, switched", "unstable, switched"];
+        lines
+            .extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
+        largest.push(moduli("switched", other));
+        how += &format!(" From bifurcation {number}: {} orbits; {}.", other.points.len(), other.end.words());
+    }
     let plots = vec![
         Panel::new(Kind::Cloud, [parameter.symbol(), "largest half range of a bead"], lines),
-        Panel::new(Kind::Cloud, [parameter.symbol(), "largest |λ|"], vec![Line::new("largest |λ|", moduli)]),
+        Panel::new(Kind::Cloud, [parameter.symbol(), "largest |λ|"], largest),
     ];
-    let how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
     let title = format!("Driven orbits of {} over the {}", scene.name(), parameter.symbol());
     Ok(panels(&Panels::column(title, plots, crate::study::provenance(scene, &how)))?)
 }

@@ -2,10 +2,10 @@
 
 mod report;
 
-use super::{Changes, Progress, Study, Work};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch};
 use crate::{
     error::{Error, Result},
-    orbits::{ModeBranch, ModeContinuation, NormalModes},
+    orbits::{ModeBranch, ModeContinuation, ModePoint, NormalModes},
     scene::Scene,
 };
 
@@ -50,6 +50,13 @@ pub struct ModeWay {
     /// Points of the branch at most.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
     pub max_points: usize,
+    /// Follow the branch that crosses at bifurcation K, too.
+    ///
+    /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
+    /// numbered from 1 as they are printed. It ends as the first branch does, or where orbits of
+    /// doubled period come back to those of half the period.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
+    pub switch: Option<usize>,
 }
 
 /// The branch of a mode of a scene.
@@ -61,11 +68,14 @@ pub struct ModeStudy {
     pub modes: NormalModes,
     /// The branch.
     pub branch: ModeBranch,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there.
+    pub switched: Option<(usize, ModeBranch)>,
 }
 
 impl ModeWay {
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
-        let &Self { mode, to, step, max_points: most_points } = self;
+        let &Self { mode, to, step, max_points: most_points, switch } = self;
+        check_switch(switch)?;
         let mode = match mode {
             None => modes.most_localised(),
             Some(0) => {
@@ -79,14 +89,19 @@ impl ModeWay {
 }
 
 impl Study for FollowMode {
-    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png.";
+    const FILES: &'static str =
+        "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv.";
     const STOPS: bool = true;
+
+    fn sometimes() -> Vec<String> {
+        vec![SWITCHED_TABLE.to_owned()]
+    }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
         let modes = NormalModes::new(scene.chain())?;
         let continuation = self.way.continuation(&modes)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(followed(scene, modes, &continuation, progress)?))))
+        Ok(Box::new(move |_, progress| Ok(Box::new(followed(scene, modes, &continuation, self.way.switch, progress)?))))
     }
 }
 
@@ -98,20 +113,30 @@ impl Study for FollowMode {
 pub fn follow_mode(scene: Scene, way: &ModeWay, progress: Progress<'_>) -> Result<ModeStudy> {
     let modes = NormalModes::new(scene.chain())?;
     let continuation = way.continuation(&modes)?;
-    followed(scene, modes, &continuation, progress)
+    followed(scene, modes, &continuation, way.switch, progress)
 }
 
 fn followed(
     scene: Scene,
     modes: NormalModes,
     continuation: &ModeContinuation,
+    switch: Option<usize>,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
-    let mut count = 0;
-    let branch = continuation.follow(&modes, |point| {
-        count += 1;
-        let a = point.orbit.amplitude;
-        progress((a / continuation.to).clamp(0.0, 1.0), &format!("point {count}, a = {a:.6}"));
-    })?;
-    Ok(ModeStudy { scene, modes, branch })
+    let tell = |first: f64, share: f64| {
+        let mut count = 0;
+        move |point: &ModePoint| {
+            count += 1;
+            let a = point.orbit.amplitude;
+            let done = first + share * (a.abs() / continuation.to).clamp(0.0, 1.0);
+            progress(done, &format!("point {count}, a = {a:.6}"));
+        }
+    };
+    let Some(number) = switch else {
+        let branch = continuation.follow(&modes, tell(0.0, 1.0))?;
+        return Ok(ModeStudy { scene, modes, branch, switched: None });
+    };
+    let branch = continuation.follow(&modes, tell(0.0, 0.5))?;
+    let other = branch.switched(&modes, number.wrapping_sub(1), tell(0.5, 0.5))?;
+    Ok(ModeStudy { scene, modes, branch, switched: Some((number, other)) })
 }

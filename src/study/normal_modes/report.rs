@@ -3,10 +3,10 @@
 use super::ModeStudy;
 use crate::{
     error::Result,
-    orbits::{End, LinearMode, ModeBifurcation, ModePoint},
+    orbits::{LinearMode, ModeBifurcation, ModeBranch, ModePoint},
     output::csv,
     present::table,
-    study::{File, Report, named, scene_json, word},
+    study::{File, Report, SWITCHED_TABLE, named, scene_json, word},
 };
 use serde_json::{Value, json};
 
@@ -37,25 +37,26 @@ impl ModeStudy {
         both
     }
 
-    fn last(&self) -> &ModePoint {
-        &self.branch.points[self.branch.points.len() - 1]
+    /// The branch, and the one that crosses it.
+    fn branches(&self) -> impl Iterator<Item = &ModeBranch> {
+        std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
     }
 
-    /// The bifurcations as a table.
-    fn events(&self) -> String {
-        let row = |ModeBifurcation { kind, tau, point }: &ModeBifurcation| {
+    /// The bifurcations of a branch as a table.
+    fn events(branch: &ModeBranch) -> String {
+        let row = |(k, ModeBifurcation { kind, tau, point, .. }): (usize, &ModeBifurcation)| {
             let [a, omega] = [point.orbit.amplitude, point.orbit.omega].map(|x| format!("{x:.8}"));
-            vec![word(kind), a, omega, format!("{tau:.8}")]
+            vec![(k + 1).to_string(), word(kind), a, omega, format!("{tau:.8}")]
         };
-        let rows: Vec<Vec<String>> = self.branch.bifurcations.iter().map(row).collect();
-        let unresolved = match self.branch.unresolved {
+        let rows: Vec<Vec<String>> = branch.bifurcations.iter().enumerate().map(row).collect();
+        let unresolved = match branch.unresolved {
             0 => String::new(),
             count => format!("stretches with several bifurcations that were not separated: {count}\n"),
         };
         if rows.is_empty() {
             return "no bifurcation\n".to_owned() + &unresolved;
         }
-        table(&["bifurcation", "a", "omega", "tau"], &rows) + &unresolved
+        table(&["number", "bifurcation", "a", "omega", "tau"], &rows) + &unresolved
     }
 
     /// The numbers of a point in tables.
@@ -64,11 +65,9 @@ impl ModeStudy {
         let unstable = point.unstable() as f64;
         [orbit.amplitude, orbit.omega, *energy, *participation, *least_overlap, spectrum.largest(), unstable]
     }
-}
 
-impl Report for ModeStudy {
-    fn json(&self) -> Value {
-        let Self { scene, modes, branch } = self;
+    /// Points, bifurcations and the last orbit of a branch.
+    fn branch_json(&self, branch: &ModeBranch) -> Value {
         let points = branch.points.iter().map(|point| {
             json!({
                 "amplitude": point.orbit.amplitude,
@@ -82,16 +81,13 @@ impl Report for ModeStudy {
             })
         });
         let bifurcation = |one: &ModeBifurcation| {
-            let ModeBifurcation { kind, tau, point } = one;
+            let ModeBifurcation { kind, tau, point, .. } = one;
             json!({ "kind": kind, "amplitude": point.orbit.amplitude, "omega": point.orbit.omega, "tau": tau })
         };
-        let last = self.last();
+        let last = last(branch);
         let [u, v] = self.displacements(last);
-        let start = modes.state(&last.orbit);
+        let start = self.modes.state(&last.orbit);
         json!({
-            "scene": scene.name(),
-            "mode": branch.continuation.mode + 1,
-            "linear": modes.linear().iter().map(|mode| self.linear_json(mode)).collect::<Vec<Value>>(),
             "end": branch.end,
             "points": points.collect::<Vec<Value>>(),
             "bifurcations": branch.bifurcations.iter().map(bifurcation).collect::<Vec<Value>>(),
@@ -104,9 +100,62 @@ impl Report for ModeStudy {
                 "multipliers": last.spectrum.multipliers,
                 "quality": last.spectrum.quality,
             },
-            "scene_file": scene_json(scene),
-            "version": env!("CARGO_PKG_VERSION"),
         })
+    }
+
+    /// Points and bifurcations of a branch as tables.
+    fn branch_text(branch: &ModeBranch) -> String {
+        let points: Vec<Vec<String>> = branch
+            .points
+            .iter()
+            .map(|point| {
+                let [a, omega, energy, participation, least, largest, unstable] = Self::row(point);
+                vec![
+                    format!("{a:.6}"),
+                    format!("{omega:.10}"),
+                    format!("{energy:.6e}"),
+                    format!("{participation:.4}"),
+                    format!("{least:.4}"),
+                    format!("{largest:.8}"),
+                    unstable.to_string(),
+                ]
+            })
+            .collect();
+        let columns = ["a", "omega", "energy", "participation", "least overlap", "largest |lambda|", "outside"];
+        format!(
+            "{}\n{}\n{} points; the branch ended: {}\n",
+            table(&columns, &points),
+            Self::events(branch),
+            branch.points.len(),
+            branch.end.words()
+        )
+    }
+
+    fn branch_csv(branch: &ModeBranch) -> Vec<u8> {
+        let columns = ["amplitude", "omega", "energy", "participation", "least_overlap", "max_modulus", "unstable"];
+        csv(&columns, branch.points.iter().map(|point| Self::row(point).to_vec()))
+    }
+}
+
+/// The last orbit of a branch.
+fn last(branch: &ModeBranch) -> &ModePoint {
+    &branch.points[branch.points.len() - 1]
+}
+
+impl Report for ModeStudy {
+    fn json(&self) -> Value {
+        let Self { scene, modes, branch, switched } = self;
+        let mut value = self.branch_json(branch);
+        value["scene"] = json!(scene.name());
+        value["mode"] = json!(branch.continuation.mode + 1);
+        value["linear"] = modes.linear().iter().map(|mode| self.linear_json(mode)).collect();
+        if let Some((number, other)) = switched {
+            value["switched"] = self.branch_json(other);
+            value["switched"]["at"] = json!(number);
+        }
+        value["scene_file"] = scene_json(scene);
+        value["version"] = json!(env!("CARGO_PKG_VERSION"));
+        value
     }
 
     fn text(&self) -> String {
@@ -128,47 +177,30 @@ impl Report for ModeStudy {
                 ]
             })
             .collect();
-        let points: Vec<Vec<String>> = branch
-            .points
-            .iter()
-            .map(|point| {
-                let [a, omega, energy, participation, least, largest, unstable] = Self::row(point);
-                vec![
-                    format!("{a:.6}"),
-                    format!("{omega:.10}"),
-                    format!("{energy:.6e}"),
-                    format!("{participation:.4}"),
-                    format!("{least:.4}"),
-                    format!("{largest:.8}"),
-                    unstable.to_string(),
-                ]
-            })
-            .collect();
-        let columns = ["a", "omega", "energy", "participation", "least overlap", "largest |lambda|", "outside"];
+        let other = self.switched.as_ref().map_or(String::new(), |(number, other)| {
+            format!("\nThe branch that crosses at bifurcation {number}:\n\n{}", Self::branch_text(other))
+        });
         format!(
-            "{}{} linear modes, * the one that is followed\n\n{}\n{}\n{} points; the branch ended: {}\n",
+            "{}{} linear modes, * the one that is followed\n\n{}{other}",
             table(&["mode", "omega", "participation", "site"], &rows),
             linear.len(),
-            table(&columns, &points),
-            self.events(),
-            branch.points.len(),
-            branch.end.words()
+            Self::branch_text(branch),
         ) + "least overlap: at the two times of rest; outside: multipliers outside the unit circle by more than their error\n"
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
-        let columns = ["amplitude", "omega", "energy", "participation", "least_overlap", "max_modulus", "unstable"];
-        let points = csv(&columns, self.branch.points.iter().map(|point| Self::row(point).to_vec()));
         let linear = self.modes.linear().iter().enumerate().map(|(k, mode)| {
             let (site, resonator) = self.site_of(mode);
             vec![k as f64 + 1.0, mode.omega, mode.participation, site as f64, f64::from(u8::from(resonator))]
         });
         let linear = csv(&["mode", "omega", "participation", "site", "resonator"], linear);
-        Ok(named([
-            ("mode-branch.csv", points),
+        let mut files = named([
+            ("mode-branch.csv", Self::branch_csv(&self.branch)),
             ("linear-modes.csv", linear),
             ("mode.json", format!("{json}\n").into()),
-        ]))
+        ]);
+        files.extend(self.switched.iter().map(|(_, other)| (SWITCHED_TABLE.to_owned(), Self::branch_csv(other))));
+        Ok(files)
     }
 
     #[cfg(feature = "plot")]
@@ -177,27 +209,35 @@ impl Report for ModeStudy {
     }
 
     fn remark(&self) -> Option<String> {
-        (!self.succeeded()).then(|| format!("error: the branch ended: {}", self.branch.end.words()))
+        let short = self.branches().find(|branch| !branch.end.answers())?;
+        Some(format!("error: the branch ended: {}", short.end.words()))
     }
 
     fn succeeded(&self) -> bool {
-        matches!(self.branch.end, End::Reached | End::TurnedBack)
+        self.branches().all(|branch| branch.end.answers())
     }
 }
 
 #[cfg(feature = "plot")]
 fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Column, Kind, Line, Panel, Panels, panels};
-    let (branch, last) = (&study.branch, study.last());
-    let mut lines = crate::study::stability_lines(
-        &branch.points,
-        |point: &ModePoint| (point.orbit.amplitude, point.orbit.omega),
-        |point| point.unstable() == 0,
-    );
+    let (branch, last) = (&study.branch, last(&study.branch));
+    let points = |branch: &ModeBranch| {
+        crate::study::stability_lines(
+            &branch.points,
+            |point: &ModePoint| (point.orbit.amplitude.abs(), point.orbit.omega),
+            |point| point.unstable() == 0,
+        )
+    };
+    let mut lines = points(branch);
     let near = study.modes.linear().iter().map(|mode| (0.0, mode.omega));
     lines.push(Line::new("linear modes", near));
-    let place = |one: &ModeBifurcation| (one.point.orbit.amplitude, one.point.orbit.omega);
-    lines.push(Line::new("bifurcation", branch.bifurcations.iter().map(place)));
+    let place = |one: &ModeBifurcation| (one.point.orbit.amplitude.abs(), one.point.orbit.omega);
+    lines.push(Line::new("bifurcation", study.branches().flat_map(|branch| &branch.bifurcations).map(place)));
+    if let Some((_, other)) = &study.switched {
+        let names = ["stable, switched", "unstable, switched"];
+        lines.extend(points(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
+    }
     let share = branch.points.iter().map(|point| (point.orbit.amplitude, point.participation));
     let [u, v] = study.displacements(last);
     let sites =

@@ -3,7 +3,7 @@
 
 mod report;
 
-use super::{Progress, Study, Work};
+use super::{Progress, Study, Work, keeper::Keeper};
 pub(crate) use report::branch_csv;
 
 use crate::orbits::Formulation;
@@ -18,13 +18,10 @@ use crate::{
         Bifurcation, BifurcationKind, Continuation, End, Extent, Kantorovich, Orbit, Parameter, Setting, Shooting,
         Spectrum, Trail,
     },
-    output::{Folder, say},
+    output::Folder,
 };
 use hertzchain_integrators::collocation::Pace;
-use std::{
-    path::{Path, PathBuf},
-    time::{Duration, Instant},
-};
+use std::path::{Path, PathBuf};
 
 /// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a
 /// branch.
@@ -347,25 +344,10 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
-/// Writes `branch.npz` while a branch is followed: with every twentieth point, whenever 10 s have
-/// gone by, at its end, and when it is asked to end.
+/// Keeps a branch while it is followed.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
-    let mut last = Instant::now();
-    let mut begun = false;
-    move |trail| {
-        let Some(folder) = folder else { return };
-        let late = last.elapsed() >= Duration::from_secs(10);
-        if late || trail.orbits.len().is_multiple_of(20) || trail.end.is_some() || interrupt::asked() {
-            last = Instant::now();
-            // What an earlier run has left belongs to another branch.
-            let cleared = if begun { Ok(()) } else { folder.remove(["branch.json", "branch.csv", "branch.png"]) };
-            begun = true;
-            let kept = cleared.and_then(|()| folder.write(BRANCH_FILE, &trail.npz(Vec::new())?));
-            // What cannot be kept now is still computed: it is written at the end, or that is the
-            // error.
-            kept.err().into_iter().for_each(|why| say(&format!("not kept so far: {why}")));
-        }
-    }
+    let mut keeper = Keeper::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "branch.png"]);
+    move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
 }
 
 /// An orbit and what is asked of it.

@@ -1,0 +1,135 @@
+//! From a bifurcation of a normal mode to the branch that crosses there.
+//!
+//! An orbit of a normal mode is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of
+//! doubled period that begin at a period doubling are at rest twice in theirs, near one of these
+//! two times and a period `T` later. So both times are tried as the start; where it is `T/2`, the
+//! leading coordinate may begin with the other sign, and the amplitude `a` is negative.
+
+use super::{
+    arclength::{self, Course, End, Scales, Solution, Way},
+    bifurcation::{self, BifurcationKind, Located},
+    normal_modes::{
+        ModeBifurcation, ModeBranch, ModeContinuation, ModeFamily, ModeOrbit, ModePoint, NormalModes, TOL, WEAK,
+    },
+    switching,
+};
+use crate::{
+    chain::Variations,
+    error::{Error, Result},
+};
+use nalgebra::DVector;
+use std::f64::consts::PI;
+
+/// Unknowns and amplitude.
+type Place = (Vec<f64>, f64);
+
+impl ModeFamily<'_> {
+    /// The displacements from the equilibrium after half of the period.
+    fn turning_point(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
+        let (modes, span) = (self.modes, (0.0, PI / orbit.omega));
+        let start = modes.start(orbit.amplitude, &orbit.shape);
+        let end = Variations::flow(&modes.chain, &start, span, &[], TOL)?.state;
+        Ok(DVector::from_iterator(modes.free.len(), modes.free.iter().map(|&i| end[i] - modes.rest[i])))
+    }
+
+    /// An orbit told as one of `turns` of its periods, that begins at the other time of rest if
+    /// `later`.
+    fn told(&self, orbit: &ModeOrbit, turns: u32, later: bool) -> Result<Place> {
+        let omega = orbit.omega / f64::from(turns);
+        if !later {
+            return Ok((self.unknowns(&ModeOrbit { omega, ..orbit.clone() }), orbit.amplitude));
+        }
+        let q = self.turning_point(orbit)?;
+        let amplitude = q[self.linear.leading];
+        let shape = (q / amplitude).as_slice().to_vec();
+        Ok((self.unknowns(&ModeOrbit { omega, amplitude, shape, ..orbit.clone() }), amplitude))
+    }
+
+    /// Displacements after half of the period, less those at the start, per amplitude.
+    fn halves_apart(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
+        let end = self.turning_point(orbit)? / orbit.amplitude;
+        Ok(end - DVector::from_column_slice(&orbit.shape))
+    }
+}
+
+impl ModeBranch {
+    /// The branch that crosses this one at bifurcation `k`, from 0 on: of doubled period at a period
+    /// doubling, of the same period at a branch point. It is followed until the amplitude has this
+    /// branch's last size or, back again, its first; one of doubled period also until it comes back
+    /// to this one. Its first orbit is the one at the crossing. Of the two ways there it goes one.
+    ///
+    /// # Errors
+    /// No such bifurcation; one at which no other branch crosses, or whose orbits are not at rest
+    /// twice in a period; no orbit on it; multipliers that cannot be computed; a signal.
+    pub fn switched(&self, modes: &NormalModes, k: usize, mut seen: impl FnMut(&ModePoint)) -> Result<Self> {
+        let Some(birth) = self.bifurcations.get(k) else {
+            let value = format!("{} of {}", k.saturating_add(1), self.bifurcations.len());
+            return Err(Error::parameter("switch", value, "bifurcations of the branch are numbered from 1"));
+        };
+        let continuation = self.continuation;
+        let ModeContinuation { to, step, most_points, .. } = continuation;
+        let family = ModeFamily::new(modes, &continuation);
+        let Some(((z, a), scales, v)) = self.crossing(&family, birth)? else {
+            let rule =
+                "a period doubling or a branch point where one other branch crosses, of orbits at rest twice a period";
+            return Err(Error::parameter("switch", format!("{}, {:?}", k + 1, birth.kind), rule));
+        };
+        let (first, ds) = switching::first(&family, (&z, a), scales, &v)?;
+        let direction = a.signum();
+        let way = Way { to: direction * to, step, natural: false, direction };
+        let last = (first.z.clone(), first.p);
+        let course = Course { back: direction * step, previous: Some((z.clone(), a)), last, ds, points: 2 };
+        let start = Solution { z, p: a, residual: birth.point.orbit.residual, newton: Vec::new() };
+        let mut points = vec![family.point(&start)?, family.point(&first)?];
+        points.iter().for_each(&mut seen);
+        let mut apart = family.halves_apart(&points[1].orbit)?;
+        let end = arclength::follow(&family, course, way, most_points, &mut |solution, _, _| {
+            let Ok(point) = family.point(solution) else { return Ok(Some(End::NoMultipliers)) };
+            if birth.kind == BifurcationKind::PeriodDoubling {
+                let now = family.halves_apart(&point.orbit)?;
+                if switching::changed_places(&apart, &now) {
+                    return Ok(Some(End::Rejoined));
+                }
+                apart = now;
+            }
+            seen(&point);
+            points.push(point);
+            Ok(None)
+        })?;
+        let (bifurcations, unresolved) = located(&family, &points[1..], 1);
+        Ok(Self { continuation, points, bifurcations, unresolved, end })
+    }
+
+    /// A bifurcation as an orbit of the branch that crosses there, the units of both, and the
+    /// direction in which the other branch leaves.
+    fn crossing(
+        &self,
+        family: &ModeFamily<'_>,
+        birth: &ModeBifurcation,
+    ) -> Result<Option<(Place, Scales, DVector<f64>)>> {
+        let (turns, starts): (u32, &[bool]) = match birth.kind {
+            BifurcationKind::PeriodDoubling => (2, &[false, true]),
+            BifurcationKind::PlusOne => (1, &[false]),
+            _ => return Ok(None),
+        };
+        for &later in starts {
+            let told = |orbit: &ModeOrbit| family.told(orbit, turns, later);
+            let place = told(&birth.point.orbit)?;
+            let scales = Scales::new(&place.0, self.continuation.to - self.continuation.step);
+            let (a, b) = (told(&self.points[birth.after].orbit)?, told(&self.points[birth.after + 1].orbit)?);
+            let along = scales.chord((&a.0, a.1), (&b.0, b.1)).normalize();
+            if let Some(v) = switching::crossing(family, (&place.0, place.1), scales, &along)? {
+                return Ok(Some((place, scales, v)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The bifurcations between points that follow `before` others, and the number of stretches that
+/// were not resolved.
+pub(super) fn located(family: &ModeFamily<'_>, points: &[ModePoint], before: usize) -> (Vec<ModeBifurcation>, usize) {
+    let (found, unresolved) = bifurcation::located(family, points, WEAK);
+    let one = |Located { kind, tau, point, after }| ModeBifurcation { kind, tau, point, after: before + after };
+    (found.into_iter().map(one).collect(), unresolved)
+}

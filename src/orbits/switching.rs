@@ -1,0 +1,71 @@
+//! From a bifurcation to the other branch that crosses there.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `X_0` | scaled unknowns and parameter at the bifurcation |
+//! | `t` | direction of the known branch |
+//! | `v` | unit vector with `F_X v = 0` and `t . v = 0` |
+//!
+//! Where two branches cross, `F_X` has two null vectors. A period doubling is such a crossing for
+//! the equations of the doubled period, which the known branch solves as well. The first solution
+//! of the other branch is sought in the hyperplane `v . (X - X_0) = delta`: it is parallel to the
+//! known branch, and so meets the other one only. Source: Keller 1977, in *Applications of
+//! Bifurcation Theory*, pp. 359-384.
+
+use super::arclength::{self, Family, Scales, Solution, Spot};
+use crate::error::{Error, Result};
+use nalgebra::DVector;
+
+/// Values of `delta`, tried in this order.
+const DISTANCES: [f64; 5] = [0.02, 0.01, 5e-3, 2.5e-3, 1.25e-3];
+/// Largest distance of a solution from `X_0`, in units of `delta`: beyond it the hyperplane may have
+/// met the known branch.
+const FARTHEST: f64 = 4.0;
+/// Two branches cross if the least singular value of `(F_X, t)` is at most this share of the next.
+const SINGULAR: f64 = 1e-2;
+
+/// `v` at a solution, its largest entry positive; `None` where no other branch crosses, or more than
+/// one. `along` is `t`.
+pub(super) fn crossing(
+    family: &impl Family,
+    (z, p): (&[f64], f64),
+    scales: Scales,
+    along: &DVector<f64>,
+) -> Result<Option<DVector<f64>>> {
+    let jacobian = arclength::extended(family, z, p, scales)?.jacobian;
+    let rows = jacobian.nrows();
+    let mut bordered = jacobian.insert_row(rows, 0.0);
+    bordered.set_row(rows, &along.transpose());
+    let svd = bordered.svd(false, true);
+    let (values, Some(vectors)) = (svd.singular_values, svd.v_t) else { return Ok(None) };
+    let last = values.len() - 1;
+    let crosses = values[last] <= SINGULAR * values[last - 1];
+    Ok(crosses.then(|| {
+        let v = vectors.row(last).transpose();
+        let sign = v[v.icamax()].signum();
+        v * sign
+    }))
+}
+
+/// The first solution on the branch that leaves in the direction `v`, and its `delta`.
+pub(super) fn first(
+    family: &impl Family,
+    (z, p): (&[f64], f64),
+    scales: Scales,
+    v: &DVector<f64>,
+) -> Result<(Solution, f64)> {
+    let spot = Spot { z, p, tangent: v };
+    let near = |delta: f64| {
+        let solution = arclength::correct(family, spot, scales, delta).ok()?;
+        let chord = scales.chord((z, p), (&solution.z, solution.p)).norm();
+        (chord <= FARTHEST * delta).then_some((solution, delta))
+    };
+    DISTANCES.into_iter().find_map(near).ok_or(Error::Stalled { steps: arclength::MOST_CORRECTIONS, best: None })
+}
+
+/// Whether the two halves of an orbit of doubled period have changed places from one point to the
+/// next, told by the differences of their starts: a step there went through the branch of half the
+/// period.
+pub(super) fn changed_places(before: &DVector<f64>, now: &DVector<f64>) -> bool {
+    before.dot(now) < -0.5 * before.norm() * now.norm()
+}

@@ -1,0 +1,46 @@
+//! The file of a branch, written while the branch is followed.
+
+use crate::{
+    error::Result,
+    interrupt,
+    output::{Folder, say},
+};
+use std::time::{Duration, Instant};
+
+/// Longest time between two writings.
+const LATEST: Duration = Duration::from_secs(10);
+/// Points after which the file is written in any case.
+const POINTS: usize = 20;
+
+/// Writes the file of a branch: with every twentieth point, whenever 10 s have gone by, at its end,
+/// and when the process is asked to end.
+pub(super) struct Keeper<'a> {
+    folder: Option<&'a Folder>,
+    file: &'static str,
+    /// Files that an earlier run may have left: they belong to another branch.
+    stale: &'static [&'static str],
+    last: Instant,
+    begun: bool,
+}
+
+impl<'a> Keeper<'a> {
+    /// A keeper that writes to `folder`, if there is one.
+    pub(super) fn new(folder: Option<&'a Folder>, file: &'static str, stale: &'static [&'static str]) -> Self {
+        Self { folder, file, stale, last: Instant::now(), begun: false }
+    }
+
+    /// Told that the branch has so many points, and whether it has ended.
+    pub(super) fn keep(&mut self, points: usize, ended: bool, bytes: impl FnOnce() -> Result<Vec<u8>>) {
+        let Some(folder) = self.folder else { return };
+        let late = self.last.elapsed() >= LATEST;
+        if late || points.is_multiple_of(POINTS) || ended || interrupt::asked() {
+            self.last = Instant::now();
+            let cleared = if self.begun { Ok(()) } else { folder.remove(self.stale.iter().copied()) };
+            self.begun = true;
+            let kept = cleared.and_then(|()| folder.write(self.file, &bytes()?));
+            // What cannot be kept now is still computed: it is written at the end, or that is the
+            // error.
+            kept.err().into_iter().for_each(|why| say(&format!("not kept so far: {why}")));
+        }
+    }
+}

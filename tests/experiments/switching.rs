@@ -1,0 +1,272 @@
+//! Branches that cross others: of doubled period, and at branch points.
+
+use hertzchain::{
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, State, Variations},
+    orbits::{
+        BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
+        DrivenShooting, DrivenTrail, End, ModeBranch, ModeContinuation, ModePoint, NormalModes,
+    },
+    run::{Method, Run, Setting},
+};
+use std::f64::consts::PI;
+
+/// A bead between walls with these contact constants and static overlaps, with drag, pushed.
+fn bead(drag: f64, contact: [f64; 2], overlap: [f64; 2], harmonics: Vec<Harmonic>) -> Chain<f64> {
+    let signal = Signal { harmonics, envelope: Envelope::None };
+    let details = Details {
+        drag: vec![drag],
+        overlap: overlap.to_vec(),
+        contact: contact.to_vec(),
+        drives: vec![Drive { site: 0, means: Means::Pushed, signal }],
+        ..Details::default()
+    };
+    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
+}
+
+/// A bead that rests on a wall under its weight 1, and is shaken.
+fn shaken() -> Chain<f64> {
+    let harmonics = vec![
+        Harmonic { amplitude: 0.1, omega: 1.8, phase: 0.0 },
+        Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
+    ];
+    bead(0.15, [1.0, 0.0], [1.0, 0.0], harmonics)
+}
+
+/// A bead between two walls, shaken: it moves as its mirror image does half a period later, up to
+/// a = 2.38.
+fn symmetric() -> Chain<f64> {
+    bead(0.02, [1.0; 2], [1.0; 2], vec![Harmonic { amplitude: 2.0, omega: 0.8, phase: 0.0 }])
+}
+
+fn branch(chain: &Chain<f64>, to: f64, step: f64) -> DrivenBranch {
+    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(chain, 1).unwrap());
+    let start = shooting.solve(&setting, &setting.rest()).unwrap();
+    let parameter = DriveParameter::Amplitude;
+    DrivenContinuation { parameter, to, step, most_points: 200, shooting }.follow(start, |_| {}).unwrap()
+}
+
+/// The number of the first bifurcation of a kind.
+fn number(branch: &DrivenBranch, kind: BifurcationKind) -> usize {
+    branch.bifurcations.iter().position(|one| one.kind == kind).unwrap()
+}
+
+fn followed(mut trail: DrivenTrail) -> DrivenBranch {
+    trail.extend(|_| {}).unwrap();
+    let shooting = trail.continuation.shooting;
+    let points = trail.orbits.iter().map(|orbit| DrivenPoint::new(orbit.clone(), &shooting).unwrap()).collect();
+    trail.branch(points)
+}
+
+fn amplitude(orbit: &DrivenOrbit) -> f64 {
+    orbit.setting.get(DriveParameter::Amplitude)
+}
+
+/// The orbit of the doubled branch near the crossing, with `a` at this distance beyond it.
+fn at(branch: &DrivenBranch, distance: f64) -> DrivenOrbit {
+    let crossing = amplitude(&branch.points[0].orbit);
+    let near = &branch.points[1].orbit;
+    let scale = (distance / (amplitude(near) - crossing)).sqrt();
+    let start = &branch.points[0].orbit.z;
+    let seed: Vec<f64> = start.iter().zip(&near.z).map(|(z, w)| z + scale * (w - z)).collect();
+    let setting = near.setting.with(DriveParameter::Amplitude, crossing + distance);
+    DrivenShooting::default().solve(&setting, &seed).unwrap()
+}
+
+/// The largest distance of two lists of numbers.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()))
+}
+
+/// The state of an orbit after so many periods of its drive, by a splitting scheme, which shares no
+/// code with the search.
+fn after(orbit: &DrivenOrbit, periods: f64) -> [Vec<f64>; 2] {
+    let (chain, start) = (orbit.setting.chain().unwrap(), orbit.start().unwrap());
+    let half = chain.layout().half();
+    let run = Run::new(chain, start.clone()).until(periods * 2.0 * PI / orbit.setting.omega()).unwrap();
+    let run = run.method(Method::named("aba1064-linear-landed").unwrap());
+    let end = run.setting(Setting::Steps(4000)).start().unwrap().complete().unwrap().state;
+    [start.as_slice()[..2 * half].to_vec(), end[..2 * half].to_vec()]
+}
+
+#[test]
+fn a_doubled_branch_begins_as_the_normal_form_of_a_period_doubling_does() {
+    // Truth: the normal form x -> -(1 + mu) x + c x^3, mu proportional to the distance beyond the
+    // bifurcation. Twice applied it has fixed points with x^2 proportional to mu, and with the
+    // multiplier 1 - 4 mu; what is left out is of the relative order of the distance.
+    let main = branch(&shaken(), 2.0, 0.1);
+    let birth = number(&main, BifurcationKind::PeriodDoubling);
+    let doubled = followed(main.switched(birth).unwrap());
+    let shooting = DrivenShooting::default();
+    let crossing = main.bifurcations[birth].parameter;
+    let distances = [1e-3, 2.5e-4];
+    let errors = distances.map(|distance| {
+        let orbit = at(&doubled, distance);
+        let setting = main.bifurcations[birth].point.orbit.setting.with(DriveParameter::Amplitude, crossing + distance);
+        let once = shooting.solve(&setting, &main.bifurcations[birth].point.orbit.z).unwrap();
+        let mu = -1.0 - once.spectrum(&shooting).unwrap().multipliers[0].re;
+        let largest = orbit.spectrum(&shooting).unwrap().multipliers[0].re;
+        ((1.0 - largest) / (4.0 * mu) - 1.0, apart(&orbit.z, &once.z) / distance.sqrt())
+    });
+    println!("{errors:?}");
+    let [(far, wide), (near, narrow)] = errors;
+    assert!(near.abs() < 0.01 && (3.5..4.5).contains(&(far / near)), "{errors:?}");
+    // Errors of the root in turn are of the order of the root of the distance: the two halves of an
+    // orbit differ from the orbit of half the period by more and by less.
+    assert!((wide / narrow - 1.0).abs() < 0.1, "{errors:?}");
+}
+
+#[test]
+fn orbits_of_doubled_period_return_after_two_periods_by_another_method_and_not_after_one() {
+    let main = branch(&shaken(), 2.0, 0.1);
+    let doubled = followed(main.switched(number(&main, BifurcationKind::PeriodDoubling)).unwrap());
+    assert_eq!((doubled.end, doubled.unresolved), (End::Reached, 0));
+    let kinds: Vec<BifurcationKind> = doubled.bifurcations.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds, [BifurcationKind::Fold, BifurcationKind::Fold, BifurcationKind::PeriodDoubling]);
+    for point in doubled.points[1..].iter().step_by(6) {
+        assert_eq!(point.orbit.setting.turns(), 2);
+        let [start, end] = after(&point.orbit, 2.0);
+        let [_, middle] = after(&point.orbit, 1.0);
+        println!("{} {:e} {:e}", amplitude(&point.orbit), apart(&start, &end), apart(&start, &middle));
+        assert!(apart(&start, &end) < 1e-9 && apart(&start, &middle) > 1e-2);
+    }
+}
+
+#[test]
+fn a_run_settles_onto_the_orbit_of_doubled_period_where_that_is_stable() {
+    // Truth: a run from beside the unstable orbit of half the period.
+    let main = branch(&shaken(), 2.0, 0.1);
+    let birth = number(&main, BifurcationKind::PeriodDoubling);
+    let doubled = followed(main.switched(birth).unwrap());
+    let point = doubled.points.iter().find(|point| point.spectrum.largest() < 0.8).unwrap();
+    assert!(point.stable());
+    let orbit = &point.orbit;
+    let chain = orbit.setting.chain().unwrap();
+    let mut state = main.bifurcations[birth].point.orbit.start().unwrap().as_slice().to_vec();
+    state[0] += 1e-3;
+    let flow = |y: &[f64], period: f64| Variations::flow(&chain, y, (0.0, period), &[], 1e-14).unwrap().state;
+    for _ in 0..200 {
+        state = flow(&state, orbit.setting.period());
+    }
+    let later = flow(&state, 0.5 * orbit.setting.period());
+    // Which half of the orbit a run is in depends on where it began.
+    let start = orbit.start().unwrap();
+    let off = [&state, &later].map(|state| apart(&state[..2], &start.as_slice()[..2]));
+    println!("{off:?}");
+    assert!(off[0].min(off[1]) < 1e-9 && off[0].max(off[1]) > 1e-2, "{off:?}");
+}
+
+#[test]
+fn at_a_branch_point_the_symmetry_is_broken_as_by_a_pitchfork() {
+    // Truth: the normal form x -> (1 + mu) x - x^3 has fixed points with the multiplier 1 - 2 mu.
+    // The mirror image of an orbit, half a period later, is another one.
+    let main = branch(&symmetric(), 2.45, 0.05);
+    let birth = number(&main, BifurcationKind::PlusOne);
+    let shooting = DrivenShooting::default();
+    let broken = followed(main.switched(birth).unwrap());
+    let ratio = |distance: f64| {
+        let one = at(&broken, distance);
+        let setting = one.setting.clone();
+        let symmetric = shooting.solve(&setting, &main.bifurcations[birth].point.orbit.z).unwrap();
+        let mu = symmetric.spectrum(&shooting).unwrap().multipliers[0].re - 1.0;
+        (1.0 - one.spectrum(&shooting).unwrap().multipliers[0].re) / (2.0 * mu) - 1.0
+    };
+    let errors = [2e-3, 5e-4].map(ratio);
+    println!("{errors:?}");
+    assert!(errors[1].abs() < 0.05 && (3.0..5.0).contains(&(errors[0] / errors[1])), "{errors:?}");
+    let orbit = &broken.points.last().unwrap().orbit;
+    let [start, end] = after(orbit, 1.0);
+    let [_, middle] = after(orbit, 0.5);
+    let mirrored: Vec<f64> = middle.iter().map(|q| -q).collect();
+    assert!(apart(&start, &end) < 1e-9 && apart(&start, &mirrored) > 1e-2);
+}
+
+#[test]
+fn a_branch_of_doubled_period_ends_where_it_comes_back() {
+    // Truth: beyond the crossing a branch has the same orbits again, begun at the other half.
+    let main = branch(&shaken(), 2.0, 0.1);
+    let birth = number(&main, BifurcationKind::PeriodDoubling);
+    let mut trail = main.switched(birth).unwrap();
+    trail.continuation.most_points = 4;
+    trail.extend(|_| {}).unwrap();
+    // Turned round, the branch goes back through the crossing.
+    trail.orbits.reverse();
+    trail.orbits.pop();
+    trail.continuation.most_points = 50;
+    assert_eq!(trail.extend(|_| {}).unwrap(), End::Rejoined);
+    let crossing = main.bifurcations[birth].parameter;
+    let last = amplitude(trail.orbits.last().unwrap()) - crossing;
+    assert!(last > 0.0 && last < 1.2e-3, "{last:e}");
+}
+
+#[test]
+fn where_no_periodic_branch_crosses_there_is_nothing_to_switch_to() {
+    let main = branch(&shaken(), 2.0, 0.1);
+    let doubled = followed(main.switched(number(&main, BifurcationKind::PeriodDoubling)).unwrap());
+    let refused = |k: usize| doubled.switched(k).unwrap_err().to_string();
+    assert!(refused(0).contains("switch = 1, a fold"), "{}", refused(0));
+    assert!(refused(3).contains("switch = 4 of 3"), "{}", refused(3));
+    assert_eq!(doubled.switched(2).unwrap().orbits[0].setting.turns(), 4);
+}
+
+/// The antiphase mode of two beads between walls, as in the test against Hill's equation.
+fn antiphase() -> (Chain<f64>, NormalModes, ModeBranch) {
+    let c: f64 = 2.0;
+    let plain = Chain::new(Params::new(2.0, 0.0, 0.0).unwrap(), Boundary::Fixed, 2).unwrap();
+    let details = Details { contact: vec![1.0, c, 1.0], overlap: vec![1.0, c.powf(-0.5), 1.0], ..Details::default() };
+    let chain = plain.with(&details).unwrap();
+    let modes = NormalModes::new(&chain).unwrap();
+    let way = ModeContinuation { mode: 1, to: 0.32, step: 0.02, most_points: 200 };
+    let branch = way.follow(&modes, |_| {}).unwrap();
+    (chain, modes, branch)
+}
+
+/// The state after a period of an orbit, and after half of it, by contact collocation, which the
+/// search does not use.
+fn by_collocation(chain: &Chain<f64>, start: &State<f64>, period: f64) -> [Vec<f64>; 2] {
+    [period, 0.5 * period].map(|t| {
+        let run = Run::new(chain.clone(), start.clone()).until(t).unwrap().method(Method::Collocation);
+        run.tolerance(1e-13).unwrap().start().unwrap().complete().unwrap().state
+    })
+}
+
+#[test]
+fn modes_of_doubled_period_begin_as_a_hamiltonian_pitchfork_does() {
+    // Truth: at fixed energy the map over two periods has a fixed point with tau - 1 = mu that
+    // loses its stability to two with tau - 1 = -2 mu, as the minima of -mu x^2/2 + x^4/4 have it.
+    let (_, modes, main) = antiphase();
+    let birth = &main.bifurcations[0];
+    let a = birth.point.orbit.amplitude;
+    // Two orbits of the mode beside the crossing. Over two periods tau becomes 2 tau^2 - 1, which
+    // changes by -4 times as much where tau is -1.
+    let way = ModeContinuation { mode: 1, step: a - 1e-4, to: a + 1e-4, most_points: 2 };
+    let beside = way.follow(&modes, |_| {}).unwrap().points;
+    let free = |point: &ModePoint| point.spectrum.tau.iter().map(|tau| tau.re).fold(f64::INFINITY, f64::min);
+    let slope = -4.0 * (free(&beside[1]) - free(&beside[0])) / (beside[1].energy - beside[0].energy);
+    let doubled = main.switched(&modes, 0, |_| {}).unwrap();
+    let errors = [1, 2].map(|k| {
+        let point = &doubled.points[k];
+        (1.0 - free(point)) / (2.0 * slope * (point.energy - birth.point.energy)) - 1.0
+    });
+    println!("{errors:?}");
+    // The slope is that of a chord 1e-3 as long as the amplitude.
+    assert!(errors.iter().all(|error| error.abs() < 1e-3), "{errors:?}");
+}
+
+#[test]
+fn modes_of_doubled_period_come_back_after_two_periods_and_not_after_one() {
+    let (chain, modes, main) = antiphase();
+    for k in 0..2 {
+        let doubled = main.switched(&modes, k, |_| {}).unwrap();
+        println!("{:?}, {} points", doubled.end, doubled.points.len());
+        assert!(doubled.end.answers() && doubled.points.len() > 3);
+        let crossing = main.bifurcations[k].point.orbit.omega;
+        assert!((2.0 * doubled.points[0].orbit.omega / crossing - 1.0).abs() < 1e-15);
+        for point in doubled.points[1..].iter().step_by(4) {
+            let start = modes.state(&point.orbit);
+            let [end, middle] = by_collocation(&chain, &start, 2.0 * PI / point.orbit.omega);
+            let start = start.as_slice();
+            println!("{} {:e} {:e}", point.orbit.amplitude, apart(start, &end), apart(start, &middle));
+            assert!(apart(start, &end) < 1e-10 && apart(start, &middle) > 1e-3);
+        }
+    }
+}
