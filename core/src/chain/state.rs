@@ -76,7 +76,12 @@ impl Layout {
         [self.u(y), self.v(y).unwrap_or(none), self.u_dot(y), self.v_dot(y).unwrap_or(none)]
     }
 
-    /// The same, to be changed.
+    /// Where the array `[u, v, u', v'][array]` has a site, among all entries.
+    pub fn entry(self, array: usize, site: usize) -> usize {
+        [0, self.sites, self.half(), self.half() + self.sites][array] + site
+    }
+
+    /// The arrays `[u, v, u', v']`, to be changed.
     pub fn arrays_mut<R>(self, y: &mut [R]) -> [&mut [R]; 4] {
         let (positions, velocities) = y.split_at_mut(self.dim() / 2);
         let ((u, v), (u_dot, v_dot)) = (positions.split_at_mut(self.sites), velocities.split_at_mut(self.sites));
