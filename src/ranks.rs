@@ -2,7 +2,7 @@
 
 use crate::{
     error::{Error, Result},
-    parts::{Carrier, Ranks, serve},
+    parts::{Carrier, Files, Ranks, serve},
 };
 use mpi::{
     Threading,
@@ -59,9 +59,10 @@ impl Job {
         self.0.world().rank() != 0
     }
 
-    /// Moves the sites that rank 0 gives, until its job is dropped. Not for rank 0 itself.
-    pub fn serve(&self) {
-        serve(&mut Messages(self.0.clone()));
+    /// Moves the sites that rank 0 gives, until its job is dropped. What this rank keeps itself goes
+    /// to `files`. Not for rank 0 itself.
+    pub fn serve(&self, files: &dyn Files) {
+        serve(&mut Messages(self.0.clone()), files);
     }
 }
 

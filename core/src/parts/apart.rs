@@ -160,6 +160,10 @@ impl Apart {
     /// # Errors
     /// The first part that could not, and why.
     pub fn write(&self, folder: &Path, leg: u64) -> Result<usize> {
+        if folder.to_str().is_none() {
+            let rule = "parts tell each other the name of a folder in UTF-8";
+            return Err(Error::parameter("out", folder.display(), rule));
+        }
         let (mut carrier, mut own) = (self.order(&Order::Write(leg, folder.to_owned())), self.own());
         let profiles = own.profiles().len();
         let said = own.write(&*self.files, folder, leg).err().unwrap_or_default();

@@ -84,6 +84,13 @@ pub(crate) struct RunArgs {
     /// prints, and the bits are those of one process. Needs a build with the feature mpi.
     #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
     pub(crate) engine: String,
+    /// With --checkpoint or --resume: each part keeps the states of its own sites, and none has all.
+    ///
+    /// Of runs on ranks or threads, see --engine and --threads; needs --integrator. Each part writes
+    /// its states to the folder parts beside checkpoint.npz. --resume without this flag joins them:
+    /// it writes the files of one process, or goes on in one. With it any number of parts goes on.
+    #[arg(long, conflicts_with = "events", hide_short_help = true)]
+    pub(crate) by_part: bool,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(crate) plan: bool,
