@@ -14,6 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 const NOT_NAMED: &str = "without a name the integrator is found from the whole state: give --integrator";
+const NOT_KEPT: &str = "what parts write are checkpoints: give --checkpoint and --out";
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
@@ -27,8 +28,11 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(ranks) = args.ranks {
         return plan_of_ranks(args, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
     }
-    if args.by_part && args.integrator.is_none() {
-        return Err(Error::parameter("by-part", true, NOT_NAMED));
+    for (missing, rule) in [(args.integrator.is_none(), NOT_NAMED), (args.checkpoint.is_none() && !args.plan, NOT_KEPT)]
+    {
+        if args.by_part && missing {
+            return Err(Error::parameter("by-part", true, rule));
+        }
     }
     let load = if args.by_part { Scene::load_by_part } else { Scene::load_with };
     let mut scene = load(name, &changes)?;
@@ -165,7 +169,10 @@ fn report(
         }
         say(&format!("written to {}", folder.path().display()));
         if args.by_part {
-            say(&format!("states are in its folder parts; joined by: hertzchain run --resume {}", folder.path().display()));
+            say(&format!(
+                "states are in its folder parts; joined by: hertzchain run --resume {}",
+                folder.path().display()
+            ));
         }
     }
     outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| DONE)

@@ -237,7 +237,8 @@ fn numbers_for(values: &[f64], sites: usize) -> String {
 
 /// Refuses a state whose contact forces would underflow or whose energy would overflow.
 pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial) -> Result<()> {
-    let (law, alpha, Measure { sizes: [far, fast], energy }) = (chain.law(), chain.params().alpha, state.measure(chain));
+    let (law, alpha, Measure { sizes: [far, fast], energy }) =
+        (chain.law(), chain.params().alpha, state.measure(chain));
     let size = far.max(fast);
     let name = match (initial, fast > far) {
         (Initial::SingleBead { .. }, false) => "displacement",

@@ -1,7 +1,7 @@
 //! A run whose states are in no process as a whole: each part keeps those of its own sites.
 
 use super::{
-    Carrier, Division, Files, Motion, Own, Parts,
+    Carrier, Division, Files, Motion, ONE_PART, Own, Parts,
     order::Order,
     part::{Part, blocks, numbers, parted},
     serve::receive_text,
@@ -36,7 +36,7 @@ impl Apart {
     /// The parts of a chain in a state that is given in blocks; they keep their files so.
     ///
     /// # Errors
-    /// More parts than the chain has.
+    /// More parts than the chain has; a chain with [`Details`](crate::chain::Details).
     pub fn new(
         chain: &Chain<f64>,
         motion: Motion,
@@ -45,6 +45,9 @@ impl Apart {
         state: &dyn Blocks<f64>,
     ) -> Result<Self> {
         parts.check_for(motion, chain.topology())?;
+        if chain.details().is_some() {
+            return Err(Error::parameter("parts", parts.count(), ONE_PART));
+        }
         let division = Division::new(chain.topology(), parts.count(), motion);
         let carrier = Arc::new(Mutex::new(parts.carrier(&files)));
         let own = Mutex::new(Own::new(chain.layout().resonators(), division, 0));
@@ -72,8 +75,8 @@ impl Apart {
     fn put(&self, state: &dyn Blocks<f64>) {
         let (division, numbers) = (self.division, numbers(self.chain.layout().resonators()));
         let (mut carrier, mut own) = (self.order(&Order::Put), self.own());
-        let mut waiting =
-            (0..division.parts()).flat_map(|part| blocks(0..division.sites(part).len()).map(move |block| (part, block)));
+        let mut waiting = (0..division.parts())
+            .flat_map(|part| blocks(0..division.sites(part).len()).map(move |block| (part, block)));
         let mut current = waiting.next();
         // Sites of the present block, a vector an array.
         let mut columns = [const { Vec::new() }; 4];
@@ -88,7 +91,11 @@ impl Apart {
                 if columns[0].len() == block.len() {
                     let message = columns.concat();
                     debug_assert_eq!(message.len(), numbers * block.len());
-                    if part == 0 { own.set(block, &message) } else { carrier.send(part, &message) }
+                    if part == 0 {
+                        own.set(block, &message)
+                    } else {
+                        carrier.send(part, &message)
+                    }
                     columns.iter_mut().for_each(Vec::clear);
                     current = waiting.next();
                 }

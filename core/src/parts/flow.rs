@@ -258,7 +258,8 @@ pub(super) mod tests {
         run::{Records, Run, Setting},
     };
 
-    pub(in super::super) const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+    pub(in super::super) const BOUNDARIES: [Boundary; 4] =
+        [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
 
     /// A run that is sampled between its steps, of a chain that moves everywhere.
     pub(in super::super) fn run(boundary: Boundary, (alpha, rho): (f64, f64), sites: usize, name: &str) -> Run {

@@ -226,5 +226,8 @@ impl Parts {
     }
 }
 
+/// What holds of chains with [`Details`](crate::chain::Details).
+pub(crate) const ONE_PART: &str =
+    "beads that differ, are damped or driven run in one part: leave threads and ranks out";
 /// More than any machine has cores for.
 const MOST_THREADS: usize = 1024;

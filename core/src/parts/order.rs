@@ -80,7 +80,9 @@ impl Order {
             Self::Take(flow) => vec![15, *flow],
             Self::Give(flow) => vec![16, *flow],
             Self::Lose => vec![17],
-            Self::Piece(part, sites) => [20usize, *part, sites.start, sites.end].map(|word: usize| word as u64).to_vec(),
+            Self::Piece(part, sites) => {
+                [20usize, *part, sites.start, sites.end].map(|word: usize| word as u64).to_vec()
+            }
             Self::Profile => vec![18],
             Self::Write(leg, folder) => {
                 let bytes = folder.as_os_str().as_encoded_bytes().iter().map(|&byte| u64::from(byte));

@@ -100,7 +100,8 @@ impl Own {
     pub(super) fn set(&mut self, sites: Range<usize>, message: &[f64]) {
         let count = self.sites().len();
         let arrays = parted_mut(&mut self.state, count);
-        for (array, from) in arrays.into_iter().zip(parted(message, sites.len())).filter(|(array, _)| !array.is_empty()) {
+        for (array, from) in arrays.into_iter().zip(parted(message, sites.len())).filter(|(array, _)| !array.is_empty())
+        {
             array[sites.clone()].copy_from_slice(from);
         }
     }
@@ -129,7 +130,10 @@ impl Own {
     pub(super) fn give(&self, flow: &mut Part, topology: Topology, carrier: &mut dyn Carrier) {
         let (division, part, own) = (self.division, self.part, self.sites().len());
         let (before, after) = (division.before(part), division.after(part));
-        let [to_left, to_right] = [before.map(|part| beyond(division, topology, part)[1]), after.map(|part| beyond(division, topology, part)[0])];
+        let [to_left, to_right] = [
+            before.map(|part| beyond(division, topology, part)[1]),
+            after.map(|part| beyond(division, topology, part)[0]),
+        ];
         let [left, right] = beyond(division, topology, part);
         let numbers = numbers(self.resonators);
         let mut ends = [left, right].map(|count| vec![0.0; numbers * count]);
@@ -138,7 +142,10 @@ impl Own {
         carrier.pass(after.map(|to| (to, &sent[0][..])), before.map(|from| (from, &mut from_left[..])));
         carrier.pass(before.map(|to| (to, &sent[1][..])), after.map(|from| (from, &mut from_right[..])));
         let pieces = [(0, parted(from_left, left)), (left, self.arrays()), (left + own, parted(from_right, right))];
-        pieces.into_iter().filter(|(_, arrays)| !arrays[0].is_empty()).for_each(|(first, piece)| flow.read(first, piece));
+        pieces
+            .into_iter()
+            .filter(|(_, arrays)| !arrays[0].is_empty())
+            .for_each(|(first, piece)| flow.read(first, piece));
     }
 }
 

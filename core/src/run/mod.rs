@@ -29,7 +29,7 @@ pub use states::state_at;
 use crate::{
     chain::{Chain, Contact, State},
     error::{Error, Result},
-    parts::Parts,
+    parts::{ONE_PART, Parts},
 };
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
@@ -241,8 +241,7 @@ impl Run {
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
         parts.check(self.chain.sites())?;
         if !parts.whole() && self.chain.details().is_some() {
-            let rule = "beads that differ, are damped or driven run in one part: leave threads and ranks out";
-            return Err(Error::parameter("parts", parts.count(), rule));
+            return Err(Error::parameter("parts", parts.count(), ONE_PART));
         }
         self.parts = parts;
         Ok(self)

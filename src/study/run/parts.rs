@@ -1,7 +1,7 @@
 //! What a run in parts needs, in words.
 
 use crate::{
-    chain::Topology,
+    chain::{Boundary, Topology},
     error::{Error, Result},
     parts::{Demand, Motion},
     run::Method,
@@ -49,7 +49,9 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool)
                  profile of a leg; {start}"
             )
         } else {
-            format!("memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}")
+            format!(
+                "memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"
+            )
         },
     ];
     if parts > 1 {
@@ -69,8 +71,14 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool)
                 )
             }
         });
-        let what = if by_part { "which checks and counts, and keeps none of it" } else { "which checks, counts and writes" };
-        lines.push(format!("samples: each brings {sample} to the first part, {what}"));
+        lines.push(if by_part {
+            let often = if chain.boundary == Boundary::StrainRing { "three times" } else { "twice" };
+            format!(
+                "samples: each passes {sample} by the first part {often}, which checks, counts and keeps none of it"
+            )
+        } else {
+            format!("samples: each brings {sample} to the first part, which checks, counts and writes")
+        });
     }
     if chain.sites > MOST_SITES {
         lines.push("refused if run: a scene has at most 10^8 sites".to_owned());
@@ -131,7 +139,9 @@ mod tests {
             parts_plan(&file, Method::named("verlet").unwrap(), 1024, true).unwrap().join("\n")
         };
         let lines = plan(&["chain.sites=1000000000"]);
-        for part in ["31.254 MB a part", "and 15.625 MB for its state", "no part has a whole state", "keeps none of it"] {
+        for part in
+            ["31.254 MB a part", "and 15.625 MB for its state", "no part has a whole state", "twice, which checks"]
+        {
             assert!(lines.contains(part), "{part}: {lines}");
         }
     }

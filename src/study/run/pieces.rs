@@ -121,11 +121,13 @@ impl Legs {
     /// removed is read by nobody.
     pub(super) fn sweep(&self, folder: &Path) {
         let path = folder.join(FOLDER);
-        let mut named: Vec<String> = self.0.iter().filter(|leg| leg.profiles > 0).flat_map(|leg| leg.names(PROFILES)).collect();
+        let mut named: Vec<String> =
+            self.0.iter().filter(|leg| leg.profiles > 0).flat_map(|leg| leg.names(PROFILES)).collect();
         named.extend(self.0.last().into_iter().flat_map(|leg| leg.names(STATE)));
         for entry in fs::read_dir(&path).into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let ours = [STATE, PROFILES].iter().any(|kind| name.starts_with(&format!("{kind}-"))) && name.ends_with(".npz");
+            let ours =
+                [STATE, PROFILES].iter().any(|kind| name.starts_with(&format!("{kind}-"))) && name.ends_with(".npz");
             if ours && !named.contains(&name) && fs::remove_file(entry.path()).is_ok() {
                 // A folder that holds something is not removed.
                 let _ = fs::remove_dir(&path);
@@ -206,7 +208,9 @@ impl Written {
     pub(super) fn whole(self) -> Result<Vec<f64>> {
         let mut y = vec![0.0; self.layout.dim()];
         self.each(&mut |first, arrays| {
-            for (to, from) in self.layout.arrays_mut(&mut y).into_iter().zip(arrays).filter(|(_, from)| !from.is_empty()) {
+            for (to, from) in
+                self.layout.arrays_mut(&mut y).into_iter().zip(arrays).filter(|(_, from)| !from.is_empty())
+            {
                 to[first..][..from.len()].copy_from_slice(from);
             }
         });
