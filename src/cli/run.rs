@@ -182,7 +182,8 @@ fn report(
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     let long = LongRun::load_in(path, parts, args.by_part)?;
     si(args, long.scene())?;
-    let scene = args.scene.as_deref().map(Scene::load).transpose()?;
+    // Only its file is compared.
+    let scene = args.scene.as_deref().map(|name| Scene::load_by_part(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));

@@ -89,7 +89,7 @@ pub(crate) struct RunArgs {
     /// Of runs on ranks or threads, see --engine and --threads; needs --integrator. Each part writes
     /// its states to the folder parts beside checkpoint.npz. --resume without this flag joins them:
     /// it writes the files of one process, or goes on in one. With it any number of parts goes on.
-    #[arg(long, conflicts_with = "events", hide_short_help = true)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) by_part: bool,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]

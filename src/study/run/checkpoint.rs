@@ -19,7 +19,10 @@
 //! its checkpoint names them. One process joins them on reading; any number of parts go on with
 //! them.
 
-use super::pieces::{self, Leg, Legs, PartFiles, Written};
+use super::{
+    how::no_log,
+    pieces::{self, Leg, Legs, PartFiles, Written},
+};
 use crate::{
     chain::{Blocks, Chain, Contact, Contacts, Energy},
     error::{Error, Result},
@@ -359,16 +362,22 @@ impl LongRun {
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
         // What parts cannot do is not the fault of the file.
         method.takes(&parts, scene.chain().topology())?;
-        let kept = kept(file, &settings, &scene, by_part)?;
+        no_log(settings.contacts.is_some(), by_part)?;
+        let (sites, layout) = (scene.chain().sites(), scene.chain().layout());
         let written = match &settings.by_part {
-            Some(legs) if by_part => Some(Written::new(file.folder(), legs, scene.chain().layout())),
-            _ => None,
+            None if by_part => return Err(refused("by_part", &"a run that keeps whole states: leave --by-part out")),
+            None => None,
+            Some(legs) => {
+                legs.check(settings.profiles, sites).map_err(|rule| refused("by_part", &rule))?;
+                by_part.then(|| Written::new(file.folder(), legs, layout))
+            }
         };
         let parts = written.as_ref().map_or(Ok(parts.clone()), |state| apart(&scene, method, &parts, state))?;
         written.map_or(Ok(()), Written::read)?;
         let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, parts);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
+        let kept = kept(file, &settings, &new.scene, by_part)?;
         let run = Self { done: settings.legs, kept, legs: settings.by_part.unwrap_or_default(), ..new };
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
@@ -438,16 +447,9 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
         let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.samples());
         return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
     }
-    if let Some(legs) = &settings.by_part {
-        legs.check(profiles, chain.sites()).map_err(|rule| file.refused(&format!("{SETTINGS}, by_part"), rule))?;
-    }
     let state = match &settings.by_part {
-        None if by_part => return Err(file.refused(SETTINGS, "a run that keeps whole states: leave --by-part out")),
-        Some(_) if by_part && settings.contacts.is_some() => {
-            return Err(file.refused(SETTINGS, "a log of contacts is kept in one piece: leave --by-part out"));
-        }
+        _ if by_part => Vec::new(),
         None => finite("state", &[dim as u64])?,
-        Some(_) if by_part => Vec::new(),
         Some(legs) => Written::new(file.folder(), legs, chain.layout()).whole()?,
     };
     let largest = finite("largest", &[1])?[0];
@@ -476,8 +478,8 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
     });
     let profile_t = finite("profile_t", &[profiles])?;
     let states = match &settings.by_part {
+        _ if by_part => vec![Vec::new(); profile_t.len()],
         None => finite("profiles", &[profiles, dim as u64])?.chunks_exact(dim).map(<[f64]>::to_vec).collect(),
-        Some(_) if by_part => vec![Vec::new(); profile_t.len()],
         Some(legs) => legs.profiles(file.folder(), chain.layout())?,
     };
     let profile = |(&t, state): (&f64, Vec<f64>)| {

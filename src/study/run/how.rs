@@ -99,6 +99,7 @@ impl How {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
+                no_log(events, by_part)?;
                 if by_part {
                     return LongRun::by_part(scene, method, setting, wording, interval, &parts);
                 }
@@ -121,6 +122,7 @@ impl How {
     pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts, by_part: bool) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
+                no_log(events, by_part)?;
                 self.takes(scene, parts)?;
                 let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
                 if parts.whole() && !by_part {
@@ -174,6 +176,12 @@ impl How {
             Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
         }
     }
+}
+
+/// Refuses a log of the contacts of a run whose parts keep what is theirs.
+pub(super) fn no_log(events: bool, by_part: bool) -> Result<()> {
+    let rule = "a log of contacts is kept in one piece: leave --events or --by-part out";
+    if events && by_part { Err(Error::parameter("events", true, rule)) } else { Ok(()) }
 }
 
 /// What was asked for means this for the method on this scene, and in words.
