@@ -226,6 +226,19 @@ fn ranks_that_keep_their_own_leave_the_files_of_one_process() {
     }
 }
 
+#[test]
+fn ranks_end_where_what_parts_have_written_is_not_whole() {
+    let ranked = tempfile::tempdir().unwrap();
+    assert!(ranks(3, parts::BY_PART[0], ranked.path()).arg("--by-part").output().unwrap().status.success());
+    let name = parts::pieces(ranked.path()).into_iter().find(|name| name.starts_with("state-")).unwrap();
+    fs::remove_file(ranked.path().join("parts").join(&name)).unwrap();
+    for count in [1, 2, 3] {
+        let ended = resumed(count, ranked.path()).arg("--by-part").output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(!ended.status.success() && said.matches(&name).count() == 1, "{said}");
+    }
+}
+
 /// Kills a rank of a run by part at random moments, goes on with it on another number of ranks, and
 /// joins it in one process.
 fn killed_by_part(line: &str, kills: usize) {

@@ -100,7 +100,7 @@ impl<R: Real> Chain<R> {
                 self.of_block(arrays, k, |d| {
                     *sum += d;
                     let value = if strains { *sum - means[k] } else { d };
-                    *of_squares = *of_squares + value * value;
+                    *of_squares += value * value;
                 });
             }
             let u = arrays[0];
@@ -125,7 +125,7 @@ impl<R: Real> Chain<R> {
             for k in 0..3 {
                 self.of_block(arrays, k, |d| {
                     running[k] += d;
-                    totals[k] = totals[k] + running[k];
+                    totals[k] += running[k];
                 });
             }
         });

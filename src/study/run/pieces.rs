@@ -256,8 +256,20 @@ impl Written {
 
 impl Blocks<f64> for Written {
     fn each(&self, see: &mut dyn FnMut(usize, [&[f64]; 4])) {
-        if let Err(why) = self.try_each(see) {
+        let mut seen = 0;
+        let read = self.try_each(&mut |first, arrays| {
+            seen = first + arrays[0].len();
+            see(first, arrays);
+        });
+        if let Err(why) = read {
             self.failure.borrow_mut().get_or_insert(why);
+            // Parts wait until they have been sent all of their sites.
+            let (sites, zeros) = (self.layout.sites(), vec![0.0; BLOCK]);
+            for first in (seen..sites).step_by(BLOCK) {
+                let rest = &zeros[..BLOCK.min(sites - first)];
+                let moving = if self.layout.resonators() { rest } else { &[] };
+                see(first, [rest, moving, rest, moving]);
+            }
         }
     }
 
