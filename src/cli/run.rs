@@ -13,6 +13,8 @@ use std::path::Path;
 #[cfg(feature = "mpi")]
 use std::sync::Arc;
 
+const NOT_NAMED: &str = "without a name the integrator is found from the whole state: give --integrator";
+const NOT_KEPT: &str = "what parts write are checkpoints: give --checkpoint and --out";
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 
 pub(super) fn main(args: &RunArgs) -> Exit {
@@ -26,7 +28,14 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     if let Some(ranks) = args.ranks {
         return plan_of_ranks(args, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
     }
-    let mut scene = Scene::load_with(name, &changes)?;
+    for (missing, rule) in [(args.integrator.is_none(), NOT_NAMED), (args.checkpoint.is_none() && !args.plan, NOT_KEPT)]
+    {
+        if args.by_part && missing {
+            return Err(Error::parameter("by-part", true, rule));
+        }
+    }
+    let load = if args.by_part { Scene::load_by_part } else { Scene::load_with };
+    let mut scene = load(name, &changes)?;
     if let Some(until) = args.until {
         scene = scene.until(until)?;
     }
@@ -37,7 +46,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     let say_why = || reason.filter(|_| !args.json).iter().for_each(|why| say(&format!("{name}, {wording}: {why}")));
     if args.plan {
         // `How::plan` refuses what a run would refuse.
-        let plan = how.plan(&scene, args.events, &parts)?;
+        let plan = how.plan(&scene, args.events, &parts, args.by_part)?;
         let text = if args.json {
             to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
                 + "\n"
@@ -50,7 +59,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
     how.takes(&scene, &parts)?;
     si(args, &scene)?;
     if let Some(interval) = args.checkpoint {
-        let long = how.in_legs(scene, args.events, interval, parts)?;
+        let long = how.in_legs(scene, args.events, interval, parts, args.by_part)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
         say_why();
         return go_on(args, long, &folder);
@@ -83,7 +92,7 @@ fn over_ranks(threads: usize) -> Result<Option<Parts>> {
     if job.serves() {
         // A signal to the job reaches all ranks. It must not kill this one: rank 0 decides to end.
         signals::ask()?;
-        job.serve();
+        job.serve(&study::PartFiles);
         return Ok(None);
     }
     Ok(Some(Parts::Ranks(Arc::new(job))))
@@ -99,7 +108,7 @@ fn over_ranks(_: usize) -> Result<Option<Parts>> {
 fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
     let named = args.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
     let method = Method::named(named.unwrap_or("strang-linear"))?;
-    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks)?);
+    let (name, plan) = (method.name(), study::parts_plan(file, method, ranks, args.by_part)?);
     print(&if args.json {
         to_json(&serde_json::json!({"scene": file.name, "integrator": name, "plan": plan})) + "\n"
     } else {
@@ -161,15 +170,22 @@ fn report(
             Ok(_) => {}
         }
         say(&format!("written to {}", folder.path().display()));
+        if args.by_part {
+            say(&format!(
+                "states are in its folder parts; joined by: hertzchain run --resume {}",
+                folder.path().display()
+            ));
+        }
     }
     outcome.failure.map_or(printed, |failure| Err(failure.into())).map(|()| DONE)
 }
 
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
-    let long = LongRun::load_in(path, parts)?;
+    let long = LongRun::load_in(path, parts, args.by_part)?;
     si(args, long.scene())?;
-    let scene = args.scene.as_deref().map(Scene::load).transpose()?;
+    // Only its file is compared.
+    let scene = args.scene.as_deref().map(|name| Scene::load_by_part(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;
     if args.events && !long.has_contacts() {
         return Err(Error::parameter("events", true, NO_EVENTS));

@@ -6,9 +6,10 @@ use super::{
 };
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Boundary, Chain, Site, State, max_norm},
+    chain::{Boundary, Chain, Site, State},
     dps::Center,
     error::{Error, Result},
+    run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use std::f64::consts::PI;
@@ -23,8 +24,9 @@ const DEFAULT_SEED: u64 = 1;
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 const REST: Site<f64> = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
 
-/// The initial state of a scene, and the theory that it follows.
-pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(State<f64>, Option<Theory>)> {
+/// The initial state of a scene, and the theory that it follows. Kinds that say of each site what it
+/// does are computed where they are needed.
+pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(Start, Option<Theory>)> {
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
             chain.uniform("a travelling wave")?;
@@ -35,17 +37,18 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
         }
         Initial::SingleBead { site, displacement, velocity } => {
             let bead = Site { u: displacement, u_dot: velocity, ..REST };
-            Ok((single_bead(chain, site, bead)?.driven(chain), None))
+            Ok((single_bead(chain, site, bead)?, None))
         }
-        Initial::NormalMode { mode, amplitude } => Ok((normal_mode(chain, mode, amplitude)?.driven(chain), None)),
+        Initial::NormalMode { mode, amplitude } => Ok((normal_mode(chain, mode, amplitude)?, None)),
         Initial::TrivialBreather(ref section) => {
             chain.uniform("a trivial breather")?;
             let breather = trivial_breather(chain, section)?;
-            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?.into(), Some(Theory::Breather(breather))))
         }
         Initial::BrightBreather { center, epsilon } => {
             let breather = bright_breather(chain, center, epsilon)?;
-            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Bright(breather))))
+            let own = breather.clone();
+            Ok((by_sites(chain, move |i| own.site(i, 0.0))?, Some(Theory::Bright(breather))))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
             let state = given(chain, [u, v, u_dot, v_dot])?.driven(chain);
@@ -53,8 +56,17 @@ pub(super) fn initial_state(chain: &Chain<f64>, initial: &Initial) -> Result<(St
                 None => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
                 Some(_) => None,
             };
-            Ok((state, exact))
+            Ok((state.into(), exact))
         }
+    }
+}
+
+/// The state of a chain from those of its sites, computed when they are needed. That of a chain with
+/// details is computed at once, since it may be driven.
+fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Result<Start> {
+    match chain.details() {
+        None => Ok(Start::by_sites(chain, site)),
+        Some(_) => Ok(State::from_fn(chain, site)?.driven(chain).into()),
     }
 }
 
@@ -91,36 +103,36 @@ fn travelling_wave(
     wave: TravellingWave,
     zeta: f64,
     seed: Option<u64>,
-) -> Result<(State<f64>, Option<Theory>)> {
+) -> Result<(Start, Option<Theory>)> {
     if zeta == 0.0 && zeta.is_sign_positive() {
         return match seed {
             Some(seed) => Err(Error::parameter("seed", seed, NOTHING_DRAWN)),
-            None => Ok((State::from_fn(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
+            None => Ok((by_sites(chain, move |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
         };
     }
     let perturbed = PerturbedWave::new(wave, chain.sites(), zeta, seed.unwrap_or(DEFAULT_SEED))?;
     let sites = perturbed.initial(perturbed.constraint())?;
-    Ok((State::from_fn(chain, |i| sites[i])?, Some(Theory::PerturbedWave(perturbed))))
+    Ok((State::from_fn(chain, |i| sites[i])?.into(), Some(Theory::PerturbedWave(perturbed))))
 }
 
-fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<State<f64>> {
+fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<Start> {
     if site >= chain.sites() {
         return Err(Error::parameter("site", site, "a site of the chain, counted from 0"));
     }
     finite("displacement", bead.u)?;
     finite("velocity", bead.u_dot)?;
-    State::from_fn(chain, |i| if i == site { bead } else { REST })
+    by_sites(chain, move |i| if i == site { bead } else { REST })
 }
 
 /// A sine mode of a chain between walls, the same for beads and resonators, at rest.
-fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<State<f64>> {
+fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
     let n = chain.sites();
     if mode == 0 || mode as usize > n {
         return Err(Error::parameter("mode", mode, "from 1 to the number of sites"));
     }
     finite("amplitude", amplitude)?;
-    let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
-    State::from_fn(chain, |i| Site { u: shape(i), v: shape(i), ..REST })
+    let shape = move |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
+    by_sites(chain, move |i| Site { u: shape(i), v: shape(i), ..REST })
 }
 
 fn bright_breather(chain: &Chain<f64>, center: Center, epsilon: f64) -> Result<BrightBreather> {
@@ -225,9 +237,9 @@ fn numbers_for(values: &[f64], sites: usize) -> String {
 }
 
 /// Refuses a state whose contact forces would underflow or whose energy would overflow.
-pub(super) fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Initial) -> Result<()> {
-    let (y, law, alpha) = (state.as_slice(), chain.law(), chain.params().alpha);
-    let [far, fast] = [&y[..y.len() / 2], &y[y.len() / 2..]].map(|half| max_norm(half.iter().copied()));
+pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial) -> Result<()> {
+    let (law, alpha, Measure { sizes: [far, fast], energy }) =
+        (chain.law(), chain.params().alpha, state.measure(chain));
     let size = far.max(fast);
     let name = match (initial, fast > far) {
         (Initial::SingleBead { .. }, false) => "displacement",
@@ -243,7 +255,7 @@ pub(super) fn within_range(chain: &Chain<f64>, state: &State<f64>, initial: &Ini
         let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
         return Err(Error::parameter(name, size, rule));
     }
-    let energy = if chain.has_energy(y) { chain.energy(y).total() } else { 0.0 };
+    let energy = energy.map_or(0.0, |energy| energy.total());
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
     if most.is_nan() || most > MOST_ENERGY {
         let rule =

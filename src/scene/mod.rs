@@ -17,12 +17,12 @@ use crate::{
     chain::{Chain, Resonators, State},
     error::{Error, Result},
     output::read,
-    run::{Method, Run, Setting},
+    run::{Initial as Start, Method, Run, Setting},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
 use initial::{initial_state, within_range};
-use std::{f64::consts::PI, path::Path, sync::Arc};
+use std::{f64::consts::PI, path::Path};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
 pub(crate) const MOST_SITES: usize = 100_000_000;
@@ -52,7 +52,7 @@ pub struct Scene {
     file: SceneFile,
     chain: Chain<f64>,
     units: Option<Units>,
-    initial: Arc<State<f64>>,
+    initial: Start,
     theory: Option<Theory>,
     period: f64,
     end: f64,
@@ -126,6 +126,19 @@ impl Scene {
     /// # Errors
     /// As [`parse`](Self::parse).
     pub fn parse_with(text: &str, file: &str, changes: &[String]) -> Result<Self> {
+        Self::parse_as(text, file, changes, false)
+    }
+
+    /// As [`load_with`](Self::load_with), for a run whose parts keep the states of their own sites:
+    /// see [`build_by_part`](Self::build_by_part).
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_by_part(name_or_file: &str, changes: &[String]) -> Result<Self> {
+        Self::parse_as(&Self::source(name_or_file)?, name_or_file, changes, true)
+    }
+
+    fn parse_as(text: &str, file: &str, changes: &[String], by_part: bool) -> Result<Self> {
         let refused = |error: Error| {
             let place = match &error {
                 Error::Parameter { name, .. } => SceneFile::place(text, changes, name),
@@ -134,14 +147,27 @@ impl Scene {
             let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
             Error::Scene { file: file.to_owned(), message }
         };
-        Self::build(SceneFile::parse_with(text, file, changes)?).map_err(refused)
+        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_part).map_err(refused)
     }
 
     /// Checks a scene and computes its initial state.
     ///
     /// # Errors
     /// The first parameter outside its rule.
-    pub fn build(mut file: SceneFile) -> Result<Self> {
+    pub fn build(file: SceneFile) -> Result<Self> {
+        Self::build_as(file, false)
+    }
+
+    /// The same, but an initial state whose kind says of each site what it does is not computed as a
+    /// whole, unless somebody asks for it: see [`Initial::by_sites`].
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn build_by_part(file: SceneFile) -> Result<Self> {
+        Self::build_as(file, true)
+    }
+
+    fn build_as(mut file: SceneFile, by_part: bool) -> Result<Self> {
         let section = &file.chain;
         if section.sites > MOST_SITES {
             return Err(Error::parameter("sites", section.sites, "at most 10^8"));
@@ -169,6 +195,9 @@ impl Scene {
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
         let (initial, theory) = initial_state(&chain, &file.initial)?;
+        if !by_part {
+            initial.make()?;
+        }
         within_range(&chain, &initial, &file.initial)?;
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
@@ -199,7 +228,6 @@ impl Scene {
         }
         details::within(&chain, end)?;
         let says_samples = file.record.samples.is_some();
-        let initial = Arc::new(initial);
         let mut scene = Self { chain, units, initial, theory, period, end, file, says_samples };
         scene.sample();
         scene.checked_run()?;
@@ -299,6 +327,11 @@ impl Scene {
 
     /// The initial state.
     pub fn initial(&self) -> &State<f64> {
+        self.initial.whole()
+    }
+
+    /// The same, which need not be in memory.
+    pub fn start(&self) -> &Start {
         &self.initial
     }
 
@@ -425,7 +458,7 @@ impl Scene {
             a if a.fract() == 0.5 && a <= 64.0 => "contact force by multiplications and a square root".to_owned(),
             _ => "contact force by powf: slower than a half-integer alpha".to_owned(),
         };
-        let energy = if self.chain.has_energy(self.initial.as_slice()) {
+        let energy = if self.initial.measure(&self.chain).energy.is_some() {
             match self.chain.open() {
                 true => "energy: energy + dissipated - driven is conserved, checked along the run",
                 false => "energy: conserved, checked along the run",

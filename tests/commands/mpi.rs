@@ -194,12 +194,7 @@ fn killed_and_resumed(line: &str) {
     let checkpoint = parts.path().join("checkpoint.npz");
     let resume = ["run".to_owned(), "--resume".to_owned(), parts.path().to_str().unwrap().to_owned()];
     for (count, signal) in [(3, "-TERM"), (2, "-KILL")] {
-        let mut job = ranks(count, line, parts.path());
-        if checkpoint.exists() {
-            job = Command::new("mpirun");
-            job.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string(), PROGRAM]);
-            job.args(&resume).args(["--engine", "mpi"]);
-        }
+        let mut job = if checkpoint.exists() { resumed(count, parts.path()) } else { ranks(count, line, parts.path()) };
         let before = fs::read(&checkpoint).ok();
         let mut job = job.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         while fs::read(&checkpoint).ok() == before && job.try_wait().unwrap().is_none() {
@@ -213,6 +208,96 @@ fn killed_and_resumed(line: &str) {
     let ended = Command::new(PROGRAM).args(&resume).args(["--threads", "2"]).output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     assert!(parts::files(whole.path()) == parts::files(parts.path()));
+}
+
+#[test]
+fn ranks_that_keep_their_own_leave_the_files_of_one_process() {
+    for line in parts::BY_PART {
+        let whole = tempfile::tempdir().unwrap();
+        assert!(parts::output(line, whole.path(), &[]).status.success());
+        for count in [1, 2, 3] {
+            let ranked = tempfile::tempdir().unwrap();
+            let ended = ranks(count, line, ranked.path()).arg("--by-part").output().unwrap();
+            assert!(ended.status.success(), "{line} on {count}: {}", String::from_utf8_lossy(&ended.stderr));
+            assert!(!ranked.path().join("final.csv").exists());
+            parts::join(ranked.path());
+            assert!(parts::files(whole.path()) == parts::files(ranked.path()), "{line} on {count} ranks");
+        }
+    }
+}
+
+#[test]
+fn ranks_end_where_what_parts_have_written_is_not_whole() {
+    let ranked = tempfile::tempdir().unwrap();
+    assert!(ranks(3, parts::BY_PART[0], ranked.path()).arg("--by-part").output().unwrap().status.success());
+    let name = parts::pieces(ranked.path()).into_iter().find(|name| name.starts_with("state-")).unwrap();
+    fs::remove_file(ranked.path().join("parts").join(&name)).unwrap();
+    for count in [1, 2, 3] {
+        let ended = resumed(count, ranked.path()).arg("--by-part").output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(!ended.status.success() && said.matches(&name).count() == 1, "{said}");
+    }
+}
+
+/// Kills a rank of a run by part at random moments, goes on with it on another number of ranks, and
+/// joins it in one process.
+fn killed_by_part(line: &str, kills: usize) {
+    let (whole, ranked) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    assert!(parts::output(line, whole.path(), &[]).status.success());
+    let (checkpoint, mut random) = (ranked.path().join("checkpoint.npz"), random());
+    let mut hits = 0;
+    for kill in 0.. {
+        let (count, number) = ([3, 2, 1, 2][kill % 4], [2, 0, 0, 1][kill % 4]);
+        let mut job =
+            if checkpoint.exists() { resumed(count, ranked.path()) } else { ranks(count, line, ranked.path()) };
+        let mut job = job.arg("--by-part").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let before = fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
+        while fs::metadata(&checkpoint).and_then(|file| file.modified()).ok() == before
+            && job.try_wait().unwrap().is_none()
+        {
+            sleep(Duration::from_millis(1));
+        }
+        sleep(Duration::from_micros((60_000.0 * random()) as u64));
+        let Some(id) = rank(job.id(), number) else {
+            assert!(job.wait().unwrap().success(), "it ended by itself");
+            break;
+        };
+        let hit = Command::new("kill").args(["-KILL", &id.to_string()]).status().unwrap().success();
+        let ended = job.wait().unwrap().success();
+        hits += usize::from(hit && !ended);
+        if ended || hits == kills {
+            break;
+        }
+    }
+    println!("{hits} kills");
+    assert!(2 * hits >= kills, "killed {hits} times only");
+    assert!(resumed(2, ranked.path()).arg("--by-part").output().unwrap().status.success());
+    parts::join(ranked.path());
+    assert!(parts::files(whole.path()) == parts::files(ranked.path()));
+    let states = parts::pieces(ranked.path()).iter().filter(|name| name.starts_with("state-")).count();
+    assert_eq!(states, 2, "nothing is left of what was killed");
+}
+
+/// A job of so many ranks that goes on with a run.
+fn resumed(count: usize, folder: &Path) -> Command {
+    let mut job = Command::new("mpirun");
+    job.args(["--oversubscribe", "--allow-run-as-root", "-n", &count.to_string(), PROGRAM]);
+    job.args(["run", "--engine", "mpi", "--resume"]).arg(folder);
+    job
+}
+
+#[test]
+fn a_run_by_part_whose_ranks_are_killed_goes_on() {
+    LEGS.iter().for_each(|line| {
+        killed_by_part(&line.replace(" --events", "").replace("--tol", "--integrator collocation --tol"), 4)
+    });
+}
+
+#[test]
+#[ignore = "nightly: twenty kills of each"]
+fn a_run_by_part_whose_ranks_are_killed_twenty_times_goes_on() {
+    let long = |line: &&str| line.replace(" --events", "").replace("--tol", "--integrator collocation --tol");
+    LEGS.iter().for_each(|line| killed_by_part(&long(line).replace("--until 40", "--until 120"), 20));
 }
 
 #[test]

@@ -90,6 +90,148 @@ fn a_run_goes_on_in_another_number_of_parts() {
     goes_on(|| long(impact(), "collocation", Setting::Tolerance(1e-6)).with_contacts());
 }
 
+/// Runs in legs whose parts may keep what is their own: displacements and strains, with resonators
+/// and without, by kicks and by windows; with samples inside legs.
+pub(crate) const BY_PART: [&str; 4] = [
+    "run impact --set chain.sites=1000 --integrator verlet --until 20 --samples 7 --checkpoint 6",
+    "run tw-q15 --integrator strang-linear --until 9 --samples 7 --checkpoint 4",
+    "run tw-q15 --set chain.sites=1800 --integrator collocation --tol 1e-5 --until 1.5 --samples 7 --checkpoint 0.6",
+    "run impact --set chain.sites=1800 --integrator collocation --tol 1e-6 --until 9 --samples 7 --checkpoint 5",
+];
+
+/// Joins what parts have left in a folder.
+pub(crate) fn join(folder: &Path) {
+    let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder).output().unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+}
+
+/// The names of the files of parts.
+pub(crate) fn pieces(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder.join("parts")).into_iter().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn what_parts_keep_is_joined_to_the_files_of_one_process() {
+    // Truth: the same legs in one process, byte by byte, but for wall times.
+    for line in BY_PART {
+        let whole = tempfile::tempdir().unwrap();
+        assert!(output(line, whole.path(), &[]).status.success(), "{line}");
+        for threads in ["1", "2", "3"] {
+            let parts = tempfile::tempdir().unwrap();
+            let ended = output(line, parts.path(), &["--threads", threads, "--by-part"]);
+            let said = String::from_utf8_lossy(&ended.stderr);
+            assert!(ended.status.success() && said.contains("joined by"), "{line}: {said}");
+            let named = |name: &str| parts.path().join(name).exists();
+            assert!(named("energy.csv") && !named("final.csv") && !named("profiles.npz"), "{line}");
+            let states = pieces(parts.path()).iter().filter(|name| name.starts_with("state-")).count();
+            assert_eq!(states.to_string(), threads, "states of the last leg only: {:?}", pieces(parts.path()));
+            join(parts.path());
+            assert!(files(whole.path()) == files(parts.path()), "{line} in {threads}");
+        }
+    }
+}
+
+/// Begins a run by part, breaks it off in other numbers of parts, and ends it in one process.
+fn goes_on_by_part(begin: impl Fn(Parts, bool) -> LongRun) {
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
+    let want = begin(Parts::Whole, false).run(&whole, &mut |_| ()).unwrap();
+    for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 5.5), (2, 7.0)] {
+        let parts = Parts::Threads(threads);
+        let begun = match LongRun::load_in(broken.path(), parts.clone(), true) {
+            Ok(begun) => begun,
+            Err(_) => begin(parts, true),
+        };
+        let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
+        assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
+    }
+    let got = LongRun::load(broken.path()).unwrap().run(&broken, &mut |_| ()).unwrap();
+    assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
+    assert!(got.profiles == want.profiles && got.profiles.len() > 5);
+    // The last leg was written in one piece: of the parts nothing is left.
+    assert!(pieces(broken.path()).is_empty(), "{:?}", pieces(broken.path()));
+}
+
+#[test]
+fn a_run_by_part_goes_on_in_another_number_of_parts() {
+    // Truth: the same legs in one process, not interrupted.
+    let long = |scene: Scene, name, setting, parts: Parts, by_part: bool| {
+        let (scene, method, words) = (scene.until(8.0).unwrap(), Method::named(name).unwrap(), "words".to_owned());
+        let long = if by_part {
+            LongRun::by_part(scene, method, setting, words, 1.5, &parts)
+        } else {
+            LongRun::new(scene, method, setting, words, 1.5, parts)
+        };
+        long.unwrap()
+    };
+    let wave = || Scene::load_by_part("tw-q15", &[]).unwrap();
+    goes_on_by_part(|parts, by_part| long(wave(), "strang-linear", Setting::Steps(1000), parts, by_part));
+    let impact = || Scene::load_by_part("impact", &["chain.sites=1300".to_owned()]).unwrap();
+    goes_on_by_part(|parts, by_part| long(impact(), "collocation", Setting::Tolerance(1e-6), parts, by_part));
+}
+
+#[test]
+fn what_is_not_whole_of_what_parts_keep_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(output(BY_PART[0], folder.path(), &["--threads", "3", "--by-part"]).status.success());
+    let refused = |more: &[&str]| {
+        let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder.path()).args(more).output().unwrap();
+        assert!(!ended.status.success());
+        String::from_utf8(ended.stderr).unwrap()
+    };
+    let names = pieces(folder.path());
+    let damaged = |prefix: &str, change: &dyn Fn(&mut Vec<u8>)| {
+        let name = names.iter().find(|name| name.starts_with(prefix) && name.contains("-1-of-3")).unwrap();
+        let path = folder.path().join("parts").join(name);
+        let good = fs::read(&path).unwrap();
+        let mut bytes = good.clone();
+        change(&mut bytes);
+        if bytes.is_empty() {
+            fs::remove_file(&path).unwrap()
+        } else {
+            fs::write(&path, &bytes).unwrap()
+        }
+        let said = [refused(&[]), refused(&["--by-part", "--threads", "2"])];
+        fs::write(&path, &good).unwrap();
+        (name.clone(), said)
+    };
+    // In turn: a changed bit of a number, a file cut short, none.
+    let middle = |bytes: &mut Vec<u8>| *bytes.get_mut(1000).unwrap() ^= 1;
+    for change in [&middle as &dyn Fn(&mut Vec<u8>), &|bytes| bytes.truncate(900), &Vec::clear] {
+        let (name, said) = damaged("state-", change);
+        assert!(said.iter().all(|said| said.contains(&name)), "{said:?}");
+    }
+    // Another file of the same run in its place.
+    let other = names.iter().find(|name| name.starts_with("state-") && name.contains("-2-of-3")).unwrap();
+    let other = fs::read(folder.path().join("parts").join(other)).unwrap();
+    let (_, said) = damaged("state-", &|bytes| bytes.clone_from(&other));
+    assert!(said.iter().all(|said| said.contains("this one begins at site 333")), "{said:?}");
+    join(folder.path());
+}
+
+#[test]
+fn what_has_no_parts_of_its_own_is_refused() {
+    let whole = tempfile::tempdir().unwrap();
+    assert!(output(BY_PART[0], whole.path(), &[]).status.success());
+    let path = whole.path().to_str().unwrap();
+    for (line, words) in [
+        ("run impact --until 1 --integrator verlet --by-part", "--checkpoint"),
+        ("run impact --until 1 --checkpoint 1 --out nowhere --by-part", "give --integrator"),
+        ("run impact --until 1 --checkpoint 1 --out nowhere --by-part --integrator dop853", "only splitting schemes"),
+        ("run dimer --until 1 --checkpoint 1 --out nowhere --by-part --integrator verlet --threads 2", "in one part"),
+        ("run impact --until 1 --checkpoint 1 --out nowhere --by-part --integrator verlet --events", "--events"),
+        (&format!("run --resume {path} --by-part"), "keeps whole states: leave --by-part out"),
+    ] {
+        let ended = Command::new(PROGRAM).args(line.split(' ')).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.code() == Some(2) && said.contains(words), "{line}: {said}");
+    }
+    assert!(fs::metadata("nowhere").is_err(), "nothing is written for what is refused");
+}
+
 #[test]
 fn what_cannot_run_in_parts_is_refused() {
     let impact = "run impact --until 1 --threads 2";
@@ -127,6 +269,8 @@ fn a_plan_says_what_parts_need() {
     let windows = said("run impact --plan --ranks 3 --set chain.sites=1000 --integrator collocation");
     assert!(windows.contains("1000 sites in 3 parts: at most 487 each, and 13 bonds of each"), "{windows}");
     assert!(windows.contains("every window an order of 136 B goes to all; a part sends 728 B"), "{windows}");
+    let by_part = said("run impact --set chain.sites=1000 --integrator verlet --plan --ranks 4 --by-part");
+    assert!(by_part.contains("no part has a whole state") && by_part.contains("4.000 kB for its state"), "{by_part}");
     let own = said("run impact --integrator strang-linear --plan --threads 3");
     assert!(own.contains("100 sites in 3 parts: at most 34 each, and 33 of each neighbour"), "{own}");
     assert!(own.contains("t from 0 to 100"), "what is said of any run is there too: {own}");

@@ -23,10 +23,11 @@ pub(crate) fn output(line: &str, out: &Path, more: &[&str]) -> Output {
     command(line, out, more).output().unwrap()
 }
 
-/// All files that do not tell how long something took.
+/// All files of a folder, but not of those in it, that do not tell how long something took.
 pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
     let mut files: Vec<(String, Vec<u8>)> = entries
+        .filter(|entry| entry.file_type().unwrap().is_file())
         .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
         .filter(|(name, _)| name != "wave.json")
         .collect();

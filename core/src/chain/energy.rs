@@ -1,6 +1,10 @@
 //! The energy, by kind and by site.
 
-use super::{Chain, Resonators, details::Parts};
+use super::{
+    Chain, Resonators,
+    blocks::{Blocks, Whole},
+    details::Parts,
+};
 use hertzchain_integrators::Real;
 
 /// The energy of a state by kind.
@@ -45,21 +49,29 @@ impl<R: Real> Chain<R> {
     /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only
     /// where `sum x = sum y` and the mean strain is at rest (up to round-off).
     pub fn has_energy(&self, y: &[R]) -> bool {
+        self.has_energy_in(&Whole(self.layout, y))
+    }
+
+    /// The same of a state in blocks.
+    pub fn has_energy_in(&self, state: &dyn Blocks<R>) -> bool {
         if !self.topology.strains() {
             return true;
         }
-        let layout = self.layout;
-        let balanced = |plus: &[R], minus: &[R]| {
-            let sum = plus.iter().fold(R::zero(), |a, &b| a + b) - minus.iter().fold(R::zero(), |a, &b| a + b);
-            let size = plus.iter().chain(minus).fold(R::zero(), |a, &b| a + b.abs());
-            sum.abs() <= R::of(64.0) * R::epsilon() * size
-        };
-        let springs = match (layout.v(y), layout.v_dot(y)) {
-            (Some(v), Some(v_dot)) => balanced(layout.u(y), v) && balanced(v_dot, &[]),
-            _ if self.params.resonators() == Resonators::Fixed => balanced(layout.u(y), &[]),
+        let (mut sums, mut sizes) = ([R::zero(); 4], [R::zero(); 4]);
+        state.each(&mut |_, arrays| {
+            for (k, array) in arrays.into_iter().enumerate() {
+                sums[k] = array.iter().fold(sums[k], |a, &b| a + b);
+                sizes[k] = array.iter().fold(sizes[k], |a, &b| a + b.abs());
+            }
+        });
+        let balanced = |sum: R, size: R| sum.abs() <= R::of(64.0) * R::epsilon() * size;
+        let [[u, v, u_dot, v_dot], of] = [sums, sizes];
+        let springs = match self.params.resonators() {
+            _ if self.layout.resonators() => balanced(u - v, of[0] + of[1]) && balanced(v_dot, of[3]),
+            Resonators::Fixed => balanced(u, of[0]),
             _ => true,
         };
-        springs && balanced(layout.u_dot(y), &[])
+        springs && balanced(u_dot, of[2])
     }
 
     /// The energy of a state by kind.
@@ -67,26 +79,71 @@ impl<R: Real> Chain<R> {
     /// On a strain ring the displacements are those with zero mean; see
     /// [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
-        if let Some(parts) = self.parts() {
-            return self.detailed_energy(parts, y);
+        match self.parts() {
+            Some(parts) => self.detailed_energy(parts, y),
+            None => self.energy_in(&Whole(self.layout, y)),
         }
-        let squares = |slice: &[R]| slice.iter().fold(R::zero(), |a, &b| a + b * b);
-        if self.topology.strains() {
-            let motion = self.motion(y);
-            let sums = [&motion.u_dot, &motion.v_dot, &motion.stretch].map(|slice| squares(slice));
-            return self.energy_of(sums, self.potential(motion.overlaps.iter().copied()));
+    }
+
+    /// The same of a state in blocks, of a chain without [`Details`](super::Details).
+    pub fn energy_in(&self, state: &dyn Blocks<R>) -> Energy<R> {
+        let strains = self.topology.strains();
+        let means = if strains { self.means(state) } else { [R::zero(); 3] };
+        let (mut running, mut squares, mut contacts) = ([R::zero(); 3], [R::zero(); 3], R::zero());
+        // On a ring the site before the first is the last.
+        let last = if self.topology.ring() { state.last() } else { R::zero() };
+        let (mut before, behind) = self.topology.ghosts(R::zero(), last);
+        let overlap = |before: R, q: R| self.precompression + (before - q);
+        state.each(&mut |_, arrays| {
+            for k in 0..3 {
+                let (sum, of_squares) = (&mut running[k], &mut squares[k]);
+                self.of_block(arrays, k, |d| {
+                    *sum += d;
+                    let value = if strains { *sum - means[k] } else { d };
+                    *of_squares += value * value;
+                });
+            }
+            let u = arrays[0];
+            contacts = if strains {
+                self.potential(contacts, u.iter().map(|&x| -x))
+            } else {
+                let inner = u.windows(2).map(|pair| overlap(pair[0], pair[1]));
+                self.potential(contacts, std::iter::once(overlap(before, u[0])).chain(inner))
+            };
+            before = u[u.len() - 1];
+        });
+        if !self.topology.ring() {
+            contacts = self.potential(contacts, [overlap(before, behind)].into_iter());
         }
-        // The same sums in the same order, without copies: the energy of long chains is computed
-        // often.
-        let layout = self.layout;
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-        let stretch = match (layout.v(y), self.params.resonators()) {
-            (Some(v), _) => u.iter().zip(v).fold(R::zero(), |a, (&u, &v)| a + (u - v) * (u - v)),
-            (None, Resonators::Fixed) => squares(u),
-            (None, _) => R::zero(),
-        };
-        let v_dot = layout.v_dot(y).unwrap_or_default();
-        self.energy_of([squares(u_dot), squares(v_dot), stretch], self.potential(self.between(u)))
+        self.energy_of(squares, contacts)
+    }
+
+    /// On a strain ring: means of `u'`, `v'` and `u - v`, summed up from their differences.
+    fn means(&self, state: &dyn Blocks<R>) -> [R; 3] {
+        let (mut running, mut totals) = ([R::zero(); 3], [R::zero(); 3]);
+        state.each(&mut |_, arrays| {
+            for k in 0..3 {
+                self.of_block(arrays, k, |d| {
+                    running[k] += d;
+                    totals[k] += running[k];
+                });
+            }
+        });
+        R::from(self.sites()).map_or(totals, |count| totals.map(|total| total / count))
+    }
+
+    /// Site by site what the kind `k` of energy is of: `u'`, `v'`, or what stretches the spring.
+    #[inline(always)]
+    fn of_block(&self, [u, v, u_dot, v_dot]: [&[R]; 4], k: usize, mut take: impl FnMut(R)) {
+        match k {
+            0 => u_dot.iter().for_each(|&rate| take(rate)),
+            1 => v_dot.iter().for_each(|&rate| take(rate)),
+            _ => match self.params.resonators() {
+                Resonators::Moving => u.iter().zip(v).for_each(|(&u, &v)| take(u - v)),
+                Resonators::Fixed => u.iter().for_each(|&u| take(u)),
+                Resonators::None => {}
+            },
+        }
     }
 
     /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the
@@ -136,10 +193,10 @@ impl<R: Real> Chain<R> {
         [half * site.mass * u_dot * u_dot, half * resonator, half * site.kappa * stretch * stretch]
     }
 
-    /// The potential of all contacts.
-    fn potential(&self, overlaps: impl Iterator<Item = R>) -> R {
+    /// `sum` plus the potentials of contacts with these overlaps.
+    fn potential(&self, sum: R, overlaps: impl Iterator<Item = R>) -> R {
         // Gaps have no potential and are left out: most bonds of a chain that is mostly at rest.
-        overlaps.fold(R::zero(), |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
+        overlaps.fold(sum, |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
     }
 
     /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond

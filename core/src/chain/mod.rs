@@ -10,6 +10,7 @@
 
 mod aligned;
 mod averaged;
+mod blocks;
 mod bonds;
 mod boundary;
 mod contact_chain;
@@ -31,6 +32,7 @@ mod state;
 mod sweep;
 mod topology;
 
+pub use blocks::{Blocks, Whole};
 pub use bonds::{Bonded, SiteFlow, TangentFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};

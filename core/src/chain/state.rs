@@ -76,6 +76,11 @@ impl Layout {
         [self.u(y), self.v(y).unwrap_or(none), self.u_dot(y), self.v_dot(y).unwrap_or(none)]
     }
 
+    /// Index in the whole state of a site's entry in the array `[u, v, u', v'][array]`.
+    pub fn entry(self, array: usize, site: usize) -> usize {
+        [0, self.sites, self.half(), self.half() + self.sites][array] + site
+    }
+
     /// The arrays `[u, v, u', v']`, to be changed.
     pub fn arrays_mut<R>(self, y: &mut [R]) -> [&mut [R]; 4] {
         let (positions, velocities) = y.split_at_mut(self.dim() / 2);

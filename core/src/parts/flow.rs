@@ -1,9 +1,10 @@
 //! A chain in parts, as part 0 has it.
 
 use super::{
-    Carrier, Division, Motion, Parts,
+    Apart, Carrier, Division, Motion, Parts,
     bonds::receive_pieces,
     order::Order,
+    own::{Files, NoFiles},
     part::{Part, blocks, numbers, parted},
 };
 use crate::{
@@ -28,7 +29,8 @@ static NEXT: AtomicU64 = AtomicU64::new(0);
 /// A chain in parts: on one of its two splits, each kick and drift is made by all parts at once; by
 /// contact collocation each window is solved by all of them.
 ///
-/// What is loaded and stored is the whole state. The bits are those of [`KineticFlow`],
+/// What is loaded and stored is the whole state; of a run [`Apart`] the parts load and store what
+/// each keeps, and nothing of the array is read or written. The bits are those of [`KineticFlow`],
 /// [`LinearFlow`] and [`Section`], for any number of parts.
 ///
 /// [`KineticFlow`]: crate::chain::KineticFlow
@@ -40,6 +42,7 @@ pub struct Parted {
     layout: Layout,
     division: Division,
     own: Part,
+    apart: Option<Arc<Apart>>,
 }
 
 impl Parted {
@@ -51,12 +54,19 @@ impl Parted {
         parts.check_for(motion, chain.topology())?;
         let division = Division::new(chain.topology(), parts.count(), motion);
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
-        let carrier = parts.carrier();
-        let own = Part::new(chain, division, (0, carrier.threads()), motion);
-        let carrier = Arc::new(Mutex::new(carrier));
-        let mut parted = Self { carrier, flow, layout: chain.layout(), division, own };
+        let apart = parts.apart().cloned();
+        let carrier = match &apart {
+            Some(apart) => apart.carrier.clone(),
+            None => {
+                let nobody: Arc<dyn Files> = Arc::new(NoFiles);
+                Arc::new(Mutex::new(parts.carrier(&nobody)))
+            }
+        };
+        let threads = locked(&carrier).threads();
+        let own = Part::new(chain, division, (0, threads), motion);
+        let mut parted = Self { carrier, flow, layout: chain.layout(), division, own, apart };
         drop(parted.order(&Order::Begin(flow, motion, Box::new(chain.clone()))));
-        parted.set(y);
+        parted.load(y);
         Ok(parted)
     }
 
@@ -67,7 +77,7 @@ impl Parted {
 
     /// Brings a state to all parts.
     fn set(&mut self, y: &[f64]) {
-        let Self { carrier, flow, layout, division, own } = self;
+        let Self { carrier, flow, layout, division, own, .. } = self;
         let (arrays, mut message) = (layout.arrays(y), Vec::new());
         let mut carrier = tell(carrier, &Order::Load(*flow));
         for part in 0..division.parts() {
@@ -85,6 +95,9 @@ impl Parted {
 
     /// Brings the state of all parts here.
     fn get(&self, y: &mut [f64]) {
+        if let Some(apart) = &self.apart {
+            return apart.take(self.flow, &self.own);
+        }
         let mut message = Vec::new();
         let mut carrier = self.order(&Order::Store(self.flow));
         self.own.write(within(self.layout.arrays_mut(y), &self.own.own()));
@@ -102,8 +115,9 @@ impl Parted {
     fn another(&self) -> Self {
         let flow = NEXT.fetch_add(1, Ordering::Relaxed);
         drop(self.order(&Order::Duplicate(self.flow, flow)));
-        let Self { carrier, layout, division, own, .. } = self;
-        Self { carrier: carrier.clone(), flow, layout: *layout, division: *division, own: own.duplicate() }
+        let Self { carrier, layout, division, own, apart, .. } = self;
+        let (carrier, apart) = (carrier.clone(), apart.clone());
+        Self { carrier, flow, layout: *layout, division: *division, own: own.duplicate(), apart }
     }
 
     fn follow(&mut self, other: &Self) {
@@ -112,9 +126,13 @@ impl Parted {
     }
 }
 
+fn locked(carrier: &Mutex<Box<dyn Carrier>>) -> MutexGuard<'_, Box<dyn Carrier>> {
+    carrier.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Tells the parts beside this one what to do; the carrier, for what is then sent.
-fn tell<'a>(carrier: &'a Mutex<Box<dyn Carrier>>, order: &Order) -> MutexGuard<'a, Box<dyn Carrier>> {
-    let mut carrier = carrier.lock().unwrap_or_else(PoisonError::into_inner);
+pub(super) fn tell<'a>(carrier: &'a Mutex<Box<dyn Carrier>>, order: &Order) -> MutexGuard<'a, Box<dyn Carrier>> {
+    let mut carrier = locked(carrier);
     carrier.broadcast(&mut order.words());
     carrier
 }
@@ -129,7 +147,10 @@ impl SplitFlow<f64> for Parted {
     }
 
     fn load(&mut self, y: &[f64]) {
-        self.set(y);
+        match self.apart.clone() {
+            Some(apart) => apart.give(self.flow, &mut self.own),
+            None => self.set(y),
+        }
     }
 
     fn store(&self, y: &mut [f64]) {
@@ -193,6 +214,13 @@ impl Windows for Parted {
         self.get(y);
     }
 
+    fn lose(&self, y: &mut [f64]) {
+        match &self.apart {
+            Some(apart) => apart.lose(),
+            None => y.fill(f64::NAN),
+        }
+    }
+
     fn tell(&self, told: &mut dyn FnMut(&Piece)) {
         let mut carrier = self.order(&Order::Tell(self.flow));
         self.own.windows().pieces().for_each(&mut *told);
@@ -222,7 +250,7 @@ fn around<'a>(array: &'a [f64], sites: &Range<usize>) -> [&'a [f64]; 2] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::{
         Boundary, Method, Params, State,
@@ -230,10 +258,11 @@ mod tests {
         run::{Records, Run, Setting},
     };
 
-    const BOUNDARIES: [Boundary; 4] = [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
+    pub(in super::super) const BOUNDARIES: [Boundary; 4] =
+        [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::StrainRing];
 
     /// A run that is sampled between its steps, of a chain that moves everywhere.
-    fn run(boundary: Boundary, (alpha, rho): (f64, f64), sites: usize, name: &str) -> Run {
+    pub(in super::super) fn run(boundary: Boundary, (alpha, rho): (f64, f64), sites: usize, name: &str) -> Run {
         let chain = Chain::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, sites).unwrap();
         let chain = chain.clone().precompressed(0.05).unwrap_or(chain);
         let mut state = State::rest(&chain);
@@ -294,7 +323,12 @@ mod tests {
     }
 
     /// A run by collocation with contacts everywhere, or where a bead is struck.
-    fn collocation(boundary: Boundary, model: (f64, f64), sites: usize, struck: Option<usize>) -> Run {
+    pub(in super::super) fn collocation(
+        boundary: Boundary,
+        model: (f64, f64),
+        sites: usize,
+        struck: Option<usize>,
+    ) -> Run {
         let mut state = run(boundary, model, sites, "collocation").initial().clone();
         if let Some(struck) = struck {
             state.as_mut_slice().fill(0.0);

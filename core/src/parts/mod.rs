@@ -23,21 +23,27 @@
 //! The bits are those of one process. A kernel does the same operations for a site wherever in an
 //! array it is, numbers that are handed over are copied, and phase and time depend on durations
 //! alone. Part 0 has the run: it tells the others what to do, has the whole state wherever somebody
-//! looks at it, and takes energies from it. So nothing that is computed depends on the number of
-//! parts, and no sum has to be brought together.
+//! looks at it, and takes energies from it. A run [`Apart`] has the whole state nowhere: each part
+//! keeps that of its own sites, and writes it, and part 0 sees the sites pass by, from the first to
+//! the last. So nothing that is computed depends on the number of parts, and no sum has to be
+//! brought together.
 
+mod apart;
 mod bonds;
 mod demand;
 mod division;
 mod flow;
 mod order;
+mod own;
 mod part;
 mod serve;
 mod threads;
 
+pub use apart::Apart;
 pub use demand::Demand;
 pub use division::{Division, GHOSTS};
 pub use flow::Parted;
+pub use own::{Files, Own};
 pub use serve::{end, serve};
 
 use crate::{
@@ -138,6 +144,8 @@ pub enum Parts {
     Threads(usize),
     /// In this process and those that serve it.
     Ranks(Arc<dyn Ranks>),
+    /// In threads or processes, each with the state of its own sites, and none with all.
+    Apart(Arc<Apart>),
 }
 
 impl Parts {
@@ -147,6 +155,21 @@ impl Parts {
             Self::Whole => 1,
             Self::Threads(count) => *count,
             Self::Ranks(ranks) => ranks.count(),
+            Self::Apart(apart) => apart.parts().count(),
+        }
+    }
+
+    /// The parts of a run that no process has as a whole.
+    pub fn apart(&self) -> Option<&Arc<Apart>> {
+        if let Self::Apart(apart) = self { Some(apart) } else { None }
+    }
+
+    /// Processes that serve this one.
+    fn ranks(&self) -> Option<&dyn Ranks> {
+        match self {
+            Self::Ranks(ranks) => Some(&**ranks),
+            Self::Apart(apart) => apart.parts().ranks(),
+            Self::Whole | Self::Threads(_) => None,
         }
     }
 
@@ -157,7 +180,7 @@ impl Parts {
 
     /// Name of what gives their number.
     fn name(&self) -> &'static str {
-        if matches!(self, Self::Ranks(_)) { "ranks" } else { "threads" }
+        if self.ranks().is_some() { "ranks" } else { "threads" }
     }
 
     /// Refuses more parts than sites, and none.
@@ -166,7 +189,7 @@ impl Parts {
     /// A number outside its rule.
     pub fn check(&self, sites: usize) -> Result<()> {
         let count = self.count();
-        let threads = if let Self::Ranks(ranks) = self { ranks.threads() } else { count };
+        let threads = self.ranks().map_or(count, Ranks::threads);
         if !(1..=MOST_THREADS).contains(&threads) {
             return Err(Error::parameter("threads", threads, "from 1 to 1024 threads"));
         }
@@ -183,7 +206,7 @@ impl Parts {
     /// A number outside its rule.
     pub fn check_for(&self, motion: Motion, topology: Topology) -> Result<()> {
         self.check(topology.sites())?;
-        if let (Self::Ranks(ranks), Motion::Kicks(_)) = (self, motion)
+        if let (Some(ranks), Motion::Kicks(_)) = (self.ranks(), motion)
             && ranks.threads() > 1
         {
             let rule = "by a splitting scheme a rank moves its part on one thread: take more ranks";
@@ -192,15 +215,19 @@ impl Parts {
         motion.check(self.name(), self.count(), topology)
     }
 
-    /// The carrier of part 0.
-    fn carrier(&self) -> Box<dyn Carrier> {
+    /// The carrier of part 0; threads that are started for it keep their files so.
+    fn carrier(&self, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
         match self {
-            Self::Whole => threads::start(1),
-            Self::Threads(count) => threads::start(*count),
+            Self::Whole => threads::start(1, files),
+            Self::Threads(count) => threads::start(*count, files),
             Self::Ranks(ranks) => ranks.carrier(),
+            Self::Apart(apart) => apart.parts().carrier(files),
         }
     }
 }
 
+/// What holds of chains with [`Details`](crate::chain::Details).
+pub(crate) const ONE_PART: &str =
+    "beads that differ, are damped or driven run in one part: leave threads and ranks out";
 /// More than any machine has cores for.
 const MOST_THREADS: usize = 1024;

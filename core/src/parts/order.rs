@@ -2,10 +2,10 @@
 
 use crate::{
     chain::{Boundary, Chain, Params, Split},
-    error::Result,
     parts::Motion,
 };
 use hertzchain_integrators::{Twofold, collocation::Window};
+use std::{ops::Range, path::PathBuf};
 
 /// What a part is to do next. A part may have several flows, each with a number.
 #[derive(Debug)]
@@ -30,6 +30,24 @@ pub(super) enum Order {
     Advance(u64),
     /// Send what contacts did in the last window.
     Tell(u64),
+    /// Keep the states of its own sites, at rest.
+    Keep(Motion, Box<Chain<f64>>),
+    /// Receive the state that it keeps.
+    Put,
+    /// Send it.
+    Show,
+    /// Send what this part, given first, has of these sites, counted from its first.
+    Piece(usize, Range<usize>),
+    /// Take it from a flow.
+    Take(u64),
+    /// Give it to a flow.
+    Give(u64),
+    /// It could not be computed.
+    Lose,
+    /// Keep it as a profile too.
+    Profile,
+    /// Write what it keeps after a leg of this number to a folder, and send how it went.
+    Write(u64, PathBuf),
     /// End.
     End,
 }
@@ -45,13 +63,7 @@ impl Order {
     /// As words.
     pub(super) fn words(&self) -> Vec<u64> {
         match self {
-            Self::Begin(flow, motion, chain) => {
-                let Params { alpha, kappa, rho } = chain.params();
-                let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
-                let boundary = place(&chain.boundary(), &BOUNDARIES);
-                let head = [0, *flow, place(motion, &MOTIONS), boundary, chain.sites() as u64];
-                [&head[..], &numbers].concat()
-            }
+            Self::Begin(flow, motion, chain) => about([0, *flow], *motion, chain),
             Self::Load(flow) => vec![1, *flow],
             Self::Store(flow) => vec![2, *flow],
             Self::Drift(flow, dt) => vec![3, *flow, dt.hi.to_bits(), dt.lo.to_bits()],
@@ -62,6 +74,20 @@ impl Order {
             Self::Solve(flow, window) => [9, *flow].into_iter().chain(window.numbers().map(f64::to_bits)).collect(),
             Self::Advance(flow) => vec![10, *flow],
             Self::Tell(flow) => vec![11, *flow],
+            Self::Keep(motion, chain) => about([12, 0], *motion, chain),
+            Self::Put => vec![13],
+            Self::Show => vec![14],
+            Self::Take(flow) => vec![15, *flow],
+            Self::Give(flow) => vec![16, *flow],
+            Self::Lose => vec![17],
+            Self::Piece(part, sites) => {
+                [20usize, *part, sites.start, sites.end].map(|word: usize| word as u64).to_vec()
+            }
+            Self::Profile => vec![18],
+            Self::Write(leg, folder) => {
+                let bytes = folder.as_os_str().as_encoded_bytes().iter().map(|&byte| u64::from(byte));
+                [19, *leg].into_iter().chain(bytes).collect()
+            }
             Self::End => vec![8],
         }
     }
@@ -69,14 +95,7 @@ impl Order {
     /// The order in words, if it is one.
     pub(super) fn of(words: &[u64]) -> Option<Self> {
         Some(match *words {
-            [0, flow, motion, boundary, sites, alpha, kappa, rho, rest] => {
-                let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
-                let chain = || -> Result<Chain<f64>> {
-                    let boundary = BOUNDARIES[boundary as usize % BOUNDARIES.len()];
-                    Chain::new(Params::new(alpha, kappa, rho)?, boundary, sites as usize)?.precompressed(rest)
-                };
-                Self::Begin(flow, *MOTIONS.get(motion as usize)?, Box::new(chain().ok()?))
-            }
+            [0, flow, ref about @ ..] => chain(about).map(|(motion, chain)| Self::Begin(flow, motion, chain))?,
             [1, flow] => Self::Load(flow),
             [2, flow] => Self::Store(flow),
             [3, flow, hi, lo] => Self::Drift(flow, twofold(hi, lo)),
@@ -93,10 +112,39 @@ impl Order {
             }
             [10, flow] => Self::Advance(flow),
             [11, flow] => Self::Tell(flow),
+            [12, 0, ref about @ ..] => chain(about).map(|(motion, chain)| Self::Keep(motion, chain))?,
+            [13] => Self::Put,
+            [14] => Self::Show,
+            [15, flow] => Self::Take(flow),
+            [16, flow] => Self::Give(flow),
+            [17] => Self::Lose,
+            [20, part, start, end] => Self::Piece(part as usize, start as usize..end as usize),
+            [18] => Self::Profile,
+            [19, leg, ref folder @ ..] => {
+                let bytes: std::result::Result<Vec<u8>, _> = folder.iter().map(|&word| u8::try_from(word)).collect();
+                Self::Write(leg, String::from_utf8(bytes.ok()?).ok()?.into())
+            }
             [8] => Self::End,
             _ => return None,
         })
     }
+}
+
+/// An order about a motion of a chain as words.
+fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
+    let Params { alpha, kappa, rho } = chain.params();
+    let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);
+    let chain = [place(&motion, &MOTIONS), place(&chain.boundary(), &BOUNDARIES), chain.sites() as u64];
+    [&head[..], &chain, &numbers].concat()
+}
+
+/// The motion and the chain of such an order.
+fn chain(words: &[u64]) -> Option<(Motion, Box<Chain<f64>>)> {
+    let &[motion, boundary, sites, alpha, kappa, rho, rest] = words else { return None };
+    let [alpha, kappa, rho, rest] = [alpha, kappa, rho, rest].map(f64::from_bits);
+    let boundary = *BOUNDARIES.get(boundary as usize)?;
+    let chain = || Chain::new(Params::new(alpha, kappa, rho)?, boundary, sites as usize)?.precompressed(rest);
+    Some((*MOTIONS.get(motion as usize)?, Box::new(chain().ok()?)))
 }
 
 /// Kicks and drifts as words.
@@ -120,7 +168,16 @@ mod tests {
         let chain = Box::new(chain.precompressed(0.1).unwrap());
         let orders = [
             Order::Begin(3, Motion::Kicks(Split::Linear), chain.clone()),
-            Order::Begin(4, Motion::Windows, chain),
+            Order::Begin(4, Motion::Windows, chain.clone()),
+            Order::Keep(Motion::Windows, chain),
+            Order::Put,
+            Order::Show,
+            Order::Take(15),
+            Order::Give(16),
+            Order::Lose,
+            Order::Piece(18, 19..20),
+            Order::Profile,
+            Order::Write(17, "out/λ parts".into()),
             Order::Load(1),
             Order::Store(2),
             Order::Drift(4, third),

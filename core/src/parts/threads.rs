@@ -1,9 +1,12 @@
 //! Parts in the threads of one process: messages are arrays that are handed over.
 
-use super::{Carrier, order::Order, serve};
+use super::{Carrier, Files, order::Order, serve};
 use std::{
     collections::BTreeMap,
-    sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
+    },
     thread::{self, JoinHandle},
 };
 
@@ -26,9 +29,9 @@ enum Orders {
     Taken(Receiver<Vec<u64>>),
 }
 
-/// Starts the threads of all parts but the first. They end with the carrier of part 0, which this
-/// returns.
-pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
+/// Starts the threads of all parts but the first, which keep their files so. They end with the
+/// carrier of part 0, which this returns.
+pub(super) fn start(parts: usize, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
     let (mut to, mut from): (Vec<_>, Vec<_>) = (0..parts).map(|_| (BTreeMap::new(), BTreeMap::new())).unzip();
     // Part 0 talks to all, the others to their neighbours, on a ring around its ends.
     let talk = |a: usize, b: usize| a != b && (a == 0 || b == 0 || a.abs_diff(b) == 1);
@@ -46,7 +49,8 @@ pub(super) fn start(parts: usize) -> Box<dyn Carrier> {
         let (sender, orders) = channel();
         given.push(sender);
         let mut between = Between { part, parts, to, from, orders: Orders::Taken(orders) };
-        threads.push(thread::spawn(move || serve(&mut between)));
+        let files = files.clone();
+        threads.push(thread::spawn(move || serve(&mut between, &*files)));
     }
     let (to, from) = first.unwrap_or_default();
     Box::new(Between { part: 0, parts, to, from, orders: Orders::Given(given, threads) })

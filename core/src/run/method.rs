@@ -477,7 +477,10 @@ fn collocated(
     let threads = matches!(parts, Parts::Threads(_)).then_some(1);
     Ok(if !parts.whole() {
         let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        boxed(Collocation::by(windows, chain, y, span, pace)?, log)
+        match parts.apart().map(|apart| apart.sites()) {
+            Some(site) => boxed(Collocation::by_paths(windows, chain, &|i| chain.path_of(site(i)), span, pace)?, log),
+            None => boxed(Collocation::by(windows, chain, y, span, pace)?, log),
+        }
     } else if chain.details().is_some() {
         boxed(Collocation::on_threads(Differing::new(chain.clone())?, y, span, pace, threads)?, log)
     } else {

@@ -4,15 +4,20 @@
 //! |---|---|
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
+//! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
+//! | `sight` | what a run checks and takes of a state, whole or in parts |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
+mod initial;
 pub mod method;
 mod record;
 mod regime;
+mod sight;
 mod states;
 
+pub use initial::{Initial, Measure};
 pub use method::{Method, Setting};
 pub use record::{Kept, Recorder};
 pub use record::{Profile, Records, Sample, Trajectory};
@@ -24,10 +29,10 @@ pub use states::state_at;
 use crate::{
     chain::{Chain, Contact, State},
     error::{Error, Result},
-    parts::Parts,
+    parts::{ONE_PART, Parts},
 };
 use hertzchain_integrators::Stepper;
-use std::{f64::consts::PI, sync::Arc};
+use std::f64::consts::PI;
 
 /// Tolerances that a run accepts; a method may accept fewer of them.
 const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-15..=0.1;
@@ -58,7 +63,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 pub struct Run {
     chain: Chain<f64>,
     /// Shared with clones of the run, and with the caller that gave it.
-    initial: Arc<State<f64>>,
+    initial: Initial,
     end: f64,
     period: f64,
     method: Option<Method>,
@@ -98,11 +103,12 @@ impl Sampling {
 }
 
 impl Run {
-    /// A run of `chain` from `initial`. Its end must be given by [`until`](Self::until). An
-    /// [`Arc`] of a state is shared, so that a long chain has it in memory once.
+    /// A run of `chain` from `initial`: a state, or what computes it. Its end must be given by
+    /// [`until`](Self::until). An [`Arc`](std::sync::Arc) of a state and an [`Initial`] are shared,
+    /// so that a long chain has it in memory once.
     ///
     /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
-    pub fn new(chain: Chain<f64>, initial: impl Into<Arc<State<f64>>>) -> Self {
+    pub fn new(chain: Chain<f64>, initial: impl Into<Initial>) -> Self {
         let omega = chain.params().omega();
         let period = if omega > 0.0 && chain.details().is_none() { 2.0 * PI / omega } else { 1.0 };
         Self {
@@ -235,8 +241,7 @@ impl Run {
     pub fn in_parts(mut self, parts: Parts) -> Result<Self> {
         parts.check(self.chain.sites())?;
         if !parts.whole() && self.chain.details().is_some() {
-            let rule = "beads that differ, are damped or driven run in one part: leave threads and ranks out";
-            return Err(Error::parameter("parts", parts.count(), rule));
+            return Err(Error::parameter("parts", parts.count(), ONE_PART));
         }
         self.parts = parts;
         Ok(self)
@@ -261,7 +266,7 @@ impl Run {
 
     /// The initial state.
     pub fn initial(&self) -> &State<f64> {
-        &self.initial
+        self.initial.whole()
     }
 
     /// Unit of time in "steps per period".
@@ -290,15 +295,22 @@ impl Run {
 
     /// The time span; fails if the initial state has another layout than the chain.
     fn span(&self) -> Result<(f64, f64)> {
-        if self.initial.layout() != self.chain.layout() {
-            let given = self.initial.as_slice().len();
+        // One that is computed site by site is of the chain.
+        let Some(initial) = self.initial.made() else { return Ok((0.0, self.end()?)) };
+        if initial.layout() != self.chain.layout() {
+            let given = initial.as_slice().len();
             return Err(Error::parameter("state", given, "as many numbers as the chain has"));
         }
-        if let Err(site) = self.chain.follows_drives(self.initial.as_slice(), 0.0) {
+        if let Err(site) = self.chain.follows_drives(initial.as_slice(), 0.0) {
             let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
             return Err(Error::parameter("state", format!("at site {site}"), rule));
         }
         Ok((0.0, self.end()?))
+    }
+
+    /// The state at the start, but of a run whose parts have it: nothing then.
+    fn start_state(&self) -> &[f64] {
+        if self.parts.apart().is_some() { &[] } else { self.initial().as_slice() }
     }
 
     /// Method and setting of the run. What was not given follows from what was given, or from
@@ -327,7 +339,7 @@ impl Run {
     /// method accepts.
     pub fn stepper(&self) -> Result<Box<dyn Stepper<f64> + Send>> {
         let (span, (method, setting)) = (self.span()?, self.choice()?);
-        method.start(self, self.initial.as_slice(), span, setting)
+        method.start(self, self.start_state(), span, setting)
     }
 
     /// Runs to the end.

@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Method, Run, Setting, method::start_logged};
+use super::{Measure, Method, Run, Setting, method::start_logged};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
@@ -26,9 +26,6 @@ const SIZE_BOUND: f64 = 1e3;
 /// strains). Runs that would exceed it keep every k-th sample only.
 const MOST_NUMBERS: usize = 1 << 26;
 
-/// Length of the blocks in which a state is searched for values that are not finite.
-const BLOCK: usize = 512;
-
 /// What a run records at its sample times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Records {
@@ -49,7 +46,7 @@ pub struct Sample {
     pub energy: Option<Energy<f64>>,
 }
 
-/// Strains and state at a sample time.
+/// Strains and state at a sample time; both are empty in a run whose parts keep what is their own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Time.
@@ -243,7 +240,7 @@ impl Kept {
     pub fn new(run: &Run) -> Self {
         Self {
             t: 0.0,
-            state: run.initial.as_slice().to_vec(),
+            state: run.start_state().to_vec(),
             taken: 0,
             largest: 0.0,
             samples: Vec::new(),
@@ -275,17 +272,16 @@ impl<'a> Recorder<'a> {
     /// Continues a run from `kept`; `seen` is called with the time of every sample and the state
     /// there.
     pub fn new(run: &'a Run, kept: Kept, seen: &'a mut dyn FnMut(f64, &[f64])) -> Self {
-        let y = run.initial.as_slice();
-        let has_energy = run.chain.has_energy(y);
+        let Measure { sizes, energy } = run.initial.measure(&run.chain);
         Self {
             run,
             seen,
             told: None,
             token: interrupt::token(),
-            stride: (y.len() * run.sampling.count()).div_ceil(MOST_NUMBERS),
-            has_energy,
-            initial_energy: has_energy.then(|| run.chain.energy(y).balance()),
-            initial_size: max_norm(y.iter().copied()),
+            stride: (run.chain.layout().dim() * run.sampling.count()).div_ceil(MOST_NUMBERS),
+            has_energy: energy.is_some(),
+            initial_energy: energy.map(|energy| energy.balance()),
+            initial_size: max_norm(sizes),
             kept,
         }
     }
@@ -351,8 +347,8 @@ impl<'a> Recorder<'a> {
         let (h, place) = match cause {
             Failure::NotFinite { index, .. } => (h, Some(chain.place(index))),
             Failure::Unstable { .. } => {
-                let largest = (0..y.len()).max_by(|&a, &b| y[a].abs().total_cmp(&y[b].abs()));
-                (h, largest.map(|index| format!("largest is {} = {:e}", chain.place(index), y[index])))
+                let (index, largest) = self.run.sight(y).largest();
+                (h, Some(format!("largest is {} = {largest:e}", chain.place(index))))
             }
             Failure::NoContraction { bond, .. } => {
                 (None, Some(format!("the bond to the left of site {}", Overlaps::new(chain.clone()).bond(bond))))
@@ -376,22 +372,20 @@ impl<'a> Recorder<'a> {
     }
 
     fn energy(&self, y: &[f64]) -> Option<Energy<f64>> {
-        self.has_energy.then(|| self.run.chain.energy(y))
+        self.has_energy.then(|| self.run.sight(y).energy())
     }
 
     /// Refuses a state that is not finite, or whose energy or size exceeds its bound.
     fn check(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<Option<Energy<f64>>, Failure> {
         let step = self.kept.stats.steps + stats.steps;
-        // No branch inside a block, so that the compiler can vectorise the loop.
-        let lost = |block: &[f64]| block.iter().fold(false, |lost, value| lost | !value.is_finite());
-        if y.chunks(BLOCK).any(lost) {
-            let index = y.iter().position(|value| !value.is_finite()).unwrap_or_default();
+        let sight = self.run.sight(y);
+        if let Some(index) = sight.lost() {
             return Err(Failure::NotFinite { t, step, index });
         }
         let energy = self.energy(y);
         let (quantity, initial, value, bound) = match (energy, self.initial_energy) {
             (Some(energy), Some(initial)) => ("energy", initial, energy.balance(), ENERGY_BOUND),
-            _ => ("largest entry of the state", self.initial_size, max_norm(y.iter().copied()), SIZE_BOUND),
+            _ => ("largest entry of the state", self.initial_size, sight.size(), SIZE_BOUND),
         };
         if energy.is_some() {
             self.kept.largest = self.kept.largest.max((value - initial).abs());
@@ -415,7 +409,7 @@ impl Observer<f64> for Recorder<'_> {
         let energy = self.check(t, y, stats)?;
         self.kept.samples.push(Sample { t, energy });
         if self.run.records == Records::Profiles && (self.kept.taken - 1).is_multiple_of(self.stride) {
-            self.kept.profiles.push(Profile { t, x: self.run.chain.strains(y), state: y.to_vec() });
+            self.kept.profiles.push(self.run.sight(y).profile(t));
         }
         (self.seen)(t, y);
         self.kept.sampling += clock.elapsed();

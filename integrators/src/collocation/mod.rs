@@ -188,6 +188,10 @@ pub trait Windows: Send + Sized {
     fn copy_from(&mut self, other: &Self);
     /// Writes the state where the chain stands.
     fn store(&self, y: &mut [f64]);
+    /// Instead: no state could be computed.
+    fn lose(&self, y: &mut [f64]) {
+        y.fill(f64::NAN);
+    }
     /// Tells what contacts did in the window that was solved last, by bond, if that is logged.
     fn tell(&self, told: &mut dyn FnMut(&Piece));
 }
@@ -234,7 +238,8 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
         let section = Section::whole(chain, (y0, span.0), threads);
-        let control = control(&section.held.chain, &section.held.links, y0, span, pace)?;
+        let chain = &section.held.chain;
+        let control = control(chain, &section.held.links, &|i| chain.path(y0, i), span, pace)?;
         Ok(Self::steered(section, control, (span, pace)))
     }
 
@@ -244,15 +249,15 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
     }
 }
 
-/// The control of a run of a chain from a state over a span.
+/// The control of a run of a chain from the paths of its sites over a span.
 fn control<C: ContactChain<S>, const S: usize>(
     chain: &C,
     links: &Links<S>,
-    y0: &[f64],
+    start: &dyn Fn(usize) -> Path,
     span: (f64, f64),
     pace: Pace,
 ) -> Result<Control, Error> {
-    Control::new((chain, links), &|i| chain.path(y0, i), pace, Twofold::new(span.1) - Twofold::new(span.0))
+    Control::new((chain, links), start, pace, Twofold::new(span.1) - Twofold::new(span.0))
 }
 
 impl<W: Windows> Collocation<W> {
@@ -269,7 +274,22 @@ impl<W: Windows> Collocation<W> {
         pace: Pace,
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
-        Ok(Self::steered(windows, control(chain, &Links::of(chain), y0, span, pace)?, (span, pace)))
+        Self::by_paths(windows, chain, &|i| chain.path(y0, i), span, pace)
+    }
+
+    /// The same from the paths of sites, which are asked for from the first to the last.
+    ///
+    /// # Errors
+    /// A pace outside its rule.
+    pub fn by_paths<C: ContactChain<S>, const S: usize>(
+        windows: W,
+        chain: &C,
+        start: &dyn Fn(usize) -> Path,
+        span: (f64, f64),
+        pace: Pace,
+    ) -> Result<Self, Error> {
+        let control = control(chain, &Links::of(chain), start, span, pace)?;
+        Ok(Self::steered(windows, control, (span, pace)))
     }
 
     fn steered(windows: W, control: Control, (span, pace): ((f64, f64), Pace)) -> Self {
@@ -387,7 +407,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
                 parts *= 2;
                 if parts > MOST_PARTS {
                     // No state is better than a wrong one.
-                    return y.fill(f64::NAN);
+                    return self.windows.lose(y);
                 }
             }
         }

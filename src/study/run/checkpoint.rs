@@ -14,12 +14,20 @@
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
 //! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is `max |E(t) - E(0)|`.
 //! Every member is checked by its CRC-32.
+//!
+//! A run by part has `state` and `profiles` in files of its parts, see [`pieces`](super::pieces), and
+//! its checkpoint names them. One process joins them on reading; any number of parts go on with
+//! them.
 
+use super::{
+    how::no_log,
+    pieces::{self, Leg, Legs, PartFiles, Written},
+};
 use crate::{
-    chain::{Chain, Contact, Contacts, Energy},
+    chain::{Blocks, Chain, Contact, Contacts, Energy},
     error::{Error, Result},
     output::{Archive, Folder, NpzWriter, to_json},
-    parts::Parts,
+    parts::{Apart, Parts},
     run::method::{Method, Setting},
     run::{Kept, Profile, Recorder, Records, Run, Sample, Trajectory},
     scene::{Scene, SceneFile},
@@ -29,6 +37,7 @@ use serde::{Deserialize, Serialize};
 use std::{
     io,
     path::{Path, PathBuf},
+    sync::Arc,
     time::Duration,
 };
 
@@ -52,6 +61,8 @@ pub struct LongRun {
     interval: f64,
     done: u64,
     kept: Kept,
+    /// What its parts have written, if they keep what is theirs.
+    legs: Legs,
 }
 
 /// What a checkpoint begins with.
@@ -92,6 +103,9 @@ struct Settings {
     /// Absent from files that were written before it was measured.
     #[serde(default)]
     sampling_s: f64,
+    /// Only of runs whose parts keep what is theirs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    by_part: Option<Legs>,
 }
 
 impl LongRun {
@@ -116,7 +130,24 @@ impl LongRun {
         let run = scene.run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
         run.stepper()?;
         let kept = Kept::new(&run);
-        Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
+        Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept, legs: Legs::default() })
+    }
+
+    /// The same, but each part keeps the states of its own sites, and writes them: no process has
+    /// all, if the scene was built [by part](Scene::build_by_part).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and as [`Apart::new`].
+    pub fn by_part(
+        scene: Scene,
+        method: Method,
+        setting: Setting,
+        wording: String,
+        interval: f64,
+        parts: &Parts,
+    ) -> Result<Self> {
+        let parts = apart(&scene, method, parts, scene.start())?;
+        Self::new(scene, method, setting, wording, interval, parts)
     }
 
     /// The same, watched for contacts; one that has begun without is left as it is.
@@ -197,9 +228,23 @@ impl LongRun {
             }
             self.kept = recorder.kept;
             self.done += 1;
-            folder.write_with(FILE, |file| self.write(file))?;
+            self.keep(folder)?;
         }
         Ok(Recorder::new(&self.run, self.kept, &mut seen).trajectory(None))
+    }
+
+    /// Writes what its parts keep, and then the checkpoint, which names it.
+    fn keep(&mut self, folder: &Folder) -> Result<()> {
+        match self.run.parts().apart() {
+            Some(apart) => {
+                let profiles = apart.write(&folder.path().join(pieces::FOLDER), self.done)?;
+                self.legs.push(Leg { leg: self.done, parts: apart.parts().count(), profiles });
+            }
+            None => self.legs = Legs::default(),
+        }
+        folder.write_with(FILE, |file| self.write(file))?;
+        self.legs.sweep(folder.path());
+        Ok(())
     }
 
     /// The bytes of its checkpoint.
@@ -239,6 +284,7 @@ impl LongRun {
             force_evaluations,
             wall_s: wall.as_secs_f64(),
             sampling_s: sampling.as_secs_f64(),
+            by_part: self.run.parts().apart().map(|_| self.legs.clone()),
         };
         let energies = samples.iter().filter_map(|sample| sample.energy).map(|energy| {
             let Energy { beads, resonators, springs, contacts, dissipated, driven } = energy;
@@ -248,13 +294,18 @@ impl LongRun {
         let energies: Vec<f64> = energies.flat_map(|energy| energy.into_iter().take(kinds)).collect();
         let ended = || contacts.iter().flat_map(|contacts| &contacts.ended);
         let mut archive = NpzWriter::new(to, Some((SETTINGS, &to_json(&settings))))?;
-        archive.vector("state", state)?;
+        let whole = settings.by_part.is_none();
+        if whole {
+            archive.vector("state", state)?;
+        }
         archive.vector("largest", &[largest])?;
         archive.vector("sample_t", &samples.iter().map(|sample| sample.t).collect::<Vec<_>>())?;
         archive.vector("energies", &energies)?;
         archive.vector("profile_t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
-        archive.begin("profiles", &[profiles.len() as u64, state.len() as u64])?;
-        profiles.iter().try_for_each(|profile| archive.row(&profile.state))?;
+        if whole {
+            archive.begin("profiles", &[profiles.len() as u64, state.len() as u64])?;
+            profiles.iter().try_for_each(|profile| archive.row(&profile.state))?;
+        }
         archive.begin("contacts", &[ended().count() as u64, Contact::NUMBERS as u64])?;
         ended().try_for_each(|contact| archive.row(&contact.numbers()))?;
         archive.vector("open_contacts", &open)?;
@@ -266,16 +317,18 @@ impl LongRun {
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
-        Self::load_in(path, Parts::Whole)
+        Self::load_in(path, Parts::Whole, false)
     }
 
-    /// The same, to go on in parts: the chain is nowhere built in one piece.
+    /// The same, to go on in parts: the chain is nowhere built in one piece. `by_part`: each keeps
+    /// what is its own, and no process has a whole state.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts).
-    pub fn load_in(path: &Path, parts: Parts) -> Result<Self> {
+    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts); by part, a run that was begun in
+    /// one piece.
+    pub fn load_in(path: &Path, parts: Parts, by_part: bool) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        Self::of(&Archive::read(&path)?, parts)
+        Self::of(&Archive::read(&path)?, parts, by_part)
     }
 
     /// The run in an archive.
@@ -284,10 +337,10 @@ impl LongRun {
     /// [`Error::Content`], with key and rule, for one that is not as it was written, of another
     /// version of the program, or whose numbers are outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::of(file, Parts::Whole)
+        Self::of(file, Parts::Whole, false)
     }
 
-    fn of(file: &Archive, parts: Parts) -> Result<Self> {
+    fn of(file: &Archive, parts: Parts, by_part: bool) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let text = file.text(SETTINGS)?;
@@ -303,15 +356,29 @@ impl LongRun {
             return Err(refused("program", &rule));
         }
         let settings: Settings = serde_json::from_str(text).map_err(|why| refused("keys", &why))?;
-        let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
+        let build = if by_part { Scene::build_by_part } else { Scene::build };
+        let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
         // What parts cannot do is not the fault of the file.
         method.takes(&parts, scene.chain().topology())?;
+        no_log(settings.contacts.is_some(), by_part)?;
+        let (sites, layout) = (scene.chain().sites(), scene.chain().layout());
+        let written = match &settings.by_part {
+            None if by_part => return Err(refused("by_part", &"a run that keeps whole states: leave --by-part out")),
+            None => None,
+            Some(legs) => {
+                legs.check(settings.profiles, sites).map_err(|rule| refused("by_part", &rule))?;
+                by_part.then(|| Written::new(file.folder(), legs, layout))
+            }
+        };
+        let parts = written.as_ref().map_or(Ok(parts.clone()), |state| apart(&scene, method, &parts, state))?;
+        written.map_or(Ok(()), Written::read)?;
         let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, parts);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
-        let run = Self { done: settings.legs, kept: kept(file, &settings, &new.scene)?, ..new };
+        let kept = kept(file, &settings, &new.scene, by_part)?;
+        let run = Self { done: settings.legs, kept, legs: settings.by_part.unwrap_or_default(), ..new };
         if !(1..=legs).contains(&run.done) {
             return Err(refused("legs", &format!("{} of {legs}: from 1 to all", run.done)));
         }
@@ -344,6 +411,15 @@ impl LongRun {
     }
 }
 
+/// Parts of the chain of a scene that keep what is theirs, in a state.
+fn apart(scene: &Scene, method: Method, parts: &Parts, state: &dyn Blocks<f64>) -> Result<Parts> {
+    method.takes(parts, scene.chain().topology())?;
+    // What parts cannot run is refused before they begin.
+    let run = scene.run().in_parts(parts.clone())?;
+    let apart = Apart::new(run.chain(), method.motion()?, parts, Arc::new(PartFiles), state)?;
+    Ok(Parts::Apart(Arc::new(apart)))
+}
+
 /// Numbers of an energy that are kept: four kinds, and what was dissipated and driven where
 /// something is.
 fn energy_kinds(chain: &Chain<f64>) -> usize {
@@ -351,7 +427,7 @@ fn energy_kinds(chain: &Chain<f64>) -> usize {
 }
 
 /// What a checkpoint has kept, checked as far as it can be without running it again.
-fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
+fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Result<Kept> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
     let chain = scene.chain();
     let dim = chain.layout().dim();
@@ -371,10 +447,14 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
         let rule = format!("{taken} taken, {samples} kept, {} asked for", scene.samples());
         return Err(file.refused(&format!("{SETTINGS}, samples"), rule));
     }
-    let state = finite("state", &[dim as u64])?;
+    let state = match &settings.by_part {
+        _ if by_part => Vec::new(),
+        None => finite("state", &[dim as u64])?,
+        Some(legs) => Written::new(file.folder(), legs, chain.layout()).whole()?,
+    };
     let largest = finite("largest", &[1])?[0];
     let sample_t = finite("sample_t", &[samples])?;
-    let has_energy = chain.has_energy(scene.initial().as_slice());
+    let has_energy = scene.start().measure(chain).energy.is_some();
     let kinds = energy_kinds(chain);
     let energies = finite("energies", &[if has_energy { kinds as u64 * samples } else { 0 }])?;
     let energy = |k: usize| {
@@ -397,15 +477,22 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Kept> {
         Contacts::restore(chain, ended, &open).ok_or_else(|| file.refused("open_contacts", rule.to_owned()))
     });
     let profile_t = finite("profile_t", &[profiles])?;
-    let states = finite("profiles", &[profiles, dim as u64])?;
-    let profile = |(t, state): (&f64, &[f64])| Profile { t: *t, x: chain.strains(state), state: state.to_vec() };
+    let states = match &settings.by_part {
+        _ if by_part => vec![Vec::new(); profile_t.len()],
+        None => finite("profiles", &[profiles, dim as u64])?.chunks_exact(dim).map(<[f64]>::to_vec).collect(),
+        Some(legs) => legs.profiles(file.folder(), chain.layout())?,
+    };
+    let profile = |(&t, state): (&f64, Vec<f64>)| {
+        let x = if by_part { Vec::new() } else { chain.strains(&state) };
+        Profile { t, x, state }
+    };
     Ok(Kept {
         t,
         state,
         taken,
         largest,
         samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
-        profiles: profile_t.iter().zip(states.chunks_exact(dim)).map(profile).collect(),
+        profiles: profile_t.iter().zip(states).map(profile).collect(),
         contacts: contacts.transpose()?,
         stats: Stats { steps, rejected, force_evaluations },
         wall,

@@ -91,14 +91,18 @@ impl How {
         }
     }
 
-    /// The same in legs that are kept.
+    /// The same in legs that are kept; `by_part`: each part keeps what is its own.
     ///
     /// # Errors
     /// A closed form, which needs none; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts, by_part: bool) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let wording = format!("{wording}, in legs of {interval}");
+                no_log(events, by_part)?;
+                if by_part {
+                    return LongRun::by_part(scene, method, setting, wording, interval, &parts);
+                }
                 let long = LongRun::new(scene, method, setting, wording, interval, parts)?;
                 Ok(if events { long.with_contacts() } else { long })
             }
@@ -111,19 +115,21 @@ impl How {
     }
 
     /// What the run computes and what it leaves out, in words; in parts, also what these need.
+    /// `by_part`: each keeps what is its own.
     ///
     /// # Errors
     /// What the run would refuse.
-    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts) -> Result<Vec<String>> {
+    pub fn plan(&self, scene: &Scene, events: bool, parts: &Parts, by_part: bool) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
+                no_log(events, by_part)?;
                 self.takes(scene, parts)?;
                 let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
-                if parts.whole() {
+                if parts.whole() && !by_part {
                     run.stepper()?;
                     return Ok(scene.plan(events));
                 }
-                let own = parts_plan(scene.file(), *method, parts.count())?;
+                let own = parts_plan(scene.file(), *method, parts.count(), by_part)?;
                 Ok(scene.plan(events).into_iter().chain(own).collect())
             }
             Self::ClosedForm(_) => self.takes(scene, parts).map(|()| scene.plan_in_closed_form()),
@@ -170,6 +176,12 @@ impl How {
             Self::ClosedForm(exact) => run.start_by(&mut breathers::ClosedForm::new(exact, run.end()?), seen),
         }
     }
+}
+
+/// Refuses a log of the contacts of a run whose parts keep what is theirs.
+pub(super) fn no_log(events: bool, by_part: bool) -> Result<()> {
+    let rule = "a log of contacts is kept in one piece: leave --events or --by-part out";
+    if events && by_part { Err(Error::parameter("events", true, rule)) } else { Ok(()) }
 }
 
 /// What was asked for means this for the method on this scene, and in words.

@@ -1,7 +1,7 @@
 //! What a run in parts needs, in words.
 
 use crate::{
-    chain::Topology,
+    chain::{Boundary, Topology},
     error::{Error, Result},
     parts::{Demand, Motion},
     run::Method,
@@ -12,12 +12,12 @@ use crate::{
 const ORDERED: usize = 64;
 
 /// Memory and messages of a scene in so many parts, a line each. Nothing of the scene is built, so
-/// that it may be one that no machine can hold.
+/// that it may be one that no machine can hold. `by_part`: each keeps the states of its own sites.
 ///
 /// # Errors
 /// Parameters outside their rules; no part, or more parts than sites; a method that does not run in
 /// parts.
-pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<String>> {
+pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool) -> Result<Vec<String>> {
     let chain = &file.chain;
     chain.params().validate()?;
     if !(1..=chain.sites).contains(&parts) {
@@ -37,7 +37,22 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<
             "{} sites in {parts} parts: at most {sites} each, and {ghosts}{of_bonds} of each neighbour",
             chain.sites
         ),
-        format!("memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"),
+        if by_part {
+            let (state, own) = (demand.whole / 2, bytes(demand.whole / 2 / chain.sites as u64 * sites));
+            let start = if file.initial.by_sites() {
+                "no part has a whole state".to_owned()
+            } else {
+                format!("the first besides the initial state, {}", bytes(state))
+            };
+            format!(
+                "memory: {memory}{panels} a part, half of it for samples, and {own} for its state and for each \
+                 profile of a leg; {start}"
+            )
+        } else {
+            format!(
+                "memory: {memory}{panels} a part, half of it for samples; the first besides two whole states, {whole}"
+            )
+        },
     ];
     if parts > 1 {
         lines.push(match motion {
@@ -56,10 +71,17 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize) -> Result<Vec<
                 )
             }
         });
-        lines.push(format!("samples: each brings {sample} to the first part, which checks, counts and writes"));
+        lines.push(if by_part {
+            let often = if chain.boundary == Boundary::StrainRing { "three times" } else { "twice" };
+            format!(
+                "samples: each passes {sample} by the first part {often}, which checks, counts and keeps none of it"
+            )
+        } else {
+            format!("samples: each brings {sample} to the first part, which checks, counts and writes")
+        });
     }
     if chain.sites > MOST_SITES {
-        lines.push("refused if run: a scene has at most 10^8 sites, as the first part holds whole states".to_owned());
+        lines.push("refused if run: a scene has at most 10^8 sites".to_owned());
     }
     Ok(lines)
 }
@@ -89,7 +111,7 @@ mod tests {
     fn plan(changes: &[&str], name: &str, parts: usize) -> Result<Vec<String>> {
         let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
         let file = SceneFile::parse_with(&Scene::source("impact")?, "impact", &changes)?;
-        parts_plan(&file, Method::named(name)?, parts)
+        parts_plan(&file, Method::named(name)?, parts, false)
     }
 
     #[test]
@@ -104,6 +126,22 @@ mod tests {
         // beside.
         let lines = plan(&["chain.sites=1000000000"], "collocation", 1024).unwrap().join("\n");
         for part in ["976640 each, and 13 bonds of each", "32.000 GB", "728 B to each neighbour and 64 B", "10^8"] {
+            assert!(lines.contains(part), "{part}: {lines}");
+        }
+    }
+
+    #[test]
+    fn a_run_by_part_plans_no_whole_state() {
+        // Truth: by hand, as above; with two numbers a site a state of 976563 sites has 15.625 MB.
+        let plan = |changes: &[&str]| {
+            let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+            let file = SceneFile::parse_with(&Scene::source("impact").unwrap(), "impact", &changes).unwrap();
+            parts_plan(&file, Method::named("verlet").unwrap(), 1024, true).unwrap().join("\n")
+        };
+        let lines = plan(&["chain.sites=1000000000"]);
+        for part in
+            ["31.254 MB a part", "and 15.625 MB for its state", "no part has a whole state", "twice, which checks"]
+        {
             assert!(lines.contains(part), "{part}: {lines}");
         }
     }

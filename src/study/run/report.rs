@@ -3,6 +3,7 @@
 use super::{
     checkpoint::FILE as CHECKPOINT,
     contacts::{contact_lines, contact_totals, contacts_csv, contacts_npz},
+    pieces::Legs,
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
@@ -45,8 +46,16 @@ fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&
     (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
 }
 
+/// Whether its states are with the parts of the chain, and none of them is here.
+fn by_part(outcome: &Trajectory) -> bool {
+    outcome.state.is_empty()
+}
+
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
 fn wave_errors(scene: &Scene, outcome: &Trajectory) -> Option<(f64, f64)> {
+    if by_part(outcome) {
+        return None;
+    }
     let layout = scene.chain().layout();
     match (scene.theory(), layout.v(&outcome.state)) {
         (Some(Theory::Wave(wave)), Some(y)) => Some(wave.errors(outcome.t, layout.u(&outcome.state), y)),
@@ -123,8 +132,10 @@ fn entries(ran: &Ran<'_>) -> Entries {
     }
     put("t", json!(outcome.t));
     put("period", json!(period(ran)));
-    let arrays = state_arrays(scene, &outcome.state, si);
-    object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
+    if !by_part(outcome) {
+        let arrays = state_arrays(scene, &outcome.state, si);
+        object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
+    }
     let mut put = |name, value| object.push((name, Entry::Value(value)));
     put("energy", json!(outcome.energy.map(|energy| energy.total())));
     put("energy_error", json!(outcome.energy_error));
@@ -247,7 +258,8 @@ pub const RUN_FILES: [&str; 16] = [
 /// Writes the run: `summary.json`, which is the JSON with the names of all files, `scene.toml`,
 /// `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the pictures; with a contact log
 /// also `contacts.csv` and `contacts.npz`. What an earlier run has left beside them is removed, its
-/// checkpoint as well unless this run was `in_legs`.
+/// checkpoint as well unless this run was `in_legs`. Of a run whose states are with its parts:
+/// `summary.json` without the state, `scene.toml` and `energy.csv`.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -256,18 +268,26 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
     let logged = outcome.contacts.is_some();
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
+        "final.csv" | "profiles.npz" | "profiles.csv" if by_part(outcome) => false,
         _ if name.ends_with(".png") || name.ends_with(".svg") => pictures.iter().any(|picture| picture.0 == name),
         _ => logged || !name.starts_with("contacts"),
     };
     let (files, left): (Vec<&str>, Vec<&str>) =
         RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
     folder.remove(left)?;
+    if !in_legs {
+        Legs::default().sweep(folder.path());
+    }
     let mut summary = entries(ran);
     summary.0.push(("files", Entry::Value(json!(files))));
     folder.write_with("summary.json", |file| buffered(file, |out| write_json(out, &summary)))?;
     drop(summary);
     folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
-    folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
+    if !by_part(outcome) {
+        folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
+        folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
+        folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
+    }
     let open = scene.chain().open();
     let energies = outcome.samples.iter().filter_map(|sample| {
         let energy = sample.energy?;
@@ -276,8 +296,6 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
     });
     let columns = ["t", "beads", "resonators", "springs", "contacts", "total", "dissipated", "driven"];
     folder.write("energy.csv", &csv(&columns[..if open { 8 } else { 6 }], energies))?;
-    folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
-    folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
     if let Some(contacts) = &outcome.contacts {
         folder.write("contacts.csv", &contacts_csv(contacts))?;
         folder.write("contacts.npz", &contacts_npz(contacts)?)?;
@@ -338,14 +356,17 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
     out.flush()
 }
 
-/// The pictures of a run: the profile at the end, the strain over space and
-/// time, the energy error.
+/// The pictures of a run: the profile at the end, the strain over space and time, the energy error;
+/// none where its states are with its parts.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
 #[cfg(feature = "plot")]
 pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
     use crate::figures;
+    if by_part(ran.outcome) {
+        return Ok(Vec::new());
+    }
     let &Ran { scene, integrator, setting, outcome, si, .. } = ran;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
     let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));

@@ -1,0 +1,82 @@
+//! What a run checks and takes of a state: of one in memory, or of one that its parts keep.
+
+use super::{Profile, Run};
+use crate::{
+    chain::{Blocks, Chain, Energy, max_norm},
+    parts::Apart,
+};
+
+/// Length of the blocks in which a state is searched for values that are not finite.
+const BLOCK: usize = 512;
+
+/// A state of a run.
+pub(super) struct Sight<'a> {
+    chain: &'a Chain<f64>,
+    /// Empty where the parts keep it.
+    y: &'a [f64],
+    apart: Option<&'a Apart>,
+}
+
+impl Run {
+    /// The state `y`, or that which its parts keep.
+    pub(super) fn sight<'a>(&'a self, y: &'a [f64]) -> Sight<'a> {
+        Sight { chain: &self.chain, y, apart: self.parts.apart().map(|apart| &**apart) }
+    }
+}
+
+impl Sight<'_> {
+    /// Calls `see` with arrays of entries, and where the first of each is among all.
+    fn each(&self, see: &mut dyn FnMut(usize, &[f64])) {
+        let Some(apart) = self.apart else { return see(0, self.y) };
+        let layout = self.chain.layout();
+        apart.each(&mut |site, arrays| (0..4).for_each(|array| see(layout.entry(array, site), arrays[array])));
+    }
+
+    /// The energy.
+    pub(super) fn energy(&self) -> Energy<f64> {
+        self.apart.map_or_else(|| self.chain.energy(self.y), |apart| self.chain.energy_in(apart))
+    }
+
+    /// The first entry that is not finite.
+    pub(super) fn lost(&self) -> Option<usize> {
+        let mut first = None;
+        self.each(&mut |start, values| {
+            // No branch inside a block, so that the compiler can vectorise the loop.
+            let lost = |block: &[f64]| block.iter().fold(false, |lost, value| lost | !value.is_finite());
+            if values.chunks(BLOCK).any(lost) {
+                let at = start + values.iter().position(|value| !value.is_finite()).unwrap_or_default();
+                first = Some(first.map_or(at, |first: usize| first.min(at)));
+            }
+        });
+        first
+    }
+
+    /// The largest absolute value.
+    pub(super) fn size(&self) -> f64 {
+        let mut size = 0.0f64;
+        self.each(&mut |_, values| size = size.max(max_norm(values.iter().copied())));
+        size
+    }
+
+    /// The entry of the largest absolute value, the last if there are several, and its value.
+    pub(super) fn largest(&self) -> (usize, f64) {
+        let mut largest = (0, 0.0f64);
+        self.each(&mut |start, values| {
+            for (i, &value) in values.iter().enumerate() {
+                if value.abs().total_cmp(&largest.1.abs()).then((start + i).cmp(&largest.0)).is_gt() {
+                    largest = (start + i, value);
+                }
+            }
+        });
+        largest
+    }
+
+    /// Strains and state at this time; the parts keep theirs.
+    pub(super) fn profile(&self, t: f64) -> Profile {
+        if let Some(apart) = self.apart {
+            apart.profile();
+            return Profile { t, x: Vec::new(), state: Vec::new() };
+        }
+        Profile { t, x: self.chain.strains(self.y), state: self.y.to_vec() }
+    }
+}
