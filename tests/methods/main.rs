@@ -16,6 +16,7 @@ mod corrected_tangent;
 mod details;
 mod differing;
 mod main_job;
+mod lossy;
 mod open;
 mod order;
 mod plain;

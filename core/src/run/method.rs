@@ -317,15 +317,10 @@ impl Method {
             return Ok(());
         }
         match self {
-            Self::Dop853(_) => Ok(()),
+            Self::Dop853(_) | Self::Collocation => Ok(()),
             Self::Splitting(..) | Self::Landed(_) if !chain.dissipative_contacts() => Ok(()),
             Self::Splitting(..) | Self::Landed(_) => {
                 let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
-                Err(Error::parameter("integrator", self.name(), rule))
-            }
-            Self::Collocation if !chain.dissipative_contacts() => Ok(()),
-            Self::Collocation => {
-                let rule = "it needs contacts that do not dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
             Self::Corrected(..) | Self::Conserving(_) => {
