@@ -20,7 +20,7 @@ pub(super) const AHEAD: f64 = 1.5;
 const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
 /// terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Forces on the two sides of a bond and their rates, which make its overlap go on to a second
 /// order in time beyond its path: one pair for both sides where these are alike.
 pub(super) type Drive<const S: usize> = [[f64; 2]; S];
@@ -478,12 +478,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let driven = |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
-        let on_surface = g(frame.h).abs() <= band;
-        let sure = if frame.link.lossy() {
-            self.search_again(frame, beside, (&panels, band));
-            true
+        let (sure, on_surface) = if frame.link.lossy() {
+            (true, self.search_again(frame, beside, (&panels, band)))
         } else {
-            self.search(frame.h, band, |t| linear + driven(t), g)
+            let on_surface = g(frame.h).abs() <= band;
+            (self.search(frame.h, band, |t| linear + driven(t), g), on_surface)
         };
         self.panels = panels;
         self.pending.search = false;

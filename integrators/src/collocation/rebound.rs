@@ -8,10 +8,11 @@
 
 use super::{
     bond::{Beside, Bond, Contact, known, ramps},
-    foresee::{AHEAD, Course, Drive, exact_turn, overlap_at, predicted, turn},
+    foresee::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
     known::Known,
     panel::Frame,
     panels::Panels,
+    system::Path,
 };
 use crate::events::root::bracketed;
 
@@ -77,18 +78,28 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// Finds them from all forces.
+    /// Finds them from all forces. Returns whether the bond ceases to push, or begins, so near to the
+    /// end of the window that it may be said to do so in it or not.
     pub(super) fn search_again(
         &mut self,
         frame: &Frame<'_, M, S>,
         beside: [Beside<M, S>; 2],
         (panels, band): (&Panels<M, S>, f64),
-    ) {
+    ) -> bool {
         let (path, given, own) = (self.initial.path, self.known, self.initial.own());
         let course = (&path, known::<S>(&given));
-        self.gather(frame, band, |t| {
+        let h = frame.h;
+        let look = |t: f64| {
             (overlap_at(course, (panels, own), frame, beside, t), rate_at(course, (panels, own), frame, beside, t))
-        });
+        };
+        self.gather(frame, band, look);
+        let pushes = |t: f64| {
+            let (g, rate) = look(t);
+            frame.link.pushes(g, rate)
+        };
+        let (overlap, end) = (look(h).0, pushes(h));
+        let by = end / slope(pushes, h, h);
+        overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
     }
 
     /// What beads lose that overlap without a force: it is the energy of the overlap.
@@ -114,9 +125,25 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let (g, rate) = look(t);
             [g, link.pushes(g, rate)]
         };
+        // Values of `P` up to this are rounding; and how far the overlap may be off, over the
+        // window, before the bond pushes or does not.
+        let rounding = {
+            let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
+            let paths = self.initial.path.iter().zip(&link.sides);
+            let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
+            let [by_overlap, by_rate] = link.pushes_by(self.initial.overlap[0].max(0.0));
+            by_overlap * self.initial.band + by_rate * ROUNDING * speed
+        };
         let margin = |[g, pushes]: [f64; 2]| {
             let [by_overlap, by_rate] = link.pushes_by(g.max(0.0));
-            [g / band, pushes / ((by_overlap + by_rate * 2.0 / h) * band)]
+            least([g.abs(), pushes.abs() / (by_overlap + by_rate * 2.0 / h)])
+        };
+        let side = |[g, pushes]: [f64; 2]| {
+            if g < -band || pushes < -rounding {
+                Some(false)
+            } else {
+                (g > band && pushes > rounding).then_some(true)
+            }
         };
         let looks = looks(h, &at);
         let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
@@ -124,9 +151,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         found.clear();
         let (mut last, mut slack): (Look, f64) = (looks[0], f64::INFINITY);
         for (k, &(t, value)) in looks.iter().enumerate() {
-            let size = least(margin(value));
-            slack = slack.min(size.abs());
-            if size.abs() <= 1.0 || (size > 0.0) == open.is_some() {
+            slack = slack.min(margin(value));
+            if side(value).is_none_or(|pushes| pushes == open.is_some()) {
                 last = (t, value);
                 continue;
             }
@@ -153,7 +179,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             last = (t, value);
         }
         found.extend(open);
-        self.forecast.slack = 0.5 * band * slack;
+        self.forecast.slack = 0.5 * slack;
     }
 }
 
