@@ -257,6 +257,10 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             for i in mine {
                 let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
                 let (frame, number) = (&frames.of(bonds[i].initial.bond), share.number(bonds[i].initial.bond));
+                if frame.link.lossy() {
+                    bonds[i].pieces_over((frame, number), beside, &mut self.pieces);
+                    continue;
+                }
                 for contact in &bonds[i].contacts.found {
                     bonds[i].pieces_of((frame, number), contact, beside, &mut self.pieces);
                 }

@@ -7,6 +7,7 @@
 //! their last terms still see it if it has begun.
 
 use super::{
+    block::Piece,
     bond::{Beside, Bond, Contact, known, ramps},
     foresee::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
     known::Known,
@@ -14,10 +15,12 @@ use super::{
     panels::Panels,
     system::Path,
 };
-use crate::events::root::bracketed;
+use crate::events::{Curve, root::bracketed};
 
 /// Equal parts of a window at whose ends overlaps and rates are looked at. Chosen.
 const PARTS: usize = 12;
+/// Equal parts of a stretch without a force at whose ends the overlap is kept. Chosen.
+const FREE: usize = 8;
 /// Share of a window over which rates of `P` are differences. Chosen.
 const STEP: f64 = 1e-4;
 
@@ -100,6 +103,57 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (overlap, end) = (look(h).0, pushes(h));
         let by = end / slope(pushes, h, h);
         overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
+    }
+
+    /// What the bond did in this window while beads overlapped, pushing or not, appended, with its
+    /// number.
+    pub(super) fn pieces_over(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, own) = (frame.h, self.initial.own());
+        let course = (&self.initial.path, known::<S>(&self.known));
+        let overlap = |t: f64| overlap_at(course, (&self.panels, own), frame, beside, t);
+        let rate = |t: f64| rate_at(course, (&self.panels, own), frame, beside, t);
+        // An event is known to the force that counts; for the record it is found to the last digit.
+        let zero = |t: f64| {
+            let t = (0..2).fold(t, |t, _| (t - overlap(t) / rate(t)).clamp(0.0, h));
+            (t, rate(t))
+        };
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let freely = |from: f64, to: f64, out: &mut Vec<Piece>| {
+            if from >= to {
+                return;
+            }
+            let at = |k: usize| from + (to - from) * k as f64 / FREE as f64;
+            // Beads that part without a force do not come back without one.
+            let gone = (0..=FREE).find(|&k| overlap(at(k)) <= self.initial.band);
+            let end = match gone {
+                None => to,
+                Some(0) => return,
+                Some(k) => bracketed(overlap, (at(k - 1), overlap(at(k - 1))), (at(k), overlap(at(k)).min(0.0))),
+            };
+            let points = (0..=FREE).map(|k| k as f64 / FREE as f64).map(|x| (x, overlap(from + (end - from) * x)));
+            let release = gone.map(|_| zero(end));
+            out.push(Piece { release, ..piece(0.0, (end > from).then(|| Curve::over((from, end), points))) });
+        };
+        let mut from = 0.0f64;
+        for contact in &self.contacts.found {
+            freely(from.max(0.0), contact.onset, out);
+            let first = out.len();
+            let panels = &self.panels.list[contact.panels.0..contact.panels.1];
+            out.extend(panels.iter().map(|panel| piece(panel.impulse(frame.rule), panel.curve(frame.rule))));
+            if contact.onset >= 0.0 && !contact.pressed && first < out.len() {
+                out[first].onset = Some(zero(contact.onset));
+            }
+            from = contact.release;
+            if from <= h && overlap(from) <= self.initial.band {
+                out.push(Piece { release: Some(zero(from.max(0.0))), ..piece(0.0, None) });
+            }
+        }
+        freely(from.max(0.0), h, out);
     }
 
     /// What beads lose that overlap without a force: it is the energy of the overlap.
