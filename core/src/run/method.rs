@@ -74,10 +74,6 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Chains of more sites whose contacts dissipate run by DOP853 without stops at contacts, where no
-/// method is named: each stop costs a step of the whole chain.
-const FEW_SITES: usize = 64;
-
 /// Largest number of steps. At 10^7 steps a second they take three years.
 const MOST_STEPS: f64 = 1e15;
 
@@ -307,8 +303,8 @@ impl Method {
         }
     }
 
-    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853,
-    /// and splittings and collocation unless contacts dissipate.
+    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853 and
+    /// collocation, and splittings unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -332,12 +328,8 @@ impl Method {
     }
 
     /// The method for a given tolerance, where none is named.
-    pub fn by_tolerance(chain: &Chain<f64>) -> Self {
-        match chain.sites() {
-            _ if !chain.dissipative_contacts() => Self::Collocation,
-            ..=FEW_SITES => Self::Dop853(Contacts::Regularised),
-            _ => Self::Dop853(Contacts::Crossed),
-        }
+    pub fn by_tolerance() -> Self {
+        Self::Collocation
     }
 
     /// The method for equal steps, where none is named.

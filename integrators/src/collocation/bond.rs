@@ -86,7 +86,16 @@ pub(crate) struct Initial<const S: usize> {
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
-        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None, fade: 0.0 }
+        Self {
+            bond: 0,
+            recoil: 0.0,
+            path: [[0.0; 4]; S],
+            band: 0.0,
+            overlap: [0.0; 2],
+            force: [0.0; 2],
+            ongoing: None,
+            fade: 0.0,
+        }
     }
 
     /// The factor with which the bond's own forces go into its overlap, on each side. Where sides

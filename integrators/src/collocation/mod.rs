@@ -101,6 +101,10 @@
 //! (`known.rs`). What is dissipated and driven is integrated over each window (`open.rs`). Windows
 //! end where a signal is not smooth, and are so short that all series are resolved.
 //!
+//! Where contacts dissipate, `f = (F + c g')_+`, panels have rates `int K' [..]` beside overlaps, and
+//! solve for those by their own forces at once (`loss.rs`). A contact ends where its force comes to
+//! zero, with an overlap, and may begin again with one (`rebound.rs`).
+//!
 //! # Limits
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,

@@ -414,9 +414,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
 
     /// `int f v dt` with a smooth function `v` of the time, and how much of it is not elastic.
     pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> [f64; 2] {
-        let by = |force: &[f64; M]| {
-            (0..M).map(|j| rule.weights[j] * self.rate[j] * force[j] * v(self.tau[j])).sum::<f64>()
-        };
+        let by =
+            |force: &[f64; M]| (0..M).map(|j| rule.weights[j] * self.rate[j] * force[j] * v(self.tau[j])).sum::<f64>();
         [by(&self.force), self.lost().map_or(0.0, by)]
     }
 

@@ -193,11 +193,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             least([g.abs(), pushes.abs() / (by_overlap + by_rate * 2.0 / h)])
         };
         let side = |[g, pushes]: [f64; 2]| {
-            if g < -band || pushes < -rounding {
-                Some(false)
-            } else {
-                (g > band && pushes > rounding).then_some(true)
-            }
+            if g < -band || pushes < -rounding { Some(false) } else { (g > band && pushes > rounding).then_some(true) }
         };
         let looks = looks(h, &at);
         let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
