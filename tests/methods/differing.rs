@@ -81,7 +81,6 @@ fn twelve_beads_and_two_hundred_contacts_are_those_of_another_program() {
     // step, 6.2e-12 on the second, which enlarges a change of a velocity up to 600 times.
     for (name, bound, least) in [("conservative", 2e-15, 5), ("twelve", 1.1e-12, 200)] {
         let (chain, state, end, want) = stored(name);
-        assert_eq!(Method::by_tolerance(&chain), Method::Collocation);
         let here = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
         let outcome = here.start().unwrap().complete().unwrap();
         let (error, energy) = (distance(&outcome.state, &want), outcome.energy_error.unwrap());

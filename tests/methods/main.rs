@@ -15,6 +15,7 @@ mod corrected;
 mod corrected_tangent;
 mod details;
 mod differing;
+mod lossy;
 mod main_job;
 mod open;
 mod order;

@@ -8,7 +8,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{
-        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+        Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, Site, State,
     },
     integrators::{Silent, collocation::Pace, drive},
     run::{Method, Records, Setting},
@@ -306,16 +306,6 @@ fn any_number_of_threads_gives_the_same_bits() {
     let off = (balance(&chain, &one) / balance(&chain, &y0) - 1.0).abs();
     println!("balance {off:e}");
     assert!(off < 3e-15, "{off:e}");
-}
-
-#[test]
-fn contacts_that_dissipate_are_refused_with_a_way_out() {
-    let dissipation = Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 2] });
-    let details = Details { dissipation, ..Details::default() };
-    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 3).unwrap().with(&details).unwrap();
-    let run = of(&chain, &[0.0; 10], 1.0).method(Method::Collocation).tolerance(1e-9).unwrap();
-    let message = run.start().unwrap_err().to_string();
-    assert!(message.contains("contacts that do not dissipate") && message.contains("dop853-regularised"), "{message}");
 }
 
 #[test]

@@ -63,6 +63,20 @@ CASES = {
         "overlap": [0.15625, 0.0625, 0.171875, 0.140625, 0.203125, 0.046875, -0.171875, 0.140625, 0.1875, 0.15625, 0.0, 0.078125, -0.15625],
         "moved": [3, 0.25, 1.75, 0.5], "pushed": [8, 0.5, 1.25, 0.0],
     },
+    # The same, driven harder, with contacts that dissipate.
+    "dissipating": {
+        "boundary": "fixed", "end": 107.0, "quad": True,
+        "mass": [0.90625, 1.546875, 1.171875, 1.671875, 1.71875, 0.53125, 0.421875, 2.15625, 0.9375, 0.890625, 2.484375, 1.390625],
+        "kappa": [2.140625, 1.34375, 1.703125, 0.0, 1.703125, 0.0, 1.453125, 1.9375, 1.78125, 0.4375, 1.96875, 1.59375],
+        "rho": [0.75, 0.25, 1.765625, 0.0, 1.5, 1.78125, 1.484375, 1.859375, "inf", 1.640625, 0.0, 1.890625],
+        "drag": [0.03125, 0.0, 0.0625, 0.0, 0.015625, 0.046875, 0.0, 0.03125, 0.0625, 0.0, 0.015625, 0.0],
+        "dashpot": [0.0, 0.0625, 0.03125, 0.0, 0.0, 0.0, 0.015625, 0.046875, 0.03125, 0.0625, 0.0, 0.0],
+        "contact": [2.703125, 0.75, 0.84375, 1.046875, 2.90625, 1.59375, 2.0625, 1.25, 1.765625, 1.46875, 1.375, 1.96875, 1.953125],
+        "alpha": [1.5, 1.5, 1.5, 1.5, 2.0, 1.5, 1.5, 2.5, 1.5, 1.5, 2.0, 1.5, 1.5],
+        "overlap": [0.15625, 0.0625, 0.171875, 0.140625, 0.203125, 0.046875, -0.171875, 0.140625, 0.1875, 0.15625, 0.0, 0.078125, -0.15625],
+        "viscoelastic": [0.03125, 0.125, 0.0, 0.25, 0.0625, 0.015625, 0.09375, 0.0, 0.1875, 0.0625, 0.03125, 0.125, 0.0625],
+        "moved": [3, 0.5, 1.75, 0.5], "pushed": [8, 1.0, 1.25, 0.0],
+    },
 }
 
 
@@ -299,8 +313,8 @@ def by_quad(case, nodes):
         for part in (parts[1], parts[3]):
             part[:] = [0.0 if none else x for none, x in zip(gone, part)]
         zeros, still = [0.0] * n, [-1, 0.0, 0.0, 0.0]
-        other = {"drag": zeros, "dashpot": zeros, "moved": still, "pushed": still}
-        keys = ["mass", "kappa", "rho", "drag", "dashpot", "contact", "alpha", "overlap", "moved", "pushed"]
+        other = {"drag": zeros, "dashpot": zeros, "viscoelastic": [0.0] * (n + 1), "moved": still, "pushed": still}
+        keys = ["mass", "kappa", "rho", "drag", "dashpot", "contact", "alpha", "overlap", "viscoelastic", "moved", "pushed"]
         lists = [case[key] if key in case else other[key] for key in keys] + list(parts)
         text = "\n".join([f"{n} {case['end']}"] + [" ".join(str(x) for x in row) for row in lists])
         out = subprocess.run([program, str(nodes)], input=text, text=True, capture_output=True, check=True).stdout.split()

@@ -35,8 +35,7 @@ impl Chain<f64> {
     /// ```
     ///
     /// # Errors
-    /// A state, a span or a pace outside its rule; a chain without details, or one whose contacts
-    /// dissipate.
+    /// A state, a span or a pace outside its rule; a chain without details.
     pub fn differing_collocation(
         &self,
         y0: &[f64],

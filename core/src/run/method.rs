@@ -74,11 +74,6 @@ pub enum Setting {
     Windows(u64, usize),
 }
 
-/// Largest number of sites of a chain with dissipative contacts that runs with stops at contacts if
-/// no method is named. Larger chains run by DOP853 without stops: each stop costs a step of the
-/// whole chain.
-const FEW_SITES: usize = 64;
-
 /// Largest number of steps. At 10^7 steps a second they take three years.
 const MOST_STEPS: f64 = 1e15;
 
@@ -308,8 +303,8 @@ impl Method {
         }
     }
 
-    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853,
-    /// and splittings and collocation unless contacts dissipate.
+    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853 and
+    /// collocation, and splittings unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -318,15 +313,10 @@ impl Method {
             return Ok(());
         }
         match self {
-            Self::Dop853(_) => Ok(()),
+            Self::Dop853(_) | Self::Collocation => Ok(()),
             Self::Splitting(..) | Self::Landed(_) if !chain.dissipative_contacts() => Ok(()),
             Self::Splitting(..) | Self::Landed(_) => {
                 let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
-                Err(Error::parameter("integrator", self.name(), rule))
-            }
-            Self::Collocation if !chain.dissipative_contacts() => Ok(()),
-            Self::Collocation => {
-                let rule = "it needs contacts that do not dissipate: take dop853-regularised";
                 Err(Error::parameter("integrator", self.name(), rule))
             }
             Self::Corrected(..) | Self::Conserving(_) => {
@@ -338,12 +328,8 @@ impl Method {
     }
 
     /// The method for a given tolerance, where none is named.
-    pub fn by_tolerance(chain: &Chain<f64>) -> Self {
-        match chain.sites() {
-            _ if !chain.dissipative_contacts() => Self::Collocation,
-            ..=FEW_SITES => Self::Dop853(Contacts::Regularised),
-            _ => Self::Dop853(Contacts::Crossed),
-        }
+    pub fn by_tolerance() -> Self {
+        Self::Collocation
     }
 
     /// The method for equal steps, where none is named.

@@ -322,7 +322,7 @@ impl Run {
         Ok(match (self.method, self.setting) {
             (Some(method), Some(setting)) => (method, setting),
             (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
-            (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
+            (None, Some(setting)) => (Method::by_tolerance(), setting),
             (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
             (Some(method), None) => (method, Setting::steps(regime::STEPS_PER_PERIOD * self.end()? / self.period)?),
             (None, None) => {

@@ -59,8 +59,7 @@ pub fn contact_frequency(alpha: f64, overlap: f64) -> f64 {
 /// | `omega > 10^4 Omega_c` | `strang-linear` | `h omega = min(2, sqrt(chi)/200)` | below 10^-6 |
 ///
 /// A chain with [`Details`](crate::chain::Details) takes `collocation` too, whatever its
-/// frequencies; if its contacts dissipate DOP853, from contact to contact (`dop853-regularised`) up
-/// to 64 sites, else without stops at contacts.
+/// frequencies.
 ///
 /// The second row means light resonators, or weakly compressed contacts.
 ///
@@ -98,12 +97,18 @@ pub fn regime(run: &Run) -> Result<Regime> {
 
 /// The choice for a chain with details.
 fn of_details(chain: &Chain<f64>) -> Regime {
-    let (method, sites) = (Method::by_tolerance(chain), chain.sites());
-    let why = if chain.dissipative_contacts() {
-        format!("contacts of {sites} sites dissipate: {} keeps this tolerance at each step", method.name())
+    let sites = chain.sites();
+    let what = if chain.dissipative_contacts() {
+        "sites have contacts that dissipate"
+    } else if chain.open() {
+        "sites are damped or driven"
     } else {
-        let what = if chain.open() { "sites are damped or driven" } else { "sites differ in beads or bonds" };
-        format!("{sites} {what}: collocation keeps this tolerance over the whole run")
+        "sites differ in beads or bonds"
     };
-    Regime { method, setting: Setting::Tolerance(TOLERANCE), wording: format!("tol {TOLERANCE:e}"), reason: why }
+    Regime {
+        method: Method::by_tolerance(),
+        setting: Setting::Tolerance(TOLERANCE),
+        wording: format!("tol {TOLERANCE:e}"),
+        reason: format!("{sites} {what}: collocation keeps this tolerance over the whole run"),
+    }
 }

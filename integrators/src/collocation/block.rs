@@ -251,12 +251,16 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             verdict.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
         }
         if const { S != 1 } && verdict.failure.is_none() {
-            keep_ledger(start, frames.h, (&*bonds, mine.start, ring), left);
+            keep_ledger(start, frames, (&*bonds, mine.start, ring), left);
         }
         if log && verdict.failure.is_none() {
             for i in mine {
                 let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
                 let (frame, number) = (&frames.of(bonds[i].initial.bond), share.number(bonds[i].initial.bond));
+                if frame.link.lossy() {
+                    bonds[i].pieces_over((frame, number), beside, &mut self.pieces);
+                    continue;
+                }
                 for contact in &bonds[i].contacts.found {
                     bonds[i].pieces_of((frame, number), contact, beside, &mut self.pieces);
                 }
@@ -269,14 +273,18 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
 /// Writes what the ledger gains, of bonds from `first` on among those of a block.
 fn keep_ledger<const M: usize, const S: usize>(
     start: &Start<S>,
-    h: f64,
+    frames: &Frames<'_, M, S>,
     (bonds, first, ring): (&[Bond<M, S>], usize, bool),
     left: &mut [Left<S>],
 ) {
     let Some(open) = &start.links.open else { return };
     for (i, left) in (first..).zip(left) {
-        let next = beside(i, bonds.len(), ring)[1].map(|i| &bonds[i].panels);
-        left.ledger = open.gains_beside((start.bonds, h), &bonds[i], next);
+        let (bond, beside) = (&bonds[i], beside(i, bonds.len(), ring).map(|i| i.map(|i| &bonds[i])));
+        left.ledger = open.gains_beside((start.bonds, frames.h), bond, beside[1].map(|next| &next.panels));
+        let frame = &frames.of(bond.initial.bond);
+        if frame.link.lossy() {
+            left.ledger[2] += bond.let_go(frame, beside);
+        }
     }
 }
 

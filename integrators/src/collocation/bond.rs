@@ -1,9 +1,11 @@
 //! A bond in a window: its contacts, their panels, and one sweep over them.
 
 use super::{
+    block::apart,
     detect::Crossing,
     foresee::Turned,
     known::Known,
+    loss::Resist,
     panel::{Frame, dot},
     panels::Panels,
     sites::Free,
@@ -18,15 +20,18 @@ pub(crate) struct Contact {
     pub(crate) onset: f64,
     /// Release; infinity where none is in sight.
     pub(crate) release: f64,
-    /// `dg/dt` at onset and release.
+    /// `dg/dt` at onset and release; where the contact dissipates and this is an event of `P`, see
+    /// `loss.rs`, `dP/dt`.
     pub(crate) slopes: [f64; 2],
+    /// Whether beads overlapped when it began.
+    pub(crate) pressed: bool,
     /// Its panels in this window.
     pub(crate) panels: (usize, usize),
 }
 
 impl Contact {
     pub(super) fn new(onset: f64, release: f64, slopes: [f64; 2]) -> Self {
-        Self { onset, release, slopes, panels: (0, 0) }
+        Self { onset, release, slopes, pressed: false, panels: (0, 0) }
     }
 
     /// The contact of a bond that is closed when the run begins.
@@ -75,11 +80,22 @@ pub(crate) struct Initial<const S: usize> {
     pub(crate) force: [f64; 2],
     /// The contact that the bond is in.
     pub(crate) ongoing: Option<Contact>,
+    /// See [`Link::fade`](super::system::Link::fade).
+    fade: f64,
 }
 
 impl<const S: usize> Initial<S> {
     fn none() -> Self {
-        Self { bond: 0, recoil: 0.0, path: [[0.0; 4]; S], band: 0.0, overlap: [0.0; 2], force: [0.0; 2], ongoing: None }
+        Self {
+            bond: 0,
+            recoil: 0.0,
+            path: [[0.0; 4]; S],
+            band: 0.0,
+            overlap: [0.0; 2],
+            force: [0.0; 2],
+            ongoing: None,
+            fade: 0.0,
+        }
     }
 
     /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
@@ -87,6 +103,14 @@ impl<const S: usize> Initial<S> {
     #[inline(always)]
     pub(super) fn own(&self) -> f64 {
         if S == 1 { self.recoil } else { 1.0 }
+    }
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// See [`Link::fade`](super::system::Link::fade).
+    #[inline(always)]
+    pub(super) fn fade(&self) -> f64 {
+        if S == 1 { 0.0 } else { self.initial.fade }
     }
 }
 
@@ -127,6 +151,8 @@ pub(crate) struct Sweeps {
     largest: f64,
     /// The largest `f'(g) h^2`.
     pub(crate) stiffness: f64,
+    /// The largest `c(g) h`, of a contact that dissipates; its square counts as stiffness.
+    resistance: f64,
     /// What the last sweep changed of an impulse.
     pub(crate) change: f64,
     /// Sweeps since panels were laid out, here or where the change came from.
@@ -281,11 +307,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
-        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing };
+        self.initial = Initial { bond, recoil, path, band, overlap, force, ongoing, fade: link.fade() };
+        if link.lossy() {
+            self.initial.force = self.resisting(frame);
+        }
         self.contacts.found.clear();
         self.panels.clear();
         self.forecast.surprise = 0.0;
         (self.sweeps.stiffness, self.sweeps.largest, self.resolution.halvings) = (0.0, 0.0, 0);
+        self.sweeps.resistance = 0.0;
         self.pending = Pending::default();
     }
 
@@ -318,13 +348,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             return 0.0;
         }
         let lasts = if now < 0.0 { h + now / speed } else { h };
-        let stiffness = link.stiffness(reached) * lasts * lasts * link.lightest();
+        let stiffness = link.stiffness_over(reached, lasts);
         if stiffness <= most && power >= 2.0 {
             return stiffness;
         }
         let opens = recoil * link.constant();
         let stopped = (speed * speed * power / (2.0 * opens) + now.max(0.0).powf(power)).powf(1.0 / power);
-        link.stiffness(reached.min(stopped)) * lasts * lasts * link.lightest()
+        link.stiffness_over(reached.min(stopped), lasts)
     }
 
     /// The contact that outlasts the window, in the time of the next one.
@@ -362,7 +392,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             for j in 0..M {
                 largest = if g[j] > largest { g[j] } else { largest };
             }
-            panel.force = frame.link.forces(&g);
+            panel.force = if frame.link.lossy() {
+                panel.resist_ahead(frame, (&path, [a, b, c]), &g)
+            } else {
+                frame.link.forces(&g)
+            };
             panel.before = before;
             before = panel.integrate(frame);
         }
@@ -378,7 +412,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     #[inline(always)]
     pub(crate) fn answer(&self, age: u32) -> f64 {
         let age = f64::from(age.min(self.sweeps.age));
-        let answer = 4.0 * self.sweeps.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
+        let mut answer = 4.0 * self.sweeps.stiffness / ((2.0 * age + 1.0) * (2.0 * age + 2.0));
+        if S != 1 {
+            answer += 2.0 * self.sweeps.resistance / (2.0 * age + 1.0);
+        }
         if answer < 1.0 { answer } else { 1.0 }
     }
 
@@ -437,7 +474,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 if S != 1 && (frame.link.lags || self.known.is_some()) {
                     g = panel.besides(self.known.is_some(), path, g);
                 }
-                let force = frame.link.forces(&g);
+                let force = if frame.link.lossy() {
+                    // Rates are those of the new panels also where overlaps are of the old ones.
+                    let earlier = if anew { before } else { [[0.0; 4]; S] };
+                    apart(Resist { panel: &mut *panel, frame, beside, paths: [&path, &earlier], g: &g })
+                } else {
+                    frame.link.forces(&g)
+                };
                 let mut by = [0.0; M];
                 for j in 0..M {
                     by[j] = (force[j] - panel.force[j]).abs();
@@ -452,15 +495,17 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 panel.force = force;
                 panel.before = before;
                 before = panel.integrate(frame);
+                let pushes = if frame.link.lossy() { panel.pushes(frame.link) } else { g };
                 if k == first {
-                    let at_start = dot(&frame.rule.ends[0], &g);
-                    let slope = panel.chord(&g, 0, 1..M);
+                    let by = if self.contacts.found[c].pressed { &pushes } else { &g };
+                    let at_start = dot(&frame.rule.ends[0], by);
+                    let slope = panel.chord(by, 0, 1..M);
                     change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
                 if k + 1 == last {
                     let panel = &self.panels.list[k];
-                    let at_end = dot(&frame.rule.ends[1], &g);
-                    let slope = panel.chord(&g, M - 1, (0..M - 1).rev());
+                    let at_end = dot(&frame.rule.ends[1], &pushes);
+                    let slope = panel.chord(&pushes, M - 1, (0..M - 1).rev());
                     change.moved = change.moved.max(self.shift_release(frame, c, (at_end, slope)));
                 }
             }
@@ -477,8 +522,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let sweeps = &mut self.sweeps;
         // A sweep may open all nodes: what it found before counts too.
         let was = std::mem::replace(&mut sweeps.largest, largest);
-        let stiffness = frame.link.stiffness(if was > largest { was } else { largest });
-        sweeps.stiffness = stiffness * frame.h * frame.h * frame.link.lightest();
+        let most = if was > largest { was } else { largest };
+        sweeps.stiffness = frame.link.stiffness_over(most, frame.h);
+        if frame.link.lossy() {
+            sweeps.resistance = frame.link.resistance(most) * frame.h * frame.link.lightest();
+        }
         // Where the stiffness has no bound its largest overlap tells little.
         sweeps.age = if frame.link.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
         sweeps.change = change.impulse;
@@ -499,7 +547,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             contact.slopes[0] = slope;
         }
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
-        if frame.cuts.negligible(frame.link, overlap, by) {
+        if frame.cuts.negligible(frame.link, overlap, by, contact.pressed.then_some(self.sweeps.largest)) {
             return 0.0;
         }
         contact.onset += by;
@@ -529,7 +577,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             (self.forecast.at_end - overlap) / contact.slopes[1]
         };
         // The nearer a release, the better it must be known.
-        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by) {
+        let pressed = frame.link.lossy().then_some(self.sweeps.largest);
+        if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, pressed) {
             return 0.0;
         }
         self.forecast.at_end = overlap;

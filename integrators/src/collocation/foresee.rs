@@ -14,13 +14,13 @@ use crate::real::Kernel;
 
 /// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
 /// release is too far to be felt.
-const AHEAD: f64 = 1.5;
+pub(super) const AHEAD: f64 = 1.5;
 /// Share of a window over which speeds are differences. Chosen;
 /// `methods contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
 const SPEED_STEP: f64 = 1e-4;
 /// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
 /// terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Forces on the two sides of a bond and their rates, which make its overlap go on to a second
 /// order in time beyond its path: one pair for both sides where these are alike.
 pub(super) type Drive<const S: usize> = [[f64; 2]; S];
@@ -42,7 +42,7 @@ impl Turned {
 pub(super) type Turn<const S: usize> = [Turned; S];
 
 /// How an overlap goes on without contact forces: along a path, and as drives have it.
-type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Known>);
+pub(super) type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Known>);
 
 #[inline(always)]
 pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Turn<S> {
@@ -92,7 +92,7 @@ fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Turn<S>) -> f6
 
 /// The overlap that the forces at the start of the window predict.
 #[inline(always)]
-fn predicted<const M: usize, const S: usize>(
+pub(super) fn predicted<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
     course: Course<S>,
     drive: &Drive<S>,
@@ -141,7 +141,7 @@ fn ramped_damped<const M: usize, const S: usize>(
 }
 
 /// The overlap at a time of the window, from all forces; the bond's own are in `panels`.
-fn overlap_at<const M: usize, const S: usize>(
+pub(super) fn overlap_at<const M: usize, const S: usize>(
     course: Course<S>,
     (panels, own): (&Panels<M, S>, f64),
     frame: &Frame<'_, M, S>,
@@ -173,7 +173,7 @@ fn driven_at<const M: usize, const S: usize>(
 }
 
 /// `lag`, cosines and sines of `omega t`, by the library, side by side.
-fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> [[[f64; 1]; S]; 3] {
+pub(super) fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> [[[f64; 1]; S]; 3] {
     let mut turn = [[[0.0]; S], [[1.0]; S], [[0.0]; S]];
     for side in 0..S {
         let omega = frame.link.sides[side].omega;
@@ -242,6 +242,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// to be sure.
     #[inline(always)]
     pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Turn<S>) -> bool {
+        if frame.link.lossy() {
+            self.foresee(frame, beside);
+            return true;
+        }
         let h = frame.h;
         let Initial { path, band, overlap: [start, start_rate], force, ongoing, .. } = self.initial;
         let drive = &self.drive(beside);
@@ -314,7 +318,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
 
     /// Bounds of the second and the fourth derivative of the predicted overlap.
     #[inline(always)]
-    fn bounds(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
+    pub(super) fn bounds(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
         let (mut second, mut fourth) = (0.0, 0.0);
         if frame.link.damped() {
             return self.bounds_damped(frame, drive);
@@ -474,8 +478,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let driven = |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
         let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
         let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
-        let on_surface = g(frame.h).abs() <= band;
-        let sure = self.search(frame.h, band, |t| linear + driven(t), g);
+        let (sure, on_surface) = if frame.link.lossy() {
+            (true, self.search_again(frame, beside, (&panels, band)))
+        } else {
+            let on_surface = g(frame.h).abs() <= band;
+            (self.search(frame.h, band, |t| linear + driven(t), g), on_surface)
+        };
         self.panels = panels;
         self.pending.search = false;
         // On the surface at the end of the window it may be said to have left or not.

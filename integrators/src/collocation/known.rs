@@ -92,6 +92,16 @@ impl Known {
         out
     }
 
+    /// Rates at times of the window; beyond its end that of its end.
+    pub(crate) fn rates_at<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
+        let x = t.map(|t| t.mul_add(2.0 / self.h, -1.0));
+        let mut out = clenshaw(&derivative(&self.series, self.h), &x);
+        for j in 0..L {
+            out[j] = if t[j] > self.h { self.ends[1][1] } else { out[j] };
+        }
+        out
+    }
+
     /// The largest value and the largest rate, or a little more.
     pub(crate) fn reach(&self) -> [f64; 2] {
         let [_, rate] = self.ends[0];

@@ -3,6 +3,7 @@
 use super::{
     block::apart,
     bond::{Beside, Bond, Contact, known},
+    loss::PlaceRates,
     panel::{Frame, Origin},
     panels::Panels,
     system::Link,
@@ -30,10 +31,22 @@ pub(crate) struct Cuts {
 }
 
 impl Cuts {
-    /// Whether an event may be off by a time and an overlap.
+    /// Whether an event may be off by a time and an overlap; or by a time and a value of `P`, while
+    /// beads overlap by at most `pressed`, see `loss.rs`.
     #[inline(always)]
-    pub(super) fn negligible<const S: usize>(&self, link: &Link<S>, overlap: f64, by: f64) -> bool {
-        link.force(overlap.abs()) * by.abs() * link.lightest() <= self.event_impulse
+    pub(super) fn negligible<const S: usize>(
+        &self,
+        link: &Link<S>,
+        overlap: f64,
+        by: f64,
+        pressed: Option<f64>,
+    ) -> bool {
+        let impulse = if link.lossy() {
+            link.impulse_besides(overlap.abs(), by.abs(), pressed)
+        } else {
+            link.force(overlap.abs()) * by.abs()
+        };
+        impulse * link.lightest() <= self.event_impulse
     }
 }
 
@@ -87,6 +100,11 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             if let Some(known) = known::<S>(&self.known) {
                 panel.known = known.at(&panel.tau);
             }
+            if S != 1 && frame.link.rated {
+                apart(PlaceRates { panel, frame, known: self.known.as_ref() });
+            } else {
+                panel.rates = None;
+            }
         }
     }
 
@@ -95,8 +113,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let cuts = frame.cuts;
         let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
         // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
-        let (mut behind, mut ahead) = (contact.onset, contact.release);
-        let mut points = [(0.0, false); 8];
+        let (mut behind, mut ahead) = (contact.onset, contact.release + self.fade());
+        let mut points = [(0.0, f64::INFINITY); 8];
         let mut count = 0;
         if cuts.neighbours {
             for bond in beside.into_iter().flatten() {
@@ -104,13 +122,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                     if c.onset <= start + cuts.merge {
                         behind = behind.max(c.onset.min(start));
                     } else if c.onset < end - cuts.merge && count < points.len() {
-                        points[count] = (c.onset, true);
+                        points[count] = (c.onset, f64::INFINITY);
                         count += 1;
                     }
                     if c.release >= end - cuts.merge {
-                        ahead = ahead.min(c.release.max(end));
+                        ahead = ahead.min(c.release.max(end) + bond.fade());
                     } else if c.release > start + cuts.merge && count < points.len() {
-                        points[count] = (c.release, false);
+                        points[count] = (c.release, c.release + bond.fade());
                         count += 1;
                     }
                 }
@@ -122,13 +140,13 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         let mut from = start;
         for i in 0..=count {
-            let (to, onset) = if i < count { points[i] } else { (end, false) };
+            let (to, origin) = if i < count { points[i] } else { (end, ahead) };
             if to > from + cuts.merge || i == count {
-                let next = points[i..].iter().find(|p| !p.1).map_or(ahead, |p| p.0);
+                let next = points[i..].iter().map(|p| p.1).find(|origin| *origin < f64::INFINITY).unwrap_or(ahead);
                 self.piece(frame, (from, to), (behind, next));
                 from = to;
             }
-            if onset {
+            if origin == f64::INFINITY {
                 behind = to;
             }
         }

@@ -101,6 +101,10 @@
 //! (`known.rs`). What is dissipated and driven is integrated over each window (`open.rs`). Windows
 //! end where a signal is not smooth, and are so short that all series are resolved.
 //!
+//! Where contacts dissipate, `f = (F + c g')_+`, panels have rates `int K' [..]` beside overlaps, and
+//! solve for those by their own forces at once (`loss.rs`). A contact ends where its force comes to
+//! zero, with an overlap, and may begin again with one (`rebound.rs`).
+//!
 //! # Limits
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,
@@ -126,10 +130,12 @@ mod foresee;
 mod goal;
 mod known;
 mod layout;
+mod loss;
 mod numbers;
 mod open;
 mod panel;
 mod panels;
+mod rebound;
 mod rule;
 pub(crate) use rule::Rule;
 mod section;
@@ -141,6 +147,7 @@ mod tangent;
 pub use block::{Piece, Share, Verdict};
 pub use control::Pace;
 pub use goal::Window;
+pub use loss::Loss;
 pub use section::{BLOCK, EDGE, Section};
 pub use system::{ContactChain, Drive, Path, Response};
 pub use tangent::{Tangent, monodromy};

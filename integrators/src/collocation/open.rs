@@ -18,7 +18,7 @@ use std::{collections::HashMap, sync::Arc};
 /// The sites that are damped or driven.
 #[derive(Clone, Debug)]
 pub(crate) struct Open {
-    /// The motion of each site that is damped or pushed.
+    /// The motion of each site that is damped or pushed, or beside a contact that dissipates.
     flows: Vec<Option<Arc<Flow>>>,
     pub(crate) drives: Vec<Drive>,
     /// The drive of each site.
@@ -38,7 +38,15 @@ impl Open {
     /// That of a chain, if anything is damped or driven.
     pub(crate) fn of<const S: usize, C: ContactChain<S>>(chain: &C) -> Option<Self> {
         let (sites, drives) = (chain.sites(), chain.drives());
-        if S == 1 || drives.is_empty() && (0..sites).all(|i| chain.damping(i) == [0.0; 2]) {
+        if S == 1 {
+            return None;
+        }
+        let mut rubbed = vec![false; sites];
+        for b in (0..chain.bonds()).filter(|&b| chain.loss(b).is_some()) {
+            chain.ends(b).into_iter().flatten().for_each(|i| rubbed[i] = true);
+        }
+        let still = |i: usize| !rubbed[i] && chain.damping(i) == [0.0; 2];
+        if drives.is_empty() && (0..sites).all(still) {
             return None;
         }
         let mut driven = vec![None; sites];
@@ -49,7 +57,8 @@ impl Open {
         let mut flow = |i: usize| {
             let (response, damping) = (chain.response(i), chain.damping(i));
             let pushed = driven[i].is_some_and(|k| !drives[k as usize].moved);
-            (pushed || damping != [0.0; 2]).then(|| {
+            let moved = driven[i].is_some() && !pushed;
+            (pushed || !moved && !still(i)).then(|| {
                 let [drag, slip] = damping;
                 let kind = [response.m, response.mu, response.omega.value(), drag, slip].map(f64::to_bits);
                 Arc::clone(known.entry(kind).or_insert_with(|| Arc::new(Flow::new(response, damping))))
@@ -184,7 +193,9 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
             // One that is moved: the nodes of the panels themselves are the best for its forces.
             for (panels, sign) in panels.iter().zip([1.0, -1.0]) {
                 for panel in *panels {
-                    gains[3] -= sign * panel.work(Rule::shared(), |t| bonds.signal(site, t)[1]);
+                    let [work, lost] = panel.work(Rule::shared(), |t| bonds.signal(site, t)[1]);
+                    gains[2] -= sign * lost;
+                    gains[3] -= sign * work;
                 }
             }
             return gains;
@@ -202,14 +213,21 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
         for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
             let middle = 0.5 * (pair[0] + pair[1]);
             let here = panels.map(|panels| panels.iter().find(|panel| panel.start < middle && middle < panel.end));
-            let singular = here.iter().flatten().any(|panel| panel.singular());
-            let piece = Piece::between((pair[0], pair[1]), singular);
-            let (mut force, mut push) = ([0.0; NODES], [0.0; NODES]);
+            let near = here.iter().flatten().filter(|panel| panel.rates.is_some());
+            let piece = match near.min_by(|a, b| a.far(middle).total_cmp(&b.far(middle))) {
+                Some(panel) => Piece::inside((pair[0], pair[1]), panel.map()),
+                None => {
+                    let singular = here.iter().flatten().any(|panel| panel.singular());
+                    Piece::between((pair[0], pair[1]), singular)
+                }
+            };
+            let (mut force, mut lost, mut push) = ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
             for (panel, sign) in here.into_iter().zip([1.0, -1.0]) {
                 if let Some(panel) = panel {
-                    let by = panel.force_at(Rule::shared(), &piece.t);
+                    let [by, by_loss] = panel.forces_at(Rule::shared(), &piece.t);
                     for j in 0..NODES {
                         force[j] += sign * by[j];
+                        lost[j] += sign * by_loss[j];
                     }
                 }
             }
@@ -218,7 +236,7 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
                     [push[j], ..] = bonds.signal(site, piece.t[j]);
                 }
             }
-            piece.follow(flow, &mut y, (&force, &push), pushed, &mut gains);
+            piece.follow(flow, &mut y, ([&force, &lost], &push), pushed, &mut gains);
         }
         gains
     }
@@ -248,6 +266,22 @@ impl Piece {
         piece
     }
 
+    /// The same in the variable of a panel, whose singularities may lie beyond an end.
+    #[inline(always)]
+    fn inside((a, b): (f64, f64), (origin, sign, q): (f64, f64, u32)) -> Self {
+        let rule = Rule::<NODES>::shared();
+        let mut piece = Self { t: [0.0; NODES], rate: [0.0; NODES], weights: [0.0; NODES] };
+        let [from, to] = [a, b].map(|t| (sign * (t - origin)).max(0.0).powf(1.0 / f64::from(q)));
+        for j in 0..NODES {
+            let sigma = 0.5 * (from + to) + 0.5 * (to - from) * rule.nodes[j];
+            let lower = sigma.powi(q as i32 - 1);
+            piece.t[j] = origin + sign * sigma * lower;
+            piece.rate[j] = 0.5 * sign * (to - from) * f64::from(q) * lower;
+            piece.weights[j] = rule.weights[j] * piece.rate[j];
+        }
+        piece
+    }
+
     /// Moves the path of a site on by the impulses of the piece, and adds what it dissipates and
     /// what a force that drives it does.
     #[inline(always)]
@@ -255,7 +289,7 @@ impl Piece {
         &self,
         flow: &Flow,
         y: &mut Path,
-        (contacts, drive): (&[f64; NODES], &[f64; NODES]),
+        ([contacts, lost], drive): ([&[f64; NODES]; 2], &[f64; NODES]),
         pushed: bool,
         gains: &mut Path,
     ) {
@@ -290,6 +324,7 @@ impl Piece {
         let rates = flow.velocity(&self.t);
         let velocity = along(&rates);
         gains[0] += flow.drag() * dot(&self.weights, &times(&velocity, &velocity));
+        gains[2] -= dot(&self.weights, &times(lost, &velocity));
         gains[3] += dot(&self.weights, &times(drive, &velocity));
         if flow.dashpot() > 0.0 {
             let swing = along(&flow.swing(&self.t, &rates));

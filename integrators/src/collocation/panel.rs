@@ -11,6 +11,7 @@ use super::{
     block::apart,
     flow::Flow,
     layout::Cuts,
+    loss::{Move, Rates},
     rule::Rule,
     system::{Link, Links, Path},
 };
@@ -110,6 +111,8 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     pub(crate) before: [Path; S],
     /// How the two neighbours are seen from the nodes.
     pub(crate) views: [View<M>; 2],
+    /// Rates, where the bond or one beside it dissipates.
+    pub(crate) rates: Option<Box<Rates<M, S>>>,
 }
 
 /// A neighbour as seen from the nodes of a panel: what does not change from sweep to sweep.
@@ -217,6 +220,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             series: [zeros; S],
             before: [[0.0; 4]; S],
             views: std::array::from_fn(|_| View { version: 0, span: (-1, -1), place: zeros, x: zeros }),
+            rates: None,
         }
     }
 
@@ -237,6 +241,16 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// Whether its variable is not the time.
     pub(crate) fn singular(&self) -> bool {
         self.q > 1
+    }
+
+    /// Origin, sign and power of its variable.
+    pub(crate) fn map(&self) -> (f64, f64, u32) {
+        (self.origin, self.sign, self.q)
+    }
+
+    /// How far from its origin a time is; infinitely far if its variable is the time.
+    pub(crate) fn far(&self, t: f64) -> f64 {
+        if self.singular() { (t - self.origin).abs() } else { f64::INFINITY }
     }
 
     /// The nodes.
@@ -384,15 +398,25 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         value(&self.series[side], x)
     }
 
-    /// The force at times inside the panel.
+    /// The force at times inside the panel, and how much of it is not elastic.
     #[inline(always)]
-    pub(crate) fn force_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [f64; L] {
-        value(&product(&rule.series, &self.force), &self.variable(t))
+    pub(crate) fn forces_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [[f64; L]; 2] {
+        let x = self.variable(t);
+        let lost = self.lost().map_or([0.0; L], |lost| value(&product(&rule.series, lost), &x));
+        [value(&product(&rule.series, &self.force), &x), lost]
     }
 
-    /// `int f v dt` with a smooth function `v` of the time.
-    pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> f64 {
-        (0..M).map(|j| rule.weights[j] * self.rate[j] * self.force[j] * v(self.tau[j])).sum()
+    /// What the force is besides the elastic one, where the contact dissipates.
+    #[inline(always)]
+    fn lost(&self) -> Option<&[f64; M]> {
+        self.rates.as_ref().map(|rates| &rates.lost)
+    }
+
+    /// `int f v dt` with a smooth function `v` of the time, and how much of it is not elastic.
+    pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> [f64; 2] {
+        let by =
+            |force: &[f64; M]| (0..M).map(|j| rule.weights[j] * self.rate[j] * force[j] * v(self.tau[j])).sum::<f64>();
+        [by(&self.force), self.lost().map_or(0.0, by)]
     }
 
     /// `int f dt`.
@@ -458,6 +482,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
             for i in 0..4 {
                 even[side][i] += odd[side][i];
             }
+        }
+        if S != 1 && frame.link.rated {
+            apart(Move { panel: self, rule: frame.rule });
         }
         even
     }
@@ -531,7 +558,7 @@ pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
 
 /// The value of a series as [`Rule::series`] makes it.
 #[inline(always)]
-fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
+pub(super) fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
     if M <= MONOMIAL { horner(series, x) } else { clenshaw(series, x) }
 }
 

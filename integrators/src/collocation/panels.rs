@@ -21,8 +21,8 @@ pub(crate) struct Panels<const M: usize, const S: usize> {
 /// share, and the side on which the bond has it.
 #[derive(Clone, Copy)]
 pub(crate) struct Shared {
-    theirs: usize,
-    mine: usize,
+    pub(super) theirs: usize,
+    pub(super) mine: usize,
 }
 
 impl Shared {

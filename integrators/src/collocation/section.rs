@@ -162,7 +162,13 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
             let (path, largest) = at_start.overlap(b, 0.0);
             let known = at_start.known(b).map_or(0.0, |known| known.ends[0][0]);
             let overlap = path.iter().fold(0.0, |sum, [r, _, c, _]| sum + r + c) + known;
-            ongoing[b] = (overlap > held.chain.dead_band(largest)).then(Contact::from_the_start);
+            let closed = overlap > held.chain.dead_band(largest);
+            let pushes = S == 1 || {
+                let (link, known) = (held.links.link(b), at_start.known(b).map_or(0.0, |known| known.ends[0][1]));
+                let rates = path.iter().zip(&link.sides).map(|(path, side)| path[1] + side.omega * path[3]);
+                link.pushes(overlap, rates.sum::<f64>() + known) > 0.0
+            };
+            ongoing[b] = (closed && pushes).then(Contact::from_the_start);
         }
     }
 

@@ -5,7 +5,7 @@
 //! sees is known to the compiler: 1 where all sites are alike, and all bonds have one law; else 2,
 //! that of the site before the bond and that of the site behind it.
 
-use super::{flow::Flow, open::Open};
+use super::{flow::Flow, loss::Loss, open::Open};
 use crate::{clock::Twofold, law::ContactLaw, regularised::common_power};
 use std::sync::Arc;
 
@@ -83,6 +83,9 @@ pub(crate) struct Link<const S: usize> {
     /// Whether a site is damped, and whether drag acts on its free motion.
     damped: bool,
     pub(crate) lags: bool,
+    pub(super) loss: Option<Loss>,
+    /// Whether its panels have rates: the contact or one beside it dissipates.
+    pub(crate) rated: bool,
 }
 
 /// Order that the variable near an event is chosen for. Chosen;
@@ -144,6 +147,23 @@ impl<const S: usize> Link<S> {
     pub(crate) fn stiffness(&self, overlap: f64) -> f64 {
         self.constant() * self.law.stiffness(overlap)
     }
+
+    /// The energy of an overlap.
+    pub(crate) fn potential(&self, overlap: f64) -> f64 {
+        self.constant() * self.law.potential(overlap)
+    }
+
+    /// `f'(g) t^2` over the mass of the lighter site; of a contact that dissipates with the square
+    /// of `c(g) t` over that mass.
+    #[inline(always)]
+    pub(crate) fn stiffness_over(&self, overlap: f64, t: f64) -> f64 {
+        let stiffness = self.stiffness(overlap) * t * t * self.lightest();
+        if !self.lossy() {
+            return stiffness;
+        }
+        let resistance = self.resistance(overlap) * t * self.lightest();
+        stiffness + resistance * resistance
+    }
 }
 
 /// What the solver of windows knows of a chain, whatever its type.
@@ -194,10 +214,18 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
         let flow = site.and_then(|i| open.and_then(|open| open.damped(i).cloned()));
         Side::of(&site.map_or(Response::NONE, |i| chain.response(i)), flow)
     });
-    let alpha = |b| chain.law(b).alpha();
-    let mut alphas = vec![alpha(bond)];
+    let loss = |b: usize| if S == 1 { None } else { chain.loss(b) };
+    let powers = |b: usize| {
+        let alpha = chain.law(b).alpha();
+        [Some(alpha), loss(b).map(|loss| loss.power(alpha))].into_iter().flatten()
+    };
+    let mut alphas: Vec<f64> = powers(bond).collect();
+    let mut rated = loss(bond).is_some();
     if S > 1 {
-        alphas.extend(beside(bond, chain.bonds(), chain.ring()).into_iter().flatten().map(alpha));
+        for b in beside(bond, chain.bonds(), chain.ring()).into_iter().flatten() {
+            alphas.extend(powers(b));
+            rated |= loss(b).is_some();
+        }
     }
     Link {
         law: chain.law(bond),
@@ -209,6 +237,8 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
         },
         damped: sides.iter().any(|side| side.flow.is_some()),
         lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),
+        loss: loss(bond),
+        rated,
         sides,
     }
 }
@@ -276,6 +306,10 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     /// its [`path`](Self::path) is zero.
     fn drives(&self) -> Vec<Drive> {
         Vec::new()
+    }
+    /// How the contact of a bond dissipates, for `S = 2`. A viscoelastic one has an exponent above 1.
+    fn loss(&self, _bond: usize) -> Option<Loss> {
+        None
     }
     /// What drives a site: its position with two derivatives, or a force.
     fn signal(&self, _site: usize, _t: f64) -> [f64; 3] {

@@ -94,12 +94,16 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
-    /// bonds.
+    /// Not a whole number of columns, an entry that is not finite, contacts that dissipate, or a
+    /// chain of more than 256 bonds.
     pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.windows.held.chain, run.dim());
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
+        }
+        let lossy = (0..chain.bonds()).position(|bond| S != 1 && chain.loss(bond).is_some());
+        if let Some(bond) = lossy {
+            return Err(argument("bond", bond, "a tangent map needs contacts that do not dissipate"));
         }
         if !columns.len().is_multiple_of(dim) {
             return Err(argument("columns", columns.len(), "as many entries as whole columns have"));

@@ -67,7 +67,7 @@ impl How {
         }
         let method = match &args.integrator {
             Some(name) => Method::named(name)?,
-            None if adaptive => Method::by_tolerance(scene.chain()),
+            None if adaptive => Method::by_tolerance(),
             None => Method::named("strang-linear")?,
         };
         method.runs(scene.chain())?;

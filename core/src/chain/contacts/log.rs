@@ -162,6 +162,10 @@ impl ContactLog {
         let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
         let share = TimeMap::new(1.0, end(0.0), end(1.0));
         let (duration, bond) = (part.span.1 - part.span.0, self.overlaps.bond(part.index));
+        if duration == 0.0 {
+            // A rate of the overlap would be no number.
+            return 0.0;
+        }
         let force = |s: f64| {
             let at = share.at(s);
             share.rate(s) * self.chain.bond_force(bond, polynomial.at(at), polynomial.slope(at) / duration)

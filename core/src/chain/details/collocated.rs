@@ -3,18 +3,18 @@
 
 use super::{
     super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
-    Ledger, Means, Parts, SiteParts,
+    Kind, Ledger, Means, Parts, SiteParts,
 };
 use hertzchain_integrators::{
     Error, Twofold,
-    collocation::{self, ContactChain, Path, Response},
+    collocation::{self, ContactChain, Loss, Path, Response},
 };
 
 /// Overlap of a bond with the contact constant zero where all sites are at the origin: it never
 /// closes.
 const APART: f64 = -1e100;
 
-/// A chain with [`Details`](super::Details) whose contacts do not dissipate.
+/// A chain with [`Details`](super::Details).
 #[derive(Clone, Debug)]
 pub struct Differing {
     chain: Chain<f64>,
@@ -52,10 +52,10 @@ impl Differing {
     /// The chain.
     ///
     /// # Errors
-    /// A chain without details, or one whose contacts dissipate.
+    /// A chain without details.
     pub fn new(chain: Chain<f64>) -> Result<Self, Error> {
-        let Some(parts) = chain.parts().filter(|parts| !parts.dissipative) else {
-            let rule = "a chain with details, whose contacts do not dissipate";
+        let Some(parts) = chain.parts() else {
+            let rule = "a chain with details";
             return Err(Error::Argument { name: "sites", value: chain.sites() as f64, rule });
         };
         let sites = parts.sites.iter().map(Motion::new).collect();
@@ -244,6 +244,13 @@ impl ContactChain<2> for Differing {
 
     fn breaks(&self) -> Vec<f64> {
         self.parts().drives().iter().flat_map(|drive| drive.signal.breaks()).collect()
+    }
+
+    fn loss(&self, bond: usize) -> Option<Loss> {
+        self.contact(bond).loss().map(|(kind, gamma)| match kind {
+            Kind::Viscoelastic => Loss::Viscoelastic(gamma),
+            Kind::Dashpot => Loss::Dashpot(gamma),
+        })
     }
 
     fn ledger(&self, y: &[f64], t: f64) -> Path {

@@ -51,6 +51,11 @@ impl<R: Real> Contact<R> {
         self.constant
     }
 
+    /// How it dissipates, if it does.
+    pub(crate) fn loss(&self) -> Option<(Kind, R)> {
+        self.loss
+    }
+
     pub(crate) fn dissipates(&self) -> bool {
         self.loss.is_some()
     }

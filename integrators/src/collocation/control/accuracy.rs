@@ -64,6 +64,8 @@ pub(super) struct Accuracy {
 pub(super) struct Contacts {
     /// The smallest and the largest exponent.
     alphas: [f64; 2],
+    /// The smallest power of time with which a force begins that depends on rates, if one does.
+    abrupt: Option<f64>,
     /// Whether all exponents are whole or half numbers.
     pub(super) analytic: bool,
     /// The largest acceleration that a unit overlap makes.
@@ -74,7 +76,9 @@ impl Contacts {
     pub(super) fn of<const S: usize, C: ContactChain<S>>(chain: &C, links: &Links<S>) -> Self {
         let kinds = if S == 1 { 1 } else { chain.bonds() };
         let alphas: Vec<f64> = (0..kinds).map(|b| chain.law(b).alpha()).collect();
+        let losses = (0..if S == 1 { 0 } else { kinds }).filter_map(|b| Some(chain.loss(b)?.power(alphas[b])));
         Self {
+            abrupt: losses.min_by(f64::total_cmp),
             alphas: [alphas.iter().copied().fold(f64::INFINITY, f64::min), alphas.iter().copied().fold(0.0, f64::max)],
             analytic: alphas.iter().all(|&alpha| analytic(alpha)),
             strongest: links.each().fold(0.0, |most, link| most.max(link.constant() * link.lightest())),
@@ -135,7 +139,12 @@ impl Accuracy {
             }
         };
         let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
-        let lost = self.contacts.least(|alpha| h * least.powf(1.0 / (alpha + 3.0)));
+        // A force that begins with the power p gives the overlap beside it one of p + 2, and its rate
+        // one of p + 1; a panel that is cut beside the event errs by an impulse of one more.
+        let mut lost = self.contacts.least(|alpha| h * least.powf(1.0 / (alpha + 3.0)));
+        if let Some(power) = self.contacts.abrupt {
+            lost = lost.min(h * least.powf(1.0 / (power + 2.0)));
+        }
         let acceleration = 0.1 * least * self.size / h / self.contacts.strongest;
         Goal {
             change: change.max(BIAS) * self.size,

@@ -1,0 +1,408 @@
+//! Contacts that dissipate: their law, and the rates of overlaps that their forces depend on.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `F(g)` | elastic force, `A (g)_+^alpha` |
+//! | `c(g)` | resistance, `gamma F'(g)` or `gamma` |
+//! | `f = (F(g) + c(g) g')_+` | force of a contact: beads never pull |
+//! | `P(g, g')` | what is positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
+//! | `K'` | velocity of a site by a unit impulse |
+//!
+//! A panel of such a contact needs `g'` at its nodes, `g_lin'(t) + int K'(t - s) [..] ds`, where
+//! `[..]` are the forces on both sites. What neighbours move is known as for overlaps, by a series
+//! of its own. What the panel's own forces move is solved for: with `T` their `int K'` at the
+//! nodes, `f + c T f = F + c r`, where `r` is the rate without them. So sweeps contract like those
+//! of elastic contacts, however strong the resistance is.
+//!
+//! A panel has no `(..)_+`: where `P` comes to zero the contact ends, with `f = 0` and `g > 0`, and
+//! beads overlap freely until `P` rises through zero or the overlap is gone (`rebound.rs`). So the
+//! force is analytic up to the end. It begins with the power `alpha - 1` of time, or with a jump,
+//! where beads meet.
+
+use super::{
+    bond::Beside,
+    foresee::Turned,
+    known::Known,
+    panel::{Frame, Panel, View, product, times, value},
+    panels::{Panels, Shared},
+    rule::Rule,
+    system::{Link, Path},
+};
+use crate::real::Kernel;
+
+/// How the contact of a bond dissipates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Loss {
+    /// `f = (F + gamma dF/dt)_+`; `gamma` is a time.
+    Viscoelastic(f64),
+    /// `f = (F + gamma g')_+` where beads overlap; `gamma` is a force over a velocity.
+    Dashpot(f64),
+}
+
+impl Loss {
+    /// The smallest power of time with which the force begins.
+    pub(crate) fn power(self, alpha: f64) -> f64 {
+        match self {
+            Self::Viscoelastic(_) => alpha - 1.0,
+            Self::Dashpot(_) => 0.0,
+        }
+    }
+}
+
+impl<const S: usize> Link<S> {
+    /// Whether the contact dissipates.
+    #[inline(always)]
+    pub(crate) fn lossy(&self) -> bool {
+        S != 1 && self.loss.is_some()
+    }
+
+    /// `c(g)`.
+    pub(crate) fn resistance(&self, overlap: f64) -> f64 {
+        match self.loss {
+            Some(Loss::Viscoelastic(gamma)) => gamma * self.stiffness(overlap),
+            Some(Loss::Dashpot(gamma)) if overlap > 0.0 => gamma,
+            _ => 0.0,
+        }
+    }
+
+    /// `P(g, g')`.
+    pub(crate) fn pushes(&self, overlap: f64, rate: f64) -> f64 {
+        match self.loss {
+            Some(Loss::Viscoelastic(gamma)) => overlap + gamma * self.law.alpha() * rate,
+            Some(Loss::Dashpot(gamma)) => self.force(overlap) + gamma * rate,
+            None => overlap,
+        }
+    }
+
+    /// The derivatives of `P` by the overlap and by its rate.
+    pub(crate) fn pushes_by(&self, overlap: f64) -> [f64; 2] {
+        match self.loss {
+            Some(Loss::Viscoelastic(gamma)) => [1.0, gamma * self.law.alpha()],
+            Some(Loss::Dashpot(gamma)) => [self.stiffness(overlap), gamma],
+            None => [1.0, 0.0],
+        }
+    }
+
+    /// The force at an overlap and its rate.
+    pub(crate) fn force_at_rate(&self, overlap: f64, rate: f64) -> f64 {
+        if overlap > 0.0 { (self.force(overlap) + self.resistance(overlap) * rate).max(0.0) } else { 0.0 }
+    }
+
+    /// A bound of the impulse in which a contact differs whose event is off by a time and an
+    /// overlap, or a value of `P` while beads overlap by at most `pressed`.
+    pub(crate) fn impulse_besides(&self, value: f64, by: f64, pressed: Option<f64>) -> f64 {
+        match pressed {
+            None => self.force(value) * by + self.resistance(value) * value,
+            Some(overlap) => self.resistance(overlap) / self.pushes_by(overlap)[1] * value * by,
+        }
+    }
+
+    /// How long after its end the overlap of a contact comes to zero if its force goes on as the
+    /// analytic function that it was: there is the singularity that a panel has its origin at.
+    #[inline(always)]
+    pub(crate) fn fade(&self) -> f64 {
+        match self.loss {
+            Some(Loss::Viscoelastic(gamma)) if S != 1 => gamma * self.law.alpha(),
+            _ => 0.0,
+        }
+    }
+
+    /// What `v`, `c` and `s` of a path contribute to the velocity of the site on a side.
+    pub(crate) fn velocity<const L: usize>(
+        &self,
+        side: usize,
+        t: &[f64; L],
+        cos: &[f64; L],
+        sin: &[f64; L],
+    ) -> [[f64; L]; 3] {
+        if let Some(flow) = self.flow(side) {
+            return flow.velocity(t);
+        }
+        let omega = self.sides[side].omega;
+        if omega == 0.0 {
+            return [[1.0; L], [0.0; L], [0.0; L]];
+        }
+        [[1.0; L], sin.map(|sin| -omega * sin), cos.map(|cos| omega * cos)]
+    }
+
+    /// `K(t)` on a side and its integral: what unit forces add to the rate at which positions
+    /// change, and to positions.
+    pub(crate) fn ramp(&self, side: usize, t: f64, turned: Turned) -> f64 {
+        if let Some(flow) = self.flow(side) {
+            return flow.ramps(t)[0];
+        }
+        let kernel = &self.sides[side];
+        let swing = if kernel.omega == 0.0 { kernel.mu * t } else { kernel.mu_per_omega * turned.sin };
+        kernel.m * t + swing
+    }
+}
+
+/// Rates of overlaps at the nodes of a panel, where the bond or one beside it dissipates.
+#[derive(Clone, Debug)]
+pub(crate) struct Rates<const M: usize, const S: usize> {
+    /// What `v`, `c` and `s` of a path contribute to velocities, on each side.
+    velocity: [[[f64; M]; 3]; S],
+    /// What drives contribute.
+    known: [f64; M],
+    /// `reaction[side][k][j]`: the velocity at node `j` by a unit force at node `k`.
+    reaction: [[[f64; M]; M]; S],
+    /// The velocities by the force of the panel, as series in `x`.
+    series: [[f64; M]; S],
+    /// The rate of the overlap.
+    pub(crate) overlap: [f64; M],
+    /// What the force is besides the elastic one.
+    pub(crate) lost: [f64; M],
+}
+
+impl<const M: usize, const S: usize> Rates<M, S> {
+    fn new() -> Self {
+        let zeros = [0.0; M];
+        Self {
+            velocity: [[zeros; 3]; S],
+            known: zeros,
+            reaction: [[zeros; M]; S],
+            series: [zeros; S],
+            overlap: zeros,
+            lost: zeros,
+        }
+    }
+
+    /// The velocity along a path of one side at a node.
+    #[inline(always)]
+    fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
+        let velocity = &self.velocity[side];
+        path[1] * velocity[0][j] + (path[2] * velocity[1][j] + path[3] * velocity[2][j])
+    }
+
+    /// The rate of the overlap without contact forces.
+    fn along(&self, path: &[Path; S]) -> [f64; M] {
+        let mut rate = self.known;
+        for side in 0..S {
+            for j in 0..M {
+                rate[j] += self.along_side(&path[side], side, j);
+            }
+        }
+        rate
+    }
+}
+
+/// Makes what a panel needs for rates, once its nodes are placed.
+pub(super) struct PlaceRates<'a, const M: usize, const S: usize> {
+    pub(super) panel: &'a mut Panel<M, S>,
+    pub(super) frame: &'a Frame<'a, M, S>,
+    pub(super) known: Option<&'a Known>,
+}
+
+impl<const M: usize, const S: usize> Kernel for PlaceRates<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { panel, frame: Frame { rule, link, .. }, known } = self;
+        let mut rates = panel.rates.take().unwrap_or_else(|| Box::new(Rates::new()));
+        rates.known = known.map_or([0.0; M], |known| known.rates_at(&panel.tau));
+        (rates.overlap, rates.lost) = ([0.0; M], [0.0; M]);
+        for side in 0..S {
+            rates.velocity[side] = link.velocity(side, &panel.tau, &panel.cos[side], &panel.sin[side]);
+            for k in 0..M {
+                let path = panel.left[k][side].map(|part| part / rule.weights[k]);
+                let kernel = std::array::from_fn(|j| rates.along_side(&path, side, j));
+                rates.reaction[side][k] = times(&rule.integral[k], &kernel);
+            }
+        }
+        panel.rates = Some(rates);
+    }
+}
+
+/// The velocities that the force of a panel makes, as series.
+pub(super) struct Move<'a, const M: usize, const S: usize> {
+    pub(super) panel: &'a mut Panel<M, S>,
+    pub(super) rule: &'a Rule<M>,
+}
+
+impl<const M: usize, const S: usize> Kernel for Move<'_, M, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { panel: Panel { rates, force, .. }, rule } = self;
+        let Some(rates) = rates else { return };
+        for side in 0..S {
+            rates.series[side] = product(&rule.series, &product(&rates.reaction[side], force));
+        }
+    }
+}
+
+/// The forces of a panel from its overlaps `g`. The first path has what neighbours left behind that
+/// are on one path at all nodes; the second one is that of earlier panels of the bond, if the first
+/// does not have it.
+pub(super) struct Resist<'a, const M: usize, const S: usize> {
+    pub(super) panel: &'a mut Panel<M, S>,
+    pub(super) frame: &'a Frame<'a, M, S>,
+    pub(super) beside: [Beside<'a, M, S>; 2],
+    pub(super) paths: [&'a [Path; S]; 2],
+    pub(super) g: &'a [f64; M],
+}
+
+impl<const M: usize, const S: usize> Kernel for Resist<'_, M, S> {
+    type Output = [f64; M];
+
+    #[inline(always)]
+    fn run(self) -> [f64; M] {
+        let Self { panel: Panel { rates, views, .. }, frame, beside, paths: [path, earlier], g } = self;
+        let rates = rates.as_deref_mut().expect("a panel of a contact that dissipates has rates");
+        let mut rate = rates.along(path);
+        for side in 0..S {
+            for j in 0..M {
+                rate[j] -= rates.along_side(&earlier[side], side, j);
+            }
+        }
+        for (side, bond) in beside.into_iter().enumerate() {
+            if let Some(bond) = bond {
+                bond.panels.move_along(&views[side], rates, Shared::with::<S>(side), &mut rate);
+            }
+        }
+        let elastic = frame.link.forces(g);
+        let resistance = g.map(|g| frame.link.resistance(g));
+        let mut own = [[0.0; M]; M];
+        for side in 0..S {
+            for k in 0..M {
+                for j in 0..M {
+                    own[k][j] += rates.reaction[side][k][j];
+                }
+            }
+        }
+        let mut force = [0.0; M];
+        for j in 0..M {
+            force[j] = resistance[j].mul_add(rate[j], elastic[j]);
+        }
+        let mut matrix = own;
+        for k in 0..M {
+            for j in 0..M {
+                matrix[k][j] = resistance[j] * own[k][j];
+            }
+            matrix[k][k] += 1.0;
+        }
+        solve(&mut matrix, &mut force);
+        let answer = product(&own, &force);
+        for j in 0..M {
+            rates.overlap[j] = rate[j] - answer[j];
+            rates.lost[j] = force[j] - elastic[j];
+        }
+        force
+    }
+}
+
+impl<const M: usize, const S: usize> Panel<M, S> {
+    /// `P` at the nodes.
+    pub(super) fn pushes(&self, link: &Link<S>) -> [f64; M] {
+        let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");
+        std::array::from_fn(|j| link.pushes(self.overlap[j], rates.overlap[j]))
+    }
+
+    /// The forces of overlaps `g` along a path and what forces of its sides predict besides, as
+    /// coefficients of `t^2`, `t^3` and `t^4`.
+    #[inline(never)]
+    pub(super) fn resist_ahead(
+        &self,
+        frame: &Frame<'_, M, S>,
+        (path, [a, b, c]): (&[Path; S], [f64; 3]),
+        g: &[f64; M],
+    ) -> [f64; M] {
+        let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");
+        let along = rates.along(path);
+        std::array::from_fn(|j| {
+            let t = self.tau[j];
+            let driven = t * (2.0 * a + t * (3.0 * b + t * 4.0 * c));
+            frame.link.force_at_rate(g[j], along[j] + driven)
+        })
+    }
+}
+
+/// Solves a system by Gauss and Jordan, columns first. Its diagonal is 1 and more, and what is
+/// beside it small: there is no pivoting.
+#[inline(always)]
+fn solve<const M: usize>(columns: &mut [[f64; M]; M], x: &mut [f64; M]) {
+    for p in 0..M {
+        let per = 1.0 / columns[p][p];
+        let mut factor = columns[p].map(|a| a * per);
+        factor[p] = 0.0;
+        for k in p + 1..M {
+            let row = columns[k][p];
+            for j in 0..M {
+                columns[k][j] = factor[j].mul_add(-row, columns[k][j]);
+            }
+        }
+        let row = x[p];
+        for j in 0..M {
+            x[j] = factor[j].mul_add(-row, x[j]);
+        }
+    }
+    for p in 0..M {
+        x[p] /= columns[p][p];
+    }
+}
+
+impl<const M: usize, const S: usize> Panels<M, S> {
+    /// Adds the velocities by these panels at the nodes of one of a neighbour, which sees them so:
+    /// without paths that hold at all nodes.
+    #[inline(always)]
+    fn move_along(&self, view: &View<M>, of: &Rates<M, S>, Shared { theirs, mine }: Shared, out: &mut [f64; M]) {
+        let inside = |k: usize| {
+            let rates = self.list[k].rates.as_deref().expect("panels beside contacts that dissipate have rates");
+            value(&rates.series[theirs], &view.x)
+        };
+        let (first, last) = view.span;
+        if first == last {
+            if first >= 0 && first % 2 == 0 {
+                let moved = inside((first / 2) as usize);
+                for j in 0..M {
+                    out[j] += moved[j];
+                }
+            }
+            return;
+        }
+        for place in first.max(0)..=last {
+            let k = (place / 2) as usize;
+            let (path, moved) =
+                if place % 2 == 0 { (&self.list[k].before, inside(k)) } else { (self.before(k + 1), [0.0; M]) };
+            for j in 0..M {
+                let velocity = of.along_side(&path[theirs], mine, j) + moved[j];
+                out[j] += if view.place[j] == f64::from(place) { velocity } else { 0.0 };
+            }
+        }
+    }
+
+    /// `int_0^t K'(t - s) f(s) ds` at a time, with what paths contribute to the velocity then.
+    pub(crate) fn velocity_at(&self, t: f64, velocity: &[[f64; 1]; 3], theirs: usize) -> f64 {
+        let along = |path: &Path| path[1] * velocity[0][0] + path[2] * velocity[1][0] + path[3] * velocity[2][0];
+        let panels = self.as_slice();
+        let begun = panels.partition_point(|panel| panel.start <= t);
+        let Some(k) = begun.checked_sub(1) else { return 0.0 };
+        if t > panels[k].end {
+            return along(&self.before(k + 1)[theirs]);
+        }
+        let rates = panels[k].rates.as_deref().expect("panels beside contacts that dissipate have rates");
+        let [moved] = value(&rates.series[theirs], &panels[k].variable(&[t]));
+        along(&panels[k].before[theirs]) + moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_system_with_a_small_rest_is_solved() {
+        // Truth: the product of the matrix with the solution.
+        let mut columns: [[f64; 6]; 6] =
+            std::array::from_fn(|k| std::array::from_fn(|j| 0.3 * ((7 * k + 3 * j) as f64).sin()));
+        (0..6).for_each(|k| columns[k][k] += 1.0);
+        let want: [f64; 6] = std::array::from_fn(|k| (k as f64 - 2.3) * 0.7);
+        let (mut matrix, mut x) = (columns, product(&columns, &want));
+        solve(&mut matrix, &mut x);
+        for k in 0..6 {
+            assert!((x[k] - want[k]).abs() < 4e-15, "{:e}", x[k] - want[k]);
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! The contacts of a bond that dissipates: stretches in which it pushes, `g > 0` and `P > 0`, see
+//! `loss.rs`. Before and after them beads may overlap without a force.
+//!
+//! No bound of the second derivative of `P` is known where forces of neighbours begin like a root
+//! of time. So overlaps and rates are looked at at equal times, and where parabolas through three
+//! of them turn beyond zero. What is missed is shorter than a fraction of these, and the sweeps and
+//! their last terms still see it if it has begun.
+
+use super::{
+    block::Piece,
+    bond::{Beside, Bond, Contact, known, ramps},
+    foresee::{AHEAD, Course, Drive, ROUNDING, exact_turn, overlap_at, predicted, turn},
+    known::Known,
+    panel::Frame,
+    panels::Panels,
+    system::Path,
+};
+use crate::events::{Curve, root::bracketed};
+
+/// Equal parts of a window at whose ends overlaps and rates are looked at. Chosen.
+const PARTS: usize = 12;
+/// Equal parts of a stretch without a force at whose ends the overlap is kept. Chosen.
+const FREE: usize = 8;
+/// Share of a window over which rates of `P` are differences. Chosen.
+const STEP: f64 = 1e-4;
+
+/// Overlap and `P` at a time.
+type Look = (f64, [f64; 2]);
+
+/// The smaller of both: what is positive where the bond pushes.
+fn least([overlap, pushes]: [f64; 2]) -> f64 {
+    overlap.min(pushes)
+}
+
+impl<const M: usize, const S: usize> Bond<M, S> {
+    /// Force at the start of a window, and its rate up to the end of it, from the overlap that the
+    /// bond would have by itself.
+    pub(super) fn resisting(&self, frame: &Frame<'_, M, S>) -> [f64; 2] {
+        let (link, [g, rate]) = (frame.link, self.initial.overlap);
+        if self.initial.ongoing.is_none() {
+            return [0.0; 2];
+        }
+        let force = link.force_at_rate(g, rate);
+        let swings = self.initial.path.iter().zip(&link.sides).map(|(path, side)| side.omega * side.omega * path[2]);
+        let bend = -swings.sum::<f64>() - self.initial.recoil * force;
+        let end = link.force_at_rate(g + frame.h * (rate + 0.5 * frame.h * bend), rate + frame.h * bend);
+        [force, (end - force) / frame.h]
+    }
+
+    /// Finds the contacts of the window from the forces at its start.
+    pub(super) fn foresee(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
+        let (h, drive, path, given) = (frame.h, self.drive(beside), self.initial.path, self.known);
+        let course = (&path, known::<S>(&given));
+        let overlap = |t: f64| predicted(frame, course, &drive, t);
+        let look = |t: f64| {
+            let (g, rate) = (overlap(t), predicted_rate(frame, course, &drive, t));
+            (g, rate)
+        };
+        let (end, rate) = look(h);
+        self.forecast.at_end = frame.link.pushes(end, rate);
+        let [force, by] = self.initial.force;
+        self.forecast.bend = (frame.link.force_at_rate(end, rate) - (force + by * h)) / (h * h);
+        // The overlap is below the chord and what it may bend.
+        let most = self.initial.overlap[0].max(end) + 0.125 * self.bounds(frame, &drive).0 * h * h;
+        if self.initial.ongoing.is_none() && most < -self.initial.band {
+            self.contacts.found.clear();
+            self.forecast.slack = -most;
+            return;
+        }
+        self.gather(frame, self.initial.band, look);
+        let Some(contact) = self.contacts.found.last_mut().filter(|contact| contact.release > h) else { return };
+        // A release that is near behind the window.
+        let pushes = |t: f64| {
+            let (g, rate) = look(t);
+            frame.link.pushes(g, rate)
+        };
+        let slope = (self.forecast.at_end - pushes(h * (1.0 - STEP))) / (STEP * h);
+        let t = h - self.forecast.at_end / slope;
+        if slope < 0.0 && t > h && t < (1.0 + AHEAD) * h {
+            (contact.release, contact.slopes[1]) = (t, slope);
+        }
+    }
+
+    /// Finds them from all forces. Returns whether the bond ceases to push, or begins, so near to the
+    /// end of the window that it may be said to do so in it or not.
+    pub(super) fn search_again(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        beside: [Beside<M, S>; 2],
+        (panels, band): (&Panels<M, S>, f64),
+    ) -> bool {
+        let (path, given, own) = (self.initial.path, self.known, self.initial.own());
+        let course = (&path, known::<S>(&given));
+        let h = frame.h;
+        let look = |t: f64| {
+            (overlap_at(course, (panels, own), frame, beside, t), rate_at(course, (panels, own), frame, beside, t))
+        };
+        self.gather(frame, band, look);
+        let pushes = |t: f64| {
+            let (g, rate) = look(t);
+            frame.link.pushes(g, rate)
+        };
+        let (overlap, end) = (look(h).0, pushes(h));
+        let by = end / slope(pushes, h, h);
+        overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
+    }
+
+    /// What the bond did in this window while beads overlapped, pushing or not, appended, with its
+    /// number.
+    pub(super) fn pieces_over(
+        &self,
+        (frame, bond): (&Frame<'_, M, S>, usize),
+        beside: [Beside<M, S>; 2],
+        out: &mut Vec<Piece>,
+    ) {
+        let (h, own) = (frame.h, self.initial.own());
+        let course = (&self.initial.path, known::<S>(&self.known));
+        let overlap = |t: f64| overlap_at(course, (&self.panels, own), frame, beside, t);
+        let rate = |t: f64| rate_at(course, (&self.panels, own), frame, beside, t);
+        // An event is known to the force that counts; for the record it is found to the last digit.
+        let zero = |t: f64| {
+            let t = (0..2).fold(t, |t, _| (t - overlap(t) / rate(t)).clamp(0.0, h));
+            (t, rate(t))
+        };
+        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let freely = |from: f64, to: f64, out: &mut Vec<Piece>| {
+            if from >= to {
+                return;
+            }
+            let at = |k: usize| from + (to - from) * k as f64 / FREE as f64;
+            // Beads that part without a force do not come back without one.
+            let gone = (0..=FREE).find(|&k| overlap(at(k)) <= self.initial.band);
+            let end = match gone {
+                None => to,
+                Some(0) => return,
+                Some(k) => bracketed(overlap, (at(k - 1), overlap(at(k - 1))), (at(k), overlap(at(k)).min(0.0))),
+            };
+            let points = (0..=FREE).map(|k| k as f64 / FREE as f64).map(|x| (x, overlap(from + (end - from) * x)));
+            let release = gone.map(|_| zero(end));
+            out.push(Piece { release, ..piece(0.0, (end > from).then(|| Curve::over((from, end), points))) });
+        };
+        let mut from = 0.0f64;
+        for contact in &self.contacts.found {
+            freely(from.max(0.0), contact.onset, out);
+            let first = out.len();
+            let panels = &self.panels.list[contact.panels.0..contact.panels.1];
+            out.extend(panels.iter().map(|panel| piece(panel.impulse(frame.rule), panel.curve(frame.rule))));
+            if contact.onset >= 0.0 && !contact.pressed && first < out.len() {
+                out[first].onset = Some(zero(contact.onset));
+            }
+            from = contact.release;
+            if from <= h && overlap(from) <= self.initial.band {
+                out.push(Piece { release: Some(zero(from.max(0.0))), ..piece(0.0, None) });
+            }
+        }
+        freely(from.max(0.0), h, out);
+    }
+
+    /// What beads lose that overlap without a force: it is the energy of the overlap.
+    pub(super) fn let_go(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> f64 {
+        let course = (&self.initial.path, known::<S>(&self.known));
+        // A little later: then forces up to there are paths, and what these say hangs on no series.
+        let energy = |t: f64| {
+            let overlap = overlap_at(course, (&self.panels, self.initial.own()), frame, beside, t.next_up());
+            frame.link.potential(overlap)
+        };
+        let found = &self.contacts.found;
+        let ends = std::iter::once(0.0).chain(found.iter().map(|contact| contact.release));
+        let starts = found.iter().map(|contact| contact.onset).chain([frame.h]);
+        let free = ends.zip(starts).map(|(from, to)| (from.max(0.0), to.min(frame.h)));
+        free.filter(|(from, to)| from < to).map(|(from, to)| energy(from) - energy(to)).sum()
+    }
+
+    /// The stretches in which the bond pushes, from overlap and rate at a time; overlaps up to
+    /// `band` are none.
+    fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> (f64, f64)) {
+        let (h, link) = (frame.h, frame.link);
+        let at = |t: f64| {
+            let (g, rate) = look(t);
+            [g, link.pushes(g, rate)]
+        };
+        // Values of `P` up to this are rounding; and how far the overlap may be off, over the
+        // window, before the bond pushes or does not.
+        let rounding = {
+            let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
+            let paths = self.initial.path.iter().zip(&link.sides);
+            let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
+            let [by_overlap, by_rate] = link.pushes_by(self.initial.overlap[0].max(0.0));
+            by_overlap * self.initial.band + by_rate * ROUNDING * speed
+        };
+        let margin = |[g, pushes]: [f64; 2]| {
+            let [by_overlap, by_rate] = link.pushes_by(g.max(0.0));
+            least([g.abs(), pushes.abs() / (by_overlap + by_rate * 2.0 / h)])
+        };
+        let side = |[g, pushes]: [f64; 2]| {
+            if g < -band || pushes < -rounding { Some(false) } else { (g > band && pushes > rounding).then_some(true) }
+        };
+        let looks = looks(h, &at);
+        let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
+        let found = &mut self.contacts.found;
+        found.clear();
+        let (mut last, mut slack): (Look, f64) = (looks[0], f64::INFINITY);
+        for (k, &(t, value)) in looks.iter().enumerate() {
+            slack = slack.min(margin(value));
+            if side(value).is_none_or(|pushes| pushes == open.is_some()) {
+                last = (t, value);
+                continue;
+            }
+            // From one side to the other since the last look.
+            slack = 0.0;
+            let (before, now) = (least(last.1), least(value));
+            let event = match k {
+                0 => 0.0,
+                _ if (before > 0.0) == (now > 0.0) => last.0,
+                _ => bracketed(|t| least(at(t)), (last.0, before), (t, now)),
+            };
+            let [g, pushes] = at(event);
+            let pressed = g > pushes;
+            match open.take() {
+                None => {
+                    let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event).1 };
+                    open = Some(Contact { pressed, ..Contact::new(event, f64::INFINITY, [slope, 0.0]) });
+                }
+                Some(contact) => {
+                    let slopes = [contact.slopes[0], slope(|t| at(t)[1], event, h)];
+                    found.push(Contact { release: event, slopes, ..contact });
+                }
+            }
+            last = (t, value);
+        }
+        found.extend(open);
+        self.forecast.slack = 0.5 * slack;
+    }
+}
+
+/// The difference quotient of a function in a window.
+fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
+    let (a, b) = ((t - STEP * h).max(0.0), (t + STEP * h).min(h));
+    (of(b) - of(a)) / (b - a)
+}
+
+/// Looks at equal times, and where parabolas through three of them have their vertex beyond zero.
+fn looks(h: f64, at: &impl Fn(f64) -> [f64; 2]) -> Vec<Look> {
+    let step = h / PARTS as f64;
+    let mut looks: Vec<Look> = (0..=PARTS)
+        .map(|k| {
+            let t = if k == PARTS { h } else { step * k as f64 };
+            (t, at(t))
+        })
+        .collect();
+    let turns = |k: usize, of: usize| {
+        let [a, b, c] = [k - 1, k, k + 1].map(|k| looks[k].1[of]);
+        let (slope, bend) = (0.5 * (c - a), a - 2.0 * b + c);
+        let by = -slope / bend;
+        let beyond = (b > 0.0) != (b + 0.5 * slope * by > 0.0);
+        (by.abs() < 1.0 && beyond).then(|| looks[k].0 + by * step)
+    };
+    let more: Vec<f64> = (1..PARTS).flat_map(|k| [turns(k, 0), turns(k, 1)]).flatten().collect();
+    looks.extend(more.into_iter().map(|t| (t, at(t))));
+    looks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    looks
+}
+
+/// The rate of the overlap that the forces at the start of the window predict.
+fn predicted_rate<const M: usize, const S: usize>(
+    frame: &Frame<'_, M, S>,
+    (path, known): Course<S>,
+    drive: &Drive<S>,
+    t: f64,
+) -> f64 {
+    let (turned, mut rate) = (turn(frame, t), known.map_or(0.0, |known| known.rates_at(&[t])[0]));
+    for side in 0..S {
+        let velocity = frame.link.velocity(side, &[t], &[turned[side].cos], &[turned[side].sin]);
+        for k in 0..3 {
+            rate += path[side][k + 1] * velocity[k][0];
+        }
+        let moved = match frame.link.flow(side) {
+            Some(flow) => flow.ramps(t)[1],
+            None => ramps(frame, side, t, turned[side]).0,
+        };
+        rate += drive[side][0] * frame.link.ramp(side, t, turned[side]) + drive[side][1] * moved;
+    }
+    rate
+}
+
+/// The rate of the overlap at a time of the window, from all forces; the bond's own are in
+/// `panels`.
+fn rate_at<const M: usize, const S: usize>(
+    (path, known): Course<S>,
+    (panels, own): (&Panels<M, S>, f64),
+    frame: &Frame<'_, M, S>,
+    beside: [Beside<M, S>; 2],
+    t: f64,
+) -> f64 {
+    let [_, cos, sin] = exact_turn(frame, t);
+    let mut rate = known.map_or(0.0, |known: &Known| known.rates_at(&[t])[0]);
+    for side in 0..S {
+        let velocity = &frame.link.velocity(side, &[t], &cos[side], &sin[side]);
+        for k in 0..3 {
+            rate += path[side][k + 1] * velocity[k][0];
+        }
+        rate -= own * panels.velocity_at(t, velocity, side);
+        // For two sides a neighbour's other side is the one that is shared.
+        if let Some(bond) = beside[side] {
+            rate += bond.panels.velocity_at(t, velocity, S - 1 - side);
+        }
+    }
+    rate
+}

@@ -1,0 +1,281 @@
+//! Contact collocation of chains whose contacts dissipate.
+
+use crate::{
+    common::{distance, largest},
+    details::{run, stored},
+    differing::{BOUNDARIES, collocation, of, random, regularised, same_for_every_set},
+    windows,
+};
+use hertzchain::{
+    chain::{
+        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
+    },
+    integrators::collocation::Pace,
+    run::{Method, Records, Setting},
+};
+use std::f64::consts::PI;
+
+/// A chain in which everything differs, with contacts that dissipate, and a state in which beads
+/// meet and part; and the same with drag, dashpots and drives.
+fn varied(
+    seed: u64,
+    boundary: Boundary,
+    sites: usize,
+    (kind, most): (Kind, f64),
+    driven: bool,
+) -> (Chain<f64>, Vec<f64>) {
+    let mut next = random(seed);
+    let mut within = |from: f64, to: f64| from + (to - from) * next();
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
+    let bonds = uniform.touching().len();
+    let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
+    let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
+    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
+    let rho = list(sites, -0.5, 2.5).into_iter().map(|rho| if rho > 2.2 { f64::INFINITY } else { rho.max(0.0) });
+    let mut details = Details {
+        rho: rho.collect(),
+        mass: list(sites, 0.5, 2.0),
+        kappa: list(sites, 0.5, 2.0),
+        contact: list(bonds, 0.5, 2.0),
+        alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
+        overlap: list(bonds, -0.2, held),
+        // Two of ten do not.
+        dissipation: Some(Dissipation {
+            kind,
+            strength: list(bonds, -0.25 * most, most).into_iter().map(|gamma| gamma.max(0.0)).collect(),
+        }),
+        ..Details::default()
+    };
+    if driven {
+        let damped = |(dashpot, rho): (f64, &f64)| if *rho == 0.0 { 0.0 } else { dashpot.max(0.0) };
+        (details.rho[0], details.kappa[0]) = (0.0, 0.0);
+        details.dashpot = list(sites, -0.1, 0.4).into_iter().zip(&details.rho).map(damped).collect();
+        details.drag = list(sites, -0.1, 0.3).into_iter().map(|drag| drag.max(0.0)).collect();
+        details.drag[0] = 0.0;
+        details.drives = vec![
+            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.25, 1.7, 0.3) },
+            Drive { site: sites - 3, means: Means::Pushed, signal: Signal::sine(0.5, 2.5, 0.0) },
+        ];
+    }
+    let chain = uniform.with(&details).unwrap();
+    let state = State::from_fn(&chain, |_| {
+        let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
+        Site { u, v, u_dot, v_dot }
+    });
+    let state = state.unwrap().driven(&chain);
+    (chain, state.as_slice().to_vec())
+}
+
+/// Energy + dissipated - driven.
+fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
+    let ledger = chain.layout().ledger(y).unwrap();
+    chain.energy(y).total() + ledger.dissipated() - ledger.driven
+}
+
+#[test]
+fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
+    // Truth: `tests/reference/quad.c`, with 33 digits: state, what is dissipated and driven.
+    let (chain, state, end, want) = stored("dissipating");
+    let asked = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
+    let got = asked.start().unwrap().complete().unwrap();
+    let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
+    let contacts = got.contacts.unwrap().len();
+    let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
+    println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
+    assert!(error < 1e-11 && off < 1e-12 && contacts >= 200, "{error:e} {off:e} {contacts}");
+    let ledger = chain.layout().ledger(&want).unwrap();
+    assert!(ledger.contacts > 1.0 && ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 1.0, "{ledger:?}");
+}
+
+#[test]
+fn tolerances_are_kept_where_contacts_dissipate() {
+    // Truth: regularised DOP853 at 3e-15 a step, which errs by up to 6e-11 where forces jump. Both
+    // laws, with and without damping and drives.
+    for (law, driven) in
+        [((Kind::Viscoelastic, 0.3), false), ((Kind::Viscoelastic, 1.0), true), ((Kind::Dashpot, 0.4), false)]
+    {
+        let mut worst = [0.0f64; 7];
+        for seed in 0..6 {
+            let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12, law, driven);
+            let want = regularised(&chain, &y0, 8.0);
+            let half = chain.layout().half();
+            let size = largest(y0[half..2 * half].iter().copied());
+            for (k, worst) in worst.iter_mut().enumerate() {
+                let tol = 10f64.powi(-4 - k as i32);
+                let error = distance(&collocation(&chain, &y0, 8.0, Pace::Tolerance(tol)), &want);
+                *worst = worst.max(error / (tol * size));
+            }
+        }
+        println!("{law:?} {driven}: {worst:.1e?}");
+        assert!(worst.iter().all(|error| *error < 1.0), "{law:?} {driven}: {worst:?}");
+    }
+}
+
+#[test]
+fn what_contacts_dissipate_balances() {
+    // Truth: energy + dissipated - driven is constant. Every part is measured on its own.
+    for law in [(Kind::Viscoelastic, 0.3), (Kind::Dashpot, 0.4)] {
+        for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
+            for driven in [false, true] {
+                let (chain, y0) = varied(10 + seed as u64, boundary, 12, law, driven);
+                let end = collocation(&chain, &y0, 40.0, Pace::Tolerance(1e-13));
+                let ledger = chain.layout().ledger(&end).unwrap();
+                let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
+                println!("{law:?} {boundary:?} {driven}: {off:e}, {:e}", ledger.contacts);
+                assert!(off < 1e-12 && ledger.contacts > 0.01, "{law:?} {boundary:?} {driven}: {off:e} {ledger:?}");
+            }
+        }
+    }
+}
+
+/// The coefficient of restitution of two beads that meet with a relative speed.
+fn restitution(alpha: f64, (kind, gamma): (Kind, f64), speed: f64, mass: [f64; 2]) -> f64 {
+    let details = Details {
+        mass: mass.to_vec(),
+        overlap: vec![-0.125],
+        dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
+        ..Details::default()
+    };
+    let bare = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
+    let chain = bare.with(&details).unwrap();
+    let y0 = [0.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let end = collocation(&chain, &y0, 60.0, Pace::Tolerance(1e-13));
+    let off = balance(&chain, &end) - balance(&chain, &y0);
+    assert!(off.abs() < 1e-13, "{off:e}");
+    (end[3] - end[2]) / speed
+}
+
+#[test]
+fn beads_rebound_as_published() {
+    // Truth: Ramirez, Poeschel, Brilliantov & Schwager 1999, Phys. Rev. E 60, 4465: e = 1 - C_1 x +
+    // C_2 x^2 with x = 3/2 gamma k^{2/5} v^{1/5}, k = A/m_eff; what follows is of the order x^{5/2},
+    // since beads part where the force vanishes.
+    let (speed, mass) = (0.3f64, [2.0, 0.5]);
+    let rest = |gamma: f64| {
+        let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
+        let rest = restitution(1.5, (Kind::Viscoelastic, gamma), speed, mass) - (1.0 - 1.15344 * x + 0.79826 * x * x);
+        assert!(rest.abs() < 0.5 * x.powf(2.5), "{gamma}: {rest:e}");
+        rest
+    };
+    let slope = (rest(0.02) / rest(0.01)).log2();
+    println!("{slope}");
+    assert!((2.2..2.8).contains(&slope), "{slope}");
+    // Truth: Schwager & Poeschel 2007, Granular Matter 9, 465: for alpha = 1 and beads that never
+    // pull, e = exp(-beta/omega (pi - arctan(2 beta omega/(omega^2 - beta^2)))), beta = gamma/(2
+    // m_eff), omega^2 = A/m_eff - beta^2.
+    for gamma in [0.1, 0.5, 0.9] {
+        let (beta, square) = (gamma, 2.0f64);
+        let omega = (square - beta * beta).sqrt();
+        let angle = std::f64::consts::PI - (2.0 * beta * omega / (omega * omega - beta * beta)).atan();
+        let want = (-beta / omega * angle).exp();
+        let e = restitution(1.0, (Kind::Dashpot, gamma), 0.7, [1.0, 1.0]);
+        println!("{gamma}: {:e}", e - want);
+        assert!((e - want).abs() < 1e-13, "{gamma}: {e} {want}");
+    }
+}
+
+#[test]
+fn the_order_of_windows_is_that_of_elastic_contacts() {
+    // Truth: the finest run; and the order of the same chain with elastic contacts, in the same
+    // windows. Mean of errors over nearby numbers of windows, of the state and of the ledger.
+    let (lossy, y0) = varied(0, Boundary::Fixed, 8, (Kind::Viscoelastic, 0.3), false);
+    let elastic = Details { dissipation: None, ..lossy.details().unwrap().clone() };
+    let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 8).unwrap();
+    let elastic = bare.with(&elastic).unwrap();
+    let split = 2 * lossy.layout().half();
+    let slope = |chain: &Chain<f64>, part: std::ops::Range<usize>| {
+        let y0 = &y0[..chain.layout().dim()];
+        let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
+        let mean = |count: u64| {
+            let error = |k: u64| {
+                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 4));
+                distance(&got[part.clone()], &want[part.clone()]).ln()
+            };
+            ((0..12).map(error).sum::<f64>() / 12.0).exp()
+        };
+        let (coarse, fine) = (mean(60), mean(180));
+        println!("{coarse:e} {fine:e}");
+        (coarse / fine).ln() / 3f64.ln()
+    };
+    let [state, ledger] = [0..split, split..split + 4].map(|part| slope(&lossy, part));
+    let reference = slope(&elastic, 0..split);
+    println!("{state:.2} {ledger:.2}, elastic {reference:.2}");
+    assert!(state > reference - 0.5 && ledger > reference - 0.5 && state > 3.5, "{state} {ledger} {reference}");
+}
+
+#[test]
+fn a_contact_that_lets_go_may_push_again_before_beads_part() {
+    // Truth: regularised DOP853. A bead is held against a wall by a constant force, and another
+    // one is moved to and fro against it: it leaves faster than the overlap recovers.
+    let still = Harmonic { amplitude: 0.4, omega: 0.0, phase: 0.5 * PI };
+    let push = Signal { harmonics: vec![still], envelope: Envelope::None };
+    let details = Details {
+        kappa: vec![0.0; 2],
+        dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.0, 0.8, 0.4] }),
+        drives: vec![
+            Drive { site: 0, means: Means::Moved, signal: Signal::sine(0.2, 4.0, 0.0) },
+            Drive { site: 1, means: Means::Pushed, signal: push },
+        ],
+        contact: vec![0.0, 1.0, 1.0],
+        overlap: vec![0.0, 0.4, 0.0],
+        ..Details::default()
+    };
+    let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 2).unwrap();
+    let chain = bare.with(&details).unwrap();
+    let state = State::rest(&chain).driven(&chain);
+    let y0 = state.as_slice().to_vec();
+    let log = |method: &str, tol: f64| {
+        let run = of(&chain, &y0, 30.0).method(Method::named(method).unwrap()).setting(Setting::Tolerance(tol));
+        run.contacts().start().unwrap().complete().unwrap()
+    };
+    let (got, want) = (log("collocation", 1e-12), log("dop853-regularised", 3e-15));
+    println!("{:e}", distance(&got.state, &want.state));
+    assert!(distance(&got.state, &want.state) < 1e-11 && got.energy_error.unwrap() < 1e-12);
+    // Overlaps never end, forces do: a run that pulled would have another impulse.
+    let contacts = [got.contacts.unwrap(), want.contacts.unwrap()].map(|contacts| contacts.len());
+    assert!(contacts[0] == contacts[1], "{contacts:?}");
+}
+
+#[test]
+fn contacts_that_dissipate_are_those_that_a_search_of_every_step_finds() {
+    // Truth: the regularised run, sampled and searched for events: from overlap to overlap, also
+    // while beads do not push.
+    let (chain, y0) = varied(2, Boundary::Ring, 12, (Kind::Viscoelastic, 0.3), true);
+    let log = |method: Method, tol: f64| {
+        let run = of(&chain, &y0, 24.0).method(method).setting(Setting::Tolerance(tol));
+        run.records(Records::End).contacts().start().unwrap().contacts.unwrap()
+    };
+    let found = log(Method::Collocation, 1e-12);
+    let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
+    assert!(found.len() == expected.len() && found.len() > 30, "{} {}", found.len(), expected.len());
+    let off = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (Some(a), Some(b)) => (a - b).abs(),
+        (a, b) => f64::from(u8::from(a != b)) * 1e300,
+    };
+    let mut worst = [0.0f64; 3];
+    for (a, b) in found.iter().zip(&expected) {
+        assert_eq!(a.bond, b.bond);
+        let here = [off(a.onset, b.onset), off(a.release, b.release), (a.impulse - b.impulse).abs()];
+        worst = std::array::from_fn(|k| worst[k].max(here[k]));
+    }
+    println!("{} contacts; onsets, releases, impulses: {worst:?}", found.len());
+    assert!(worst.iter().all(|off| *off < 1e-9), "{worst:?}");
+}
+
+#[test]
+fn instruction_sets_and_samples_do_not_change_bits() {
+    let (chain, y0) = varied(3, Boundary::Ring, 12, (Kind::Viscoelastic, 0.3), true);
+    same_for_every_set(&chain, &y0, 6.0);
+    // Samples are as accurate as the end, the ledger too: the balance is checked at each of them.
+    let run = of(&chain, &y0, 6.0).method(Method::Collocation).tolerance(1e-8).unwrap().samples(100).unwrap();
+    let error = run.start().unwrap().complete().unwrap().energy_error.unwrap();
+    println!("{error:e}");
+    assert!(error < 1e-8, "{error:e}");
+}
+
+#[test]
+fn a_tangent_map_is_refused() {
+    let (chain, y0) = varied(0, Boundary::Free, 4, (Kind::Viscoelastic, 0.3), false);
+    let message = chain.monodromy(&y0, (0.0, 1.0), Pace::Tolerance(1e-9)).unwrap_err().to_string();
+    assert!(message.contains("contacts that do not dissipate"), "{message}");
+}
