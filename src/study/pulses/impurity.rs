@@ -48,17 +48,19 @@ const CHANGES: usize = 4;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ImpurityOptions {
-    /// Where it begins.
+    /// Smallest mass ratio.
     ///
-    /// The smallest mass of the impurity over that of the other beads, from 0.001 to 20.
+    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.01"))]
     pub from: f64,
-    /// Where it ends.
+    /// Largest mass ratio.
     ///
-    /// The largest mass of the impurity over that of the other beads, from 0.001 to 20.
+    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "20"))]
     pub to: f64,
     /// Number of mass ratios, evenly spaced in their logarithm.
+    ///
+    /// From 3 to 10000.
     #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 67))]
     pub points: usize,
 }
