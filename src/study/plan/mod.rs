@@ -42,7 +42,7 @@ const SHOWN: usize = 10;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct PlanFile {
-    /// A TOML file; `hertzchain sweep --template` prints one with every key.
+    /// TOML file with the plan; `hertzchain sweep --template` prints one.
     #[cfg_attr(feature = "cli", arg(value_name = "PLAN", required_unless_present = "template"))]
     pub plan: Option<PathBuf>,
     /// Print a plan with every key, each explained: a start for your own.
