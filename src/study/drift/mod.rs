@@ -82,7 +82,7 @@ pub struct DriftOptions {
 impl Study for Drift {
     const FILES: &'static str = "\
 Files: drift.csv, drift.json, drift.png and drift.store. The store keeps every integrator as soon as it \
-has come to the end; the same command goes on from there.";
+has come to the end; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

@@ -53,7 +53,7 @@ pub struct PlanFile {
 impl Study for PlanFile {
     const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
                                  two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
-                                 goes on where it was.";
+                                 resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

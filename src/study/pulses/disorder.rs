@@ -112,7 +112,7 @@ impl DisorderOptions {
 impl Study for DisorderOptions {
     const FILES: &'static str = "\
 Files: disorder.csv, energies.csv, disorder.json, disorder.png and disorder.store. The store keeps every \
-chain as soon as it was run; the same command goes on from there.";
+chain as soon as it was run; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

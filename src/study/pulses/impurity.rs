@@ -263,8 +263,8 @@ impl Report for ImpurityStudy {
         let head =
             ["mass ratio", "transmitted", "reflected", "localised", "late change", "changes", "frequency", "law"];
         format!(
-            "{}\nShares of the energy of a solitary wave behind an impurity, before it, and its own, at t = 200 + 20 (M - 1)_+; \
-             late change: the most by which one of them changed in the last quarter of the run.\nchanges: of the sign of the acceleration of the impurity between its neighbours, until one \
+            "{}\nShares of the energy of a solitary wave behind an impurity (transmitted), before it (reflected) and in it (localised), at t = 200 + 20 (M - 1)_+; \
+             late change: the largest change of a share in the last quarter of the run.\nchanges: number of changes of the sign of the acceleration of the impurity between its neighbours, until one \
              of its contacts opens; law: (f'(G/2) (2/M + 1))^(1/2).\n",
             table(&head, &rows)
         )

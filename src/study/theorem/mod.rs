@@ -233,7 +233,7 @@ impl TheoremOptions {
 
 impl Study for TheoremOptions {
     const FILES: &'static str = "Files: theorem.json, theorem.txt, theorem.png, theorem.csv (suprema) and slopes.csv, and theorem.store, where every size is kept \
-                                 once it was run: the same study in the same folder goes on where it was.";
+                                 once it was run: the same study in the same folder resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

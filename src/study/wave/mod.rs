@@ -137,7 +137,7 @@ impl Wave {
 impl Study for Wave {
     const FILES: &'static str = "Files: wave.json, wave.png, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and \
                                  spread.csv. With --seeds, ensemble.store keeps every seed once it was run: the same \
-                                 ensemble in the same folder goes on where it was.";
+                                 ensemble in the same folder resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
