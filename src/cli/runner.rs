@@ -19,7 +19,7 @@ const SHARD_LONG: &str = "\
 Compute only part K of N of the points; needs --out.
 
 The points are kept in a store of their own in the folder of --out. Parts may run at any time and on \
-any machine that has this folder; one that was killed is run again. Once all have ended, the same \
+any machine that has this folder; start a part again if it was killed. Once all have ended, the same \
 command without --shard merges what they have kept, computes what is missing, and ends with the same \
 files as one process.";
 

@@ -28,10 +28,10 @@ pub struct Integrals {
     pub kappa: f64,
     /// Mean strain.
     ///
-    /// Of the bond -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
+    /// The overlap of the bond is -b + 2 kappa r cos t; all values are zero for b >= 2 kappa r.
     #[cfg_attr(feature = "cli", arg(long, value_name = "B"))]
     pub b: f64,
-    /// Amplitude, at least zero.
+    /// Amplitude r of the oscillation, at least zero.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
     pub r: f64,
 }
@@ -180,7 +180,7 @@ pub struct DarkProfiles {
     pub center: Center,
     /// Number of sites.
     ///
-    /// Of the ring, odd, from 3 to 100001.
+    /// Length of the ring, an odd number from 3 to 100001.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
     pub sites: usize,
     /// Exponent of the contact force; 1.5 for spheres.

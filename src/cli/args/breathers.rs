@@ -14,31 +14,32 @@ pub(crate) struct BreatherArgs {
 
 #[derive(Subcommand)]
 pub(crate) enum BreatherAction {
-    /// The long-lived bright breather on the chain, against its ansatz.
+    /// Run a long-lived bright breather and compare it with its ansatz.
     ///
-    /// The breather of the DpS equation put on the chain: how far the chain gets from it, and what
-    /// becomes of it.
+    /// The chain starts from a breather of the modulation (DpS) equation. Prints how far the chain
+    /// departs from this ansatz, and how much of the energy stays in the core.
     #[command(after_long_help = "\
 Example:
   hertzchain breather bright --center bond --epsilon 0.01 --rho 1000")]
     Bright(Told<Bright>),
-    /// An exact solution whose beads never touch.
+    /// Run an exact breather whose beads never touch.
     ///
-    /// Closed form against an integrator, gaps, mean contact forces.
+    /// Compares the closed form with an integrator; prints gaps and mean contact forces.
     #[command(after_long_help = "\
 Example:
   hertzchain breather trivial --amplitudes 0.1,0.2,0.1 --phases 0,1.5,3 --gap 0")]
     Trivial(Told<Trivial>),
     /// Compute a dark breather as an exact periodic orbit.
     ///
-    /// With its Floquet multipliers.
+    /// Newton's method finds the orbit on a ring; its Floquet multipliers tell whether it is
+    /// stable.
     #[command(after_long_help = "\
 Example:
   hertzchain breather dark --center bond --omega-b 2.05 --out out/dark")]
     Dark(Told<Dark>),
     /// Follow a branch of dark breathers in one parameter.
     ///
-    /// With its multipliers and bifurcations.
+    /// Computes the Floquet multipliers of each orbit, and the bifurcations between them.
     #[command(after_long_help = "\
 Example, stopped after 20 points and gone on with:
   hertzchain breather continue --points 20 --out out/branch
@@ -46,32 +47,34 @@ Example, stopped after 20 points and gone on with:
     Continue(Told<Continue>),
     /// Follow the branch of doubled period of dark breathers.
     ///
-    /// The branch that leaves the bond-centred dark breathers.
+    /// The branch starts at the period doubling of the bond-centred dark breathers.
     #[command(after_long_help = "Example:\n  hertzchain breather doubled --omega-b 1.056 --out out/doubled")]
     Doubled(Told<Doubled>),
-    /// Let a dark breather go, kicked along one of its modes or not.
+    /// Run the chain from a dark breather, with or without a kick.
     ///
-    /// Does it come back, and where does its kink go?
+    /// A kick is along one of the modes of the orbit. After every period the run measures the
+    /// return error, which is the distance from the orbit, and the position of the kink.
     #[command(after_long_help = "\
 Example:
   hertzchain breather dark --center bond --omega-b 2.05 --out out/dark
   hertzchain breather evolve out/dark/dark-breather.json --kick 1e-3")]
     Evolve(Told<Evolve>),
-    /// The energy barrier between dark breathers about a site and about a bond.
+    /// Compute the energy barrier between site- and bond-centred dark breathers.
     ///
     /// The Peierls-Nabarro barrier: energies of the two kinks relative to their common background,
-    /// at the same frequency, and at the same action and length; their largest multipliers. Exit
-    /// code 1 if an orbit is not found.
+    /// at the same frequency, and at the same action and length; also their largest multipliers.
+    /// Exit code 1 if an orbit is not found.
     #[command(after_long_help = "\
 Examples:
   hertzchain breather barrier --from 2.01 --to 2.1 --out out/barrier
   hertzchain breather barrier --rho 3 --from 1.16 --to 1.35")]
     Barrier(Told<Barrier>),
-    /// Moving dark breathers as exact orbits, and a kicked one held against them.
+    /// Compute moving dark breathers as exact orbits, and run a kicked one.
     ///
-    /// Relative periodic orbits: the chain, moved on by a site, comes back after so many and a half
-    /// periods of the background. With tails, relative multipliers, and the run of a kicked
-    /// breather at rest. Exit code 1 if an orbit is not found.
+    /// A moving breather is a relative periodic orbit: after K + 1/2 periods of the background (see
+    /// --turns) the chain has its initial state again, moved on by a site. Prints its tails and
+    /// relative multipliers, and for comparison the motion of a breather at rest that is kicked.
+    /// Exit code 1 if an orbit is not found.
     #[command(after_long_help = "\
 Examples:
   hertzchain breather moving --turns 16,18,22,26 --out out/moving

@@ -22,18 +22,18 @@ pub(crate) struct RunArgs {
     /// By default collocation with --tol or --windows-per-period, strang-linear with steps. Without
     /// any of these: the method that the scene names; else the exact solution, where one is known;
     /// else what the regime asks for, which is collocation, or strang-linear where omega is above
-    /// 10^4 times the frequency of contacts. Which one, and why, is said on stderr.
+    /// 10^4 times the frequency of contacts. Which one, and why, is printed on stderr.
     #[arg(long, value_name = "NAME")]
     pub(crate) integrator: Option<String>,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// For collocation: of the whole run, relative to the size of the state. For corrected and
-    /// corrected-kinetic: of the state at the end, from 1e-13; steps come from runs over the whole
-    /// span. For dop853: of a step, relative, and absolute in units of the largest entry of the
-    /// initial state [default: 1e-10].
+    /// For collocation: error of the whole run, relative to the size of the state. For corrected
+    /// and corrected-kinetic: error of the state at the end, from 1e-13 on; runs over the whole
+    /// span determine the step. For dop853: error of a step, relative, and absolute in units of the
+    /// largest entry of the initial state [default: 1e-10].
     #[arg(long, value_name = "T")]
     pub(crate) tol: Option<f64>,
-    /// Steps a period of the scene, for splitting schemes [default: 512].
+    /// Steps per period of the scene, for splitting schemes [default: 512].
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol"])]
     pub(crate) steps_per_period: Option<f64>,
     /// Step size, in units of time, for splitting schemes.
@@ -41,32 +41,34 @@ pub(crate) struct RunArgs {
     /// Made smaller where a whole number of steps must fit the span.
     #[arg(long, value_name = "H", conflicts_with = "tol")]
     pub(crate) step: Option<f64>,
-    /// Equal windows a period, for collocation without error control.
+    /// Equal windows per period, for collocation without error control.
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) windows_per_period: Option<f64>,
-    /// Nodes a panel: 4, 6, 8, 10 or 12 [default: 10].
+    /// Nodes per panel: 4, 6, 8, 10 or 12 [default: 10].
     ///
-    /// With --windows-per-period.
+    /// For collocation with --windows-per-period.
     #[arg(long, value_name = "M", hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])]
     pub(crate) nodes: Option<usize>,
     /// End time, in units of time [default: the scene's].
     #[arg(long, value_name = "T")]
     pub(crate) until: Option<f64>,
-    /// Number of times that are kept [default: the scene's].
+    /// Number of sample times [default: the scene's].
     ///
-    /// Equally spaced times at which energy and strains are kept, up to 10^6; 0: the end only.
+    /// Equally spaced times at which energy and strains are kept, up to 10^6. With 0 they are kept
+    /// at the end only.
     #[arg(long, value_name = "K")]
     pub(crate) samples: Option<usize>,
-    /// Log contacts.
+    /// Record every contact, from its onset to its release.
     ///
-    /// Onset, release, speeds, largest overlap and its time, impulse; totals in the summary, and with --out
-    /// contacts.csv, contacts.npz and contacts.png.
+    /// Onset, release, speeds, largest overlap with its time, and impulse. The summary has totals;
+    /// with --out the contacts are in contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
     /// Results in SI units, for scenes with a table [units].
     ///
-    /// Metres, seconds, kilograms, newtons, joules in all that is printed and written but checkpoints
-    /// and what failures say. Momenta are in kg m/s. Names of fields and columns stay.
+    /// Metres, seconds, kilograms, newtons and joules in all that is printed and written, except
+    /// checkpoints and messages of failed runs. Momenta are in kg m/s. Names of fields and columns
+    /// do not change.
     #[arg(long, conflicts_with = "plan", hide_short_help = true)]
     pub(crate) si: bool,
     /// Threads that move parts of the chain [default: 1].
@@ -107,10 +109,10 @@ pub(crate) struct RunArgs {
     /// What an earlier run has left of its files is removed.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Run in legs of this length and keep each in checkpoint.npz.
+    /// Save a checkpoint after every D units of time, as checkpoint.npz.
     ///
-    /// In units of time; the file is in the folder of --out. A run that was stopped goes on by
-    /// --resume and ends with the same bits. Every leg starts the method anew.
+    /// The file is in the folder of --out. A run that was stopped continues with --resume and ends
+    /// with the same bits. The method starts anew after every checkpoint.
     #[arg(long, value_name = "D", requires = "out")]
     pub(crate) checkpoint: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.

@@ -34,10 +34,9 @@ const COLUMNS: usize = 79;
 
 /// Nonlinear waves in locally resonant Hertzian chains.
 ///
-/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, measures which
-/// integrator buys which error for which run time, and computes the waves and breathers of the
-/// paper. All quantities are dimensionless, in the units of the paper: bead mass 1, contact
-/// constant 1.
+/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, compares
+/// integrators by error and run time, and computes the waves and breathers of the paper. All
+/// quantities are dimensionless, in the units of the paper: bead mass 1, contact constant 1.
 #[derive(Parser)]
 #[command(
     version,
@@ -84,15 +83,16 @@ pub(super) enum Command {
     Run(RunArgs),
     /// Compare integrators on a scene: error against run time.
     ///
-    /// Every integrator runs with finer and finer steps until the time is used up. Errors are those
-    /// of the strains at the end, against a reference by two methods. The table ends with the
-    /// fastest run at each error.
+    /// Every integrator runs with smaller and smaller steps or tolerances until the time of
+    /// --max-time is used up. Errors are those of the strains at the end, against a reference that
+    /// a second method checks. The table ends with the fastest run at each error.
     #[command(after_long_help = COMPARE_EXAMPLES)]
     Compare(Told<Compare>),
     /// Run a scene at every point of a grid that a file describes.
     ///
-    /// The file has a scene, axes (any keys of the scene: lists, ranges, seeds) and the quantities
-    /// to keep of each run. Gives a table, a picture, and a store that goes on where it was.
+    /// The file names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
+    /// quantities to keep of each run. Prints a table; with --out also writes a picture, and a
+    /// store from which an interrupted sweep resumes.
     #[command(after_long_help = SWEEP_EXAMPLES)]
     Sweep(Told<PlanFile>),
     /// List the built-in scenes, show one as TOML, or print a template.
@@ -107,11 +107,12 @@ Examples:
   hertzchain study order --alpha 2
   hertzchain study stability --charts light --quick")]
     Study(StudyArgs),
-    /// Run a travelling wave against its ansatz; modulations; exact waves.
+    /// Travelling waves, their stability, exact waves and solitary waves.
     ///
-    /// Runs a travelling wave on the chain and holds it against its first-order ansatz; perturbs it
-    /// and sees whether it is stable. `wave modulation` gives the growth of its modulations,
-    /// `wave exact` the exact wave beside the ansatz.
+    /// Without a subcommand: runs the travelling wave of a scene on the chain and compares it with
+    /// its first-order ansatz; with a perturbation (--zeta) it shows whether the wave is stable.
+    /// `wave modulation` computes how fast modulations of the wave grow, `wave exact` the exact
+    /// wave beside the ansatz.
     #[command(after_long_help = WAVE_EXAMPLES)]
     Wave(WaveArgs),
     /// Breathers: bright, trivial and dark, and branches of dark ones.
@@ -126,7 +127,7 @@ Examples:
   hertzchain orbit driven granular-crystal
   hertzchain orbit mode defect --to 1.5 --out out/mode")]
     Orbit(OrbitArgs),
-    /// The modulation equations of small oscillations.
+    /// Averages and profiles of the modulation (DpS) equations.
     #[command(after_long_help = "\
 Examples:
   hertzchain dps integrals --b 0 --r 1
@@ -178,7 +179,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     /// Flags that mean one thing in one command and another in the next.
-    const OF_THEIR_OWN: &[&str] = &["step", "epsilon", "only", "c", "instructions", "engine"];
+    const OF_THEIR_OWN: &[&str] = &["from", "to", "step", "epsilon", "only", "c", "instructions", "engine"];
 
     fn every(command: &clap::Command, path: &str, visit: &mut dyn FnMut(&str, &clap::Command)) {
         let path = format!("{path} {}", command.get_name());

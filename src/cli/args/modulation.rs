@@ -24,9 +24,10 @@ Examples:
 
 #[derive(Subcommand)]
 pub(crate) enum WaveAction {
-    /// Which modulations of a wave grow, and how fast.
+    /// Compute which modulations of a wave grow, and how fast.
     ///
-    /// In closed form, and with --measure on the full chain.
+    /// Growth rates against the wave number of the modulation, in closed form; with --measure also
+    /// those measured on the full chain.
     #[command(after_long_help = "\
 Examples:
   hertzchain wave modulation tw-q15
@@ -34,9 +35,9 @@ Examples:
     Modulation(Told<ModulationStudy>),
     /// Compute an exact periodic travelling wave.
     ///
-    /// The companion of a wave of the modulation equations with the same frequency, or the same
-    /// amplitude, and the same mean strain: its profile, its Fourier coefficients, how far it is
-    /// from the first-order ansatz, and its relative multipliers by Bloch wave number.
+    /// It has the frequency (or the amplitude) and the mean strain of a wave of the modulation
+    /// equations. Prints its profile, its Fourier coefficients, its distance from that first-order
+    /// ansatz, and its relative multipliers for each Bloch wave number.
     #[command(after_long_help = "\
 Examples:
   hertzchain wave exact tw-q15 --out out/exact
@@ -44,8 +45,9 @@ Examples:
     Exact(Told<Exact>),
     /// Follow a branch of exact travelling waves.
     ///
-    /// In one number of the wave, past folds; waves keep their ratio of mean strain to amplitude
-    /// unless a mean strain is given. Exit code 1 if the branch is lost before its end.
+    /// Varies one parameter of the wave or of the chain, past folds. Waves keep their ratio of mean
+    /// strain to amplitude unless a mean strain is given. Exit code 1 if the branch is lost before
+    /// its end.
     #[command(after_long_help = "\
 Examples:
   hertzchain wave continue tw-q15 --to 2.004 --out out/branch
@@ -53,8 +55,9 @@ Examples:
     Continue(Told<ContinueWave>),
     /// Compute solitary waves, and their tails where resonators move.
     ///
-    /// The pulse of the plain chain as an exact wave of a ring and on the line, how it decays, and
-    /// how much a pulse leaves behind in light resonators. Exit code 1 if a wave is not found.
+    /// The pulse of the chain without resonators, as an exact wave of a ring and on the infinite
+    /// line, and how its overlap decays from the crest; and how strong a wake a pulse leaves in
+    /// chains with light resonators. Exit code 1 if a wave is not found.
     #[command(after_long_help = "\
 Examples:
   hertzchain wave solitary --out out/solitary
@@ -70,19 +73,21 @@ pub(crate) struct DpsArgs {
 
 #[derive(Subcommand)]
 pub(crate) enum DpsAction {
-    /// The averaged contact force, its harmonic, and their derivatives.
+    /// Averages of the contact force over an oscillation, and their derivatives.
     ///
-    /// g_alpha(b, r) and h_alpha(b, r).
+    /// g_alpha(b, r) of (eq:aux1), the mean, and h_alpha(b, r) of (eq:aux2), the first harmonic
+    /// divided by r.
     #[command(after_long_help = "Example:\n  hertzchain dps integrals --b 0.5 --r 1 --alpha 2")]
     Integrals(Told<Integrals>),
     /// Homoclinic solutions: profiles of bright breathers.
     ///
-    /// Of the stationary DpS equation.
+    /// They solve the stationary DpS equation.
     #[command(after_long_help = "Example:\n  hertzchain dps homoclinic --center bond")]
     Homoclinic(Told<Homoclinics>),
     /// Standing waves with a kink: profiles of dark breathers.
     ///
-    /// Of the generalised DpS equations, and the strains that start a dark breather.
+    /// They solve the generalised DpS equations. Also gives the strains from which a dark breather
+    /// starts on the chain, to first order.
     #[command(after_long_help = "Example:\n  hertzchain dps dark --center bond --rho 3 --omega-b 1.16")]
     Dark(Told<DarkProfiles>),
 }

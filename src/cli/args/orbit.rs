@@ -16,9 +16,10 @@ pub(crate) struct OrbitArgs {
 pub(crate) enum OrbitAction {
     /// Compute the periodic orbit to which a driven scene leads.
     ///
-    /// Under the stroboscopic map: by Newton's method from the state that the scene has after some
-    /// periods. With its Floquet multipliers, which may lie inside and outside the unit circle, and
-    /// their product against Liouville's formula. Exit code 1 if no orbit is found.
+    /// The orbit is a fixed point of the stroboscopic map. Newton's method starts from the state
+    /// that the scene has after some periods. Prints the Floquet multipliers, which may lie inside
+    /// and outside the unit circle, and compares their product with Liouville's formula. Exit code
+    /// 1 if no orbit is found.
     #[command(after_long_help = "\
 Examples:
   hertzchain orbit driven granular-crystal
@@ -36,9 +37,10 @@ Examples:
     Continue(Told<DrivenContinue>),
     /// Follow a normal mode of a conservative scene from its linear mode on.
     ///
-    /// Linear modes about the equilibrium, and the periodic orbits that begin as one of them, in
-    /// their amplitude: frequency, energy, participation number, Floquet multipliers. Also beyond
-    /// the amplitude at which contacts open. Exit code 1 if the branch is lost on its way.
+    /// Computes the linear modes about the equilibrium, and follows the periodic orbits that begin
+    /// as one of them to larger amplitudes, also beyond the amplitude at which contacts open:
+    /// frequency, energy, participation number, Floquet multipliers. Exit code 1 if the branch is
+    /// lost on its way.
     #[command(after_long_help = "\
 Examples:
   hertzchain orbit mode defect --to 1.5

@@ -19,12 +19,12 @@ Examples:
   hertzchain paper figures --only tw-q15,tw-rho3
   hertzchain paper figures --out out/all")]
     Figures(FiguresArgs),
-    /// Hold every number in the text of the paper against ours.
+    /// Compare every number in the text of the paper with ours.
     ///
     /// For every number in Sec. 2 to 8: what the paper says, what we get, the verdict, and why if
-    /// they differ. Exit code 0: every verdict is the one that is known, also where the paper is
-    /// known to differ, and our numbers there are what they were. Exit code 1: one is not, or a run
-    /// failed.
+    /// they differ. Exit code 0: every verdict is the known one, and where the paper is known to
+    /// differ our numbers have not changed. Exit code 1: a verdict or such a number is another one,
+    /// or a run failed.
     #[command(after_long_help = "Example:\n  hertzchain paper verify --section 3 --out out/verify")]
     Verify(VerifyArgs),
     /// Run everything in its short form and write one HTML page.

@@ -47,14 +47,14 @@ const BACKGROUND: usize = 4;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Barrier {
-    /// Where it begins [default: 1.005 omega].
+    /// Smallest frequency of the breathers [default: 1.005 omega].
     ///
-    /// The least frequency.
+    /// In radians per unit of time, above omega = sqrt(kappa (1 + 1/rho)).
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub from: Option<f64>,
-    /// Where it ends [default: 1.05 omega].
+    /// Largest frequency of the breathers [default: 1.05 omega].
     ///
-    /// The largest frequency.
+    /// In radians per unit of time.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub to: Option<f64>,
     /// Number of frequencies, equally spaced.

@@ -110,7 +110,7 @@ impl Report for BarrierStudy {
             "|l|, bond",
         ];
         format!(
-            "Energies of kinks relative to their background on {} sites, and largest multipliers\n\n{}\n{}\n",
+            "Energies of kinks relative to their background on {} sites, and their largest multipliers: real, and in modulus |l|\n\n{}\n{}\n",
             self.options.ring.sites,
             table(&head, &rows),
             self.words()

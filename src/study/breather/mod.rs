@@ -47,7 +47,7 @@ const DEFAULT_SAMPLES: usize = 100;
 pub struct BreatherOptions {
     /// Integrator; `hertzchain integrators` lists all.
     ///
-    /// One that takes a tolerance.
+    /// Only integrators that take a tolerance.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -58,7 +58,8 @@ pub struct BreatherOptions {
     pub method: Method,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    /// For collocation: error of the whole run, relative to the size of the state. For dop853:
+    /// error of a step.
     #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
     pub tolerance: f64,
 }
@@ -69,15 +70,15 @@ pub struct BreatherOptions {
 pub struct Bright {
     /// What the profile is symmetric about.
     ///
-    /// A site (a^1), or the bond of the paper's run (a^2).
+    /// A site (solution a^1), or a bond (solution a^2), as in the paper's run.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Bond))]
     pub center: Center,
-    /// Size: beads start at 2 epsilon a_n.
+    /// Size of the breather: beads start at 2 epsilon a_n.
     #[cfg_attr(feature = "cli", arg(long, value_name = "E", default_value = "0.01"))]
     pub epsilon: f64,
     /// Mass ratio resonator to bead, positive.
     ///
-    /// inf for resonators at rest.
+    /// inf for resonators that stay at rest.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value = "1000"))]
     pub rho: f64,
     /// Exponent of the contact force; 1.5 for spheres.
@@ -90,20 +91,21 @@ pub struct Bright {
     pub kappa: f64,
     /// Number of sites.
     ///
-    /// With a bond in the middle if even, with a site if odd.
+    /// The middle of the chain is a bond if the number is even, a site if it is odd.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
     pub sites: usize,
-    /// What holds the ends.
+    /// Boundary condition at the ends of the chain.
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", value_enum, default_value_t = Boundary::Free))]
     pub boundary: Boundary,
     /// End time, in units of time [default: 80 T].
     ///
-    /// T = 2 pi/omega_0 in units of 1/sqrt(kappa).
+    /// T = 2 pi/omega_0 in units of 1/sqrt(kappa) is the period of the envelope in slow time.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
     pub until: Option<f64>,
-    /// Samples a period, from which largest values are taken.
+    /// Samples per period, from which largest values are taken.
     ///
-    /// Of T_b, from 1 to 1000; also for the time at which energy has left.
+    /// Per period T_b of the breather, from 1 to 1000. The time at which energy has left the core
+    /// is also found from them.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 20))]
     pub samples_per_period: u32,
     /// How it is run.
@@ -158,7 +160,8 @@ impl Study for Bright {
 pub struct Trivial {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// With an initial state of kind trivial-breather, or one that is such.
+    /// The scene must have an initial state of kind trivial-breather, or one of another kind that
+    /// is such a breather.
     #[cfg_attr(feature = "cli", arg(default_value = "trivial-breather"))]
     pub scene: String,
     /// Changes to it.
@@ -166,7 +169,7 @@ pub struct Trivial {
     pub set: Changes,
     /// Amplitudes a_n, separated by commas [default: the scene's].
     ///
-    /// At least zero; as many sites as amplitudes.
+    /// At least zero. The chain has as many sites as there are amplitudes.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
     pub amplitudes: Vec<f64>,
     /// Phases phi_n, separated by commas [default: the scene's].
@@ -177,14 +180,15 @@ pub struct Trivial {
         arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "phase_step_over_pi")
     )]
     pub phases: Vec<f64>,
-    /// The same (phi_n - phi_{n-1}) / pi for all [default: the scene's].
+    /// Phase difference of neighbours over pi, for all sites [default: the scene's].
     ///
-    /// 1 for neighbours in antiphase.
+    /// (phi_n - phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
     pub phase_step_over_pi: Option<f64>,
     /// Offsets d_n, separated by commas [default: the scene's].
     ///
-    /// Nondecreasing: how much the mean positions rise beyond what contacts demand.
+    /// How much the mean positions rise along the chain beyond what keeps contacts open; they must
+    /// not decrease.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -194,12 +198,12 @@ pub struct Trivial {
     pub offsets: Vec<f64>,
     /// Mean positions b_n, separated by commas [default: the scene's].
     ///
-    /// Refused where beads would press.
+    /// Refused if beads would press on each other.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', conflicts_with = "gap"))]
     pub means: Vec<f64>,
-    /// The same gap in all bonds [default: the scene's].
+    /// Gap of all bonds, the same for each [default: the scene's].
     ///
-    /// Beyond what contacts demand, at least zero.
+    /// In addition to what keeps contacts open, at least zero.
     #[cfg_attr(feature = "cli", arg(long, value_name = "G"))]
     pub gap: Option<f64>,
     /// End time, in units of time [default: the scene's].
@@ -213,7 +217,7 @@ pub struct Trivial {
 /// Help of `--integrator` for trivial breathers.
 #[cfg(feature = "cli")]
 const TRIVIAL_INTEGRATOR: &str = "Integrator; `hertzchain integrators` lists all.\n\n\
-                                  One that takes a tolerance, to hold the closed form against.";
+                                  Only integrators that take a tolerance; the closed form is compared with the run.";
 
 impl Trivial {
     /// The scene with the numbers that are given. A number also replaces other keys by which the

@@ -183,7 +183,7 @@ fn fate(study: &BrightStudy) -> String {
         "{left}.\nkink at the end: u rises by {height_u:.6e} from its lowest to its highest, v by {height_v:.6e} = {:.3} epsilon, \
          by {jump_v:.6e} across the centre;\nbetween the last bead and the first u by {between_ends_u:.3e}, v by {between_ends_v:.3e}.\n\
          mean contact forces over T_b from 0: {}; from the end: {}\n(the same in all bonds for a periodic motion, zero for a localised one: Theorem nobreath).\n\
-         energy changed by at most {:.1e} of itself.\n",
+         largest relative change of the energy: {:.1e}.\n",
         height_v / epsilon,
         forces(&study.first_forces),
         forces(&study.last_forces),

@@ -161,8 +161,8 @@ impl Chart {
 pub struct Charts {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// Its chain and state are varied [default: four spheres between walls, kappa = 1, rho = 1/3,
-    /// amplitude 1].
+    /// The chain and the state that are varied [default: four spheres between walls, kappa = 1, rho
+    /// = 1/3, amplitude 1].
     pub scene: Option<String>,
     /// Changes to it.
     #[cfg_attr(feature = "cli", command(flatten))]
@@ -178,7 +178,9 @@ pub struct Charts {
 pub struct ChartOptions {
     /// Charts, separated by commas [default: all].
     ///
-    /// Of light, stiffness, alpha, length, time, resonances, struck.
+    /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
+    /// (exponents), length (numbers of beads), time (lengths of runs), resonances (of the exact
+    /// linear flow) and struck (long chains at rest, struck at one end).
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ',', value_parser = listed))]
     pub charts: Vec<Chart>,
     /// Integrators, separated by commas, or all [default: all].
@@ -186,20 +188,22 @@ pub struct ChartOptions {
     pub integrators: Vec<String>,
     /// Length of the longest run, in periods.
     ///
-    /// Of the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)), from 1 to 10^6.
+    /// For the chart `time`, in contact periods 2 pi/sqrt(2 alpha A^(alpha-1)); from 1 to 10^6.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
     pub periods: f64,
-    /// Work of a run while steps are looked for.
+    /// Largest work of a run while a step is searched for.
     ///
-    /// Force evaluations times sites, from 10^4 to 10^12.
+    /// In force evaluations times sites, from 10^4 to 10^12.
     #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "4e6"))]
     pub work: f64,
     /// Number of sites.
     ///
-    /// Of the longest chain of the charts `length` and `struck`, from 1 to 10^6.
+    /// Length of the longest chain in the charts `length` and `struck`, from 1 to 10^6.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value = "100000"))]
     pub sites: usize,
-    /// A third of the points of light, stiffness and alpha, or fewer; half of those of struck.
+    /// Compute fewer points.
+    ///
+    /// At most a third of the points of light, stiffness and alpha, and half of those of struck.
     #[cfg_attr(feature = "cli", arg(long))]
     pub quick: bool,
 }

@@ -56,22 +56,22 @@ pub struct CompareOptions {
     pub integrators: Vec<String>,
     /// Wall time for all runs, in seconds; what would not fit is left out.
     ///
-    /// So are rungs that take more than a 400th of it and are expected to be beaten in error and in
-    /// time.
+    /// Runs are also left out if they take more than a 400th of this time and are expected to be
+    /// beaten in error and in time.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "10"))]
     pub max_time: f64,
 }
 
 #[cfg(feature = "cli")]
-const INTEGRATORS: &str = "Integrators, separated by commas, or all [default: the telling ones]";
+const INTEGRATORS: &str = "Integrators, separated by commas, or all [default: a selection]";
 
 /// Names the integrators of a comparison by default.
 #[cfg(feature = "cli")]
 fn integrators_help() -> String {
     let names: Vec<_> = Method::telling().iter().map(Method::name).collect();
     format!(
-        "{INTEGRATORS}.\n\nBy default those that are the fastest at some error on a built-in scene, and those that others are \
-         measured by: {}.",
+        "{INTEGRATORS}.\n\nBy default integrators that are the fastest at some error on a built-in scene, and those that \
+         serve as a standard of comparison: {}.",
         names.join(", ")
     )
 }

@@ -59,10 +59,11 @@ impl Report for Comparison {
             reference.error_estimate,
         );
         if self.rows.iter().any(|row| row.below_reference) {
-            text += "* nearer to the reference than 3 times its own error estimate: an upper bound at best.\n";
+            text +=
+                "* below 3 times the error estimate of the reference, and so not resolved: an upper bound at best.\n";
         }
         if !self.stopped.is_empty() {
-            text += "\nladders that ended early (--max-time makes them longer):\n";
+            text += "\nladders of steps or tolerances that ended early (a larger --max-time makes them longer):\n";
             let rows: Vec<_> = self.stopped.iter().map(|(entrant, why)| vec![entrant.name(), why.clone()]).collect();
             text += &table(&["integrator", "why"], &rows);
         }

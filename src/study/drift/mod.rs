@@ -60,7 +60,7 @@ pub struct Drift {
 pub struct DriftOptions {
     /// Length of the longest run, in periods.
     ///
-    /// Of the scene; all runs have this length, from 1 to 10^9.
+    /// All runs have this length, in periods of the scene; from 1 to 10^9.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "1e4"))]
     pub periods: f64,
     /// Integrators, separated by commas, or all.
@@ -72,9 +72,9 @@ pub struct DriftOptions {
         )
     )]
     pub integrators: Vec<String>,
-    /// Number of times that are kept.
+    /// Number of sample times.
     ///
-    /// Spaced evenly in their logarithm, from 2 to 10^5.
+    /// Spaced evenly in the logarithm of time, from 2 to 10^5.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 200))]
     pub samples: usize,
 }
@@ -82,7 +82,7 @@ pub struct DriftOptions {
 impl Study for Drift {
     const FILES: &'static str = "\
 Files: drift.csv, drift.json, drift.png and drift.store. The store keeps every integrator as soon as it \
-has come to the end; the same command goes on from there.";
+has come to the end; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

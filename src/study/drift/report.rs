@@ -56,8 +56,8 @@ impl Report for DriftStudy {
         let head =
             ["integrator", "setting", "error at 1 %", "at the end", "slope", "steps", "forces", "wall s", "failure"];
         format!(
-            "{}\nscene {}: {}\nlargest |E(t) - E(0)| / |E(0)| up to a hundredth of {} periods of {:.6} and up to all of them; slope of its \
-         logarithm against that of t in between.\n",
+            "{}\nscene {}: {}\nerror: largest |E(t) - E(0)| / |E(0)| so far, at 1 % and at the end of {} periods of {:.6}; slope: of its \
+         logarithm against that of t, in between.\n",
             table(&head, &rows),
             self.scene.name(),
             self.scene.file().summary,

@@ -59,30 +59,31 @@ const SITES: std::ops::RangeInclusive<usize> = 10..=60;
 pub struct EndDriven {
     /// Numbers of sites, ends included.
     ///
-    /// From 10 to 60; even ones have a kink about a bond if the ends move in phase, odd ones about
-    /// a bead if they move in antiphase.
+    /// Separated by commas, each from 10 to 60. A chain with an even number has a kink about a bond
+    /// if its ends move in phase; one with an odd number has a kink about a bead if they move in
+    /// antiphase.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N,..", value_delimiter = ',', default_value = "10,11"))]
     pub lengths: Vec<usize>,
     /// Drive frequencies.
     ///
-    /// Above omega = sqrt(1 + 1/rho).
+    /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho).
     #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ',', default_value = "2.03,2.05"))]
     pub omegas: Vec<f64>,
     /// Mass ratio resonator to bead, positive.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
     pub rho: f64,
-    /// Drag on beads.
+    /// Drag on beads: force per velocity of a bead.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0.01"))]
     pub drag: f64,
-    /// Dashpots beside the springs of resonators.
+    /// Dashpots beside the springs of resonators: force per relative velocity.
     #[cfg_attr(feature = "cli", arg(long, value_name = "D", default_value = "0.001"))]
     pub dashpot: f64,
-    /// Where it ends.
+    /// Largest drive amplitude.
     ///
-    /// The largest drive amplitude.
+    /// The displacement amplitude of the end beads at which a branch ends.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.2"))]
     pub to: f64,
-    /// Its largest change from point to point.
+    /// Largest change of the drive amplitude from point to point.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA", default_value = "0.01"))]
     pub step: f64,
     /// Points of the branch at most.

@@ -152,8 +152,8 @@ impl Report for EndDrivenStudy {
         let head = ["N", "ends", "omega_d", "points", "dark from a", "stable from", "best a", "B/K_x", "from rest"];
         format!(
             "{}\n{}\nSearched: {}.\nDark: the background alternates with a kink in the middle, and B >= K_x/2, K_x being that of the \
-             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: how many of the strongest \
-             stable ones\na chain at rest comes to, by a ramp of {} or {} periods.\n",
+             conservative\nbreather of the same frequency. Best: the stable one with the largest B. From rest: how many of the stable \
+             ones\nwith the strongest background a chain at rest reaches, by a ramp of {} or {} periods.\n",
             table(&head, &rows),
             self.answer(),
             searched(&self.options),

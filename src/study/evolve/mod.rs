@@ -37,35 +37,35 @@ pub struct Kick {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Evolve {
-    /// File dark-breather.json or branch.npz.
+    /// File dark-breather.json or branch.npz, with the orbit to start from.
     ///
-    /// dark-breather.json of `breather dark`, or branch.npz of `breather continue` or `breather
-    /// doubled` with --point or --at.
+    /// dark-breather.json is written by `breather dark`; branch.npz by `breather continue` and
+    /// `breather doubled`, and needs --point or --at.
     pub orbit: PathBuf,
-    /// Point of the branch, counted from 0; from the last, -1, if negative.
+    /// Number of the point of the branch, from 0; -1 is the last one.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", conflicts_with = "at"))]
     pub point: Option<i64>,
-    /// Value of the parameter: the nearest point of the branch.
+    /// Take the point of the branch whose parameter is nearest to this value.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub at: Option<f64>,
     /// End time, in units of time.
     ///
-    /// Rounded down to whole periods.
+    /// Rounded down to whole periods of the orbit.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
     pub until: f64,
-    /// Largest change of the start along a mode [default: none].
+    /// Size of a kick along one mode, in units of the orbit's amplitude [default: none].
     ///
-    /// In units of the orbit's amplitude, of either sign.
+    /// The largest change of an entry of the initial state; of either sign, at most 1 in modulus.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE"))]
     pub kick: Option<f64>,
-    /// Multiplier along whose eigenvector the kick is.
+    /// Number of the multiplier along whose eigenvector the chain is kicked.
     ///
-    /// Counted from 0 as `breather dark --json` lists them: the largest modulus first.
+    /// Counted from 0 in the order of `breather dark --json`: the largest modulus first.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = 0, requires = "kick"))]
     pub mode: usize,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// Of the run, relative to the size of the state.
+    /// Error of the run, relative to the size of the state.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
     pub tol: f64,
 }

@@ -65,7 +65,7 @@ impl Report for Evolution {
         let failure = self.failure.as_ref().map_or(String::new(), |why| format!("the run ended early: {why}\n"));
         table(&["period", "t", "E_b", "kink at n"], &rows)
             + &format!(
-                "\n{kick}\n{motion}what is small grows by a factor of at least {:.1e} in this run, roundings too\n{failure}",
+                "\n{kick}\n{motion}small perturbations, also rounding errors, grow by a factor of at least {:.1e} in this run\n{failure}",
                 self.amplification
             )
     }
@@ -150,8 +150,8 @@ fn picture(study: &Evolution) -> Result<crate::figures::Picture> {
         format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
     });
     let caption = format!(
-        "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, to twice that of the orbit; magenta: beyond. Roundings grow by {:.1e} in this run if \
-         they stay small. hertzchain {}.",
+        "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain of each period, up to twice that of the orbit; magenta: above. While rounding errors are small, they grow \
+         by a factor of {:.1e} in this run. hertzchain {}.",
         setting.omega_b,
         crate::study::params_words(setting.params),
         setting.sites,
@@ -159,5 +159,5 @@ fn picture(study: &Evolution) -> Result<crate::figures::Picture> {
         env!("CARGO_PKG_VERSION")
     );
     let columns = vec![Column::new("", swing_maps(study)), Column::new("", lines)];
-    Ok(panels(&Panels { title: "An orbit let go".into(), columns, caption })?)
+    Ok(panels(&Panels { title: "Run from a periodic orbit".into(), columns, caption })?)
 }

@@ -53,8 +53,8 @@ const TOLERANCES: (f64, f64) = (1e-15, 1e-12);
 pub struct Wanted {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// With an initial state of kind travelling-wave, whose numbers are those that are not given
-    /// [default: tw-q15].
+    /// The scene must have an initial state of kind travelling-wave. Numbers of the wave that no
+    /// flag gives are taken from it [default: tw-q15].
     pub scene: Option<String>,
     /// Changes to it.
     #[cfg_attr(feature = "cli", command(flatten))]
@@ -77,19 +77,20 @@ pub struct Wanted {
     pub mean: Option<f64>,
     /// Mass ratio resonator to bead, positive.
     ///
-    /// In place of the scene's; here also 0, no resonators, and inf, fixed ones (Newton's cradle).
-    /// The wave has the amplitude of the scene's unless a frequency is given; with fixed resonators
-    /// its mean strain is 0.
+    /// In place of the scene's. Here also 0 (no resonators) and inf (fixed resonators, Newton's
+    /// cradle). Unless a frequency is given, the wave has the amplitude of the scene's wave. With
+    /// fixed resonators its mean strain is 0.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R"))]
     pub rho: Option<f64>,
     /// Number of sites.
     ///
-    /// Of the ring on which the multipliers are computed, from 3 to 256 [default: the scene's].
+    /// The multipliers are computed for a ring of this length, from 3 to 256 [default: the
+    /// scene's].
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// Of the flow over a relative period, here at most 1e-12.
+    /// Error of the flow over a relative period; for an exact wave at most 1e-12.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
     pub tol: f64,
 }
@@ -302,18 +303,20 @@ pub struct ContinueWave {
     pub wanted: Wanted,
     /// What varies along the branch.
     ///
-    /// A number of the wave.
+    /// A parameter of the wave or of the chain.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value = "omega_tw"))]
     pub vary: WaveParameter,
-    /// Where it ends.
+    /// Value of the varied parameter at which the branch ends.
     ///
-    /// Where it begins is said by the scene and the other flags.
+    /// The first value is that of the scene or of the other flags.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", required = true))]
     pub to: Option<f64>,
-    /// Its largest change from wave to wave [default: what changes the state by a tenth].
+    /// Largest change of the varied parameter from wave to wave.
+    ///
+    /// By default a step changes the state of the wave by a tenth.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
     pub step: Option<f64>,
-    /// Waves at most.
+    /// Largest number of waves on the branch.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 200))]
     pub waves: usize,
 }

@@ -109,13 +109,13 @@ impl Report for ExactStudy {
             .collect();
         let head = ["p/pi", "growth per t", "by the DpS equations", "factor a period"];
         let spectrum =
-            if rows.is_empty() { "No multiplier is off the circle.\n".to_owned() } else { table(&head, &rows) };
+            if rows.is_empty() { "No multiplier lies off the unit circle.\n".to_owned() } else { table(&head, &rows) };
         format!(
             "x_n(t) = X(q n - omega_tw t), q = {}, omega_tw = {}, {}\n\
              amplitude {:.12e}, mean strain {:.12e}; {}\n\
              residual {:.1e} of the amplitude after {} steps of Newton's method; contacts closed for {:.4} of the period\n{}\n\n\
              Relative multipliers on {} sites, by Bloch wave number:\n{spectrum}\n\
-             {} of {} grow. Symplectic defect {:.1e}, eigenvectors {:.1e}, phase shift {:.1e}, linear {:.1e}, pairs {:.1e}.\n",
+             {} of {} multipliers grow. Checks: symplectic defect {:.1e}, eigenvectors {:.1e}, phase shift {:.1e}, linear {:.1e}, pairs {:.1e}.\n",
             of_pi(setting.q.q()),
             setting.omega_tw,
             params_words(setting.params),

@@ -92,7 +92,7 @@ pub enum Criterion {
     Energy,
     /// The relative distance to the ansatz is above 1/2.
     Distance,
-    /// The frequency is nearer to `omega` than to `Omega_b`.
+    /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
     Frequency,
 }
 
@@ -113,9 +113,9 @@ pub enum Fate {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct LifetimeOptions {
-    /// Sizes, separated by commas.
+    /// Sizes epsilon of the oscillation, separated by commas.
     ///
-    /// Positive, each once; displacements.
+    /// Displacements start at 2 epsilon a_n. Positive, each named once.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -126,7 +126,7 @@ pub struct LifetimeOptions {
     pub epsilons: Vec<f64>,
     /// Mass ratios resonator to bead, separated by commas.
     ///
-    /// Positive, each once.
+    /// Positive, each named once.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -135,7 +135,7 @@ pub struct LifetimeOptions {
         )
     )]
     pub rhos: Vec<f64>,
-    /// What ends a life.
+    /// Criterion that ends the life of a breather.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Criterion::Energy))]
     pub criterion: Criterion,
     /// Exponent of the contact force; 1.5 for spheres.
@@ -148,14 +148,14 @@ pub struct LifetimeOptions {
     pub center: Center,
     /// Number of sites.
     ///
-    /// Of every chain, from 20 to 10^5 [default: doubled from 100 until nothing comes back from the
-    /// ends].
+    /// Length of every chain, from 20 to 10^5. By default it is doubled from 100 on, up to 25600,
+    /// until no wave comes back from the ends.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
     /// End time, in units of time.
     ///
-    /// No breather is followed longer [default: 25 times the theorem's scale T epsilon^(1-alpha) of
-    /// each].
+    /// No breather is followed longer [default: for each breather 25 times the theorem's time
+    /// scale, T epsilon^(1-alpha)].
     #[cfg_attr(feature = "cli", arg(long, value_name = "T"))]
     pub until: Option<f64>,
     /// An adaptive method.

@@ -69,8 +69,9 @@ fn text(study: &LifetimeStudy) -> String {
     text += "\n> t: not before t, where the run ended. ";
     text += "!: past the time from which the ends of the chain may be felt.\n\n";
     text += &map_of(study, "fate", fate_cell);
-    text += "\nradiates: the core lost a tenth of its energy while its bonds were at work. decouples: contact fell below 1/3 before that, gaps open, sites swing for\n\
-             themselves and energy stays, whatever the ansatz says; in brackets contact at the end and the share of energy in the core.\n\n";
+    text += "\nradiates: the core fell below 0.9 of the energy while contact was at least 1/3. decouples: contact fell below 1/3 before that; gaps open, each site\n\
+             oscillates on its own, and the energy stays. contact: share of the last ten periods in which a bond of the core is closed. In brackets:\n\
+             contact, and the share of the energy in the core, at the end.\n\n";
     text += &map_of(study, "over T epsilon^(1-alpha)", |point| {
         let lifetime = point.life.as_ref().ok().and_then(|life| life.lifetime(options.criterion));
         lifetime.map_or_else(|| "–".to_owned(), |lifetime| format!("{:.3}", lifetime / point.horizon))

@@ -48,7 +48,8 @@ const RHOS: [f64; 4] = [1.0 / 3.0, 1.0, 3.0, 10.0];
 pub struct ModulationStudy {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// With an initial state of kind travelling-wave, to take all numbers of the wave from.
+    /// The scene must have an initial state of kind travelling-wave. All numbers of the wave are
+    /// taken from it, in place of the flags.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -69,7 +70,7 @@ pub struct ModulationStudy {
     pub kappa: f64,
     /// Mass ratio resonator to bead, positive.
     ///
-    /// inf for the DpS equation of Newton's cradle, with --b 0.
+    /// inf for Newton's cradle (its DpS equation), with --b 0.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
     pub rho: f64,
     /// Amplitude of the wave, positive.
@@ -77,7 +78,7 @@ pub struct ModulationStudy {
     pub a: f64,
     /// Mean strain.
     ///
-    /// Of the wave, below 2 kappa a.
+    /// Mean strain b of the wave, in the units of the modulation equations; below 2 kappa a.
     #[cfg_attr(feature = "cli", arg(long, value_name = "B", default_value = "1"))]
     pub b: f64,
     /// Wave number over pi, with a whole number of waves on the ring.
@@ -85,23 +86,24 @@ pub struct ModulationStudy {
     pub q_over_pi: f64,
     /// Sizes of the wave, separated by commas.
     ///
-    /// Rates per unit of time are those of the first, growth is measured at each.
+    /// Rates per unit of time are computed for the first size. With --measure, growth is measured
+    /// at each of them.
     #[cfg_attr(feature = "cli", arg(long, value_name = "E,F,..", value_delimiter = ',', default_values = ["0.01"]))]
     pub epsilon: Vec<f64>,
     /// Number of sites.
     ///
-    /// Of the ring, from 2 to 10^4; to be measured at most 1000.
+    /// Length of the ring, from 2 to 10^4; with --measure at most 1000.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 50))]
     pub sites: usize,
     /// Measure the growth on the full chain as well.
     #[cfg_attr(feature = "cli", arg(long))]
     pub measure: bool,
-    /// Number of wave numbers that are measured.
+    /// Number of wave numbers at which growth is measured.
     ///
-    /// Spread over those of the ring; the fastest comes on top.
+    /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 12, requires = "measure"))]
     pub modes: usize,
-    /// Chart the fastest growth over q and b as well.
+    /// Chart the fastest growth over wave number and mean strain as well.
     #[cfg_attr(feature = "cli", arg(long))]
     pub chart: bool,
 }

@@ -39,17 +39,18 @@ const KICKED: f64 = 0.1;
 pub struct Moving {
     /// Frequencies of the background, in radians per unit of time.
     ///
-    /// Above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
+    /// Separated by commas, each above omega = sqrt(kappa (1 + 1/rho)) [default: 1.025 omega].
     #[cfg_attr(feature = "cli", arg(long, value_name = "W,..", value_delimiter = ','))]
     pub omega_b: Vec<f64>,
     /// Whole periods of the background for each site that the kink moves on.
     ///
-    /// From 1 to 100; the velocity is omega_b/(2 pi (K + 1/2)).
+    /// Separated by commas, each from 1 to 100. With K the kink needs K + 1/2 periods for a site,
+    /// so that its velocity is omega_b/(2 pi (K + 1/2)).
     #[cfg_attr(feature = "cli", arg(long, value_name = "K,..", value_delimiter = ',', default_value = "18,22,26"))]
     pub turns: Vec<u32>,
     /// Number of sites.
     ///
-    /// Of the ring: odd, from 9 to 255. Tails depend on it.
+    /// The ring has an odd number of sites, from 9 to 255. The tails of the breather depend on it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
     pub sites: usize,
     /// Exponent of the contact force; 1.5 for spheres.
@@ -67,22 +68,24 @@ pub struct Moving {
     pub rho: f64,
     /// End time, in units of time.
     ///
-    /// Of the kicked run; 0 for none. It starts from the bond-centred breather at rest of the first frequency.
+    /// End of the run of the kicked breather; 0 for no such run. It starts from the bond-centred
+    /// breather at rest with the first frequency.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1200"))]
     pub until: f64,
-    /// Largest change of the start along a mode.
+    /// Size of a kick along one mode, in units of the orbit's amplitude.
     ///
-    /// Of the kicked run, along the mode that grows most; in units of the orbit's amplitude, of either sign.
+    /// The largest change of an entry of the initial state, along the mode that grows most; of
+    /// either sign, at most 1 in modulus.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SIZE", default_value = "1e-2"))]
     pub kick: f64,
     /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
     ///
-    /// On rings of at most 61 sites.
+    /// For rings of at most 61 sites.
     #[cfg_attr(feature = "cli", arg(long))]
     pub bound: bool,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// Of the flow, relative to the size of the state.
+    /// Error of the flow, relative to the size of the state.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
     pub tol: f64,
 }

@@ -15,8 +15,8 @@ use crate::{
 pub struct FollowMode {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// One whose contacts are closed at rest: a static overlap, between walls or on a ring. Beads
-    /// may differ; its initial state does not matter.
+    /// All contacts of the scene must be closed at rest: a static overlap, between walls or on a
+    /// ring. Beads may differ. The initial state of the scene does not matter.
     #[cfg_attr(feature = "cli", arg(default_value = "defect"))]
     pub scene: String,
     /// Changes to the scene.
@@ -36,15 +36,15 @@ pub struct ModeWay {
     /// [default: the most localised one]
     #[cfg_attr(feature = "cli", arg(long = "linear-mode", value_name = "K"))]
     pub mode: Option<usize>,
-    /// Where it ends.
+    /// Amplitude at which the branch ends.
     ///
-    /// An amplitude: the displacement at the start of that bead or resonator of which the linear
-    /// mode has most.
+    /// The amplitude is the displacement, at the start of the period, of the bead or resonator that
+    /// moves most in the linear mode.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A"))]
     pub to: f64,
-    /// Its largest change from point to point.
+    /// Largest change of the amplitude from point to point.
     ///
-    /// It begins at this amplitude [default: a twentieth of the last one].
+    /// The branch begins at this amplitude [default: a twentieth of the last one].
     #[cfg_attr(feature = "cli", arg(long, value_name = "DA"))]
     pub step: Option<f64>,
     /// Points of the branch at most.

@@ -188,7 +188,7 @@ pub struct OrderOptions {
     pub beads: usize,
     /// Integrators, separated by commas, or all [default: all].
     ///
-    /// Each in all modes that it can be run in.
+    /// Each is run in all modes that it has.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
     pub integrators: Vec<String>,
 }

@@ -68,8 +68,8 @@ impl Report for OrderStudy {
             .collect();
         let head = ["mode", "method", "state", "theory", "tangent", "theory", "steps", "error", "tangent error"];
         format!(
-            "{}\nalpha = {}, {} beads, {} events; slopes of log error against log steps where the error is above that of the\n\
-         reference ({:.1e} for the state, {:.1e} for the tangent), the six finest such rungs.\n",
+            "{}\nalpha = {}, {} beads, {} events; slopes of log error against log steps, over the six finest runs whose\n\
+         error is above that of the reference ({:.1e} for the state, {:.1e} for the tangent).\n",
             table(&head, &rows),
             self.alpha,
             self.beads,

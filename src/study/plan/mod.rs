@@ -42,7 +42,7 @@ const SHOWN: usize = 10;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct PlanFile {
-    /// A TOML file; `hertzchain sweep --template` prints one with every key.
+    /// TOML file with the plan; `hertzchain sweep --template` prints one.
     #[cfg_attr(feature = "cli", arg(value_name = "PLAN", required_unless_present = "template"))]
     pub plan: Option<PathBuf>,
     /// Print a plan with every key, each explained: a start for your own.
@@ -53,7 +53,7 @@ pub struct PlanFile {
 impl Study for PlanFile {
     const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or \
                                  two axes), and sweep.store, where every point is kept once it was run: the same sweep in the same folder \
-                                 goes on where it was.";
+                                 resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

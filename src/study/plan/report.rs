@@ -224,7 +224,7 @@ mod picture {
             let labels = [format!("{} (rows: {})", label(study, 1), label(study, 0)), name.to_owned()];
             return Ok(matrix(&Matrix { title, rows, columns, labels, values, notes, caption })?);
         }
-        let nth = |axis: usize| format!("{}, number of its value", label(study, axis));
+        let nth = |axis: usize| format!("{}, index of the value", label(study, axis));
         Ok(space_time(&SpaceTime {
             title,
             site_label: nth(1),

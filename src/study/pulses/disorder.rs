@@ -45,7 +45,8 @@ const END: f64 = 6.0;
 pub struct DisorderOptions {
     /// Strengths of the disorder, separated by commas.
     ///
-    /// Masses are drawn evenly from 1 - E to 1 + E; each from 0 to 0.9.
+    /// With the strength E, masses are drawn evenly from 1 - E to 1 + E. Each strength is from 0 to
+    /// 0.9.
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "E,..", value_delimiter = ',', default_values = ["0.1", "0.2", "0.4", "0.8"])
@@ -53,7 +54,7 @@ pub struct DisorderOptions {
     pub strengths: Vec<f64>,
     /// Number of chains for each strength.
     ///
-    /// With seeds from 1 on; from 2 to 10^5.
+    /// From 2 to 10^5. Their seeds are 1, 2, 3, and so on.
     #[cfg_attr(feature = "cli", arg(long = "chains", value_name = "K", default_value_t = 100))]
     pub chains: u64,
     /// Number of beads whose masses are drawn.
@@ -111,7 +112,7 @@ impl DisorderOptions {
 impl Study for DisorderOptions {
     const FILES: &'static str = "\
 Files: disorder.csv, energies.csv, disorder.json, disorder.png and disorder.store. The store keeps every \
-chain as soon as it was run; the same command goes on from there.";
+chain as soon as it was run; the same command resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

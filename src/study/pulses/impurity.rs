@@ -48,17 +48,19 @@ const CHANGES: usize = 4;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ImpurityOptions {
-    /// Where it begins.
+    /// Smallest mass ratio.
     ///
-    /// The smallest mass of the impurity over that of the other beads, from 0.001 to 20.
+    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.01"))]
     pub from: f64,
-    /// Where it ends.
+    /// Largest mass ratio.
     ///
-    /// The largest mass of the impurity over that of the other beads, from 0.001 to 20.
+    /// Mass of the impurity over that of the other beads, from 0.001 to 20.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "20"))]
     pub to: f64,
     /// Number of mass ratios, evenly spaced in their logarithm.
+    ///
+    /// From 3 to 10000.
     #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 67))]
     pub points: usize,
 }
@@ -261,8 +263,8 @@ impl Report for ImpurityStudy {
         let head =
             ["mass ratio", "transmitted", "reflected", "localised", "late change", "changes", "frequency", "law"];
         format!(
-            "{}\nShares of the energy of a solitary wave behind an impurity, before it, and its own, at t = 200 + 20 (M - 1)_+; \
-             late change: the most by which one of them changed in the last quarter of the run.\nchanges: of the sign of the acceleration of the impurity between its neighbours, until one \
+            "{}\nShares of the energy of a solitary wave behind an impurity (transmitted), before it (reflected) and in it (localised), at t = 200 + 20 (M - 1)_+; \
+             late change: the largest change of a share in the last quarter of the run.\nchanges: number of changes of the sign of the acceleration of the impurity between its neighbours, until one \
              of its contacts opens; law: (f'(G/2) (2/M + 1))^(1/2).\n",
             table(&head, &rows)
         )

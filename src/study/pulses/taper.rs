@@ -41,22 +41,24 @@ const TIME: f64 = 1.3;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct TaperOptions {
-    /// Where it begins.
+    /// Smallest ratio of a radius to the one before it.
     ///
-    /// The smallest ratio of a radius to the one before it, from 0.8 to 1.25.
+    /// From 0.8 (shrinking spheres) to 1.25 (growing ones).
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "0.92"))]
     pub from: f64,
-    /// Where it ends.
+    /// Largest ratio of a radius to the one before it.
     ///
-    /// The largest ratio of a radius to the one before it, from 0.8 to 1.25.
+    /// From 0.8 (shrinking spheres) to 1.25 (growing ones).
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "1.08"))]
     pub to: f64,
     /// Number of ratios of radii, evenly spaced.
+    ///
+    /// From 2 to 1000.
     #[cfg_attr(feature = "cli", arg(long = "tapers", value_name = "K", default_value_t = 33))]
     pub points: usize,
-    /// Spheres that are measured.
+    /// Number of tapered spheres whose velocity is measured.
     ///
-    /// From 10 to 200; radii stay between 0.001 and 1000.
+    /// From 10 to 200, and so few that all radii stay between 0.001 and 1000 times the first one.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 40))]
     pub spheres: usize,
 }

@@ -38,7 +38,7 @@ const TRIAL_SITES: usize = 50;
 pub struct ScalingOptions {
     /// Numbers of sites, separated by commas.
     ///
-    /// Multiples of 10, up to 10^6.
+    /// Each a multiple of 10, up to 10^6.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -48,17 +48,17 @@ pub struct ScalingOptions {
     pub sites: Vec<usize>,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// The same for every method.
+    /// The same tolerance for every method.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-9"))]
     pub tol: f64,
-    /// Seed of what is drawn at random.
+    /// Seed of the random numbers.
     ///
-    /// The perturbation of the wave.
+    /// They perturb the wave.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value_t = 1))]
     pub seed: u64,
     /// Wall time for all runs, in seconds; what would not fit is left out.
     ///
-    /// Left out are runs of dop853.
+    /// Only runs of dop853 are left out.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S", default_value = "60"))]
     pub max_time: f64,
 }

@@ -46,18 +46,18 @@ pub struct Solitary {
     pub speed: Option<f64>,
     /// Mass ratios resonator to bead, separated by commas.
     ///
-    /// Positive [default: those with omega/speed from 1.5 pi to 3.6 pi].
+    /// Positive [default: ratios with omega/speed from 1.5 pi to 3.6 pi].
     #[cfg_attr(feature = "cli", arg(long, value_name = "A,B,..", value_delimiter = ','))]
     pub rhos: Vec<f64>,
     /// Number of sites.
     ///
-    /// Of the ring, from 8 to 60. A pulse with tails is on one of up to three sites more, whose
-    /// ring is farthest from resonance with them.
+    /// Length of the ring, from 8 to 60. A pulse with tails is computed on a ring that is up to
+    /// three sites longer, the one that is farthest from resonance with the tails.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 20))]
     pub sites: usize,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// Of the flow over a relative period, here at most 1e-12.
+    /// Error of the flow over a relative period; for an exact wave at most 1e-12.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-14"))]
     pub tol: f64,
 }

@@ -143,13 +143,13 @@ pub struct TheoremOptions {
     pub alpha: f64,
     /// T: runs end at t = T epsilon^(1-alpha), at most 1e8.
     ///
-    /// In units of the slow time, up to 1000.
+    /// The horizon of the theorem in units of the slow time, up to 1000.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1"))]
     pub horizon: f64,
     /// Law of the mass ratio, or a number for all epsilon.
     ///
-    /// eps^-2(alpha-1), the least that the theorem allows; eps^-(alpha-1), which is less; or a
-    /// number, inf for Newton's cradle.
+    /// eps^-2(alpha-1), the smallest ratio that the theorem allows; eps^-(alpha-1), which is
+    /// smaller; or one number for all epsilon, inf for Newton's cradle.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -158,24 +158,24 @@ pub struct TheoremOptions {
         )
     )]
     pub rho_law: RhoLaw,
-    /// What A(0) is.
+    /// Initial amplitudes A(0) of the DpS equation.
     ///
-    /// The breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n
-    /// in (-1, 1).
+    /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n, eta_n in
+    /// (-1, 1).
     #[cfg_attr(feature = "cli", arg(long, value_name = "I", value_enum, default_value_t = Initial::Bond))]
     pub initial: Initial,
     /// C_i: departure of the initial state from the ansatz.
     ///
-    /// In a random direction, on the boundary of the set (condciu), (condciv) in l_1, and so inside
-    /// it in all norms. 0: exactly on the ansatz.
+    /// The departure has a random direction and lies on the boundary of the set (condciu),
+    /// (condciv) in l_1, and so inside it in all norms. 0: the run starts exactly on the ansatz.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
     pub c_i: f64,
-    /// Seed of what is drawn at random [default: 1].
+    /// Seed of the random numbers [default: 1].
     ///
-    /// A generic A(0) and the departure from the ansatz.
+    /// They give a generic A(0) and the direction of the departure from the ansatz.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
     pub seed: Option<u64>,
-    /// Sizes, separated by commas [default: decades from 0.1 to 1e-6].
+    /// Sizes epsilon of the oscillation, separated by commas [default: decades from 0.1 to 1e-6].
     ///
     /// Between 0 and 1, in any order.
     #[cfg_attr(
@@ -188,7 +188,8 @@ pub struct TheoremOptions {
     pub epsilons: Vec<f64>,
     /// Number of sites.
     ///
-    /// Up to 1000 [default: those where A(0) is above 1e-16 of its largest value; generic: 21].
+    /// Up to 1000 [default: the sites where A(0) is above 1e-16 of its largest value; for generic:
+    /// 21].
     #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub sites: Option<usize>,
     /// The times at which errors are sampled for the suprema.
@@ -232,7 +233,7 @@ impl TheoremOptions {
 
 impl Study for TheoremOptions {
     const FILES: &'static str = "Files: theorem.json, theorem.txt, theorem.png, theorem.csv (suprema) and slopes.csv, and theorem.store, where every size is kept \
-                                 once it was run: the same study in the same folder goes on where it was.";
+                                 once it was run: the same study in the same folder resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

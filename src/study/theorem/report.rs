@@ -107,7 +107,7 @@ impl Report for TheoremStudy {
         let [first, _, second] = self.powers();
         text += &format!(
             "\nsuprema over 0 <= t <= T epsilon^(1-alpha) of the errors (estimu), (estimv), divided by epsilon^{first} (u with u', v) and epsilon^{second} (v').\n\
-         missed: the largest share of them that samples miss, from their curvature where they are largest.\n\n"
+         missed: the largest share of a supremum that samples may miss, estimated from the curvature at the largest sample.\n\n"
         );
         let slopes = slope_rows(self);
         text += &named(&head(&["local slope from", "to"], &[]), &slopes);
@@ -196,10 +196,12 @@ fn slope_rows(study: &TheoremStudy) -> Vec<Vec<String>> {
 fn conclusion(study: &TheoremStudy) -> &'static str {
     match (study.verdict(), study.options.rho_law.allowed()) {
         (Bound::Bounded, true) => "as Theorem 1 says.",
-        (Bound::Bounded, false) => "more than Theorem 1 says, which asks for 1/rho <= C_r epsilon^(2(alpha-1)).",
+        (Bound::Bounded, false) => {
+            "Theorem 1 does not promise this, since it asks for 1/rho <= C_r epsilon^(2(alpha-1))."
+        }
         (Bound::Violated, true) => "this contradicts Theorem 1.",
         (Bound::Violated, false) => {
-            "Theorem 1 does not apply, since it asks for 1/rho <= C_r epsilon^(2(alpha-1)), and what it says does not hold."
+            "Theorem 1 does not apply, since it asks for 1/rho <= C_r epsilon^(2(alpha-1)), and its bounds do not hold."
         }
         (Bound::Undecided, _) => "the sizes given do not tell.",
     }

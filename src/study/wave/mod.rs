@@ -49,7 +49,7 @@ const FLOW_TOLERANCES: (f64, f64) = (1e-13, 1e-8);
 pub struct Wave {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// With an initial state of kind travelling-wave.
+    /// The scene must have an initial state of kind travelling-wave.
     #[cfg_attr(feature = "cli", arg(required = true))]
     pub scene: Option<String>,
     /// Changes to it.
@@ -57,12 +57,13 @@ pub struct Wave {
     pub set: Changes,
     /// Perturb each amplitude by up to this share [default: the scene's].
     ///
-    /// Real and imaginary part of each, from 0 (none) to below 1.
+    /// The share bounds the changes of the real and of the imaginary part of each amplitude. From 0
+    /// (no perturbation) to below 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "Z"))]
     pub zeta: Option<f64>,
-    /// Seed of what is drawn at random [default: the scene's, else 1].
+    /// Seed of the random numbers [default: the scene's, else 1].
     ///
-    /// The perturbation of the wave.
+    /// They perturb the wave.
     #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
     pub seed: Option<u64>,
     /// How it is run and looked at.
@@ -82,12 +83,12 @@ pub struct Wave {
 pub struct WaveOptions {
     /// Number of perturbed waves, from that seed on [default: 1].
     ///
-    /// From 1 to 10^4; they run on all cores and give the spread of their growth.
+    /// From 1 to 10^4. They run on all cores and give the spread of the growth.
     #[cfg_attr(feature = "cli", arg(long, value_name = "K"))]
     pub seeds: Option<u32>,
     /// Integrator; `hertzchain integrators` lists all.
     ///
-    /// One that takes a tolerance.
+    /// Only integrators that take a tolerance.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -98,12 +99,13 @@ pub struct WaveOptions {
     pub method: Method,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// For collocation: of the whole run, relative to the size of the state. For dop853: of a step.
+    /// For collocation: error of the whole run, relative to the size of the state. For dop853:
+    /// error of a step.
     #[cfg_attr(feature = "cli", arg(long = "tol", value_name = "T", default_value = "1e-10"))]
     pub tolerance: f64,
-    /// Samples a period, from which largest values are taken.
+    /// Samples per period, from which largest values are taken.
     ///
-    /// Of the wave, from 2 to 1000; the end is one of them.
+    /// Per period of the wave, from 2 to 1000; the end of the run is one of them.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value_t = 50))]
     pub samples_per_period: u32,
 }
@@ -135,7 +137,7 @@ impl Wave {
 impl Study for Wave {
     const FILES: &'static str = "Files: wave.json, wave.png, errors.csv, profile.csv, and of perturbed waves envelope.csv, ensemble.csv and \
                                  spread.csv. With --seeds, ensemble.store keeps every seed once it was run: the same \
-                                 ensemble in the same folder goes on where it was.";
+                                 ensemble in the same folder resumes from it.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

@@ -94,7 +94,7 @@ impl Report for WaveStudy {
         if let Some(run) = &self.perturbed {
             text += &format!(
                 "; perturbed by zeta = {}, seed {}, against its own ansatz (eq:xy_app).\ntilde E: perturbed against unperturbed wave (eq:relerr_twPtd).\nThe \
-             modulation equations conserve their energy: it changed by {:.1e} of itself",
+             modulation equations conserve their energy; its relative change was {:.1e}",
                 run.wave.zeta(),
                 run.wave.seed(),
                 run.flow_energy_change

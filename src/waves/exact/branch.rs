@@ -45,17 +45,17 @@ const SOLVED: f64 = 1e-12;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
 pub enum WaveParameter {
-    /// Frequency `omega_tw`.
+    /// Frequency `omega_tw` of the wave.
     OmegaTw,
     /// Height of the crest above the mean strain.
     Amplitude,
     /// Mean strain.
     Mean,
-    /// Mass ratio.
+    /// Mass ratio resonator to bead.
     Rho,
-    /// Spring constant.
+    /// Spring constant of the resonators.
     Kappa,
-    /// Exponent.
+    /// Exponent of the contact force.
     Alpha,
 }
 

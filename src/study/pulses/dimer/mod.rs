@@ -43,22 +43,24 @@ const NEAR: f64 = 2e-5;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct DimerOptions {
-    /// Where it begins.
+    /// Smallest mass ratio.
     ///
-    /// The smallest mass ratio, light over heavy, from 0.02 to 1.
+    /// Mass of the light beads over that of the heavy ones, from 0.02 to 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "0.07"))]
     pub from: f64,
-    /// Where it ends.
+    /// Largest mass ratio.
     ///
-    /// The largest mass ratio, from 0.02 to 1.
+    /// Mass of the light beads over that of the heavy ones, from 0.02 to 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "M", default_value = "1"))]
     pub to: f64,
     /// Number of mass ratios, evenly spaced in their logarithm.
+    ///
+    /// From 3 to 10000.
     #[cfg_attr(feature = "cli", arg(long = "ratios", value_name = "K", default_value_t = 120))]
     pub points: usize,
-    /// Cells between the two bonds that are compared.
+    /// Distance of the two bonds whose forces are compared, in cells.
     ///
-    /// A cell is a heavy and a light bead; from 4 to 1000.
+    /// A cell is a heavy and a light bead. From 4 to 1000.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 24))]
     pub cells: usize,
 }
