@@ -34,11 +34,12 @@ use std::f64::consts::PI;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[cfg_attr(feature = "cli", value(rename_all = "snake_case"))]
 pub enum DriveParameter {
-    /// Amplitude of the first harmonic with a frequency; all others with one keep their ratio to it.
+    /// Amplitude of the first harmonic that has a frequency; other such harmonics keep their ratio
+    /// to it.
     Amplitude,
     /// Fundamental frequency; all harmonics keep their ratio to it.
     Omega,
-    /// Factor of all drags and dashpots.
+    /// Common factor of all drags and dashpots.
     Damping,
 }
 

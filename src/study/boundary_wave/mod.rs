@@ -58,12 +58,13 @@ const FASTEST: f64 = 100.0;
 pub struct BoundaryWave {
     /// Number of sites.
     ///
-    /// From 80 to 1000. The first is moved, the last 40 take the wave up.
+    /// From 80 to 1000. The first bead is moved; the last 40 absorb the wave.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 90))]
     pub sites: usize,
     /// Drive frequencies.
     ///
-    /// Above omega = sqrt(1 + 1/rho), and below the end of the band of weak waves.
+    /// Separated by commas, in radians per unit of time; above omega = sqrt(1 + 1/rho), and below
+    /// the end of the band of weak waves.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -74,7 +75,7 @@ pub struct BoundaryWave {
         )
     )]
     pub omegas: Vec<f64>,
-    /// Amplitude with which the first bead is moved.
+    /// Displacement amplitude of the first bead.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A", default_value = "0.05"))]
     pub drive: f64,
     /// Static overlap of all contacts.

@@ -28,8 +28,8 @@ use std::path::PathBuf;
 pub struct DrivenScene {
     /// Name of a built-in scene, or a TOML file.
     ///
-    /// One with a `[[drive]]`: harmonics of one frequency, with or without a ramp. The orbit is
-    /// that of the drive at its full height.
+    /// The scene must have a `[[drive]]`: harmonics of one frequency, with or without a ramp. The
+    /// orbit is that of the drive at its full height.
     #[cfg_attr(feature = "cli", arg(default_value = "granular-crystal"))]
     pub scene: String,
     /// Changes to the scene.
@@ -174,12 +174,12 @@ pub struct DrivenWay {
     /// What varies along the branch.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", value_enum, default_value_t = DriveParameter::Amplitude))]
     pub vary: DriveParameter,
-    /// Where it ends.
+    /// Value of the parameter at which the branch ends.
     ///
     /// It begins with the scene's own value (with 1 for `damping`).
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", required_unless_present = "resume"))]
     pub to: Option<f64>,
-    /// Its largest change from point to point.
+    /// Largest change of the parameter from point to point.
     ///
     /// [default: a twentieth of the range]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]

@@ -34,8 +34,8 @@ const RANGE: [f64; 2] = [1.005, 1.05];
 pub struct Ring {
     /// Number of sites.
     ///
-    /// Of the ring, n = -N .. N: odd, from 3 to 255. Weak quartets, and how many there are, depend
-    /// on it.
+    /// The ring has an odd number of sites, n = -N .. N, from 3 to 255. Weak quartets of
+    /// multipliers, and their number, depend on it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 41))]
     pub sites: usize,
     /// Exponent of the contact force; 1.5 for spheres.
@@ -51,15 +51,15 @@ pub struct Ring {
     /// Finite.
     #[cfg_attr(feature = "cli", arg(long, value_name = "R", default_value_t = 1.0 / 3.0))]
     pub rho: f64,
-    /// Vertical centre of the background (eq:center).
+    /// Vertical centre C_x of the background, a strain (eq:center).
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", default_value = "0"))]
     pub c_x: f64,
-    /// What Newton's method solves.
+    /// Equations of Newton's method.
     #[cfg_attr(feature = "cli", arg(long, value_name = "F", value_enum, default_value_t = Formulation::HalfPeriod))]
     pub formulation: Formulation,
     /// Tolerance, from 1e-15 to 0.1.
     ///
-    /// Of the flow, relative to the size of the state.
+    /// Error of the flow, relative to the size of the state.
     #[cfg_attr(feature = "cli", arg(long, value_name = "T", default_value = "1e-13"))]
     pub tol: f64,
 }
@@ -150,36 +150,36 @@ pub struct Continue {
     /// The kink is on the site 0, or on the bond between the sites 0 and 1.
     #[cfg_attr(feature = "cli", arg(long, value_name = "C", value_enum, default_value_t = Center::Site))]
     pub center: Center,
-    /// What varies: omega_b, rho, kappa, alpha or c_x.
+    /// Varied parameter: omega_b, rho, kappa, alpha or c_x.
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value = "omega_b"))]
     pub parameter: String,
-    /// Where it begins [default for omega_b: 1.005 omega].
+    /// First value of the parameter [default for omega_b: 1.005 omega].
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub from: Option<f64>,
-    /// Where it ends [default for omega_b: 1.05 omega].
+    /// Last value of the parameter [default for omega_b: 1.05 omega].
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub to: Option<f64>,
-    /// Its largest change from point to point.
+    /// Largest change of the parameter from point to point.
     ///
     /// [default: a hundredth of the range]
     #[cfg_attr(feature = "cli", arg(long, value_name = "DP"))]
     pub step: Option<f64>,
-    /// Points at most, old ones too.
+    /// Most points, resumed ones included.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 1000))]
     pub points: usize,
-    /// Count the way by the parameter, not by the arclength.
+    /// Take steps in the parameter, not in the arclength.
     ///
     /// Such a branch ends at a fold.
     #[cfg_attr(feature = "cli", arg(long))]
     pub natural: bool,
     /// Do not locate collisions of multipliers that stay below 1 + WEAK.
     ///
-    /// In modulus.
+    /// The moduli of the multipliers are compared with 1 + WEAK.
     #[cfg_attr(feature = "cli", arg(long, value_name = "WEAK", default_value = "0.01"))]
     pub weak: f64,
     /// Frequency of the breather, in radians per unit of time.
     ///
-    /// Where another parameter varies [default: 1.025 omega].
+    /// For branches in another parameter [default: 1.025 omega].
     #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
     pub omega_b: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.
@@ -199,7 +199,7 @@ pub struct Continue {
     pub resume: Option<PathBuf>,
     /// Bound the distance to an exact solution by the theorem of Newton and Kantorovich.
     ///
-    /// Of each point.
+    /// For each point of the branch.
     #[cfg_attr(feature = "cli", arg(long))]
     pub bound: bool,
     /// The ring.
@@ -268,22 +268,23 @@ impl Study for Continue {
 pub struct Doubled {
     /// Frequency of the breather, in radians per unit of time.
     ///
-    /// Of the whole period where the branch is to end, about half of that of the main branch.
+    /// The frequency at which the branch of doubled period ends: that of the whole period, about
+    /// half of the frequency of the main branch.
     #[cfg_attr(feature = "cli", arg(long, value_name = "W", default_value = "1.056"))]
     pub omega_b: f64,
-    /// Where the main branch is left without a period doubling.
+    /// Frequency up to which a period doubling is searched for.
     ///
-    /// [default: 1.05 omega]
+    /// The main branch is followed no further without one [default: 1.05 omega].
     #[cfg_attr(feature = "cli", arg(long, value_name = "W"))]
     pub most: Option<f64>,
     /// Largest change of the frequency from point to point.
     ///
-    /// Of the main branch; half of it on the doubled one.
+    /// On the main branch; on the doubled one half of it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DW", default_value = "0.002"))]
     pub step: f64,
-    /// File branch.npz of the main branch [default: it is followed here].
+    /// File branch.npz of the main branch [default: it is computed here].
     ///
-    /// One which `breather continue --center bond` has written.
+    /// A file that `breather continue --center bond` has written.
     #[cfg_attr(
         feature = "cli",
         arg(
