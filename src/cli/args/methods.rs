@@ -97,7 +97,7 @@ pub(crate) struct RunArgs {
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(crate) plan: bool,
-    /// With --plan: say what so many ranks would need, and stop.
+    /// With --plan: print what a run on P ranks would need, and stop.
     ///
     /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may have
     /// more sites than can be run.
