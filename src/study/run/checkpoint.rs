@@ -237,6 +237,10 @@ impl LongRun {
     fn keep(&mut self, folder: &Folder) -> Result<()> {
         match self.run.parts().apart() {
             Some(apart) => {
+                if self.legs.0.is_empty() {
+                    // A checkpoint of another run may name the files that are written next.
+                    folder.remove([FILE])?;
+                }
                 let profiles = apart.write(&folder.path().join(pieces::FOLDER), self.done)?;
                 self.legs.push(Leg { leg: self.done, parts: apart.parts().count(), profiles });
             }

@@ -9,7 +9,7 @@
 use crate::{
     chain::{Blocks, Layout},
     error::{Error, Result},
-    output::{Archive, Folder, NpzWriter, read_vectors},
+    output::{Archive, NpzWriter, read_vectors},
     parts::{Files, Own},
 };
 use serde::{Deserialize, Serialize};
@@ -31,35 +31,37 @@ pub struct PartFiles;
 
 impl Files for PartFiles {
     fn write(&self, folder: &Path, leg: u64, own: &Own) -> std::result::Result<(), String> {
-        let write = || -> Result<()> {
-            let folder = Folder::create(folder)?;
-            let leg = Leg { leg, parts: own.parts(), profiles: own.profiles().len() };
-            if leg.profiles > 0 {
-                folder.write_with(&leg.name(PROFILES, own.part()), |file| {
-                    let rows: Vec<&[f64]> = own.profiles().iter().map(Vec::as_slice).collect();
-                    write(file, own, &[rows.len() as u64], &rows)
-                })?;
-            }
-            folder.write_with(&leg.name(STATE, own.part()), |file| write(file, own, &[], &[own.state()])).map(drop)
+        let leg = Leg { leg, parts: own.parts(), profiles: own.profiles().len() };
+        let keep = |kind, axes: &[u64], rows: &[&[f64]]| {
+            let path = folder.join(leg.name(kind, own.part()));
+            write(&path, own, axes, rows).map_err(|why| format!("{}: {why}", path.display()))
         };
-        write().map_err(|why| why.to_string())
+        fs::create_dir_all(folder).map_err(|why| why.to_string())?;
+        let rows: Vec<&[f64]> = own.profiles().iter().map(Vec::as_slice).collect();
+        if !rows.is_empty() {
+            keep(PROFILES, &[rows.len() as u64], &rows)?;
+        }
+        keep(STATE, &[], &[own.state()])
     }
 }
 
 const STATE: &str = "state";
 const PROFILES: &str = "profiles";
 
-/// Writes an archive of rows of the sites of a part; `axes` are those before the sites.
-fn write(file: &mut fs::File, own: &Own, axes: &[u64], rows: &[&[f64]]) -> std::io::Result<()> {
+/// Writes an archive of rows of the sites of a part; `axes` are those before the sites. The file
+/// counts only once a checkpoint names it, which is written when all parts have written theirs.
+fn write(path: &Path, own: &Own, axes: &[u64], rows: &[&[f64]]) -> std::io::Result<()> {
     let (sites, count) = (own.sites(), own.sites().len());
-    let mut archive = NpzWriter::new(file, None)?;
+    let mut file = fs::File::create(path)?;
+    let mut archive = NpzWriter::new(&mut file, None)?;
     archive.vector("sites", &[sites.start as f64, sites.end as f64])?;
     let shape = [axes, &[count as u64]].concat();
     for (k, name) in names(own.state().len() / count).into_iter().enumerate() {
         archive.begin(name, &shape)?;
         rows.iter().try_for_each(|row| archive.row(&row[k * count..][..count]))?;
     }
-    archive.finish()
+    archive.finish()?;
+    file.sync_all()
 }
 
 /// Names of the arrays of sites with so many numbers.
