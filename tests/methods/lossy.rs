@@ -78,11 +78,16 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
     let (chain, state, end, want) = stored("dissipating");
     let asked = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
     let got = asked.start().unwrap().complete().unwrap();
-    let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
+    // The ledger has entries of up to 70.
+    let (split, off) = (2 * chain.layout().half(), got.energy_error.unwrap());
+    let error = distance(&got.state[..split], &want[..split]);
+    let ledger_error = distance(&got.state[split..], &want[split..]) / 70.0;
     let contacts = got.contacts.unwrap().len();
     let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
-    println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
-    assert!(error < 1e-11 && off < 1e-12 && contacts >= 200, "{error:e} {off:e} {contacts}");
+    let by_other = distance(&other[..split], &want[..split]);
+    println!("{error:e}, ledger {ledger_error:e}, balance {off:e}, {contacts} contacts, dop853 {by_other:e}");
+    assert!(error < 1e-11 && ledger_error < 1e-12 && off < 1e-12 && contacts >= 200);
+    assert!(by_other < 1e-9, "{by_other:e}");
     let ledger = chain.layout().ledger(&want).unwrap();
     assert!(ledger.contacts > 1.0 && ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 1.0, "{ledger:?}");
 }

@@ -7,9 +7,7 @@ use crate::{
     windows,
 };
 use hertzchain::{
-    chain::{
-        Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, Site, State,
-    },
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, Site, State},
     integrators::{Silent, collocation::Pace, drive},
     run::{Method, Records, Setting},
 };
