@@ -94,12 +94,15 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
 
 #[test]
 fn tolerances_are_kept_where_contacts_dissipate() {
-    // Truth: regularised DOP853 at 3e-15 a step, which errs by up to 6e-11 where forces jump. Both
-    // laws, with and without damping and drives.
-    for (law, driven) in
-        [((Kind::Viscoelastic, 0.3), false), ((Kind::Viscoelastic, 1.0), true), ((Kind::Dashpot, 0.4), false)]
-    {
-        let mut worst = [0.0f64; 7];
+    // Truth: regularised DOP853 at 3e-15 a step. Viscoelastic contacts, with and without damping and
+    // drives, over seven decades. Dashpots, whose forces jump, over five, beyond which DOP853 says
+    // nothing; to three tolerances, as conservative chains.
+    for (law, driven, decades, bound) in [
+        ((Kind::Viscoelastic, 0.3), false, 7, 1.0),
+        ((Kind::Viscoelastic, 1.0), true, 7, 1.0),
+        ((Kind::Dashpot, 0.4), false, 5, 3.0),
+    ] {
+        let mut worst = vec![0.0f64; decades];
         for seed in 0..6 {
             let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12, law, driven);
             let want = regularised(&chain, &y0, 8.0);
@@ -111,8 +114,8 @@ fn tolerances_are_kept_where_contacts_dissipate() {
                 *worst = worst.max(error / (tol * size));
             }
         }
-        println!("{law:?} {driven}: {worst:.1e?}");
-        assert!(worst.iter().all(|error| *error < 1.0), "{law:?} {driven}: {worst:?}");
+        println!("{law:?} {driven}: {worst:?}");
+        assert!(worst.iter().all(|error| *error < bound), "{law:?} {driven}: {worst:?}");
     }
 }
 
@@ -193,12 +196,12 @@ fn the_order_of_windows_is_that_of_elastic_contacts() {
         let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
         let mean = |count: u64| {
             let error = |k: u64| {
-                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 4));
+                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
                 distance(&got[part.clone()], &want[part.clone()]).ln()
             };
             ((0..12).map(error).sum::<f64>() / 12.0).exp()
         };
-        let (coarse, fine) = (mean(60), mean(180));
+        let (coarse, fine) = (mean(40), mean(120));
         println!("{coarse:e} {fine:e}");
         (coarse / fine).ln() / 3f64.ln()
     };
