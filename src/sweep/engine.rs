@@ -12,8 +12,9 @@ use std::{cell::RefCell, path::PathBuf};
 /// Where the points of a study are computed, all of them or a shard, and where their rows are kept.
 ///
 /// A study sweeps one grid. An engine with a shard computes the points of its shard that are not in
-/// the store of the whole grid, and keeps them in a store of its own beside it. An engine without a
-/// shard takes over what shards have kept there, and computes what is missing.
+/// the store of the whole grid, and keeps their rows in a store of the shard in the same folder. An
+/// engine without a shard merges the stores of shards into that of the grid, and computes the
+/// missing rows.
 ///
 /// ```
 /// use hertzchain::{output::Folder, sweep::{Engine, Grid}};
@@ -86,13 +87,13 @@ impl Engine {
         Self { backend, folder: None, shard: None, part: RefCell::new(None) }
     }
 
-    /// The same with a store in a folder.
+    /// The engine, with a store in a folder.
     #[must_use]
     pub fn keeping(self, folder: &Folder) -> Self {
         Self { folder: Some(folder.clone()), ..self }
     }
 
-    /// The same for a shard; it needs a folder.
+    /// The engine, for the points of a shard; it needs a folder.
     #[must_use]
     pub fn shard(self, shard: Shard) -> Self {
         Self { shard: Some(shard), ..self }

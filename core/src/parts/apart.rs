@@ -246,7 +246,7 @@ mod tests {
     /// A leg that part 1 does not write.
     const REFUSED: u64 = 99;
 
-    /// A whole state of what parts have written of it.
+    /// The whole state, joined from what parts have written.
     fn joined(layout: crate::chain::Layout, pieces: &[(Range<usize>, &[f64])]) -> Vec<f64> {
         let mut y = vec![f64::NAN; layout.dim()];
         for (sites, piece) in pieces {
@@ -258,8 +258,8 @@ mod tests {
         y
     }
 
-    /// Runs apart in two legs, from a state that is given site by site, and holds what it leaves
-    /// against the same legs in one piece.
+    /// Runs apart in two legs, from a state that is given site by site, and compares the results
+    /// with those of the same legs in one piece.
     fn holds(like: &Run, count: usize) {
         let from = |initial: Initial| {
             let run = Run::new(like.chain().clone(), initial).until(like.end().unwrap()).unwrap();

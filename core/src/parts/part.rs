@@ -149,7 +149,7 @@ pub(super) fn numbers(resonators: bool) -> usize {
     if resonators { 4 } else { 2 }
 }
 
-/// The arrays `[u, v, u', v']` of a message about so many sites.
+/// The arrays `[u, v, u', v']` in a message about `sites` sites.
 pub(super) fn parted(message: &[f64], sites: usize) -> [&[f64]; 4] {
     let (positions, velocities) = message.split_at(message.len() / 2);
     let ((u, v), (u_dot, v_dot)) = (positions.split_at(sites), velocities.split_at(sites));

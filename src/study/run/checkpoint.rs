@@ -335,8 +335,8 @@ impl LongRun {
     /// The run whose checkpoint is an archive.
     ///
     /// # Errors
-    /// [`Error::Content`], with key and rule, for one that is not as it was written, of another
-    /// version of the program, or whose numbers are outside their rules.
+    /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
+    /// another version of the program, or has numbers outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
         Self::of(file, Parts::Whole, false)
     }
@@ -393,7 +393,7 @@ impl LongRun {
     /// the run goes on to its own end.
     ///
     /// # Errors
-    /// [`Error::Content`] for the one that differs; `path` is where it was read.
+    /// [`Error::Content`] that names the one that differs. `path` is the file of the checkpoint.
     pub fn is(&self, path: &Path, scene: Option<&Scene>, method: Option<Method>) -> Result<()> {
         let refused = |key: &str, there: &str, here: &str| {
             let rule = format!("{there} there and {here} here: a checkpoint goes on with its own");

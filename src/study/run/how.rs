@@ -84,7 +84,7 @@ impl How {
         }
     }
 
-    /// Why an integrator that nobody named was chosen.
+    /// The reason for the choice of the integrator, if the user named none.
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Integrated(.., reason) => reason.as_deref(),
@@ -141,7 +141,7 @@ impl How {
     /// Refuses parts if the scene cannot run in them this way.
     ///
     /// # Errors
-    /// An exact solution, or a method that does not run the scene in so many parts.
+    /// An exact solution, or a method that does not run the scene in this number of parts.
     pub fn takes(&self, scene: &Scene, parts: &Parts) -> Result<()> {
         match self {
             Self::Integrated(method, ..) => method.takes(parts, scene.chain().topology()),

@@ -97,7 +97,7 @@ pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is there where nobody named the integrator, `si` where all numbers are in SI units.
+/// `reason` is present if the user named no integrator, `si` if all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
     json!(entries(ran))
 }
