@@ -44,7 +44,7 @@ const QUICK: Duration = Duration::from_millis(100);
 /// The ranks of the MPI job that this process belongs to.
 ///
 /// Every rank has as many threads as the environment variable `RAYON_NUM_THREADS` says, one without
-/// it. The grid must be the same on all ranks. It is for one sweep, after which the other ranks
+/// it. The grid must be the same on all ranks. A job does one sweep, after which the other ranks
 /// have ended.
 pub struct Mpi {
     universe: Universe,

@@ -39,7 +39,7 @@ pub struct Asked {
 #[derive(Clone, Debug)]
 pub enum How {
     /// By an integrator: method, setting, the setting in words, and the reason for the choice, if
-    /// the user did not ask for one.
+    /// the user asked for neither integrator nor accuracy.
     Integrated(Method, Setting, String, Option<String>),
     /// By its exact solution.
     ClosedForm(TrivialBreather),
@@ -84,7 +84,8 @@ impl How {
         }
     }
 
-    /// The reason for the choice of the integrator, if the user named none.
+    /// The reason for the choice of an integrator, if the user asked for neither integrator nor
+    /// accuracy.
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Integrated(.., reason) => reason.as_deref(),

@@ -82,7 +82,7 @@ pub struct Ran<'a> {
     pub integrator: &'a str,
     /// Its setting in words.
     pub setting: &'a str,
-    /// The reason for the choice, if the user named no integrator.
+    /// The reason for the choice of the integrator, see [`How::reason`](super::How::reason).
     pub reason: Option<&'a str>,
     /// The result of the run.
     pub outcome: &'a Trajectory,
@@ -97,7 +97,7 @@ pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is present if the user named no integrator, `si` if all numbers are in SI units.
+/// `reason` is present if [`Ran::reason`] is, `si` if all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
     json!(entries(ran))
 }
