@@ -18,7 +18,7 @@ use std::{fmt, sync::Arc};
 /// they do not fit, a second message has all of them.
 const WORDS: usize = 64;
 
-/// Starts MPI, which one thread of this process will call.
+/// Starts MPI for calls from one thread of this process.
 ///
 /// # Errors
 /// An MPI library that does not start beside other threads, or that was started before.

@@ -80,7 +80,7 @@ fn write(bytes: &mut Cursor<Vec<u8>>, text: Option<(&str, &str)>, arrays: &[Arra
 /// memory.
 pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<W>,
-    /// Bytes of up to [`BLOCK`] numbers, to be written next.
+    /// Buffer for the bytes of up to [`BLOCK`] numbers.
     block: Vec<u8>,
 }
 
@@ -201,7 +201,7 @@ impl Archive {
         Self::unpack(path, BufReader::new(file), length)
     }
 
-    /// The archive in `bytes`; messages call it `path`.
+    /// The archive in `bytes`; `path` names it in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -236,7 +236,7 @@ impl Archive {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// The error that the content at `place` breaks a rule.
+    /// The error for content at `place` that breaks a rule.
     pub fn refused(&self, place: &str, rule: impl Into<String>) -> Error {
         Error::Content { path: self.path.clone(), place: place.to_owned(), rule: rule.into() }
     }
@@ -278,13 +278,13 @@ impl Archive {
     }
 }
 
-/// Reads vectors of the archive `path`, of `length` numbers each, side by side: `see` is called with
-/// blocks of at most `block` numbers of every vector, and the place of the first. The CRC-32 of each
-/// is checked when its end is read, after the last block was seen.
+/// Reads vectors of the archive `path`, of `length` numbers each, side by side: `see` is called
+/// with blocks of at most `block` numbers of every vector, and the index of the first. The CRC-32
+/// of a vector is checked when its end is read, after the last block was seen.
 ///
 /// # Errors
-/// A file that cannot be opened; [`Error::Content`] for one that is not such an archive, has no such
-/// vectors, or is damaged.
+/// A file that cannot be opened; [`Error::Content`] for a file that is not such an archive, has no
+/// such vectors, or is damaged.
 pub(crate) fn read_vectors(
     path: &Path,
     names: &[&str],

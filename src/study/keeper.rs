@@ -29,7 +29,8 @@ impl<'a> Keeper<'a> {
         Self { folder, file, stale, last: Instant::now(), begun: false }
     }
 
-    /// Told that the branch has so many points, and whether it has ended.
+    /// Writes the file if it is due. `points` is the number of points of the branch so far, `bytes`
+    /// makes the content of the file.
     pub(super) fn keep(&mut self, points: usize, ended: bool, bytes: impl FnOnce() -> Result<Vec<u8>>) {
         let Some(folder) = self.folder else { return };
         let late = self.last.elapsed() >= LATEST;
@@ -38,8 +39,8 @@ impl<'a> Keeper<'a> {
             let cleared = if self.begun { Ok(()) } else { folder.remove(self.stale.iter().copied()) };
             self.begun = true;
             let kept = cleared.and_then(|()| folder.write(self.file, &bytes()?));
-            // What cannot be kept now is still computed: it is written at the end, or that is the
-            // error.
+            // A failed write does not stop the branch: its results are written at the end, or that
+            // fails.
             kept.err().into_iter().for_each(|why| say(&format!("not kept so far: {why}")));
         }
     }

@@ -1,4 +1,4 @@
-//! The one door through which studies compute their grids.
+//! The engine, with which all studies compute their grids.
 
 use super::{Backend, Points, Rows, Shard, Store, Swept, Threads, collected, compute};
 use crate::{
@@ -12,8 +12,9 @@ use std::{cell::RefCell, path::PathBuf};
 /// Where the points of a study are computed, all of them or a shard, and where their rows are kept.
 ///
 /// A study sweeps one grid. An engine with a shard computes the points of its shard that are not in
-/// the store of the whole grid, and keeps them in a store of its own beside it. An engine without a
-/// shard takes over what shards have kept there, and computes what is missing.
+/// the store of the whole grid, and keeps their rows in a store of the shard in the same folder. An
+/// engine without a shard merges the stores of shards into that of the grid, and computes the
+/// missing rows.
 ///
 /// ```
 /// use hertzchain::{output::Folder, sweep::{Engine, Grid}};
@@ -31,11 +32,11 @@ pub struct Engine {
     backend: Box<dyn Backend>,
     folder: Option<Folder>,
     shard: Option<Shard>,
-    /// What came of the shard.
+    /// Result of the shard, once it was swept.
     part: RefCell<Option<Part>>,
 }
 
-/// What a store must know of a grid.
+/// The store of a grid: its name, and what it checks when it is opened.
 #[derive(Clone, Debug)]
 pub struct Grid {
     /// Name of the file, with the extension `store`.
@@ -46,18 +47,18 @@ pub struct Grid {
     pub settings: Value,
 }
 
-/// What a shard has done.
+/// Result of a sweep over a shard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The shard.
     pub shard: Shard,
     /// Number of its points.
     pub points: usize,
-    /// How many of them have a row, here or in the store of the whole grid.
+    /// Number of these points that have a row, here or in the store of the whole grid.
     pub kept: usize,
-    /// How many of these were computed now.
+    /// Number of rows that this sweep computed.
     pub computed: usize,
-    /// Its store.
+    /// Path of the store of the shard.
     pub store: PathBuf,
 }
 
@@ -86,13 +87,13 @@ impl Engine {
         Self { backend, folder: None, shard: None, part: RefCell::new(None) }
     }
 
-    /// The same with a store in a folder.
+    /// The engine, with a store in a folder.
     #[must_use]
     pub fn keeping(self, folder: &Folder) -> Self {
         Self { folder: Some(folder.clone()), ..self }
     }
 
-    /// The same for a shard; it needs a folder.
+    /// The engine, for the points of a shard; it needs a folder.
     #[must_use]
     pub fn shard(self, shard: Shard) -> Self {
         Self { shard: Some(shard), ..self }
@@ -113,7 +114,7 @@ impl Engine {
         self.shard
     }
 
-    /// What came of the shard, once it was swept.
+    /// Result of the shard, once it was swept.
     pub fn part(&self) -> Option<Part> {
         self.part.borrow().clone()
     }
@@ -121,9 +122,9 @@ impl Engine {
     /// [`sweep`](super::sweep) of the points of a grid.
     ///
     /// # Errors
-    /// As [`sweep`](super::sweep). An engine with a shard always ends so, since it has not all
-    /// rows: what it has done is in the error and in [`part`](Self::part). So does a process that
-    /// computes for another one.
+    /// As [`sweep`](super::sweep). An engine with a shard always returns an error, since it does
+    /// not have all rows: its result is in the error and in [`part`](Self::part). A process that
+    /// computes for another one returns an error too.
     pub fn sweep<T, U>(
         &self,
         grid: &Grid,
@@ -142,11 +143,11 @@ impl Engine {
     }
 
     /// Computes the points of a grid that is not in memory: `count` of them, each given by its
-    /// number. `take` is handed all rows, which stay in the store; what it gives, and the number of
-    /// rows that were there.
+    /// number. `take` is called with all rows, which stay in the store. Returns its result, and the
+    /// number of rows that were in the store before.
     ///
     /// # Errors
-    /// As [`sweep`](Self::sweep); what `take` says.
+    /// As [`sweep`](Self::sweep); errors of `take`.
     pub(crate) fn each<T, U, R>(
         &self,
         grid: &Grid,
@@ -166,7 +167,8 @@ impl Engine {
         Ok((take(&mut rows)?, resumed))
     }
 
-    /// The store of the whole grid, with what shards have kept.
+    /// Opens the store of the whole grid and merges the stores of shards into it. `None` without a
+    /// folder or points, with a shard, and for a process that computes for another one.
     fn open(&self, grid: &Grid, points: usize) -> Result<Option<Store>> {
         // A grid without points leaves no store.
         if points == 0 || self.shard.is_some() || self.backend.serves() {
@@ -179,7 +181,7 @@ impl Engine {
         Ok(Some(store))
     }
 
-    /// Computes what is missing; all rows, and how many were there.
+    /// Computes the missing rows. Returns all rows, and the number of rows that were there.
     fn rows<'s, T, U>(
         &self,
         grid: &Grid,
@@ -207,7 +209,7 @@ impl Engine {
         Ok((compute(points, rows, &todo, resumed, &*self.backend, progress, work)?, resumed))
     }
 
-    /// Computes a shard; the error that says so.
+    /// Computes a shard. Returns the error with its result.
     fn part_of<T, U>(
         &self,
         shard: Shard,

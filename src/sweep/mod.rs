@@ -48,10 +48,11 @@ use store::{Hash, Place};
 /// The reason for the missing value of a point that was not begun, or was interrupted.
 pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
 
-/// Points that one thread takes at a time: of which it makes hashes, or reads rows.
+/// Points that one thread takes at a time, to hash them or to read their rows.
 const PIECE: usize = 1 << 9;
-/// Most of these pieces at a time, and most bytes of rows.
+/// Most of these pieces in memory at a time.
 const PIECES: usize = 1 << 6;
+/// Bytes of rows at which those that were read so far are handed out.
 const TEXT: usize = 1 << 22;
 
 /// The result of a point: a value, or the reason why there is none.
@@ -147,7 +148,7 @@ enum Kept<U> {
 /// and returns the rows in the order of the grid.
 ///
 /// A point whose work fails or panics gives a failed row with the reason. A failed row is kept like
-/// any other, unless the process was asked to end; without its line in the store the point is
+/// any other, unless the process was asked to end. A point whose line is removed from the store is
 /// computed again. Values pass through JSON, with or without a store, so that resumed and new rows
 /// are the same; they hold finite numbers only.
 ///
@@ -180,7 +181,7 @@ where
     collected(rows, resumed)
 }
 
-/// All rows in memory.
+/// Reads all rows into memory, in the order of the grid.
 fn collected<U: DeserializeOwned + Send>(mut rows: Rows<'_>, resumed: usize) -> Result<Swept<U>> {
     rows.settle()?;
     let mut all = Vec::with_capacity(rows.places.len());
@@ -204,7 +205,8 @@ impl<T: Serialize> Points<'_, T> {
         serde_json::to_string(&(self.point)(k)).map_err(refused)
     }
 
-    /// The hashes of all points, in order, with their numbers.
+    /// The hashes of all points, sorted, each with the number of its point. Refuses a point that is
+    /// in the grid twice.
     fn hashes(&self) -> Result<Vec<(Hash, usize)>> {
         let mut hashes = Vec::with_capacity(self.count);
         for first in (0..self.count).step_by(PIECES * PIECE) {
@@ -268,8 +270,8 @@ impl<'s> Rows<'s> {
         self.store.as_mut().map_or(Ok(()), |store| store.settle(&mut self.places))
     }
 
-    /// Makes something of every row, on all cores, and hands it out in the order of the grid; how
-    /// many rows are missing.
+    /// Calls `make` with every row, on all cores, and `take` with the results in the order of the
+    /// grid. Returns the number of missing rows.
     pub(crate) fn each<U: DeserializeOwned, V: Send>(
         &self,
         make: &(dyn Fn(usize, Row<U>) -> V + Sync),
@@ -298,7 +300,8 @@ impl<'s> Rows<'s> {
         Ok(self.places.iter().filter(|place| place.is_none()).count())
     }
 
-    /// Appends what is kept of a point to a text: its line, or its row without a store.
+    /// A function that appends to a text what is kept of a point: its line in the store, or its row
+    /// if there is no store.
     fn reader(&self) -> Result<impl FnMut(usize, &mut String) -> Result<()>> {
         let mut lines = self.store.as_ref().map(|store| store.lines()).transpose()?;
         Ok(move |k: usize, text: &mut String| {
@@ -313,7 +316,7 @@ impl<'s> Rows<'s> {
         })
     }
 
-    /// The row of a point in what is kept of it.
+    /// The row of a point, from the text that [`reader`](Self::reader) gives for it.
     fn row<U: DeserializeOwned>(&self, k: usize, text: &str) -> Result<Row<U>> {
         match (self.places[k], &self.store) {
             (None, _) => Ok(Err(STOPPED.to_owned())),
@@ -323,7 +326,8 @@ impl<'s> Rows<'s> {
     }
 }
 
-/// Computes the points `todo` of a grid and keeps their rows. `resumed` is how many were there.
+/// Computes the points `todo` of a grid and keeps their rows. `resumed` is the number of rows that
+/// were in the store.
 fn compute<'s, T, U>(
     points: &Points<'_, T>,
     rows: Rows<'s>,

@@ -1,9 +1,9 @@
 //! Computation on the ranks of an MPI job.
 //!
-//! Rank 0 has the grid, the store and the results. It deals points to whoever has none, and
-//! computes points itself, beside the thread that deals. The other ranks compute what they are
-//! given. A rank whose points take less than a tenth of a second is given the next ones before it
-//! asks, so that it does not wait for rank 0.
+//! Rank 0 has the grid, the store and the results. It deals points to ranks that have none. It
+//! computes points itself too, on other threads than the one that deals. The other ranks compute
+//! what they are given. A rank whose points take less than a tenth of a second is given the next
+//! ones before it asks, so that it does not wait for rank 0.
 //!
 //! | message | from, to | content |
 //! |---|---|---|
@@ -36,26 +36,27 @@ const READY: Tag = 1;
 const POINT: Tag = 2;
 const ROW: Tag = 3;
 const END: Tag = 4;
-/// Time between two looks for messages. Waiting in MPI would take a core.
+/// Time between two polls for messages. A wait inside MPI would keep a core busy.
 const LOOK: Duration = Duration::from_micros(100);
-/// Points that take less are given ahead.
+/// A rank whose last point took less than this is given points ahead.
 const QUICK: Duration = Duration::from_millis(100);
 
 /// The ranks of the MPI job that this process belongs to.
 ///
 /// Every rank has as many threads as the environment variable `RAYON_NUM_THREADS` says, one without
-/// it. The grid must be the same on all ranks. After one sweep the other ranks have ended.
+/// it. The grid must be the same on all ranks. A job does one sweep, after which the other ranks
+/// have ended.
 pub struct Mpi {
     universe: Universe,
     threads: usize,
     ended: Cell<bool>,
 }
 
-/// What rank 0 knows of another one.
+/// What rank 0 knows of another rank.
 #[derive(Clone, Default)]
 struct Rank {
     threads: usize,
-    /// Points that it was given and that it has not given back.
+    /// Number of points that it was given and whose rows have not arrived.
     given: usize,
     quick: bool,
 }
@@ -69,7 +70,8 @@ impl Mpi {
         let universe = universe()?;
         let given = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
         let threads = given.filter(|threads| *threads > 0).unwrap_or(1);
-        // What is parallel inside a point has the same threads. Where there is a pool, it stays.
+        // Parallel loops inside a point have the same number of threads. If the process has a pool
+        // already, that pool stays.
         #[cfg(feature = "parallel")]
         drop(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global());
         Ok(Self { universe, threads, ended: Cell::new(false) })
@@ -79,7 +81,7 @@ impl Mpi {
         self.universe.world()
     }
 
-    /// Ends the other ranks.
+    /// As rank 0, ends the other ranks, once.
     fn end(&self) {
         let world = self.world();
         if world.rank() == 0 && !self.ended.replace(true) {
@@ -136,7 +138,7 @@ impl Mpi {
         failure.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 
-    /// Computes the points that rank 0 gives, until it ends.
+    /// Computes the points that rank 0 gives, until it sends `END`.
     fn serve(&self, work: &(dyn Fn(usize) -> String + Sync)) {
         let world = self.world();
         let root = world.process_at_rank(0);
@@ -149,7 +151,7 @@ impl Mpi {
                 let Ok(k) = next else { break };
                 let clock = Instant::now();
                 let text = work(k);
-                // Rank 0 has ended: nobody waits for the row.
+                // If rank 0 has ended, nobody waits for the row.
                 drop(rows.send((k, clock.elapsed(), text)));
             }
         };
@@ -158,7 +160,7 @@ impl Mpi {
                 let rows = rows.clone();
                 scope.spawn(move || compute(rows));
             }
-            // Without it threads end.
+            // Dropped on return, which closes the queue and so ends the threads.
             let points = points;
             loop {
                 while let Some(message) = root.immediate_matched_probe() {
@@ -167,7 +169,7 @@ impl Mpi {
                         return;
                     }
                     let (numbers, _) = message.matched_receive_vec::<u64>();
-                    // Threads take points as long as there is somebody to send them.
+                    // The receiver outlives this loop, so that the send succeeds.
                     numbers.iter().for_each(|k| points.send(*k as usize).unwrap_or(()));
                 }
                 if let Ok((k, time, text)) = made.recv_timeout(LOOK) {
@@ -181,7 +183,7 @@ impl Mpi {
 }
 
 impl Rank {
-    /// Takes a message; the row that it brings.
+    /// Receives a message of this rank. Returns the number and the row of the point that it brings.
     fn hear(&mut self, message: (Message, Status)) -> Option<(usize, String)> {
         if message.1.tag() == READY {
             self.threads = message.matched_receive_vec::<u64>().0.first().map_or(0, |threads| *threads as usize);

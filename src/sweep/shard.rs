@@ -1,13 +1,13 @@
-//! Parts of a grid for processes that know nothing of each other.
+//! Shards: parts of a grid, for processes that do not communicate.
 
 use crate::error::{Error, Result};
 use std::{fmt, path::Path, str::FromStr};
 
 /// Part `k` of `n` of a grid, written `k/n` with `1 <= k <= n`.
 ///
-/// Points are dealt in turn, and the turn moves on by one every round, so that neither rows nor
-/// columns of a grid go to one shard: where the cost of a point rises along an axis, all shards get
-/// points of all costs.
+/// Points are dealt to shards in turn, and every round begins one shard later, so that neither rows
+/// nor columns of a grid go to one shard: where the cost of a point rises along an axis, all shards
+/// get points of all costs.
 ///
 /// ```
 /// use hertzchain::sweep::Shard;

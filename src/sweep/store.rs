@@ -34,15 +34,17 @@ const SYNC: Duration = Duration::from_secs(1);
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 /// The prime of FNV-1a, 64 bits.
 const PRIME: u64 = 0x0000_0100_0000_01b3;
-/// The same, 128 bits.
+/// The basis and the prime of FNV-1a, 128 bits.
 const LONG_BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const LONG_PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-/// Bytes of the file that are read at a time, and those that one thread then checks at a time.
+/// Bytes of the file that are read at a time.
 const BLOCK: u64 = 1 << 23;
+/// Bytes of whole lines that one thread checks at a time.
 const PIECE: usize = 1 << 18;
-/// Lines whose checks are made side by side: each byte of a check waits for the one before it.
+/// Lines whose checks are computed side by side, as in one check each byte waits for the byte
+/// before it.
 const LANES: usize = 4;
-/// Bytes that lines of another store are collected to before they are written.
+/// Lines of another store are written once more than this number of bytes is collected.
 const CHUNK: usize = 1 << 20;
 const IN_USE: &str = "in use by another run: wait until it has ended";
 
@@ -56,14 +58,15 @@ pub struct Store {
     synced: Instant,
     /// Length of the whole lines, in bytes.
     length: u64,
-    /// Whether a partial line is after them.
+    /// Whether a partial line follows the whole ones.
     torn: bool,
     header: String,
     /// The hash of the header, which the checks of all other lines continue.
     basis: u64,
-    /// The lines by the hash of their point, in this order but for those appended last.
+    /// The places of the lines with the hashes of their points, sorted by hash up to `sorted`;
+    /// lines appended since then follow.
     index: Vec<Entry>,
-    /// How many of the index are in order.
+    /// Number of entries of `index` that are sorted.
     sorted: usize,
 }
 
@@ -80,7 +83,7 @@ struct Entry {
     place: Place,
 }
 
-/// Reads lines at any place of a file; one after the other without a call of the system each.
+/// Reads lines at any place of a file. Lines that follow each other are read through a buffer.
 pub(super) struct Lines {
     reader: BufReader<File>,
     at: u64,
@@ -111,7 +114,7 @@ impl Store {
         store.load().map(|()| Some(store))
     }
 
-    /// The store of a file, locked, before anything of it was read.
+    /// Opens and locks the file of a store. Nothing of it is read yet.
     fn locked(
         folder: &Folder,
         name: &str,
@@ -258,7 +261,7 @@ impl Store {
     /// Refuses a point that has two lines.
     fn refuse_twice(&self) -> Result<()> {
         let twice = self.index.windows(2).filter(|two| two[0].hash == two[1].hash);
-        // The first of them in the file.
+        // Of several such points, the one whose second line comes first in the file.
         let Some(two) = twice.min_by_key(|two| two[1].place) else { return Ok(()) };
         let [first, second] = [two[0], two[1]].map(|entry| self.number(entry.place));
         Err(refused(&self.path(), second, format!("the point of line {first} again")))
@@ -269,15 +272,15 @@ impl Store {
         self.sorted = self.index.len();
     }
 
-    /// Whether the store has a point; of those that were there when the store was opened, merged or
-    /// settled.
+    /// Whether the store has a point. Lines appended since it was opened, merged or settled do not
+    /// count.
     fn has(&self, hash: Hash) -> bool {
         self.index[..self.sorted].binary_search_by_key(&hash, |entry| entry.hash).is_ok()
     }
 
-    /// Places of the points `0..hashes.len()` of a grid that the store has, of those that were
-    /// there when the store was opened, merged or settled. Every hash is there once, in order, with
-    /// the number of its point.
+    /// Places of the points `0..hashes.len()` of a grid, `None` for a point without a line. Lines
+    /// appended since the store was opened, merged or settled do not count. The hashes are sorted
+    /// and differ, each with the number of its point.
     pub(super) fn places(&self, hashes: &[(Hash, usize)]) -> Vec<Option<Place>> {
         let mut places = vec![None; hashes.len()];
         let mut index = self.index[..self.sorted].iter().peekable();
@@ -305,7 +308,7 @@ impl Store {
         refused(&self.path(), self.number(place), format!("no value of this study: {why}"))
     }
 
-    /// Appends a line; its place.
+    /// Appends the line of a point. Returns its place.
     pub(super) fn append(&mut self, point: &str, row: &str) -> Result<Place> {
         let json = format!(r#"{{"point":{point},"row":{row}}}"#);
         let place = place_at(self.length);
@@ -314,10 +317,10 @@ impl Store {
         Ok(place)
     }
 
-    /// Rewrites the file in the order of the grid, whose lines are at `places`, with points of
-    /// other grids at the end. The places are then those in the new file.
+    /// Rewrites the file in the order of the grid, whose lines are at `places`. Lines of points of
+    /// other grids come last. `places` become those in the new file.
     ///
-    /// The bytes are then the same for any order of the work.
+    /// So the bytes of the file do not depend on the order in which points were computed.
     pub(super) fn settle(&mut self, places: &mut [Option<Place>]) -> Result<()> {
         let mut others = self.others(places);
         let order = || places.iter().flatten().chain(&others);
@@ -340,7 +343,7 @@ impl Store {
             }
             out.flush()
         })?;
-        // What is appended later belongs into the new file, after its lines.
+        // Lines that are appended later go to the new file.
         let open = |path: &Path| OpenOptions::new().read(true).append(true).open(path);
         *self = Self::locked(&self.folder, &name, self.header.clone(), open, File::try_lock)?;
         self.load()
@@ -405,8 +408,8 @@ fn pieces(lines: &[u8], at: u64) -> Vec<(&[u8], Place)> {
     pieces
 }
 
-/// The points of lines, the first of which is at a place, up to the first line that is refused; why
-/// it is.
+/// The entries of whole lines, the first of which begins at `place`, up to the first line that is
+/// refused; and why it is refused.
 fn entries(lines: &[u8], place: Place, basis: u64) -> (Vec<Entry>, Option<String>) {
     let (mut entries, mut place) = (Vec::new(), place);
     let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').collect();
@@ -466,7 +469,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     inode(file.metadata()) == inode(std::fs::metadata(path))
 }
 
-/// Elsewhere a file that is open is not replaced.
+/// On other systems a file that is open is not replaced.
 #[cfg(not(unix))]
 fn is_at(_: &File, _: &Path) -> bool {
     true
@@ -494,7 +497,7 @@ fn fnv(from: u64, text: &str) -> u64 {
     hash
 }
 
-/// The same of several texts at once.
+/// As [`fnv`], of several texts at once.
 fn side_by_side<const N: usize>(from: u64, texts: [&[u8]; N]) -> [u64; N] {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(PRIME);
     let common = texts.iter().map(|text| text.len()).min().unwrap_or_default();

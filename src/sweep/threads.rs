@@ -47,14 +47,14 @@ pub fn map<T, U>(items: &[T], f: impl Fn(&T) -> U) -> Vec<U> {
     items.iter().map(f).collect()
 }
 
-/// Sorts items on all cores; equal ones are not told apart.
+/// Sorts items on all cores; equal items may change their order.
 #[cfg(feature = "parallel")]
 pub(super) fn sort<T: Ord + Send>(items: &mut [T]) {
     use rayon::prelude::*;
     items.par_sort_unstable();
 }
 
-/// Sorts items; equal ones are not told apart.
+/// Sorts items; equal items may change their order.
 #[cfg(not(feature = "parallel"))]
 pub(super) fn sort<T: Ord>(items: &mut [T]) {
     items.sort_unstable();

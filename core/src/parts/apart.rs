@@ -1,4 +1,4 @@
-//! A run whose states are in no process as a whole: each part keeps those of its own sites.
+//! A run of which no process has the whole state: each part keeps that of its own sites.
 
 use super::{
     Carrier, Division, Files, Motion, ONE_PART, Own, Parts,
@@ -18,9 +18,9 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-/// The parts of one run, each with the state of its own sites, as part 0 has them.
+/// The parts of one run, each of which keeps the state of its own sites; used by part 0.
 ///
-/// A flow begins from the state that is kept, and a sample replaces it. Part 0 looks at it as
+/// A flow begins from the kept state, and a sample replaces the kept state. Part 0 reads it as
 /// [`Blocks`], which the parts send one after the other. So no process has more of the chain than
 /// its own part, and sums over sites have the bits of one process.
 pub struct Apart {
@@ -33,7 +33,7 @@ pub struct Apart {
 }
 
 impl Apart {
-    /// The parts of a chain in a state that is given in blocks; they keep their files so.
+    /// The parts of a chain in a state that is given in blocks. They write their files by `files`.
     ///
     /// # Errors
     /// More parts than the chain has; a chain with [`Details`](crate::chain::Details).
@@ -57,7 +57,7 @@ impl Apart {
         Ok(apart)
     }
 
-    /// Tells the other parts what to do; the carrier, for what is then sent.
+    /// Sends an order to the other parts. Returns the carrier, for the messages that follow it.
     pub(super) fn order(&self, order: &Order) -> MutexGuard<'_, Box<dyn Carrier>> {
         super::flow::tell(&self.carrier, order)
     }
@@ -66,19 +66,19 @@ impl Apart {
         self.own.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where its parts are.
+    /// The threads or processes of its parts.
     pub fn parts(&self) -> &Parts {
         &self.parts
     }
 
-    /// Brings a state to the parts. The blocks that these receive begin at their own sites.
+    /// Sends a state to the parts, in blocks that begin with the first own site of each part.
     fn put(&self, state: &dyn Blocks<f64>) {
         let (division, numbers) = (self.division, numbers(self.chain.layout().resonators()));
         let (mut carrier, mut own) = (self.order(&Order::Put), self.own());
         let mut waiting = (0..division.parts())
             .flat_map(|part| blocks(0..division.sites(part).len()).map(move |block| (part, block)));
         let mut current = waiting.next();
-        // Sites of the present block, a vector an array.
+        // Sites collected for the current block, a vector for each of `[u, v, u', v']`.
         let mut columns = [const { Vec::new() }; 4];
         state.each(&mut |_, arrays| {
             let mut taken = 0;
@@ -103,8 +103,8 @@ impl Apart {
         });
     }
 
-    /// What a part has of some of its sites, counted from the first of them: arrays one after the
-    /// other.
+    /// The kept states of some sites of a part, counted from its first one: the arrays `[u, v, u',
+    /// v']`, one after the other.
     fn piece(&self, part: usize, sites: Range<usize>) -> Vec<f64> {
         let (mut carrier, own) = (self.order(&Order::Piece(part, sites.clone())), self.own());
         if part == 0 {
@@ -115,8 +115,8 @@ impl Apart {
         message
     }
 
-    /// The state of any site by its number. Sites are fetched in blocks, so neighbours are asked for
-    /// one after the other.
+    /// A function from the number of a site to its state. Sites are fetched in blocks, and one
+    /// block is held: callers should ask for neighbours one after the other.
     pub(crate) fn sites(&self) -> impl Fn(usize) -> [f64; 4] {
         let division = self.division;
         let fetched = RefCell::new((0..0, Vec::new()));
@@ -143,7 +143,7 @@ impl Apart {
         self.own().take(part);
     }
 
-    /// Has each part give the state to a flow that begins.
+    /// Has each part set a flow that begins to the kept state.
     pub(super) fn give(&self, flow: u64, part: &mut Part) {
         let (mut carrier, own) = (self.order(&Order::Give(flow)), self.own());
         own.give(part, self.chain.topology(), &mut **carrier);
@@ -161,11 +161,11 @@ impl Apart {
         self.own().keep();
     }
 
-    /// Has each part write what it keeps: the state at the end of a leg of this number, and the
-    /// profiles since the last one. How many profiles these are.
+    /// Has each part write what it keeps: the state at the end of the leg of this number, and the
+    /// profiles since the last write. Returns the number of these profiles.
     ///
     /// # Errors
-    /// The first part that could not, and why.
+    /// The first part that could not write, and why.
     pub fn write(&self, folder: &Path, leg: u64) -> Result<usize> {
         if folder.to_str().is_none() {
             let rule = "parts tell each other the name of a folder in UTF-8";
@@ -175,7 +175,7 @@ impl Apart {
         let profiles = own.profiles().len();
         let said = own.write(&*self.files, folder, leg).err().unwrap_or_default();
         let others = (1..self.division.parts()).map(|part| receive_text(&mut **carrier, part));
-        // All are heard, so that none waits.
+        // All answers are received, so that no part waits.
         let all: Vec<String> = [said].into_iter().chain(others).collect();
         match all.iter().position(|said| !said.is_empty()) {
             None => Ok(profiles),
@@ -246,7 +246,7 @@ mod tests {
     /// A leg that part 1 does not write.
     const REFUSED: u64 = 99;
 
-    /// A whole state of what parts have written of it.
+    /// The whole state, joined from what parts have written.
     fn joined(layout: crate::chain::Layout, pieces: &[(Range<usize>, &[f64])]) -> Vec<f64> {
         let mut y = vec![f64::NAN; layout.dim()];
         for (sites, piece) in pieces {
@@ -258,8 +258,8 @@ mod tests {
         y
     }
 
-    /// Runs apart in two legs, from a state that is given site by site, and holds what it leaves
-    /// against the same legs in one piece.
+    /// Runs apart in two legs, from a state that is given site by site, and compares the results
+    /// with those of the same legs in one piece.
     fn holds(like: &Run, count: usize) {
         let from = |initial: Initial| {
             let run = Run::new(like.chain().clone(), initial).until(like.end().unwrap()).unwrap();

@@ -5,7 +5,7 @@ use super::{Carrier, Division};
 use crate::chain::Chain;
 use hertzchain_integrators::collocation::{EDGE, Piece, Section, Share, Verdict, Window, Windows};
 
-/// Pieces of contacts that go into one message.
+/// Most pieces of contacts in one message.
 const MESSAGE: usize = 1 << 10;
 
 /// The bonds of a part.
@@ -15,17 +15,18 @@ pub(super) struct Bonds {
     pub(super) division: Division,
     pub(super) number: usize,
     pub(super) resonators: bool,
-    /// Where the section has the first of its own sites.
+    /// Index in the section of the first own site.
     first: usize,
-    /// Edges that are sent and received.
+    /// Buffers of the edges that are sent and received.
     edges: [Vec<f64>; 2],
 }
 
 impl Bonds {
-    /// The part of this number, at rest. It is solved on at most so many threads.
+    /// The bonds of part `number`, at rest. Windows are solved on at most `threads` threads.
     pub(super) fn new(chain: &Chain<f64>, division: Division, number: usize, threads: usize) -> Self {
         let (held, bonds, topology) = (division.held(number), division.bonds(number), chain.topology());
-        // Where the first bond or site of the chain is among those held, on a ring once around.
+        // On a ring the numbers of held sites may go on beyond the last site: own numbers are then
+        // shifted by `around`.
         let around = if held.end > chain.sites() { chain.sites() } else { 0 };
         let section = if division.parts() == 1 {
             Section::at_rest(chain.clone(), Share::whole(bonds.len(), topology.ring()), Some(threads))
@@ -47,7 +48,7 @@ impl Bonds {
         }
     }
 
-    /// Sets sites that it holds to states.
+    /// Sets held sites from index `first` on. After the last of them the section begins.
     pub(super) fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
         for i in 0..arrays[0].len() {
             let state = arrays.map(|array| array.get(i).copied().unwrap_or_default());
@@ -58,7 +59,7 @@ impl Bonds {
         }
     }
 
-    /// Writes the states of its own sites from this one on.
+    /// Writes the states of its own sites, from own index `first` on.
     pub(super) fn write(&self, first: usize, mut arrays: [&mut [f64]; 4]) {
         for i in 0..arrays[0].len() {
             let state = self.chain.state_of(self.section.get(self.first + first + i));
@@ -68,7 +69,7 @@ impl Bonds {
         }
     }
 
-    /// Solves for a window, and hands neighbours what it leaves behind at the edges.
+    /// Solves a window, and exchanges the results of the bonds at the edges with the neighbours.
     pub(super) fn solve(&mut self, window: &Window, carrier: &mut dyn Carrier) -> Verdict {
         let verdict = self.section.solve(window);
         let (before, after) = (self.division.before(self.number), self.division.after(self.number));
@@ -77,8 +78,7 @@ impl Bonds {
         verdict
     }
 
-    /// Hands an edge, the last or the first, on to a neighbour, and takes what comes from the
-    /// other.
+    /// Sends the last or the first edge to one neighbour, and receives an edge from the other.
     fn pass(&mut self, carrier: &mut dyn Carrier, last: bool, to: Option<usize>, from: Option<usize>) {
         let [out, into] = &mut self.edges;
         out.clear();
@@ -101,7 +101,7 @@ impl Bonds {
         self.section.pieces()
     }
 
-    /// Sends these to part 0.
+    /// Sends the [`pieces`](Self::pieces) to part 0.
     pub(super) fn send_pieces(&self, carrier: &mut dyn Carrier) {
         let numbers: Vec<f64> = self.pieces().flat_map(Piece::numbers).collect();
         carrier.send(0, &[numbers.len() as f64]);
@@ -126,7 +126,7 @@ impl Bonds {
     }
 }
 
-/// Tells what contacts of the bonds of another part did, which sends it.
+/// Receives the pieces of contacts that another part sends, and calls `told` with each.
 pub(super) fn receive_pieces(part: usize, carrier: &mut dyn Carrier, told: &mut dyn FnMut(&Piece)) {
     let mut count = [0.0];
     carrier.receive(part, &mut count);

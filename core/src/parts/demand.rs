@@ -1,11 +1,11 @@
-//! What a run in parts will ask for, before anything is allocated.
+//! Memory and messages of a run in parts, computed before anything is allocated.
 
 use super::{Division, Motion};
 use crate::chain::{Boundary, Chain, Params, Resonators, Topology};
 use hertzchain_integrators::collocation::{Section, Verdict, Window};
 
-/// Whole states that part 0 has beside its sites: that at the start, which a scene and its run
-/// share, and that of the record.
+/// Number of whole states that part 0 has besides its sites: the initial state, which a scene and
+/// its run share, and the state of the record.
 const WHOLE_STATES: u64 = 2;
 /// Bytes of a number.
 const NUMBER: u64 = size_of::<f64>() as u64;
@@ -28,26 +28,26 @@ const NUMBER: u64 = size_of::<f64>() as u64;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Demand {
-    /// Sites of the longest part.
+    /// Number of sites of the longest part.
     pub sites: u64,
-    /// Sites, or bonds by contact collocation, that come from each neighbour there is: see
+    /// Number of sites, or bonds for contact collocation, that come from each neighbour: see
     /// [`Division::ghosts`].
     pub ghosts: u64,
-    /// Memory of a part: what moves of its sites and ghosts, and as much for samples; not the
-    /// panels of one block, which contact collocation has besides.
+    /// Bytes that a part holds: all that changes with time of its sites and ghosts, and as much for
+    /// samples. The panels of one block, which contact collocation needs too, are not counted.
     pub memory: u64,
-    /// What part 0 holds besides.
+    /// Bytes of the whole states that part 0 holds besides.
     pub whole: u64,
-    /// A message to a neighbour: each part sends one to either side in every exchange.
+    /// Bytes of a message to a neighbour: each part sends one to either side in every exchange.
     pub message: u64,
-    /// An order for a window, and what each part sends to part 0 when it is solved; zero for kicks.
+    /// Bytes of an order to solve a window, and of the answer of each part; zero for kicks.
     pub window: [u64; 2],
-    /// What a sample brings to part 0.
+    /// Bytes that the other parts send to part 0 for a sample.
     pub sample: u64,
 }
 
 impl Demand {
-    /// Of so many sites in so many parts, from one to [`Motion::most_parts`].
+    /// The demand of `sites` sites in `parts` parts, from one to [`Motion::most_parts`].
     pub fn new(params: Params, boundary: Boundary, sites: usize, parts: usize, motion: Motion) -> Self {
         let numbers = if params.resonators() == Resonators::Moving { 4 } else { 2 };
         let division = Division::new(Topology::new(boundary, sites), parts, motion);

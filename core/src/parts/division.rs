@@ -5,15 +5,15 @@ use crate::chain::Topology;
 use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::ops::Range;
 
-/// Most ghosts on either side of a part that is kicked. Chosen: with a part of 10^5 sites they are
-/// a thousandth of the work, and a message is sent every 64 kicks.
+/// Most ghosts on either side of a part that is integrated by kicks. Chosen: with a part of 10^5
+/// sites they are a thousandth of the work, and a message is sent every 64 kicks.
 pub const GHOSTS: usize = 64;
 
 /// A chain in parts of nearly the same length.
 ///
-/// Parts that are kicked have any sites. Parts by contact collocation have whole blocks of bonds,
-/// see [`BLOCK`]; what a block of less than [`EDGE`] bonds at the end has belongs to the part of
-/// the block before it.
+/// For kicks a part may begin at any site. For contact collocation a part has whole blocks of
+/// bonds, see [`BLOCK`]; a last block of less than [`EDGE`] bonds belongs to the part of the block
+/// before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Division {
     topology: Topology,
@@ -22,7 +22,7 @@ pub struct Division {
 }
 
 impl Division {
-    /// So many parts, from one to [`Motion::most_parts`].
+    /// A division into `parts` parts, from one to [`Motion::most_parts`].
     pub fn new(topology: Topology, parts: usize, motion: Motion) -> Self {
         debug_assert!((1..=motion.most_parts(topology)).contains(&parts));
         Self { topology, parts, motion }
@@ -33,7 +33,8 @@ impl Division {
         self.parts
     }
 
-    /// Where a part begins, if sites or blocks are dealt out and each is so long.
+    /// Where a part begins, in sites or bonds, if units of `length` of them are shared out evenly:
+    /// single sites for kicks, blocks of bonds for collocation.
     fn start(self, part: usize, length: usize) -> usize {
         let units = self.motion.most_parts(self.topology) as u128;
         length * (units * part as u128 / self.parts as u128) as usize
@@ -50,17 +51,17 @@ impl Division {
         start(part)..start(part + 1)
     }
 
-    /// The bonds of a part by contact collocation: each has the site behind it. The outermost bonds
-    /// of a free chain belong to none.
+    /// The bonds of a part for contact collocation: each is in the part of the site to its right,
+    /// if it has one. The outermost bonds of a free chain belong to no part.
     pub fn bonds(self, part: usize) -> Range<usize> {
         let Range { start, end } = self.topology.touching();
         let last = part + 1 == self.parts;
         start + self.start(part, BLOCK)..if last { end } else { start + self.start(part + 1, BLOCK) }
     }
 
-    /// The sites that a part needs to begin; beyond the last site of a ring they count on. By kicks
-    /// these are its own, and ghosts come from their parts. By contact collocation they are those
-    /// of all bonds that its blocks work on.
+    /// The sites whose states a part must be given at its start. On a ring the numbers go on beyond
+    /// that of the last site. For kicks these are its own sites, as ghosts come from the
+    /// neighbours. For contact collocation they are the sites of all bonds that its blocks work on.
     pub fn held(self, part: usize) -> Range<usize> {
         let (n, topology) = (self.topology.sites(), self.topology);
         if self.parts == 1 || self.motion != Motion::Windows {
@@ -68,16 +69,17 @@ impl Division {
         }
         let Range { start, end } = self.bonds(part);
         let around = if topology.ring() { n } else { 0 };
-        // A strain belongs to one bond and not to two; that of the last bond counts as well.
+        // EDGE bonds follow the last own one. A chain with walls has one bond more than sites, a
+        // strain ring has as many.
         let behind = if topology.strains() { EDGE } else { EDGE - 1 };
         let first = self.before(part).map_or(0, |_| start + around - EDGE);
         first..self.after(part).map_or(n, |_| end + around + behind)
     }
 
-    /// What neighbours hand each other: so many sites to be kicked, which makes so many kicks from
-    /// one exchange to the next, or what so many bonds have left behind in a window. All come from
-    /// one neighbour, so there are at most as many as the shortest part has. None if the chain is
-    /// not divided.
+    /// Number of sites (kicks) or bonds (collocation) that a part receives from each neighbour in
+    /// an exchange. For kicks it is also the number of kicks from one exchange to the next. All
+    /// come from one neighbour, so there are at most as many as the shortest part has. Zero if the
+    /// chain is not divided.
     ///
     /// ```
     /// use hertzchain_core::{Boundary, chain::{Split, Topology}, parts::{Division, Motion}};

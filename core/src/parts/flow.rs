@@ -1,4 +1,4 @@
-//! A chain in parts, as part 0 has it.
+//! The flow of a chain in parts, used by part 0.
 
 use super::{
     Apart, Carrier, Division, Motion, Parts,
@@ -23,15 +23,16 @@ use std::{
     },
 };
 
-/// The next number of a flow. One for the process, as flows of several runs may meet at a carrier.
+/// The number of the next flow. All runs of the process share the counter, as flows of several runs
+/// may use the same carrier.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 /// A chain in parts: on one of its two splits, each kick and drift is made by all parts at once; by
 /// contact collocation each window is solved by all of them.
 ///
-/// What is loaded and stored is the whole state; of a run [`Apart`] the parts load and store what
-/// each keeps, and nothing of the array is read or written. The bits are those of [`KineticFlow`],
-/// [`LinearFlow`] and [`Section`], for any number of parts.
+/// Loading and storing move the whole state. In a run [`Apart`] each part loads and stores the
+/// state that it keeps, and the array is neither read nor written. The bits are those of
+/// [`KineticFlow`], [`LinearFlow`] and [`Section`], for any number of parts.
 ///
 /// [`KineticFlow`]: crate::chain::KineticFlow
 /// [`LinearFlow`]: crate::chain::LinearFlow
@@ -46,7 +47,7 @@ pub struct Parted {
 }
 
 impl Parted {
-    /// The chain in a state.
+    /// The chain in the state `y`.
     ///
     /// # Errors
     /// More parts than the chain has.
@@ -70,12 +71,12 @@ impl Parted {
         Ok(parted)
     }
 
-    /// Tells the other parts what to do; the carrier, for what is then sent.
+    /// Sends an order to the other parts. Returns the carrier, for the messages that follow it.
     fn order(&self, order: &Order) -> MutexGuard<'_, Box<dyn Carrier>> {
         tell(&self.carrier, order)
     }
 
-    /// Brings a state to all parts.
+    /// Sends a state to all parts.
     fn set(&mut self, y: &[f64]) {
         let Self { carrier, flow, layout, division, own, .. } = self;
         let (arrays, mut message) = (layout.arrays(y), Vec::new());
@@ -93,7 +94,7 @@ impl Parted {
         }
     }
 
-    /// Brings the state of all parts here.
+    /// Collects the state of all parts in `y`; in a run [`Apart`] each part keeps its own instead.
     fn get(&self, y: &mut [f64]) {
         if let Some(apart) = &self.apart {
             return apart.take(self.flow, &self.own);
@@ -130,7 +131,7 @@ fn locked(carrier: &Mutex<Box<dyn Carrier>>) -> MutexGuard<'_, Box<dyn Carrier>>
     carrier.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Tells the parts beside this one what to do; the carrier, for what is then sent.
+/// Sends an order to the other parts. Returns the carrier, for the messages that follow it.
 pub(super) fn tell<'a>(carrier: &'a Mutex<Box<dyn Carrier>>, order: &Order) -> MutexGuard<'a, Box<dyn Carrier>> {
     let mut carrier = locked(carrier);
     carrier.broadcast(&mut order.words());
@@ -234,12 +235,13 @@ impl Drop for Parted {
     }
 }
 
-/// Some sites of arrays of all; empty arrays stay empty.
+/// The entries of some sites, of arrays over all sites; empty arrays stay empty.
 fn within<'a>(arrays: [&'a mut [f64]; 4], sites: &Range<usize>) -> [&'a mut [f64]; 4] {
     arrays.map(|array| array.get_mut(sites.clone()).unwrap_or_default())
 }
 
-/// Some sites of an array of all, in which the first follow the last; none of an empty array.
+/// The entries of some sites, of an array over all sites, in two slices: numbers beyond the last
+/// site mean the first sites again. An empty array has none.
 fn around<'a>(array: &'a [f64], sites: &Range<usize>) -> [&'a [f64]; 2] {
     if array.is_empty() {
         return [array; 2];

@@ -2,31 +2,32 @@
 //!
 //! | word | meaning |
 //! |---|---|
-//! | *part* | neighbouring sites that are moved in one place; the parts make up the chain |
-//! | *ghosts* | sites of both neighbours that a part moves as well, see [`Division::ghosts`] |
-//! | *carrier* | what takes numbers from part to part; see [`Carrier`] |
-//! | *order* | what part 0 tells the others to do next |
+//! | *part* | neighbouring sites that one thread or process integrates; together, the chain |
+//! | *ghosts* | sites of both neighbours that a part integrates as well: [`Division::ghosts`] |
+//! | *carrier* | sends numbers from part to part; see [`Carrier`] |
+//! | *order* | message of part 0 that says what the other parts do next |
 //!
-//! A kick of a site depends on the site and its two neighbours. So a part that has `g` ghosts on
-//! either side can make `g` kicks on its own: where the chain was cut the ghosts are wrong by one
-//! more site with each kick, and after `g` kicks all its own sites are still right. Then the parts
-//! hand each other the outermost `g` of their own sites, in the variables of the flow, and go on.
-//! A message is paid once for many kicks.
+//! A kick of a site depends on the site and its two neighbours. So a part with `g` ghosts on either
+//! side can make `g` kicks without a message: each kick makes one more ghost wrong, from the cut
+//! inwards, and after `g` kicks all sites of the part itself are still right. Then neighbouring
+//! parts exchange their outermost `g` sites, in the variables of the flow. So one message serves
+//! `g` kicks.
 //!
-//! Windows of contact collocation are solved in blocks of 256 bonds that take 12 bonds of each
-//! neighbour along, and need nothing else from them. A part has whole blocks, and the sites of the
-//! bonds that these take along. After each window the parts hand each other what 13 bonds at either
-//! end have left behind. With it a part moves those sites as well, so that it has them at the start
-//! of the next window. Part 0 alone decides which windows are solved, from counts and largest
-//! values of all parts: sums of integers and maxima, which do not depend on their order.
+//! Windows of contact collocation are solved in blocks of 256 bonds. A block also works on 12 bonds
+//! of each neighbouring block, and needs nothing else from its neighbours. A part has whole blocks,
+//! and the sites of those 12 bonds on either side. After each window a part sends its neighbours
+//! the results of 13 bonds at either end: the path that the forces of a bond leave behind, and its
+//! contact. With them a part advances the sites of its neighbours that it has, so that they are
+//! right at the start of the next window. Part 0 alone decides which windows are solved, from sums
+//! of integers and from maxima over all parts, which do not depend on the order of the parts.
 //!
-//! The bits are those of one process. A kernel does the same operations for a site wherever in an
-//! array it is, numbers that are handed over are copied, and phase and time depend on durations
-//! alone. Part 0 has the run: it tells the others what to do, has the whole state wherever somebody
-//! looks at it, and takes energies from it. A run [`Apart`] has the whole state nowhere: each part
-//! keeps that of its own sites, and writes it, and part 0 sees the sites pass by, from the first to
-//! the last. So nothing that is computed depends on the number of parts, and no sum has to be
-//! brought together.
+//! The results have the bits of a run in one process. A kernel does the same operations for a site
+//! at any place of an array, messages copy numbers, and phase and time depend on durations alone.
+//! Part 0 controls the run: it sends the orders, collects the whole state whenever it is looked at,
+//! and computes energies from it. In a run [`Apart`] no process has the whole state: each part
+//! keeps and writes that of its own sites, and part 0 receives all sites in blocks, from the first
+//! to the last, for its sums. So nothing that is computed depends on the number of parts, and no
+//! sums of parts are added up.
 
 mod apart;
 mod bonds;
@@ -53,7 +54,7 @@ use crate::{
 use hertzchain_integrators::collocation::{BLOCK, EDGE};
 use std::{fmt::Debug, sync::Arc};
 
-/// How the sites of a part are moved.
+/// How a part integrates its sites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// By kicks and drifts on one of the two splits.
@@ -67,12 +68,12 @@ impl Motion {
     pub fn most_parts(self, topology: Topology) -> usize {
         match self {
             Self::Kicks(_) => topology.sites(),
-            // A part tells its neighbours of as many bonds as it has at least.
+            // A part has at least EDGE bonds, the number that it sends to each neighbour.
             Self::Windows => ((topology.touching().len() + BLOCK - EDGE) / BLOCK).max(1),
         }
     }
 
-    /// Refuses more parts than that, named `name`.
+    /// Refuses a count above [`most_parts`](Self::most_parts); the error calls it `name`.
     ///
     /// # Errors
     /// A number outside its rule.
@@ -86,12 +87,12 @@ impl Motion {
     }
 }
 
-/// Takes numbers from one part of a chain to another. Each part has one of its own.
+/// Sends numbers from one part of a chain to another. Each part has a carrier of its own.
 ///
 /// Numbers between the same two parts arrive in the order in which they were sent.
 ///
 /// # Panics
-/// All may panic if a part has ended that must not have.
+/// All methods may panic if another part has ended too early.
 pub trait Carrier: Send {
     /// Number of this part, from 0.
     fn part(&self) -> usize;
@@ -101,29 +102,30 @@ pub trait Carrier: Send {
     fn threads(&self) -> usize {
         1
     }
-    /// Gives the words of part 0 to all others, in place of theirs. Every part calls it.
+    /// Replaces `words` in all other parts by those of part 0. Every part calls it.
     fn broadcast(&mut self, words: &mut Vec<u64>);
     /// Sends numbers to another part.
     fn send(&mut self, to: usize, numbers: &[f64]);
     /// Receives as many numbers from another part as it has sent.
     fn receive(&mut self, from: usize, numbers: &mut [f64]);
-    /// Sends numbers to one part and receives as many from another, whichever comes first.
+    /// Sends numbers to one part and receives as many from another, in either order; `None` leaves
+    /// one of the two out.
     fn pass(&mut self, to: Option<(usize, &[f64])>, from: Option<(usize, &mut [f64])>);
 }
 
-/// Processes that [`serve`] this one.
+/// Processes of a job, in which this one is part 0 and the others [`serve`] it.
 pub trait Ranks: Debug + Send + Sync {
-    /// Their number, with this process.
+    /// Number of processes, this one included.
     fn count(&self) -> usize;
     /// Threads of this process, see [`Carrier::threads`].
     fn threads(&self) -> usize {
         1
     }
-    /// What takes numbers to them and back. For one run at a time.
+    /// The carrier of this process. It is for one run at a time.
     fn carrier(&self) -> Box<dyn Carrier>;
 }
 
-/// Where the sites of a run are moved.
+/// The threads or processes that integrate the sites of a run.
 ///
 /// ```
 /// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State, parts::Parts};
@@ -137,14 +139,14 @@ pub trait Ranks: Debug + Send + Sync {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub enum Parts {
-    /// All in the thread that runs.
+    /// One part, in this process.
     #[default]
     Whole,
-    /// In so many threads, this one among them.
+    /// This number of parts, each in a thread; the calling thread is one of them.
     Threads(usize),
-    /// In this process and those that serve it.
+    /// A part in this process and in each process that serves it.
     Ranks(Arc<dyn Ranks>),
-    /// In threads or processes, each with the state of its own sites, and none with all.
+    /// In threads or processes, each of which keeps the states of its own sites only.
     Apart(Arc<Apart>),
 }
 
@@ -159,12 +161,12 @@ impl Parts {
         }
     }
 
-    /// The parts of a run that no process has as a whole.
+    /// The parts of a run of which no process has the whole state; `None` for other runs.
     pub fn apart(&self) -> Option<&Arc<Apart>> {
         if let Self::Apart(apart) = self { Some(apart) } else { None }
     }
 
-    /// Processes that serve this one.
+    /// The processes, if the parts are in processes.
     fn ranks(&self) -> Option<&dyn Ranks> {
         match self {
             Self::Ranks(ranks) => Some(&**ranks),
@@ -173,17 +175,18 @@ impl Parts {
         }
     }
 
-    /// Whether there is nothing to divide.
+    /// Whether the chain is not divided.
     pub fn whole(&self) -> bool {
         matches!(self, Self::Whole | Self::Threads(1))
     }
 
-    /// Name of what gives their number.
+    /// Name of the parameter that sets the number of parts, for errors.
     fn name(&self) -> &'static str {
         if self.ranks().is_some() { "ranks" } else { "threads" }
     }
 
-    /// Refuses more parts than sites, and none.
+    /// Refuses more parts than sites, and a number of threads outside 1 to 1024: of parts, or of a
+    /// rank.
     ///
     /// # Errors
     /// A number outside its rule.
@@ -200,7 +203,8 @@ impl Parts {
         Ok(())
     }
 
-    /// Refuses more parts than a chain has for this motion.
+    /// As [`check`](Self::check); also refuses more parts than [`Motion::most_parts`], and several
+    /// threads a rank for kicks.
     ///
     /// # Errors
     /// A number outside its rule.
@@ -215,7 +219,7 @@ impl Parts {
         motion.check(self.name(), self.count(), topology)
     }
 
-    /// The carrier of part 0; threads that are started for it keep their files so.
+    /// The carrier of part 0. Threads that it starts write their files by `files`.
     fn carrier(&self, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
         match self {
             Self::Whole => threads::start(1, files),
@@ -226,8 +230,8 @@ impl Parts {
     }
 }
 
-/// What holds of chains with [`Details`](crate::chain::Details).
+/// The rule for chains with [`Details`](crate::chain::Details), for errors.
 pub(crate) const ONE_PART: &str =
     "beads that differ, are damped or driven run in one part: leave threads and ranks out";
-/// More than any machine has cores for.
+/// Most threads. Chosen: more than any machine has cores for.
 const MOST_THREADS: usize = 1024;

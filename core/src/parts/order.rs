@@ -1,4 +1,4 @@
-//! What part 0 tells the others: words of 64 bits.
+//! Orders: messages of part 0 to all other parts, in words of 64 bits.
 
 use crate::{
     chain::{Boundary, Chain, Params, Split},
@@ -7,48 +7,52 @@ use crate::{
 use hertzchain_integrators::{Twofold, collocation::Window};
 use std::{ops::Range, path::PathBuf};
 
-/// What a part is to do next. A part may have several flows, each with a number.
+/// What the other parts are to do next. A part may have several flows, each with a number: the
+/// first field of most orders. With [`Apart`](super::Apart), it also keeps a state of its own
+/// sites.
 #[derive(Debug)]
 pub(super) enum Order {
-    /// Begin a flow of a chain, at rest.
+    /// Create a flow of a chain, at rest.
     Begin(u64, Motion, Box<Chain<f64>>),
-    /// Receive its state.
+    /// Receive the state of a flow from part 0.
     Load(u64),
-    /// Send its state.
+    /// Send the state of a flow to part 0.
     Store(u64),
     Drift(u64, Twofold<f64>),
     Kicks(u64, Vec<(f64, Twofold<f64>)>),
-    /// Begin a flow as a copy of another, given first.
+    /// Create a flow, given second, as a copy of the first.
     Duplicate(u64, u64),
-    /// Copy the first to the second.
+    /// Copy the state of the first flow to the second.
     Copy(u64, u64),
-    /// Forget a flow.
+    /// Drop a flow.
     Forget(u64),
-    /// Solve for a window, and send how it went.
+    /// Solve a window, and send its `Verdict` to part 0.
     Solve(u64, Window),
-    /// Move over the last window.
+    /// Advance a flow over the window that was solved last.
     Advance(u64),
-    /// Send what contacts did in the last window.
+    /// Send part 0 the pieces of contacts of the window that was solved last.
     Tell(u64),
-    /// Keep the states of its own sites, at rest.
+    /// Create the kept state of the part's own sites, at rest.
     Keep(Motion, Box<Chain<f64>>),
-    /// Receive the state that it keeps.
+    /// Receive the kept state from part 0.
     Put,
-    /// Send it.
+    /// Send the kept state to part 0.
     Show,
-    /// Send what this part, given first, has of these sites, counted from its first.
+    /// Send the kept state of some sites to part 0. Only the part given first does so; sites are
+    /// counted from its first one.
     Piece(usize, Range<usize>),
-    /// Take it from a flow.
+    /// Set the kept state to that of a flow.
     Take(u64),
-    /// Give it to a flow.
+    /// Set the state of a flow to the kept state.
     Give(u64),
-    /// It could not be computed.
+    /// Mark the kept state as one that could not be computed.
     Lose,
-    /// Keep it as a profile too.
+    /// Keep a copy of the kept state as a profile.
     Profile,
-    /// Write what it keeps after a leg of this number to a folder, and send how it went.
+    /// Write the kept state and profiles of the leg of this number to a folder, and send an error
+    /// message to part 0, empty if there was no error.
     Write(u64, PathBuf),
-    /// End.
+    /// Leave the loop of orders.
     End,
 }
 
@@ -60,7 +64,7 @@ fn place<T: PartialEq>(of: &T, all: &[T]) -> u64 {
 }
 
 impl Order {
-    /// As words.
+    /// The order as words; the first word is its kind.
     pub(super) fn words(&self) -> Vec<u64> {
         match self {
             Self::Begin(flow, motion, chain) => about([0, *flow], *motion, chain),
@@ -92,7 +96,7 @@ impl Order {
         }
     }
 
-    /// The order in words, if it is one.
+    /// The order that the words stand for; `None` if they are no order.
     pub(super) fn of(words: &[u64]) -> Option<Self> {
         Some(match *words {
             [0, flow, ref about @ ..] => chain(about).map(|(motion, chain)| Self::Begin(flow, motion, chain))?,
@@ -130,7 +134,7 @@ impl Order {
     }
 }
 
-/// An order about a motion of a chain as words.
+/// The words of an order that has a motion and a chain.
 fn about(head: [u64; 2], motion: Motion, chain: &Chain<f64>) -> Vec<u64> {
     let Params { alpha, kappa, rho } = chain.params();
     let numbers = [alpha, kappa, rho, chain.precompression()].map(f64::to_bits);

@@ -1,4 +1,4 @@
-//! What a part keeps of a run that no process has in one piece: its own sites.
+//! What a part keeps in a run of which no process has the whole state: its own sites.
 
 use super::{
     Carrier, Division,
@@ -7,7 +7,8 @@ use super::{
 use crate::chain::Topology;
 use std::{fmt::Debug, ops::Range, path::Path};
 
-/// The states of the sites of a part: one that the run stands at or looks at, and profiles.
+/// States of the own sites of a part: the current one, where a leg begins or a sample was taken,
+/// and those of profiles.
 #[derive(Debug)]
 pub struct Own {
     division: Division,
@@ -18,10 +19,10 @@ pub struct Own {
     profiles: Vec<Vec<f64>>,
 }
 
-/// Keeps in files what parts have. Each process of a job has one.
+/// Writes to files what parts keep. Each process of a job has one.
 pub trait Files: Debug + Send + Sync {
-    /// Writes the state of a part and its profiles, once a leg of this number has ended; says why
-    /// it could not.
+    /// Writes the state and the profiles of a part at the end of the leg of this number. The error
+    /// is a message for people.
     fn write(&self, folder: &Path, leg: u64, own: &Own) -> std::result::Result<(), String>;
 }
 
@@ -36,7 +37,7 @@ impl Files for NoFiles {
 }
 
 impl Own {
-    /// At rest.
+    /// The own sites of a part, at rest.
     pub(super) fn new(resonators: bool, division: Division, part: usize) -> Self {
         let state = vec![0.0; numbers(resonators) * division.sites(part).len()];
         Self { division, part, resonators, state, profiles: Vec::new() }
@@ -57,13 +58,13 @@ impl Own {
         self.division.sites(self.part)
     }
 
-    /// The arrays `[u, v, u', v']` of its sites, one after the other; those of resonators only where
+    /// The arrays `[u, v, u', v']` of its sites, one after the other; those of resonators only if
     /// they move.
     pub fn state(&self) -> &[f64] {
         &self.state
     }
 
-    /// The same at the times of profiles that were not written yet.
+    /// As [`state`](Self::state), at the times of the profiles that were not written yet.
     pub fn profiles(&self) -> &[Vec<f64>] {
         &self.profiles
     }
@@ -78,7 +79,7 @@ impl Own {
         self.state.fill(f64::NAN);
     }
 
-    /// Writes state and profiles; these are then no longer kept.
+    /// Writes state and profiles. Profiles that were written are no longer kept.
     pub(super) fn write(&mut self, files: &dyn Files, folder: &Path, leg: u64) -> std::result::Result<(), String> {
         files.write(folder, leg, self)?;
         self.profiles.clear();
@@ -91,12 +92,12 @@ impl Own {
         flow.write(parted_mut(&mut self.state, count));
     }
 
-    /// Some of its sites, counted from the first of them, as a message.
+    /// The states of some sites, counted from the first own one, as a message.
     pub(super) fn message(&self, sites: Range<usize>) -> Vec<f64> {
         self.arrays().into_iter().flat_map(|array| array.get(sites.clone()).unwrap_or_default()).copied().collect()
     }
 
-    /// Sets some of its sites, counted from the first of them.
+    /// Sets some sites, counted from the first own one, to the states of a message.
     pub(super) fn set(&mut self, sites: Range<usize>, message: &[f64]) {
         let count = self.sites().len();
         let arrays = parted_mut(&mut self.state, count);
@@ -125,8 +126,8 @@ impl Own {
         blocks(0..self.sites().len()).for_each(|block| carrier.send(0, &self.message(block)));
     }
 
-    /// Gives the state to a flow that begins from it. What the flow needs beyond its own sites comes
-    /// from the neighbours, which call this too.
+    /// Sets a flow that begins to the kept state. States of sites that the flow needs beyond its
+    /// own come from the neighbours, which call this too.
     pub(super) fn give(&self, flow: &mut Part, topology: Topology, carrier: &mut dyn Carrier) {
         let (division, part, own) = (self.division, self.part, self.sites().len());
         let (before, after) = (division.before(part), division.after(part));
@@ -149,10 +150,10 @@ impl Own {
     }
 }
 
-/// How many sites a part needs on either side of its own to begin.
+/// Numbers of sites that a part needs at its start, left and right of its own.
 fn beyond(division: Division, topology: Topology, part: usize) -> [usize; 2] {
     let (held, own) = (division.held(part), division.sites(part));
-    // Beyond the last site of a ring sites count on.
+    // On a ring the numbers of held sites may go on beyond the last site.
     let around = if held.end > topology.sites() { topology.sites() } else { 0 };
     let left = own.start + around - held.start;
     [left, held.len() - left - own.len()]

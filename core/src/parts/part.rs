@@ -5,7 +5,7 @@ use crate::chain::{Chain, Divisible, KineticFlow, LinearFlow, Split};
 use hertzchain_integrators::{SplitFlow, Twofold};
 use std::ops::Range;
 
-/// Sites whose states go into one message.
+/// Most sites whose states go into one message.
 const BLOCK: usize = 1 << 16;
 
 /// A part of a chain, on one of the two splits or by contact collocation.
@@ -15,7 +15,7 @@ pub(super) enum Part {
     Windows(Box<Bonds>),
 }
 
-/// Does the same with any kind.
+/// Evaluates an expression for the content of a part of any kind.
 macro_rules! each {
     ($part:expr, $sites:ident => $what:expr) => {
         match $part {
@@ -29,7 +29,7 @@ macro_rules! each {
 const KICKED: &str = "windows are solved, and splits are kicked";
 
 impl Part {
-    /// The part of this number, at rest, and on at most so many threads.
+    /// Part `number`, at rest. Windows are solved on at most `threads` threads.
     pub(super) fn new(
         chain: &Chain<f64>,
         division: Division,
@@ -48,7 +48,7 @@ impl Part {
         each!(self, sites => sites.division.sites(sites.number))
     }
 
-    /// Sets sites to states from arrays of them: those that it needs to begin from this one on.
+    /// Sets the sites of [`Division::held`], from index `first` there on, to the states in arrays.
     pub(super) fn read(&mut self, first: usize, arrays: [&[f64]; 4]) {
         each!(self, sites => sites.read(first, arrays));
     }
@@ -58,7 +58,7 @@ impl Part {
         each!(self, sites => sites.write(0, arrays));
     }
 
-    /// Receives the states of the sites that it needs to begin from part 0.
+    /// Receives the states of the sites of [`Division::held`] from part 0.
     pub(super) fn receive(&mut self, carrier: &mut dyn Carrier) {
         let held = each!(self, sites => sites.division.held(sites.number));
         let resonators = self.resonators();
@@ -94,7 +94,7 @@ impl Part {
         }
     }
 
-    /// Kicks and drifts, with exchanges of ghosts where these are used up.
+    /// Kicks and drifts, and exchanges ghosts with the neighbours where these are used up.
     pub(super) fn kick_drifts(&mut self, pairs: &[(f64, Twofold<f64>)], carrier: &mut dyn Carrier) {
         match self {
             Self::Kinetic(sites) => sites.kick_drifts(pairs, carrier),
@@ -103,7 +103,7 @@ impl Part {
         }
     }
 
-    /// What solves its windows.
+    /// The bonds of a part for contact collocation.
     pub(super) fn windows(&self) -> &Bonds {
         match self {
             Self::Windows(bonds) => bonds,
@@ -111,7 +111,7 @@ impl Part {
         }
     }
 
-    /// The same, to solve them.
+    /// As [`windows`](Self::windows), mutable.
     pub(super) fn windows_mut(&mut self) -> &mut Bonds {
         match self {
             Self::Windows(bonds) => bonds,
@@ -149,21 +149,21 @@ pub(super) fn numbers(resonators: bool) -> usize {
     if resonators { 4 } else { 2 }
 }
 
-/// The arrays `[u, v, u', v']` of a message about so many sites.
+/// The arrays `[u, v, u', v']` in a message about `sites` sites.
 pub(super) fn parted(message: &[f64], sites: usize) -> [&[f64]; 4] {
     let (positions, velocities) = message.split_at(message.len() / 2);
     let ((u, v), (u_dot, v_dot)) = (positions.split_at(sites), velocities.split_at(sites));
     [u, v, u_dot, v_dot]
 }
 
-/// The same, to be written.
+/// As [`parted`], mutable.
 pub(super) fn parted_mut(message: &mut [f64], sites: usize) -> [&mut [f64]; 4] {
     let (positions, velocities) = message.split_at_mut(message.len() / 2);
     let ((u, v), (u_dot, v_dot)) = (positions.split_at_mut(sites), velocities.split_at_mut(sites));
     [u, v, u_dot, v_dot]
 }
 
-/// The sites of a part, on a split.
+/// The sites of a part that is integrated by kicks on a split.
 pub(super) struct Sites<F> {
     flow: F,
     division: Division,
@@ -171,9 +171,9 @@ pub(super) struct Sites<F> {
     resonators: bool,
     /// Number of ghosts on the left.
     left: usize,
-    /// Number of kicks for which the ghosts are good.
+    /// Number of further kicks for which the ghosts are valid.
     fresh: usize,
-    /// Edges that are sent and received.
+    /// Buffers of the edges that are sent and received.
     edges: [Vec<f64>; 2],
 }
 
@@ -212,7 +212,7 @@ impl<F: Divisible<f64>> Sites<F> {
         }
     }
 
-    /// Brings the ghosts from the neighbours, and hands them theirs.
+    /// Exchanges ghosts with both neighbours.
     fn exchange(&mut self, carrier: &mut dyn Carrier) {
         let (division, number, left) = (self.division, self.number, self.left);
         let (ghosts, own) = (division.ghosts(), division.sites(number).len());
@@ -223,7 +223,8 @@ impl<F: Divisible<f64>> Sites<F> {
         self.fresh = ghosts;
     }
 
-    /// Sends some sites to a neighbour and receives others.
+    /// Sends own sites, from index `sent` on, to one neighbour, and receives ghosts, from index
+    /// `received` on, from the other.
     fn pass(
         &mut self,
         carrier: &mut dyn Carrier,

@@ -1,14 +1,14 @@
-//! The parts beside the first: they do what they are told.
+//! The loop of all parts but part 0, which follow its orders.
 
 use super::{Carrier, Division, Files, Own, order::Order, part::Part};
 use crate::chain::Chain;
 use std::collections::BTreeMap;
 
-/// Moves this part of chains as part 0 tells, until it says that this was all. What it keeps itself
-/// goes to `files`.
+/// Integrates this part of chains by the orders of part 0, until part 0 orders the end. What this
+/// part keeps is written by `files`.
 ///
 /// # Panics
-/// If part 0 has ended without saying so, or says what is no order.
+/// If part 0 ends without that order, or sends words that are no order.
 pub fn serve(carrier: &mut dyn Carrier, files: &dyn Files) {
     let mut flows: BTreeMap<u64, Part> = BTreeMap::new();
     let mut kept: Option<(Own, Chain<f64>)> = None;
@@ -75,14 +75,14 @@ fn own(kept: &mut Option<(Own, Chain<f64>)>) -> &mut Own {
     &mut kept.as_mut().expect(KNOWN).0
 }
 
-/// Sends a text to part 0, a byte a number.
+/// Sends a text to part 0: its length, then each byte as a number.
 fn send_text(carrier: &mut dyn Carrier, text: &str) {
     let bytes: Vec<f64> = text.bytes().map(f64::from).collect();
     carrier.send(0, &[bytes.len() as f64]);
     carrier.send(0, &bytes);
 }
 
-/// Receives such a text.
+/// Receives a text from another part, see [`send_text`].
 pub(super) fn receive_text(carrier: &mut dyn Carrier, from: usize) -> String {
     let mut length = [0.0];
     carrier.receive(from, &mut length);
@@ -91,7 +91,7 @@ pub(super) fn receive_text(carrier: &mut dyn Carrier, from: usize) -> String {
     String::from_utf8_lossy(&bytes.into_iter().map(|byte| byte as u8).collect::<Vec<_>>()).into_owned()
 }
 
-/// Tells all parts that serve part 0, whose carrier this is, that this was all.
+/// Ends all parts that serve part 0, whose carrier this is.
 pub fn end(carrier: &mut dyn Carrier) {
     carrier.broadcast(&mut Order::End.words());
 }

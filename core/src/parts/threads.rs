@@ -10,7 +10,7 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-/// Messages that may be on their way between two parts. A part that is ahead waits.
+/// Most messages that may be on their way from one part to another. A part that is ahead waits.
 const ON_THE_WAY: usize = 4;
 
 /// The carrier of one part.
@@ -22,18 +22,19 @@ struct Between {
     orders: Orders,
 }
 
-/// Which end of the orders a part has.
+/// The end of the channels of orders that a part has.
 enum Orders {
-    /// Part 0 gives them, and waits for the other threads at its end.
+    /// Part 0 sends orders, and joins the other threads at its end.
     Given(Vec<Sender<Vec<u64>>>, Vec<JoinHandle<()>>),
     Taken(Receiver<Vec<u64>>),
 }
 
-/// Starts the threads of all parts but the first, which keep their files so. They end with the
-/// carrier of part 0, which this returns.
+/// Starts the threads of all parts but part 0, which write their files by `files`. Returns the
+/// carrier of part 0; the threads end when it is dropped.
 pub(super) fn start(parts: usize, files: &Arc<dyn Files>) -> Box<dyn Carrier> {
     let (mut to, mut from): (Vec<_>, Vec<_>) = (0..parts).map(|_| (BTreeMap::new(), BTreeMap::new())).unzip();
-    // Part 0 talks to all, the others to their neighbours, on a ring around its ends.
+    // Part 0 exchanges messages with all parts, the others with their neighbours. Across the ends
+    // of a ring, one of the two is part 0.
     let talk = |a: usize, b: usize| a != b && (a == 0 || b == 0 || a.abs_diff(b) == 1);
     for (a, b) in (0..parts).flat_map(|a| (0..parts).map(move |b| (a, b))).filter(|(a, b)| talk(*a, *b)) {
         let (sender, receiver) = sync_channel(ON_THE_WAY);
@@ -69,7 +70,8 @@ impl Carrier for Between {
 
     fn broadcast(&mut self, words: &mut Vec<u64>) {
         match &self.orders {
-            // A thread that has ended is missed where its numbers are.
+            // A failed send is ignored: part 0 panics later, where it expects numbers of that
+            // thread.
             Orders::Given(given, _) => given.iter().for_each(|one| one.send(words.clone()).unwrap_or(())),
             Orders::Taken(taken) => *words = taken.recv().expect(ENDED),
         }
@@ -84,7 +86,7 @@ impl Carrier for Between {
     }
 
     fn pass(&mut self, to: Option<(usize, &[f64])>, from: Option<(usize, &mut [f64])>) {
-        // There is always room for a message more than a part can be ahead.
+        // The channel has room for one message more than a part can be ahead: this does not wait.
         if let Some((to, numbers)) = to {
             self.send(to, numbers);
         }
@@ -101,13 +103,13 @@ impl Drop for Between {
 }
 
 impl Between {
-    /// Part 0 says that this was all, and waits until the others have ended.
+    /// As part 0, orders the other threads to end, and waits until they have.
     fn end(&mut self) {
         if let Orders::Given(given, threads) = &mut self.orders {
             given.drain(..).for_each(|one| one.send(Order::End.words()).unwrap_or(()));
-            // Nobody waits for this part.
+            // Closes the channels, so that no thread waits for this part.
             (self.to, self.from) = (BTreeMap::new(), BTreeMap::new());
-            // What a thread had to complain about it has said.
+            // A thread that panicked has printed its message.
             threads.drain(..).for_each(|thread| drop(thread.join()));
         }
     }

@@ -6,37 +6,38 @@ use crate::{
 };
 use std::sync::{Arc, OnceLock};
 
-/// Sites that are computed together.
+/// Sites of a block of a state that is computed site by site.
 const BLOCK: usize = 1 << 16;
 
-/// The state of every site by its number.
+/// A function from the number of a site to its state.
 type Sites = Box<dyn Fn(usize) -> Site<f64> + Send + Sync>;
 
-/// A state, or what computes it site by site; it is shared by its clones.
+/// The initial state of a run, or a function that computes it site by site. Clones share it.
 ///
-/// As long as nobody asks for the [`whole`](Self::whole) state, one that is computed takes no
-/// memory.
+/// A state that is computed takes no memory until the [`whole`](Self::whole) of it is asked for.
 #[derive(Clone)]
 pub struct Initial(Arc<Inner>);
 
 struct Inner {
-    /// What computes it, for a chain.
+    /// The chain, and the function that computes a site of it; `None` if the state was given.
     source: Option<(Chain<f64>, Sites)>,
     whole: OnceLock<Arc<State<f64>>>,
     measure: OnceLock<Measure>,
 }
 
-/// What the checks of a run compare with.
+/// Size and energy of the initial state, with which the checks for unstable states compare.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// The largest position and the largest velocity.
+    /// The largest absolute values of the first and of the second half of the state: of positions
+    /// and of velocities.
     pub sizes: [f64; 2],
     /// The energy, if the state has one.
     pub energy: Option<Energy<f64>>,
 }
 
 impl Initial {
-    /// The state of a chain without [`Details`](crate::chain::Details), site by site.
+    /// The state of a chain without [`Details`](crate::chain::Details), which `site` computes site
+    /// by site.
     pub fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Self {
         Self::of(Some((chain.clone(), Box::new(site))))
     }
@@ -57,7 +58,7 @@ impl Initial {
         Ok(self.whole())
     }
 
-    /// The whole state, computed unless it is there.
+    /// The whole state; the first call computes it, unless it was given.
     ///
     /// # Panics
     /// If a value is not finite: [`make`](Self::make) says which.
@@ -68,12 +69,12 @@ impl Initial {
         })
     }
 
-    /// The whole state, if it is there.
+    /// The whole state, if it is in memory.
     pub fn made(&self) -> Option<&State<f64>> {
         self.0.whole.get().map(|state| &**state)
     }
 
-    /// Sizes and energy; of a state that is not there, site by site.
+    /// Sizes and energy. A state that is not in memory is computed for this in blocks of sites.
     pub fn measure(&self, chain: &Chain<f64>) -> Measure {
         *self.0.measure.get_or_init(|| match self.made() {
             Some(state) => {

@@ -6,7 +6,7 @@
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 //! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
-//! | `sight` | what a run checks and takes of a state, whole or in parts |
+//! | `sight` | checks, energy and profile of a state, in memory or in the parts of a run |
 //! | `states` | [`States`]: an iterator over the states at given times |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 
@@ -103,9 +103,9 @@ impl Sampling {
 }
 
 impl Run {
-    /// A run of `chain` from `initial`: a state, or what computes it. Its end must be given by
-    /// [`until`](Self::until). An [`Arc`](std::sync::Arc) of a state and an [`Initial`] are shared,
-    /// so that a long chain has it in memory once.
+    /// A run of `chain` from `initial`: a state, or an [`Initial`] that computes it. Its end must
+    /// be given by [`until`](Self::until). An [`Arc`](std::sync::Arc) of a state and an [`Initial`]
+    /// are shared, so that a long chain has it in memory once.
     ///
     /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
     pub fn new(chain: Chain<f64>, initial: impl Into<Initial>) -> Self {
@@ -212,7 +212,8 @@ impl Run {
         Ok(self)
     }
 
-    /// Refuses times that do not ascend, or are not on the span; by rounding they may be beyond it.
+    /// Refuses times that do not ascend or are not on the span. For rounding, they may exceed its
+    /// end by four units of the last place.
     fn checked_times(&self, times: &[f64]) -> Result<()> {
         let last = self.end()? * (1.0 + 4.0 * f64::EPSILON);
         if let Some(&wrong) = times.iter().find(|&&t| !(0.0..=last).contains(&t)) {
@@ -231,9 +232,9 @@ impl Run {
         self
     }
 
-    /// Moves the chain in [`parts`](crate::parts), with the same bits; splitting schemes and
-    /// collocation only, any other method is refused when the run starts. Without this, collocation
-    /// solves blocks of a long chain on all threads of the process.
+    /// Integrates the chain in [`parts`](crate::parts), with the same bits. Only splitting schemes
+    /// and collocation can; any other method is refused when the run starts. Without this,
+    /// collocation solves blocks of a long chain on all threads of the process.
     ///
     /// # Errors
     /// No part, or more parts than sites; several parts of a chain with
@@ -274,7 +275,8 @@ impl Run {
         self.period
     }
 
-    /// Number of equal parts of the span, at whose ends samples are taken; 0 if at other times.
+    /// Number of equal parts of the span at whose ends samples are taken; 0 if the times of samples
+    /// were given.
     pub fn sample_count(&self) -> usize {
         match self.sampling {
             Sampling::Equal(samples) => samples,
@@ -285,7 +287,7 @@ impl Run {
     /// The end time.
     ///
     /// # Errors
-    /// None was given.
+    /// No end was given.
     pub fn end(&self) -> Result<f64> {
         if self.end.is_nan() {
             return Err(Error::parameter("until", "nothing", "a run needs an end: Run::until"));
@@ -293,9 +295,10 @@ impl Run {
         Ok(self.end)
     }
 
-    /// The time span; fails if the initial state has another layout than the chain.
+    /// The time span. Refuses an initial state in memory that has another layout than the chain, or
+    /// in which a bead that a drive moves does not begin with its drive.
     fn span(&self) -> Result<(f64, f64)> {
-        // One that is computed site by site is of the chain.
+        // A state that is computed site by site is not in memory, and is not checked.
         let Some(initial) = self.initial.made() else { return Ok((0.0, self.end()?)) };
         if initial.layout() != self.chain.layout() {
             let given = initial.as_slice().len();
@@ -308,7 +311,7 @@ impl Run {
         Ok((0.0, self.end()?))
     }
 
-    /// The state at the start, but of a run whose parts have it: nothing then.
+    /// The initial state; empty if the parts keep it.
     fn start_state(&self) -> &[f64] {
         if self.parts.apart().is_some() { &[] } else { self.initial().as_slice() }
     }

@@ -19,7 +19,8 @@ use std::{
 
 /// A run is called unstable when its energy exceeds the initial energy by this factor.
 const ENERGY_BOUND: f64 = 10.0;
-/// The same for the largest entry of a state that has no energy.
+/// A run whose state has no energy is called unstable when its largest entry exceeds the largest
+/// entry of the initial state by this factor.
 const SIZE_BOUND: f64 = 1e3;
 
 /// Largest number of state components in all profiles together (half a gigabyte, without the
@@ -46,7 +47,8 @@ pub struct Sample {
     pub energy: Option<Energy<f64>>,
 }
 
-/// Strains and state at a sample time; both are empty in a run whose parts keep what is their own.
+/// Strains and state at a sample time; both are empty in a run [`Apart`](crate::parts::Apart),
+/// whose parts keep them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// Time.
@@ -219,7 +221,8 @@ pub struct Kept {
     pub state: Vec<f64>,
     /// Number of samples taken.
     pub taken: usize,
-    /// Largest `|E(t) - E(0)|`.
+    /// Largest `|E(t) - E(0)|` at samples and at ends of legs, with `E` the
+    /// [balance](Energy::balance).
     pub largest: f64,
     /// Energies at the sample times so far.
     pub samples: Vec<Sample>,

@@ -1,4 +1,5 @@
-//! What a run checks and takes of a state: of one in memory, or of one that its parts keep.
+//! Checks of a state of a run, its energy and profile: of a state in memory, or of one that the
+//! parts of the run keep.
 
 use super::{Profile, Run};
 use crate::{
@@ -9,23 +10,23 @@ use crate::{
 /// Length of the blocks in which a state is searched for values that are not finite.
 const BLOCK: usize = 512;
 
-/// A state of a run.
+/// A state of a run, in memory or in its parts.
 pub(super) struct Sight<'a> {
     chain: &'a Chain<f64>,
-    /// Empty where the parts keep it.
+    /// The state; empty if the parts keep it.
     y: &'a [f64],
     apart: Option<&'a Apart>,
 }
 
 impl Run {
-    /// The state `y`, or that which its parts keep.
+    /// The state `y`, or the one that the parts of the run keep.
     pub(super) fn sight<'a>(&'a self, y: &'a [f64]) -> Sight<'a> {
         Sight { chain: &self.chain, y, apart: self.parts.apart().map(|apart| &**apart) }
     }
 }
 
 impl Sight<'_> {
-    /// Calls `see` with arrays of entries, and where the first of each is among all.
+    /// Calls `see` with slices of the state, each with the index of its first entry.
     fn each(&self, see: &mut dyn FnMut(usize, &[f64])) {
         let Some(apart) = self.apart else { return see(0, self.y) };
         let layout = self.chain.layout();
@@ -37,7 +38,7 @@ impl Sight<'_> {
         self.apart.map_or_else(|| self.chain.energy(self.y), |apart| self.chain.energy_in(apart))
     }
 
-    /// The first entry that is not finite.
+    /// Index of the first entry that is not finite.
     pub(super) fn lost(&self) -> Option<usize> {
         let mut first = None;
         self.each(&mut |start, values| {
@@ -51,14 +52,14 @@ impl Sight<'_> {
         first
     }
 
-    /// The largest absolute value.
+    /// The largest absolute value of an entry.
     pub(super) fn size(&self) -> f64 {
         let mut size = 0.0f64;
         self.each(&mut |_, values| size = size.max(max_norm(values.iter().copied())));
         size
     }
 
-    /// The entry of the largest absolute value, the last if there are several, and its value.
+    /// Index and value of the entry with the largest absolute value, the last one of several.
     pub(super) fn largest(&self) -> (usize, f64) {
         let mut largest = (0, 0.0f64);
         self.each(&mut |start, values| {
@@ -71,7 +72,8 @@ impl Sight<'_> {
         largest
     }
 
-    /// Strains and state at this time; the parts keep theirs.
+    /// Strains and state at time `t`. If the parts keep the state, both are empty, and each part
+    /// keeps a profile of its own.
     pub(super) fn profile(&self, t: f64) -> Profile {
         if let Some(apart) = self.apart {
             apart.profile();

@@ -1,22 +1,22 @@
-//! Long runs: a sequence of legs, each kept when it is done, so that a run that was killed goes on
-//! and ends with the same bits.
+//! Long runs: a sequence of legs with a checkpoint after each, so that a run that was killed can go
+//! on and ends with the same bits.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `D` | interval: leg `k` goes from `k D` to `(k+1) D`, the last one to the end of the scene |
 //!
-//! Each leg starts the method anew from the state there. So nothing of a method's inside is in a
-//! file, and a run with the same `D` has the same bits whether it was interrupted or not; a run
-//! with another `D` differs from it by as much as its error. Fixed steps are as long as asked for
-//! or shorter, as many in every whole leg; of a tolerance for the whole run each leg has its share.
-//! Contacts that go on over the end of a leg are joined.
+//! Each leg starts the method anew from the state there. So no file holds internal data of a
+//! method, and a run with the same `D` has the same bits whether it was interrupted or not. Runs
+//! with different `D` differ by about the error of the method. Fixed steps are as long as asked for
+//! or shorter, and every whole leg has the same number of them. A tolerance for the whole run is
+//! shared out to the legs by their lengths. Contacts that last beyond the end of a leg are joined.
 //!
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
 //! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`; `largest` is `max |E(t) - E(0)|`.
 //! Every member is checked by its CRC-32.
 //!
-//! A run by part has `state` and `profiles` in files of its parts, see [`pieces`](super::pieces), and
-//! its checkpoint names them. One process joins them on reading; any number of parts go on with
+//! A run by part has `state` and `profiles` in files of its parts, see [`pieces`](super::pieces),
+//! and its checkpoint names them. One process can join them, and any number of parts can go on from
 //! them.
 
 use super::{
@@ -41,7 +41,7 @@ use std::{
     time::Duration,
 };
 
-/// The file in the folder of a run.
+/// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
 const SETTINGS: &str = "settings.json";
 const FORMAT: &str = "hertzchain checkpoint";
@@ -50,7 +50,7 @@ const PROGRAM: &str = concat!("hertzchain ", env!("CARGO_PKG_VERSION"));
 /// Most intervals of a run.
 const MOST_LEGS: f64 = 1e6;
 
-/// A run in legs, as far as it was done.
+/// A run in legs, with the record of those that are done.
 #[derive(Clone, Debug)]
 pub struct LongRun {
     scene: Scene,
@@ -61,11 +61,11 @@ pub struct LongRun {
     interval: f64,
     done: u64,
     kept: Kept,
-    /// What its parts have written, if they keep what is theirs.
+    /// The legs that its parts have written, in a run by part; else empty.
     legs: Legs,
 }
 
-/// What a checkpoint begins with.
+/// The keys of `settings.json` that are checked before the others are read.
 #[derive(Deserialize)]
 struct Stamp {
     format: String,
@@ -73,7 +73,7 @@ struct Stamp {
     program: String,
 }
 
-/// What it says in words and small numbers.
+/// The content of `settings.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
@@ -86,15 +86,15 @@ struct Settings {
     setting: Setting,
     wording: String,
     interval: f64,
-    /// Legs that are done.
+    /// Number of legs that are done.
     legs: u64,
     t: f64,
     taken: usize,
     samples: u64,
     profiles: u64,
-    /// `null` if they are not kept.
+    /// Number of contacts that have ended; `null` without a log of contacts.
     contacts: Option<u64>,
-    /// Numbers that say what contacts that have not ended have done so far.
+    /// Length of the array `open_contacts`: what contacts that have not ended have done so far.
     open_contacts: u64,
     steps: u64,
     rejected: u64,
@@ -103,7 +103,7 @@ struct Settings {
     /// Absent from files that were written before it was measured.
     #[serde(default)]
     sampling_s: f64,
-    /// Only of runs whose parts keep what is theirs.
+    /// The legs whose files count, in a run by part; absent from others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     by_part: Option<Legs>,
 }
@@ -133,8 +133,8 @@ impl LongRun {
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept, legs: Legs::default() })
     }
 
-    /// The same, but each part keeps the states of its own sites, and writes them: no process has
-    /// all, if the scene was built [by part](Scene::build_by_part).
+    /// As [`new`](Self::new), but each part keeps and writes the states of its own sites only. No
+    /// process has the whole state, if the scene was built [by part](Scene::build_by_part).
     ///
     /// # Errors
     /// As [`new`](Self::new), and as [`Apart::new`].
@@ -150,7 +150,7 @@ impl LongRun {
         Self::new(scene, method, setting, wording, interval, parts)
     }
 
-    /// The same, watched for contacts; one that has begun without is left as it is.
+    /// Adds a log of contacts. A run that has begun without one stays without.
     #[must_use]
     pub fn with_contacts(mut self) -> Self {
         if self.done == 0 {
@@ -160,8 +160,8 @@ impl LongRun {
         self
     }
 
-    /// The same with the chain in parts. A checkpoint does not know of them, and may be gone on
-    /// with in any number of them.
+    /// Sets the parts of the chain. A checkpoint does not depend on them: a run may go on in any
+    /// number of parts.
     ///
     /// # Errors
     /// A method that does not run in parts; more parts than sites.
@@ -171,7 +171,7 @@ impl LongRun {
         Ok(self)
     }
 
-    /// Whether contacts are kept.
+    /// Whether the run has a log of contacts.
     pub fn has_contacts(&self) -> bool {
         self.kept.contacts.is_some()
     }
@@ -196,13 +196,13 @@ impl LongRun {
         self.interval
     }
 
-    /// Time up to which it is done.
+    /// End of the last leg that is done; zero if there is none.
     pub fn time(&self) -> f64 {
         self.start_of(self.done)
     }
 
     fn legs(&self) -> u64 {
-        // The last leg is not one of rounding.
+        // The factor keeps rounding from adding a leg of no length.
         (self.scene.end() / self.interval * (1.0 - 1e-12)).ceil().max(1.0) as u64
     }
 
@@ -210,12 +210,12 @@ impl LongRun {
         if leg >= self.legs() { self.scene.end() } else { self.interval * leg as f64 }
     }
 
-    /// Runs what is left, and writes `checkpoint.npz` after every leg. `progress` is told the time
+    /// Runs the remaining legs, and writes `checkpoint.npz` after each. `progress` is told the time
     /// at every sample. A run that fails, or is asked to end, leaves the checkpoint of its last
     /// whole leg.
     ///
     /// # Errors
-    /// A checkpoint that cannot be written: the last one is then as it was.
+    /// A leg that cannot start; a checkpoint that cannot be written: the last one then stays.
     pub fn run(mut self, folder: &Folder, progress: &mut dyn FnMut(f64)) -> Result<Trajectory> {
         let mut seen = |t, _: &[f64]| progress(t);
         while self.done < self.legs() {
@@ -233,7 +233,7 @@ impl LongRun {
         Ok(Recorder::new(&self.run, self.kept, &mut seen).trajectory(None))
     }
 
-    /// Writes what its parts keep, and then the checkpoint, which names it.
+    /// Writes the files of its parts, in a run by part, and then the checkpoint, which names them.
     fn keep(&mut self, folder: &Folder) -> Result<()> {
         match self.run.parts().apart() {
             Some(apart) => {
@@ -251,17 +251,17 @@ impl LongRun {
         Ok(())
     }
 
-    /// The bytes of its checkpoint.
+    /// The checkpoint of the run, as bytes.
     ///
     /// # Errors
-    /// What the archive writer says.
+    /// Errors of the archive writer.
     pub fn npz(&self) -> Result<Vec<u8>> {
         let mut bytes = io::Cursor::new(Vec::new());
         self.write(&mut bytes).map_err(|source| Error::File { path: FILE.into(), source })?;
         Ok(bytes.into_inner())
     }
 
-    /// Writes its checkpoint, with no second copy of the state in memory.
+    /// Writes the checkpoint of the run, with no second copy of the state in memory.
     fn write(&self, to: impl io::Write + io::Seek) -> io::Result<()> {
         let Kept { t, ref state, taken, largest, ref samples, ref profiles, ref contacts, stats, wall, sampling } =
             self.kept;
@@ -316,7 +316,7 @@ impl LongRun {
         archive.finish()
     }
 
-    /// The run in a checkpoint, or in the folder that holds one.
+    /// Reads a run from its checkpoint. `path` is the file, or the folder that holds it.
     ///
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
@@ -324,22 +324,23 @@ impl LongRun {
         Self::load_in(path, Parts::Whole, false)
     }
 
-    /// The same, to go on in parts: the chain is nowhere built in one piece. `by_part`: each keeps
-    /// what is its own, and no process has a whole state.
+    /// As [`load`](Self::load), to go on in `parts`, without starting a method for the chain in one
+    /// piece first. `by_part`: each part keeps the states of its own sites only, and no process has
+    /// a whole state.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts); by part, a run that was begun in
-    /// one piece.
+    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts); with `by_part`, a run that was
+    /// not begun by part.
     pub fn load_in(path: &Path, parts: Parts, by_part: bool) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         Self::of(&Archive::read(&path)?, parts, by_part)
     }
 
-    /// The run in an archive.
+    /// The run whose checkpoint is an archive.
     ///
     /// # Errors
-    /// [`Error::Content`], with key and rule, for one that is not as it was written, of another
-    /// version of the program, or whose numbers are outside their rules.
+    /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
+    /// another version of the program, or has numbers outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
         Self::of(file, Parts::Whole, false)
     }
@@ -392,11 +393,11 @@ impl LongRun {
         Ok(run)
     }
 
-    /// Refuses to be taken for a run of another scene or by another method; until when it runs is
-    /// its own.
+    /// Refuses a scene or a method other than those of the run. Ends of scenes are not compared:
+    /// the run goes on to its own end.
     ///
     /// # Errors
-    /// [`Error::Content`] for the one that differs; `path` is where it was read.
+    /// [`Error::Content`] that names the one that differs. `path` is the file of the checkpoint.
     pub fn is(&self, path: &Path, scene: Option<&Scene>, method: Option<Method>) -> Result<()> {
         let refused = |key: &str, there: &str, here: &str| {
             let rule = format!("{there} there and {here} here: a checkpoint goes on with its own");
@@ -415,7 +416,7 @@ impl LongRun {
     }
 }
 
-/// Parts of the chain of a scene that keep what is theirs, in a state.
+/// Parts that keep the states of their own sites, for the chain of a scene in a state.
 fn apart(scene: &Scene, method: Method, parts: &Parts, state: &dyn Blocks<f64>) -> Result<Parts> {
     method.takes(parts, scene.chain().topology())?;
     // What parts cannot run is refused before they begin.
@@ -424,13 +425,13 @@ fn apart(scene: &Scene, method: Method, parts: &Parts, state: &dyn Blocks<f64>) 
     Ok(Parts::Apart(Arc::new(apart)))
 }
 
-/// Numbers of an energy that are kept: four kinds, and what was dissipated and driven where
-/// something is.
+/// Numbers that a checkpoint has for each energy: four kinds, and for chains that dissipate or are
+/// driven the dissipated energy and the work of drives.
 fn energy_kinds(chain: &Chain<f64>) -> usize {
     if chain.open() { 6 } else { 4 }
 }
 
-/// What a checkpoint has kept, checked as far as it can be without running it again.
+/// The record in a checkpoint, checked as far as is possible without running it again.
 fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Result<Kept> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
     let chain = scene.chain();

@@ -21,8 +21,8 @@ pub const CONTACT_COLUMNS: [&str; Contact::NUMBERS] = [
     "release_overlap",
 ];
 
-/// The contacts as CSV, a line a contact; `nan` stands for what it does not have, such as a release
-/// after the end.
+/// The contacts as CSV, a line for each; `nan` stands for what a contact does not have, such as a
+/// release after the end.
 pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
     let mut text = CONTACT_COLUMNS.join(",") + "\n";
@@ -33,11 +33,11 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The contacts as an NPZ archive, a vector a column, named as in the CSV; NaN stands for what a
-/// contact does not have.
+/// The contacts as an NPZ archive, a vector for each column of the CSV, with its name; NaN stands
+/// for what a contact does not have.
 ///
 /// # Errors
-/// What the archive writer says.
+/// Errors of the archive writer.
 pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
     let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
     let arrays: Vec<Array<'_>> =
@@ -45,16 +45,16 @@ pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
     npz(&arrays)
 }
 
-/// What the contacts of a run come to.
+/// Totals over the contacts of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ContactTotals {
-    /// How many there were.
+    /// Number of contacts.
     pub contacts: usize,
-    /// How many began during the run.
+    /// Number of contacts that began during the run.
     pub onsets: usize,
-    /// How many ended during the run.
+    /// Number of contacts that ended during the run.
     pub releases: usize,
-    /// How many lasted to the end.
+    /// Number of contacts that had not ended at the end of the run.
     pub open_at_end: usize,
     /// Number of bonds that touched.
     pub bonds: usize,
@@ -68,7 +68,7 @@ pub struct ContactTotals {
     pub impulse: f64,
 }
 
-/// What the contacts of a run come to.
+/// Computes the totals over the contacts of a run.
 pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
     let count = |has: fn(&Contact) -> bool| contacts.iter().filter(|contact| has(contact)).count();
     let durations = || contacts.iter().filter_map(|contact| Some(contact.release? - contact.onset?));
@@ -89,7 +89,7 @@ pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
     }
 }
 
-/// The same in a readable line or two.
+/// The [totals](contact_totals) in one or two lines for people.
 pub fn contact_lines(contacts: &[Contact]) -> Vec<String> {
     let totals = contact_totals(contacts);
     let ContactTotals { contacts, onsets, releases, open_at_end, bonds, impulse, .. } = totals;

@@ -1,5 +1,5 @@
-//! Which integrator runs a scene, and with which accuracy: what somebody asked for, else what the
-//! scene says, else what suits its chain.
+//! Which integrator runs a scene, and with which accuracy: what the user asked for, else what the
+//! scene names, else what suits its chain.
 
 use super::{LongRun, parts_plan};
 use crate::{
@@ -14,10 +14,11 @@ use crate::{
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
 const DEFAULT_NODES: usize = 10;
-/// More steps than a run of years takes.
+/// Most windows of a run. Chosen: more than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
 
-/// What somebody asks for the accuracy of a run; of what is not asked for, the rest follows.
+/// Integrator and accuracy that the user asks for. What is `None` follows from the others, from the
+/// scene, or from a default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Asked {
     /// Name of the integrator.
@@ -34,11 +35,11 @@ pub struct Asked {
     pub nodes: Option<usize>,
 }
 
-/// How a scene runs.
+/// How a scene is computed.
 #[derive(Clone, Debug)]
 pub enum How {
-    /// By an integrator, with the setting in words, and why it is this one where nobody asked for
-    /// it.
+    /// By an integrator: method, setting, the setting in words, and the reason for the choice, if
+    /// the user asked for neither integrator nor accuracy.
     Integrated(Method, Setting, String, Option<String>),
     /// By its exact solution.
     ClosedForm(TrivialBreather),
@@ -51,7 +52,7 @@ impl How {
     /// # Errors
     /// An unknown integrator; a setting that it does not take or that is outside its rule.
     pub fn new(args: &Asked, scene: &Scene) -> Result<Self> {
-        // A tolerance asks for the method that keeps it best.
+        // A tolerance or windows without an integrator stand for [`Method::by_tolerance`].
         let adaptive = args.tol.is_some() || args.windows_per_period.is_some();
         let asked = args.integrator.is_some() || adaptive || args.step.is_some() || args.steps_per_period.is_some();
         if let (Some((method, setting)), false) = (scene.choice(), asked) {
@@ -75,7 +76,7 @@ impl How {
         Ok(Self::Integrated(method, setting, wording, None))
     }
 
-    /// Name and setting.
+    /// Name of the integrator, and its setting in words.
     pub fn words(&self) -> (String, String) {
         match self {
             Self::Integrated(method, _, wording, _) => (method.name(), wording.clone()),
@@ -83,7 +84,8 @@ impl How {
         }
     }
 
-    /// Why an integrator that nobody named was chosen.
+    /// The reason for the choice of an integrator, if the user asked for neither integrator nor
+    /// accuracy.
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Integrated(.., reason) => reason.as_deref(),
@@ -91,10 +93,11 @@ impl How {
         }
     }
 
-    /// The same in legs that are kept; `by_part`: each part keeps what is its own.
+    /// The run of a scene in legs of length `interval`, with a checkpoint after each. `by_part`:
+    /// each part keeps the states of its own sites only.
     ///
     /// # Errors
-    /// A closed form, which needs none; what [`LongRun::new`] refuses.
+    /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
     pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Parts, by_part: bool) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
@@ -114,8 +117,8 @@ impl How {
         }
     }
 
-    /// What the run computes and what it leaves out, in words; in parts, also what these need.
-    /// `by_part`: each keeps what is its own.
+    /// What the run computes and what it leaves out, in words; for a run in parts also their memory
+    /// and messages. `by_part`: each part keeps the states of its own sites only.
     ///
     /// # Errors
     /// What the run would refuse.
@@ -136,10 +139,10 @@ impl How {
         }
     }
 
-    /// Refuses parts of what cannot run in them.
+    /// Refuses parts if the scene cannot run in them this way.
     ///
     /// # Errors
-    /// An exact solution, or a method that does not run the scene in so many parts.
+    /// An exact solution, or a method that does not run the scene in this number of parts.
     pub fn takes(&self, scene: &Scene, parts: &Parts) -> Result<()> {
         match self {
             Self::Integrated(method, ..) => method.takes(parts, scene.chain().topology()),
@@ -151,11 +154,11 @@ impl How {
         }
     }
 
-    /// Does the run of a scene, as it is recorded by `run`, which is of this scene; `seen` is called
-    /// with the time of every sample and the state there.
+    /// Computes `run`, a run of the scene, which says what is recorded. `seen` is called with the
+    /// time of every sample and the state there.
     ///
     /// # Errors
-    /// A run that cannot start; one that fails later keeps what it has.
+    /// A run that cannot start. A run that fails later returns what it has recorded.
     pub fn start(&self, run: Run, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
         self.start_told(run, seen, &mut |_| ())
     }
@@ -178,13 +181,13 @@ impl How {
     }
 }
 
-/// Refuses a log of the contacts of a run whose parts keep what is theirs.
+/// Refuses a log of contacts in a run whose parts keep the states of their own sites.
 pub(super) fn no_log(events: bool, by_part: bool) -> Result<()> {
     let rule = "a log of contacts is kept in one piece: leave --events or --by-part out";
     if events && by_part { Err(Error::parameter("events", true, rule)) } else { Ok(()) }
 }
 
-/// What was asked for means this for the method on this scene, and in words.
+/// The setting that `args` mean for a method on a scene, and the setting in words.
 fn setting(args: &Asked, method: Method, scene: &Scene) -> Result<(Setting, String)> {
     let positive = |name, value: f64| {
         let good = value.is_finite() && value > 0.0;

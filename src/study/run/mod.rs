@@ -1,5 +1,4 @@
-//! One run: how it is done, what people and machines read of it, and long runs in legs that are
-//! kept.
+//! One run: choice of its method, reports and files, and long runs in legs with checkpoints.
 
 mod checkpoint;
 mod contacts;

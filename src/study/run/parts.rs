@@ -1,4 +1,4 @@
-//! What a run in parts needs, in words.
+//! Memory and messages of a run in parts, in words.
 
 use crate::{
     chain::{Boundary, Topology},
@@ -11,8 +11,9 @@ use crate::{
 /// Most steps that part 0 orders at a time.
 const ORDERED: usize = 64;
 
-/// Memory and messages of a scene in so many parts, a line each. Nothing of the scene is built, so
-/// that it may be one that no machine can hold. `by_part`: each keeps the states of its own sites.
+/// Memory and messages of a scene in `parts` parts, a line each. The scene is not built, so that it
+/// may be one that no machine can hold. `by_part`: each part keeps the states of its own sites
+/// only.
 ///
 /// # Errors
 /// Parameters outside their rules; no part, or more parts than sites; a method that does not run in
@@ -86,12 +87,12 @@ pub fn parts_plan(file: &SceneFile, method: Method, parts: usize, by_part: bool)
     Ok(lines)
 }
 
-/// Bytes of an order: three numbers a kick.
+/// Bytes of an order for [`ORDERED`] steps: two numbers, and three for each kick.
 fn order(method: Method) -> u64 {
     (8 * (2 + 3 * ORDERED * method.stages())) as u64
 }
 
-/// A number of bytes for people.
+/// A number of bytes with its unit, for people.
 fn bytes(count: u64) -> String {
     let mut value = count as f64;
     for unit in ["B", "kB", "MB", "GB"] {

@@ -1,10 +1,11 @@
-//! What the parts of a run write that no process has in one piece, and how it is joined.
+//! Files that the parts of a run write if no process has the whole state, and how they are joined.
 //!
-//! In the folder `parts` beside `checkpoint.npz`, after leg `k`, part `p` of `P` counted from 0:
-//! `state-k-p-of-P.npz` and, if there were profiles, `profiles-k-p-of-P.npz`. Both hold `sites`, its
-//! first site and the one after its last, and arrays `u`, `v`, `u_dot`, `v_dot` (strains on a strain
-//! ring; `v` where resonators move): a number a site, or a row a profile. A checkpoint names the
-//! legs whose files count; files that it does not name are removed.
+//! After leg `k`, part `p` of `P`, counted from 0, writes `state-k-p-of-P.npz` and, if the leg had
+//! profiles, `profiles-k-p-of-P.npz`, into the folder `parts` beside `checkpoint.npz`. Both hold
+//! `sites`, the first site of the part and the one after its last, and arrays `u`, `v`, `u_dot`,
+//! `v_dot` (strains on a strain ring; `v` and `v_dot` only if resonators move) with a number for
+//! each site, in a row for each profile. A checkpoint names the legs whose files count; files that
+//! it does not name are removed.
 
 use crate::{
     chain::{Blocks, Layout},
@@ -22,10 +23,10 @@ use std::{
 /// The folder of these files, beside the checkpoint.
 pub(super) const FOLDER: &str = "parts";
 const ARRAYS: [&str; 4] = ["u", "v", "u_dot", "v_dot"];
-/// Sites that are read together.
+/// Most sites that are read together.
 const BLOCK: usize = 1 << 16;
 
-/// Files of parts as archives.
+/// Writes what parts keep as NPZ archives.
 #[derive(Debug)]
 pub struct PartFiles;
 
@@ -48,8 +49,9 @@ impl Files for PartFiles {
 const STATE: &str = "state";
 const PROFILES: &str = "profiles";
 
-/// Writes an archive of rows of the sites of a part; `axes` are those before the sites. The file
-/// counts only once a checkpoint names it, which is written when all parts have written theirs.
+/// Writes `rows` as an archive, each with the arrays of the sites of a part, one after the other.
+/// `axes` are the lengths of the axes before that of the sites. The file counts only once a
+/// checkpoint names it, which is written when all parts have written theirs.
 fn write(path: &Path, own: &Own, axes: &[u64], rows: &[&[f64]]) -> std::io::Result<()> {
     let (sites, count) = (own.sites(), own.sites().len());
     let mut file = fs::File::create(path)?;
@@ -64,7 +66,7 @@ fn write(path: &Path, own: &Own, axes: &[u64], rows: &[&[f64]]) -> std::io::Resu
     file.sync_all()
 }
 
-/// Names of the arrays of sites with so many numbers.
+/// Names of the arrays, if the state of a site has this number of numbers.
 fn names(numbers: usize) -> Vec<&'static str> {
     if numbers == 4 { ARRAYS.to_vec() } else { vec![ARRAYS[0], ARRAYS[2]] }
 }
@@ -97,7 +99,8 @@ impl Leg {
 pub(super) struct Legs(pub(super) Vec<Leg>);
 
 impl Legs {
-    /// Refuses legs that do not have so many profiles together, or parts without a site.
+    /// Refuses an empty list of legs, legs that do not have `profiles` profiles together, and legs
+    /// with no part or with more parts than sites.
     ///
     /// # Errors
     /// The rule.
@@ -113,14 +116,15 @@ impl Legs {
         }
     }
 
-    /// One more leg: of those before, the states are no longer needed.
+    /// Adds a leg. Of earlier legs only those with profiles stay, as their states are no longer
+    /// needed.
     pub(super) fn push(&mut self, leg: Leg) {
         self.0.retain(|leg| leg.profiles > 0);
         self.0.push(leg);
     }
 
-    /// Removes files of parts in the folder of a run that are not of these legs. One that cannot be
-    /// removed is read by nobody.
+    /// Removes files of parts, in the folder of a run, that these legs do not need. A file that
+    /// cannot be removed is never read.
     pub(super) fn sweep(&self, folder: &Path) {
         let path = folder.join(FOLDER);
         let mut named: Vec<String> =
@@ -165,7 +169,8 @@ impl Legs {
     }
 }
 
-/// The site after the last one of a file of a part, whose first is to be `next`.
+/// The site after the last one in the file of a part. Refuses a file whose first site is not
+/// `next`.
 fn end_of(path: &Path, next: usize, layout: Layout, sites: &[f64]) -> Result<usize> {
     let [first, end] = [sites[0], sites[1]];
     if first == next as f64 && end.fract() == 0.0 && (first + 1.0..=layout.sites() as f64).contains(&end) {
@@ -189,12 +194,12 @@ pub(super) struct Written {
     folder: PathBuf,
     leg: Leg,
     layout: Layout,
-    /// Why it could not be read; what was seen is then not the state.
+    /// The first error of reading. If there is one, the blocks that were seen are not the state.
     failure: RefCell<Option<Error>>,
 }
 
 impl Written {
-    /// That of the last of some legs, which were [checked](Legs::check).
+    /// The state at the end of the last of some legs, which were [checked](Legs::check).
     ///
     /// # Panics
     /// No legs.
@@ -220,7 +225,7 @@ impl Written {
         Ok(y)
     }
 
-    /// Whether it could be read as often as it was looked at.
+    /// Returns the first error of all readings so far.
     ///
     /// # Errors
     /// A file that cannot be read, or is not as it was written.
@@ -265,7 +270,7 @@ impl Blocks<f64> for Written {
         });
         if let Err(why) = read {
             self.failure.borrow_mut().get_or_insert(why);
-            // Parts wait until they have been sent all of their sites.
+            // Parts wait for all of their sites: zeros stand for those that could not be read.
             let (sites, zeros) = (self.layout.sites(), vec![0.0; BLOCK]);
             for first in (seen..sites).step_by(BLOCK) {
                 let rest = &zeros[..BLOCK.min(sites - first)];

@@ -21,9 +21,10 @@ use std::{
     io::{BufWriter, Write},
 };
 
-/// The state in the words of its boundary: `x, y, vx, vy` on a strain ring, else `u, v, pu, pv`.
+/// The arrays of a state, with names: strains and rates `x, y, vx, vy` on a strain ring, else
+/// displacements and momenta `u, v, pu, pv`.
 ///
-/// Arrays of resonators are empty where none moves. `si` has the units of a state that is in them.
+/// Arrays of resonators are empty where none moves. `si`: the units of a state in SI units.
 fn state_arrays(scene: &Scene, state: &[f64], si: Option<&Units>) -> [(&'static str, Vec<f64>); 4] {
     [0, 1, 2, 3].map(|i| state_array(scene, state, i, si))
 }
@@ -46,7 +47,7 @@ fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&
     (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
 }
 
-/// Whether its states are with the parts of the chain, and none of them is here.
+/// Whether the parts of the chain keep the states, so that the trajectory has none.
 fn by_part(outcome: &Trajectory) -> bool {
     outcome.state.is_empty()
 }
@@ -72,7 +73,7 @@ fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
     ]
 }
 
-/// What a run was, and what it has left behind.
+/// A run and its result, as reports need them.
 #[derive(Clone, Copy, Debug)]
 pub struct Ran<'a> {
     /// The scene.
@@ -81,9 +82,9 @@ pub struct Ran<'a> {
     pub integrator: &'a str,
     /// Its setting in words.
     pub setting: &'a str,
-    /// Why it was chosen, if nobody named it.
+    /// The reason for the choice of the integrator, see [`How::reason`](super::How::reason).
     pub reason: Option<&'a str>,
-    /// What it left.
+    /// The result of the run.
     pub outcome: &'a Trajectory,
     /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
     pub si: Option<&'a Units>,
@@ -96,12 +97,12 @@ pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` is there where nobody named the integrator, `si` where all numbers are in SI units.
+/// `reason` is present if [`Ran::reason`] is, `si` if all numbers are in SI units.
 pub fn run_json(ran: &Ran<'_>) -> Value {
     json!(entries(ran))
 }
 
-/// The JSON of a run, in order.
+/// The JSON of a run: names and entries, in the order in which they are written.
 struct Entries(Vec<(&'static str, Entry)>);
 
 impl Serialize for Entries {
@@ -114,7 +115,7 @@ impl Serialize for Entries {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Entry {
-    /// An array that is as long as the chain: a value takes four times the memory.
+    /// An array that is as long as the chain. As a `Value` it would take four times the memory.
     Numbers(Vec<f64>),
     Value(Value),
 }
@@ -257,9 +258,9 @@ pub const RUN_FILES: [&str; 16] = [
 
 /// Writes the run: `summary.json`, which is the JSON with the names of all files, `scene.toml`,
 /// `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, and the pictures; with a contact log
-/// also `contacts.csv` and `contacts.npz`. What an earlier run has left beside them is removed, its
-/// checkpoint as well unless this run was `in_legs`. Of a run whose states are with its parts:
-/// `summary.json` without the state, `scene.toml` and `energy.csv`.
+/// also `contacts.csv` and `contacts.npz`. Other files of an earlier run are removed, and its
+/// checkpoint as well unless this run was `in_legs`. If the parts of the chain keep the states,
+/// only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -303,7 +304,7 @@ pub fn run_files(folder: &Folder, ran: &Ran<'_>, pictures: &[crate::study::File]
     pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))
 }
 
-/// Writes to a file by a buffer.
+/// Writes to a file through a buffer.
 fn buffered(
     file: &mut File,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
@@ -313,7 +314,7 @@ fn buffered(
     out.flush()
 }
 
-/// Writes the last state as CSV, a row a site.
+/// Writes the last state as CSV, a row for each site.
 fn last_state(out: impl Write, &Ran { scene, outcome, si, .. }: &Ran<'_>) -> std::io::Result<()> {
     let arrays = state_arrays(scene, &outcome.state, si);
     let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
@@ -322,8 +323,8 @@ fn last_state(out: impl Write, &Ran { scene, outcome, si, .. }: &Ran<'_>) -> std
     write_csv(out, &names, (0..scene.chain().sites()).map(row))
 }
 
-/// Writes the archive of profiles, a row at a time: long chains have more of them than fit into
-/// memory twice.
+/// Writes the archive of profiles, a row at a time, as the profiles of a long chain may not fit
+/// into memory twice.
 fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], si: Option<&Units>) -> std::io::Result<()> {
     let mut archive = NpzWriter::new(file, None)?;
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
@@ -341,7 +342,8 @@ fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], si: Option<&Un
     archive.finish()
 }
 
-/// Writes the strains as CSV, a row a time: `t`, then `x` and the number of each bond.
+/// Writes the strains as CSV, a row for each time: `t`, then a column for each bond, named `x` and
+/// its number.
 fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Result<()> {
     let overlaps = Overlaps::new(scene.chain().clone());
     let bonds = profiles.first().map_or(0, |profile| profile.x.len());
@@ -357,7 +359,7 @@ fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Res
 }
 
 /// The pictures of a run: the profile at the end, the strain over space and time, the energy error;
-/// none where its states are with its parts.
+/// none if the parts of the chain keep the states.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -415,14 +417,15 @@ pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
     Ok(pictures.into_iter().map(|(name, picture)| (name.to_owned(), picture)).collect())
 }
 
-/// The number of the first strain: bonds count as the sites to their right, and the first of a free
-/// chain has no bond.
+/// The number of the first bond with a strain. A bond has the number of the site to its right; the
+/// first site of a free chain has no bond.
 #[cfg(feature = "plot")]
 fn first_bond(scene: &Scene) -> f64 {
     Overlaps::new(scene.chain().clone()).bond(0) as f64
 }
 
-/// What the sign of a strain means. Beads with static overlaps of their own may press at both.
+/// What the sign of a strain means, in words. Beads with static overlaps of their own may be in
+/// contact at both signs.
 #[cfg(feature = "plot")]
 fn strain_words(scene: &Scene) -> &'static str {
     match scene.chain().details() {
@@ -433,8 +436,8 @@ fn strain_words(scene: &Scene) -> &'static str {
     }
 }
 
-/// The range of colours, and whether gaps go beyond it: up to the largest overlap, so that contacts
-/// take half of the colours.
+/// The largest strain of the colour scale, and whether gaps exceed it. It is the largest overlap,
+/// so that contacts take half of the colours; without an overlap, the largest gap.
 #[cfg(feature = "plot")]
 fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
@@ -443,8 +446,8 @@ fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     (range, gap > range)
 }
 
-/// `(t, |E(t) - E(0)| / |E(0)|)` where it is positive; of the balance, over the largest energy, where
-/// something is dissipated or driven.
+/// `(t, |E(t) - E(0)| / |E(0)|)` at samples with a positive error. For a chain that dissipates or
+/// is driven, `E(t)` is the balance, and the error is divided by the largest energy of a sample.
 #[cfg(feature = "plot")]
 fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
     let totals: Vec<(f64, f64)> =

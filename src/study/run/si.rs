@@ -1,4 +1,4 @@
-//! What a run has left behind, in SI units.
+//! The result of a run in SI units.
 
 use crate::{
     chain::{Contact, Energy, Layout},
@@ -6,9 +6,9 @@ use crate::{
     scene::Units,
 };
 
-/// The trajectory of a scene whose `[units]` are these, in metres, seconds and joules: times,
-/// states with their ledger, strains, energies and contacts. An error of the energy relative to it
-/// stays what it is, as does what a failure says.
+/// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
+/// them: times, states with their ledger, strains, energies and contacts. The energy error and the
+/// text of a failure are not converted.
 #[must_use]
 pub fn in_si(mut outcome: Trajectory, layout: Layout, units: &Units) -> Trajectory {
     let state = |state: &mut Vec<f64>| {
