@@ -20,33 +20,36 @@ use crate::{
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// Largest `ds`: unknowns may change by half their size from point to point.
+/// Largest `ds`: the predictor changes the unknowns by at most half of the largest one, in the root
+/// mean square. The corrector gives up after a correction that is longer than this and than the
+/// one before it.
 const LONGEST: f64 = 0.5;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
-/// Largest number of corrector steps; `ds` grows below `GOOD_CORRECTIONS` of them, and shrinks
-/// above `MANY_CORRECTIONS`.
+/// Largest number of steps of the corrector. The next `ds` is longer if it took fewer than
+/// `GOOD_CORRECTIONS`, and shorter if it took more than `MANY_CORRECTIONS`.
 pub(super) const MOST_CORRECTIONS: usize = 10;
 const GOOD_CORRECTIONS: usize = 4;
 const MANY_CORRECTIONS: usize = GOOD_CORRECTIONS + 1;
-/// A correction below this is the last one.
+/// A correction below this, in units of `X`, is the last one.
 const LAST_CORRECTION: f64 = 1e-9;
 /// Relative change of the parameter for difference quotients of `F`.
 const DIFFERENCE: f64 = 1e-6;
 
 /// Equations `F(z, p) = 0` with a parameter.
 pub(super) trait Family {
-    /// `F`, and its derivative by `z` if `derivative`; without it, it has no columns.
+    /// `F`, and its derivative by `z` if `derivative`; otherwise the Jacobian has no columns.
     fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
     /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
     /// method from `seed`.
     fn solve(&self, seed: &[f64], p: f64) -> Result<Solution>;
-    /// Unit of residuals: the largest unknown, unless roundings come from something larger.
+    /// Unit of residuals: by default the largest unknown. It is larger where rounding errors are
+    /// those of larger numbers.
     fn size(&self, z: &[f64]) -> f64 {
         max_norm(z.iter().copied())
     }
-    /// Longest chord to the next point, in units of the predictor: a branch that seems to turn by
-    /// more may be another one.
+    /// Longest chord to the next point, in units of `ds`. If the chord is longer, the point may be
+    /// on another branch or beyond a fold, and `ds` is halved.
     fn longest_chord(&self) -> f64 {
         f64::INFINITY
     }
@@ -79,12 +82,12 @@ pub enum End {
     Reached,
     /// The branch has the largest number of points.
     MostPoints,
-    /// The branch turned back and the parameter passed its first value; of a branch that crosses
-    /// another one, the first value of the other.
+    /// The branch turned back and the parameter passed its first value. For a branch that was
+    /// begun where it crosses another one, that is the first value of the other branch.
     TurnedBack,
     /// No orbit was found with the shortest step.
     Lost,
-    /// The branch, of doubled period, came back to that of half its period.
+    /// The branch of doubled period came back to the branch of half its period.
     Rejoined,
     /// The multipliers of the last orbit are not known.
     NoMultipliers,
@@ -109,10 +112,12 @@ impl End {
     }
 }
 
-/// Units of `X`: `s` and `P`.
+/// Units of `X`.
 #[derive(Clone, Copy)]
 pub(super) struct Scales {
+    /// `s`, the unit of the unknowns.
     pub(super) state: f64,
+    /// `P`, the unit of the parameter.
     pub(super) parameter: f64,
 }
 
@@ -123,14 +128,14 @@ pub(super) struct Way {
     pub(super) to: f64,
     /// The largest change of the parameter from point to point, positive.
     pub(super) step: f64,
-    /// Whether the branch is followed in the parameter itself.
+    /// Whether steps are taken in the parameter, not in the arclength.
     pub(super) natural: bool,
     /// Sign of the parameter's change from the first point to the end.
     pub(super) direction: f64,
 }
 
 impl Scales {
-    /// Units for unknowns of this size and a parameter of this range.
+    /// Units for unknowns as large as those in `z`, and for a parameter that varies by `range`.
     pub(super) fn new(z: &[f64], range: f64) -> Self {
         let root = (z.len() as f64).sqrt();
         Self { state: max_norm(z.iter().copied()) * root, parameter: range }
@@ -144,7 +149,7 @@ impl Scales {
     }
 }
 
-/// Refuses numbers of a continuation outside their rules, from one value of the parameter to
+/// Refuses numbers outside their rules, for a continuation from one value of the parameter to
 /// another.
 pub(super) fn check([from, to]: [f64; 2], step: f64, most_points: usize) -> Result<()> {
     if !to.is_finite() || to == from {
@@ -167,7 +172,8 @@ pub(super) fn check_onward([from, last]: [f64; 2], to: f64) -> Result<()> {
     Ok(())
 }
 
-/// The direction of the parameter at the first point of a branch with so many unknowns.
+/// The unit vector along the parameter, with the sign `direction`: the direction of a branch of so
+/// many `unknowns` at its first point.
 fn along(unknowns: usize, direction: f64) -> DVector<f64> {
     let mut along = DVector::zeros(unknowns + 1);
     along[unknowns] = direction;
@@ -203,7 +209,8 @@ pub(super) fn tangent(
     Ok(tangent.normalize())
 }
 
-/// The next point by arclength.
+/// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
+/// `spot`, by Newton's method from the predictor.
 pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: f64) -> Result<Solution> {
     let columns = spot.z.len();
     let t = spot.tangent;
@@ -235,7 +242,8 @@ pub(super) fn correct(family: &impl Family, spot: Spot<'_>, scales: Scales, ds: 
     }
 }
 
-/// The solution at the value `to` of the parameter; the guess is on the tangent.
+/// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
+/// with this value.
 fn naturally(family: &impl Family, spot: Spot<'_>, scales: Scales, to: f64) -> Result<Solution> {
     let by = (to - spot.p) / (spot.tangent[spot.z.len()] * scales.parameter);
     let z: Vec<f64> = spot.z.iter().zip(spot.tangent).map(|(z, t)| z + by * t * scales.state).collect();
@@ -281,26 +289,27 @@ pub(super) fn next(
     }
 }
 
-/// Where a branch goes on: unknowns and parameter of its last solution and of the one before.
+/// A branch so far: unknowns and parameter of its last two solutions, and the next step.
 pub(super) struct Course {
     /// The value of the parameter at which the branch ends if it has turned back.
     pub(super) back: f64,
-    /// `None` at the first solution: the branch sets out towards the final value.
+    /// The solution before the last. `None` if there is only one: the branch then begins in the
+    /// direction of the final value.
     pub(super) previous: Option<(Vec<f64>, f64)>,
     pub(super) last: (Vec<f64>, f64),
     /// Length of the next predictor.
     pub(super) ds: f64,
-    /// Number of solutions that there are.
+    /// Number of solutions so far.
     pub(super) points: usize,
 }
 
-/// Given every new solution, the length of the predictor after it, and why the branch ends with it;
-/// may end the branch.
+/// Called with every new solution, the length of the next predictor, and the reason why the branch
+/// ends with this solution, if it does. A reason that is returned ends the branch.
 pub(super) type Keep<'a> = &'a mut dyn FnMut(&Solution, f64, Option<End>) -> Result<Option<End>>;
 
-/// Follows a branch on, past folds, until the parameter has its final value or, back again, passes
-/// `back`. At most `most_points` with the old ones are computed. A branch that was stopped on the
-/// way goes on with the same bits.
+/// Continues a branch past folds until the parameter reaches its final value or, if the branch has
+/// turned back, passes `back`. The branch gets at most `most_points` points, those in `course`
+/// included. A branch that was stopped on the way continues with the same bits.
 pub(super) fn follow(
     family: &impl Family,
     course: Course,

@@ -31,8 +31,8 @@ pub struct Continuation {
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
-    /// Whether the branch is followed in the parameter itself, not in arclength; such a branch ends
-    /// at a fold.
+    /// Whether steps are taken in the parameter, not in the arclength; such a branch ends at a
+    /// fold.
     pub natural: bool,
     /// How orbits are solved for.
     pub shooting: Shooting,
@@ -48,7 +48,7 @@ pub(super) struct Place {
     pub(super) tangent: DVector<f64>,
 }
 
-/// Orbits of a setting of which one parameter varies.
+/// The orbits of settings that differ in one parameter.
 struct Varying<'a> {
     continuation: &'a Continuation,
     setting: Setting,
@@ -206,7 +206,7 @@ impl Continuation {
         arclength::tangent(&family, (&orbit.z, orbit.setting.get(self.parameter)), scales, before)
     }
 
-    /// The next point by arclength.
+    /// The orbit that the corrector finds at the distance `ds` along the tangent of `place`.
     pub(super) fn step(&self, place: &Place, scales: Scales, ds: f64) -> Result<Orbit> {
         let family = self.varying(place.orbit.setting);
         Ok(family.orbit(arclength::correct(&family, self.spot(place), scales, ds)?))

@@ -89,10 +89,11 @@ impl DriveParameter {
 pub struct DrivenSetting {
     /// The chain without details.
     bare: Chain<f64>,
-    /// Details for the reference values of the parameters, without envelopes.
+    /// Details at the reference values of the parameters; drives have no envelopes.
     details: Details,
+    /// Reference values of amplitude and frequency, which `details` has.
     reference: [f64; 2],
-    /// Amplitude, frequency, factor of damping.
+    /// Values of amplitude, frequency and factor of damping.
     values: [f64; 3],
     turns: u32,
     /// Entries of a state that are free displacements.
@@ -103,12 +104,13 @@ pub struct DrivenSetting {
 const MOST_TURNS: u32 = 64;
 /// Largest number of contacts.
 const MOST_CONTACTS: usize = 256;
-/// Frequencies of a periodic drive are multiples of the least one over a whole number up to this.
+/// The fundamental frequency of a drive is its least one divided by a whole number up to this;
+/// otherwise the drive does not count as periodic.
 const MOST_SUBDIVISIONS: u32 = 64;
-/// Relative error of such multiples.
+/// Largest relative error of a frequency that counts as a multiple of the fundamental one.
 const COMMENSURATE: f64 = 1e-9;
 
-/// The largest frequency of which all are multiples; `None` if there is none within
+/// The largest frequency of which all in `omegas` are multiples; `None` if there is none within
 /// [`MOST_SUBDIVISIONS`].
 fn fundamental(omegas: &[f64]) -> Option<f64> {
     let least = omegas.iter().copied().filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min);
@@ -151,10 +153,10 @@ impl DrivenSetting {
         let omegas: Vec<f64> = all.iter().map(|harmonic| harmonic.omega).collect();
         let omega = fundamental(&omegas)
             .ok_or_else(|| refused("frequencies that are no multiples of one, as those of noise"))?;
-        // A least frequency exists.
+        // Some harmonic has a frequency, since there is a fundamental one.
         let amplitude = all.iter().find(|harmonic| harmonic.omega > 0.0).map_or(0.0, |harmonic| harmonic.amplitude);
         DriveParameter::Amplitude.check(amplitude)?;
-        // What a uniform precompression has given is in the overlaps at rest.
+        // The overlaps at rest include a uniform precompression, which `bare` does not have.
         let (n, rest) = (chain.sites(), chain.overlaps(&vec![0.0; chain.sites()]));
         details.overlap = chain.touching().map(|bond| rest[bond]).collect();
         let bare = Chain::new(chain.params(), chain.boundary(), n)?;
@@ -197,7 +199,7 @@ impl DrivenSetting {
         self.values[parameter as usize]
     }
 
-    /// The setting with another value of a parameter, unchecked.
+    /// The setting with another value of a parameter, which is not checked.
     #[must_use]
     pub fn with(&self, parameter: DriveParameter, value: f64) -> Self {
         let mut setting = self.clone();
@@ -232,7 +234,7 @@ impl DrivenSetting {
         f64::from(self.turns) * 2.0 * PI / self.omega()
     }
 
-    /// Number of sites, moved beads included.
+    /// Number of sites, including those of beads that a drive moves.
     pub fn sites(&self) -> usize {
         self.bare.sites()
     }
@@ -283,8 +285,8 @@ impl DrivenSetting {
         DVector::from_iterator(self.unknowns(), q.chain(q_dot))
     }
 
-    /// Unit of residuals: the largest unknown, or [`ROUNDED`] of the largest static overlap, to
-    /// whose roundings contacts know where beads are.
+    /// Unit of residuals: the largest unknown or, if it is larger, [`ROUNDED`] times the largest
+    /// static overlap, since rounding errors of overlaps limit the accuracy of positions.
     fn size(&self, z: &[f64]) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
         max_norm(z.iter().copied()).max(ROUNDED * overlap)
@@ -336,26 +338,29 @@ pub struct DrivenOrbit {
     pub newton: Vec<NewtonStep>,
 }
 
-/// A step below this is the last: by quadratic convergence the next one would be below rounding.
+/// A step of Newton's method below this, in the unit of residuals, is the last: by quadratic
+/// convergence the next one would be below rounding.
 const LAST_STEP: f64 = 1e-9;
-/// Largest residual of an orbit.
+/// Largest residual of an orbit, in its unit.
 const SOLVED: f64 = 1e-11;
-/// Share of a static overlap of which [`SOLVED`] is some 450 roundings of the overlap.
+/// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
+/// 450 roundings of the overlap.
 const ROUNDED: f64 = 1e-2;
-/// Longest chord along a branch, for turns of 25 degrees: strongly driven branches have pairs of
-/// folds close to each other, at which longer steps can land on the way back.
+/// Longest chord to the next point of a branch, in units of the predictor: the chord is 25 degrees
+/// from the tangent. Strongly driven branches have pairs of folds close to each other; a longer
+/// step could land beyond both, and the branch would then be followed back.
 const TURN: f64 = 1.1;
-/// Longest step, in units of the largest unknown or drive.
+/// Longest step of Newton's method, in the unit of residuals.
 const LONGEST_STEP: f64 = 0.5;
-/// Change from period to period, in units of the largest unknown, at which a run has settled.
+/// A run has settled if a period changes the unknowns by at most this, in units of the largest.
 const SETTLED: f64 = 1e-8;
-/// Tolerance of a step on the way there.
+/// Tolerance of a step of the run that settles.
 const SETTLE_TOL: f64 = 1e-9;
-/// Samples of a period of the drive for extremes.
+/// Number of samples in a period of the drive, for ranges of displacements and strains.
 const SAMPLES: u32 = 64;
 
 impl DrivenShooting {
-    /// `P^m(z) - z`, with its derivative if asked for.
+    /// `P^m(z) - z`, with its derivative if `derivative`.
     pub(super) fn equations(&self, setting: &DrivenSetting, z: &[f64], derivative: bool) -> Result<Equations> {
         let chain = setting.chain()?;
         let start = setting.start(&chain, z);
@@ -390,8 +395,9 @@ impl DrivenShooting {
         Ok(DMatrix::from_fn(2 * m, 2 * m, entry))
     }
 
-    /// The unknowns after so many periods of the drive, from a state of `chain` at `t = 0`, ramps
-    /// included; fewer if it has become periodic. `seen` is told the share that is done.
+    /// The unknowns after a run of `chain`, with its ramps, from `state` at `t = 0`. The run takes
+    /// as many periods of the orbit as the longest ramp needs, and `periods` more; it ends earlier
+    /// if it has become periodic. `seen` is told the share that is done.
     ///
     /// # Errors
     /// An integration that fails; a signal.
@@ -440,7 +446,7 @@ impl DrivenShooting {
             return Err(Error::parameter("seed", "not finite", "a seed is finite"));
         }
         let drives = setting.moved()?;
-        // At rest the first residual is the only size that there is.
+        // All these sizes can be zero where the chain is at rest; the unit is then the residual.
         let size = |z: &DVector<f64>, residual: &DVector<f64>| match setting.size(z.as_slice()).max(drives) {
             0.0 => residual.amax().max(f64::MIN_POSITIVE),
             size => size,
@@ -502,12 +508,12 @@ pub struct DrivenMultiplier {
 pub struct DrivenSpectrum {
     /// All of them, the largest modulus first, with conjugates next to each other.
     pub multipliers: Vec<DrivenMultiplier>,
-    /// `|ln |det M| + gamma m T|`: zero in theory.
+    /// `|ln |det M| + gamma m T|`, the error of Liouville's formula: zero in theory.
     pub liouville: f64,
 }
 
-/// Multipliers up to `1 + MARGIN` count as on the circle: beads that no contact holds have the
-/// multiplier 1, up to roundings.
+/// Multipliers with a modulus up to `1 + MARGIN` do not count as outside the circle: beads that no
+/// contact holds have the multiplier 1, up to roundings.
 pub(super) const MARGIN: f64 = 1e-7;
 
 impl DrivenSpectrum {
@@ -580,7 +586,8 @@ impl DrivenOrbit {
         Ok(residual.amax() / self.setting.size(&self.z).max(self.setting.moved()?))
     }
 
-    /// Unknowns after half of the periods of the drive, less those at `t = 0`.
+    /// Unknowns after half of the orbit's periods of the drive (an even number) less those at
+    /// `t = 0`.
     pub(super) fn halves_apart(&self, shooting: &DrivenShooting) -> Result<DVector<f64>> {
         let (setting, chain) = (&self.setting, self.setting.chain()?);
         let start = setting.start(&chain, &self.z);
@@ -606,14 +613,14 @@ impl DrivenOrbit {
         ]
     }
 
-    /// Half the range of the displacement of that free bead which moves most.
+    /// Half the range of the displacement of the free bead that moves most.
     pub fn amplitude(&self, samples: &[Vec<f64>]) -> f64 {
         let [beads, _] = self.ranges(samples);
         max_norm(self.setting.free_beads().map(|i| beads[i]))
     }
 }
 
-/// Driven orbits of a setting of which one parameter varies.
+/// The driven orbits of settings that differ in one parameter.
 pub(super) struct DrivenFamily<'a> {
     pub(super) shooting: &'a DrivenShooting,
     pub(super) setting: &'a DrivenSetting,

@@ -2,12 +2,13 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `U` | number of multipliers outside the unit circle |
-//! | `psi(s)` | `abs(lambda_k) - 1` over the chord of two points, moduli in descending order |
+//! | `U` | number of multipliers outside the unit circle, with a modulus above `1 + MARGIN` |
+//! | `psi(s)` | `abs(lambda_k) - 1 - MARGIN` over the chord of two points; moduli descend |
 //!
-//! Where `U` differs between two points, `psi` with `k` the smaller `U` changes its sign: ordered
-//! moduli are continuous. The multiplier there tells what happens: 1 at a fold or a branch point,
-//! -1 at a period doubling, a pair of others where a torus branches off (Neimark-Sacker).
+//! Where `U` differs between two points, `psi` changes its sign, with `k` (from 0) the smaller `U`:
+//! ordered moduli are continuous. The multiplier at the zero gives the kind of the bifurcation: 1
+//! at a fold or a branch point, -1 at a period doubling, a complex pair where a torus branches off
+//! (Neimark-Sacker).
 
 use super::{
     arclength::{self, End, Scales, Spot},
@@ -40,7 +41,7 @@ pub struct DrivenPoint {
     pub orbit: DrivenOrbit,
     /// Its multipliers.
     pub spectrum: DrivenSpectrum,
-    /// Half the range of that free bead which moves most.
+    /// Half the range of the displacement of the free bead that moves most.
     pub amplitude: f64,
 }
 
@@ -51,9 +52,9 @@ pub struct DrivenBifurcation {
     pub kind: BifurcationKind,
     /// Value of the parameter.
     pub parameter: f64,
-    /// The multiplier that crosses, of the upper half plane.
+    /// The multiplier that crosses the unit circle; of a pair, the one in the upper half plane.
     pub multiplier: DrivenMultiplier,
-    /// The orbit there, with its multipliers.
+    /// The orbit at the bifurcation, with its multipliers.
     pub point: DrivenPoint,
     /// Number of the point of the branch before it, from 0 on.
     pub after: usize,
@@ -72,8 +73,8 @@ pub struct DrivenBranch {
     pub unresolved: usize,
     /// Why it ended.
     pub end: End,
-    /// All of its orbits, with what it takes to go on; more than points, where one has no
-    /// multipliers.
+    /// All of its orbits, with everything needed to continue it. It has more orbits than `points`
+    /// if the multipliers of an orbit are not known.
     pub trail: DrivenTrail,
 }
 
@@ -83,7 +84,7 @@ const MOST_CUTS: u32 = 12;
 const MOST_TRIALS: u32 = 40;
 /// Error of a located bifurcation, as a share of the stretch.
 const LOCATED: f64 = 1e-9;
-/// Largest `psi` of a located bifurcation.
+/// Largest `|psi|` of a located bifurcation.
 const NEAR: f64 = 1e-6;
 /// A multiplier with a smaller imaginary part counts as real.
 const REAL: f64 = 1e-5;
@@ -109,8 +110,8 @@ impl DrivenContinuation {
         arclength::check([from, self.to], self.step, self.most_points)
     }
 
-    /// Follows the branch from `start`, past folds, until the parameter has its final value or, back
-    /// again, passes its first; `seen` is called after every new orbit.
+    /// Follows the branch from `start`, past folds, until the parameter has its final value or, if
+    /// the branch has turned back, passes its first; `seen` is called after every new orbit.
     ///
     /// # Errors
     /// Numbers outside their rules; no multipliers of the first orbit; a signal.
@@ -167,7 +168,7 @@ impl DrivenContinuation {
     }
 }
 
-/// A part of a branch, over the chord of its ends.
+/// The part of a branch between two points, parametrised by their chord from 0 to 1.
 struct Stretch<'a> {
     continuation: &'a DrivenContinuation,
     from: &'a DrivenOrbit,
@@ -180,7 +181,7 @@ impl<'a> Stretch<'a> {
     fn new(continuation: &'a DrivenContinuation, a: &'a DrivenPoint, b: &'a DrivenPoint) -> Self {
         let [a, b] = [a, b].map(|point| &point.orbit);
         let ((z, p), there) = (continuation.place(a), continuation.place(b));
-        // Both ends may have the same parameter, beside a fold.
+        // Beside a fold both ends may have the same value of the parameter.
         let scales = Scales::new(z, (there.1 - p).abs().max(continuation.step));
         let chord = scales.chord((z, p), there);
         let length = chord.norm();
@@ -202,7 +203,8 @@ impl<'a> Stretch<'a> {
         let mut last = None;
         for _ in 0..MOST_TRIALS {
             let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-            // At a branch point the corrector is singular: a point close to it is taken.
+            // At a branch point the corrector is singular and fails. Then the last point counts, if
+            // it is close enough.
             let Some(point) = self.point(s) else { break };
             let value = psi(&point);
             last = Some(point);
@@ -238,8 +240,8 @@ impl<'a> Stretch<'a> {
         })
     }
 
-    /// Whether the branch runs across the parameter at a point: at a fold its tangent has no
-    /// component along it.
+    /// Whether a point is a fold: the unit tangent of the branch has no component along the
+    /// parameter there, up to [`ACROSS`].
     fn turns_at(&self, point: &DrivenPoint) -> Option<bool> {
         let family = self.continuation.family(&point.orbit);
         let place = self.continuation.place(&point.orbit);
@@ -248,5 +250,5 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Component along the parameter below which a unit tangent is that of a fold.
+/// Largest component along the parameter of a unit tangent at a fold.
 const ACROSS: f64 = 1e-3;

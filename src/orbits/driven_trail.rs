@@ -1,4 +1,4 @@
-//! Branches of driven orbits on their way: what it takes to go on, and to go over to another one.
+//! Branches of driven orbits while they are followed, and the start of a branch that crosses one.
 
 use super::{
     arclength::{self, Course, End, Scales, Way},
@@ -14,11 +14,13 @@ use crate::error::{Error, Result};
 pub struct DrivenTrail {
     /// How the branch is followed.
     pub continuation: DrivenContinuation,
-    /// The value of the parameter at which the branch ends if it has turned back. That of the first
-    /// orbit; of a branch that crosses another one, that of the other's first orbit.
+    /// The value of the parameter at which the branch ends if it has turned back: that of its first
+    /// orbit or, for a branch that was begun where it crosses another one, of the first orbit of
+    /// the other branch.
     pub back: f64,
-    /// The kind of the bifurcation at which it crosses another branch, which is its first orbit. A
-    /// branch of doubled period ends where it comes back to that of half its period.
+    /// The kind of the bifurcation at which the branch begins, if it was begun where it crosses
+    /// another one; the first orbit is the one at that bifurcation. After a period doubling the
+    /// branch ends where it comes back to the branch of half its period.
     pub birth: Option<BifurcationKind>,
     /// The orbits, at least one, in their order along the branch.
     pub orbits: Vec<DrivenOrbit>,
@@ -47,8 +49,8 @@ impl DrivenTrail {
     /// Changes the settings so that the branch can continue: the end, the step and the largest
     /// number of points.
     ///
-    /// A branch that ended other than by its number of points stays as it is unless another end is
-    /// given.
+    /// A branch that reached its end, turned back or came back to the branch of half its period
+    /// stays as it is unless another end is given.
     ///
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
@@ -108,13 +110,13 @@ impl DrivenTrail {
         Ok(end)
     }
 
-    /// The branch with its points, the orbits with their multipliers, and the bifurcations between
-    /// them. Orbits without multipliers end a branch: `points` has those before.
+    /// The branch with its bifurcations. `points` are its orbits with their multipliers, in order,
+    /// up to the first orbit whose multipliers are not known.
     pub fn branch(self, points: Vec<DrivenPoint>) -> DrivenBranch {
         let whole = points.len() == self.orbits.len();
         let end = if whole { self.end.unwrap_or(End::MostPoints) } else { End::NoMultipliers };
-        // The orbit at the crossing is on both branches: its multiplier at 1 is no bifurcation of
-        // this one.
+        // The orbit at the crossing is on both branches. Its multiplier 1 is no bifurcation of this
+        // one, so the stretch from it to the second orbit is not searched.
         let first = usize::from(self.birth.is_some());
         let (bifurcations, unresolved) = self.continuation.bifurcations(&points, first);
         DrivenBranch { continuation: self.continuation, points, bifurcations, unresolved, end, trail: self }
@@ -122,13 +124,13 @@ impl DrivenTrail {
 }
 
 impl DrivenBranch {
-    /// The branch that crosses this one at bifurcation `k`, from 0 on: of doubled period at a period
-    /// doubling, of the same period at a branch point. Its first orbit is the one at the crossing,
-    /// its second one is off this branch. Of the two ways there it goes one: at a period doubling
-    /// the other one has the same orbits, a period of the drive later.
+    /// The branch that crosses this one at bifurcation `k`, from 0 on: of doubled period at a
+    /// period doubling, of the same period at a branch point. Its first orbit is the one at the
+    /// crossing, its second one is off this branch, in one of two directions. At a period doubling
+    /// both directions have the same orbits, which begin half of the doubled period apart.
     ///
     /// # Errors
-    /// No such bifurcation; a fold, or a torus bifurcation, which has no periodic orbits; a doubled
+    /// No such bifurcation; a fold; a torus bifurcation, where no periodic orbits begin; a doubled
     /// period of more than 64 periods of the drive; no direction in which a branch leaves, or no
     /// orbit on it.
     pub fn switched(&self, k: usize) -> Result<DrivenTrail> {

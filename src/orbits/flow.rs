@@ -7,7 +7,7 @@ use hertzchain_integrators::{
 };
 use nalgebra::DMatrix;
 
-/// A state, and what the linearised flow has made of the given columns.
+/// A state of the flow, and its derivative applied to the initial columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
     pub(crate) t: f64,
@@ -15,8 +15,8 @@ pub(crate) struct Moment {
     pub(crate) columns: DMatrix<f64>,
 }
 
-/// The state at `t`, and the derivative of the flow applied to `columns`, each like a state. `seen`
-/// is called at 0 and at the end of each window.
+/// The state at `t`, and the derivative of the flow applied to `columns`. Each column has the
+/// entries of a state. `seen` is called at 0 and at the end of each window.
 pub(crate) fn flow(
     chain: &Chain<f64>,
     start: &[f64],

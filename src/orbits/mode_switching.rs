@@ -1,9 +1,9 @@
-//! From a bifurcation of a normal mode to the branch that crosses there.
+//! The branch of orbits that crosses a branch of normal modes at a bifurcation.
 //!
 //! An orbit of a normal mode is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of
-//! doubled period that begin at a period doubling are at rest twice in theirs, near one of these
-//! two times and a period `T` later. So both times are tried as the start; where it is `T/2`, the
-//! leading coordinate may begin with the other sign, and the amplitude `a` is negative.
+//! doubled period that begin at a period doubling are at rest near one of these two times, and
+//! again a period `T` later. So both times are tried as the start of the new orbits. At `T/2` the
+//! leading coordinate may have the other sign; the amplitude `a` is then negative.
 
 use super::{
     arclength::{self, Course, End, Scales, Solution, Way},
@@ -24,7 +24,8 @@ use std::f64::consts::PI;
 type Place = (Vec<f64>, f64);
 
 impl ModeFamily<'_> {
-    /// The displacements from the equilibrium after half of the period.
+    /// The displacements from the equilibrium at the second time of rest, half a period after the
+    /// start.
     fn turning_point(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
         let (modes, span) = (self.modes, (0.0, PI / orbit.omega));
         let start = modes.start(orbit.amplitude, &orbit.shape);
@@ -32,8 +33,8 @@ impl ModeFamily<'_> {
         Ok(DVector::from_iterator(modes.free.len(), modes.free.iter().map(|&i| end[i] - modes.rest[i])))
     }
 
-    /// An orbit told as one of `turns` of its periods, that begins at the other time of rest if
-    /// `later`.
+    /// Unknowns and amplitude of the same orbit, with `turns` of its periods counted as one. If
+    /// `later`, it begins at the second time of rest.
     fn told(&self, orbit: &ModeOrbit, turns: u32, later: bool) -> Result<Place> {
         let omega = orbit.omega / f64::from(turns);
         if !later {
@@ -45,7 +46,7 @@ impl ModeFamily<'_> {
         Ok((self.unknowns(&ModeOrbit { omega, amplitude, shape, ..orbit.clone() }), amplitude))
     }
 
-    /// Displacements after half of the period, less those at the start, per amplitude.
+    /// Displacements after half of the period less those at the start, divided by the amplitude.
     fn halves_apart(&self, orbit: &ModeOrbit) -> Result<DVector<f64>> {
         let end = self.turning_point(orbit)? / orbit.amplitude;
         Ok(end - DVector::from_column_slice(&orbit.shape))
@@ -53,10 +54,11 @@ impl ModeFamily<'_> {
 }
 
 impl ModeBranch {
-    /// The branch that crosses this one at bifurcation `k`, from 0 on: of doubled period at a period
-    /// doubling, of the same period at a branch point. It is followed until the amplitude has this
-    /// branch's last size or, back again, its first; one of doubled period also until it comes back
-    /// to this one. Its first orbit is the one at the crossing. Of the two ways there it goes one.
+    /// The branch that crosses this one at bifurcation `k`, from 0 on: of doubled period at a
+    /// period doubling, of the same period at a branch point. Its first orbit is the one at the
+    /// crossing, from which it is followed in one of its two directions. It ends where the size of
+    /// the amplitude reaches this branch's final value or falls below its first one. A branch of
+    /// doubled period also ends where it comes back to this one.
     ///
     /// # Errors
     /// No such bifurcation; one at which no other branch crosses, or whose orbits are not at rest
@@ -100,8 +102,8 @@ impl ModeBranch {
         Ok(Self { continuation, points, bifurcations, unresolved, end })
     }
 
-    /// A bifurcation as an orbit of the branch that crosses there, the units of both, and the
-    /// direction in which the other branch leaves.
+    /// At a bifurcation: unknowns and amplitude of its orbit as one of the branch that crosses, the
+    /// units of `X`, and the direction in which that branch leaves. `None` if no branch is found.
     fn crossing(
         &self,
         family: &ModeFamily<'_>,
@@ -126,8 +128,8 @@ impl ModeBranch {
     }
 }
 
-/// The bifurcations between points that follow `before` others, and the number of stretches that
-/// were not resolved.
+/// The bifurcations between the given points, and the number of stretches that were not resolved.
+/// `before` points of the branch come before these.
 pub(super) fn located(family: &ModeFamily<'_>, points: &[ModePoint], before: usize) -> (Vec<ModeBifurcation>, usize) {
     let (found, unresolved) = bifurcation::located(family, points, WEAK);
     let one = |Located { kind, tau, point, after }| ModeBifurcation { kind, tau, point, after: before + after };

@@ -4,16 +4,17 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `q` | displacements from the equilibrium, of beads and of resonators that move |
-//! | `m` | their masses |
+//! | `m` | masses of these beads and resonators |
 //! | `K` | stiffness, `m q'' = -K q + O(q^{3/2})`; `K s = omega_0^2 m s` for a linear mode |
-//! | `a` | amplitude: the displacement `q_j(0)` of that `j` of which the linear mode has most |
+//! | `a` | amplitude: displacement `q_j(0)`; `j` has the largest share `m s^2` of the linear mode |
 //! | `xi` | shape, `q(0) = a xi` with `xi_j = 1` |
 //! | `w` | logarithm of the frequency, `omega = omega_0 exp(w)` |
 //! | `M_h` | derivative of the flow over half of the period, `T/2 = pi/omega` |
 //!
-//! Orbits begin at rest. By reversibility they are those at rest after half of their period, too:
-//! `q'(T/2)/(a omega) = 0`, for `xi` without `xi_j` and `w`, as a function of `a`. For `a -> 0`
-//! this is the linear mode. A ring can move as a whole: there the centre of mass is held.
+//! Orbits begin at rest. By reversibility a state at rest is on a periodic orbit if the chain is at
+//! rest again after half of the period. So the equations are `q'(T/2)/(a omega) = 0`, with the
+//! unknowns `w` and `xi` without `xi_j`, at a given `a`. For `a -> 0` their solution is the linear
+//! mode. A ring can move as a whole: there one more equation fixes the centre of mass.
 
 use super::{
     arclength::{self, Course, End, Family, Scales, Solution, Spot, Way},
@@ -38,7 +39,7 @@ pub struct LinearMode {
     pub shape: Vec<f64>,
     /// `j`, the first coordinate with the largest share `m s^2`.
     pub leading: usize,
-    /// `(sum m s^2)^2 / sum (m s^2)^2`: how many coordinates share the mode.
+    /// Participation number `(sum m s^2)^2 / sum (m s^2)^2`: 1 if only one coordinate moves.
     pub participation: f64,
 }
 
@@ -53,7 +54,7 @@ pub struct NormalModes {
     pub(super) rest: Vec<f64>,
     /// Largest overlap in the equilibrium.
     overlap: f64,
-    /// Whether all coordinates can be displaced alike.
+    /// Whether equal displacements of all coordinates change no force, as on a ring.
     translates: bool,
     linear: Vec<LinearMode>,
 }
@@ -62,7 +63,7 @@ pub struct NormalModes {
 const MOST_SITES: usize = 256;
 /// Steps of Newton's method to the equilibrium.
 const MOST_STEPS: usize = 50;
-/// A step below this share of the largest overlap is the last.
+/// A step to the equilibrium below this share of the largest overlap is the last one.
 const AT_REST: f64 = 1e-13;
 /// Squares of frequencies below this share of the largest are zero.
 const ZERO: f64 = 1e-12;
@@ -71,12 +72,13 @@ pub(super) const TOL: f64 = 1e-14;
 const TANGENT_TOL: f64 = 1e-12;
 /// Largest residual of an orbit.
 const SOLVED: f64 = 1e-11;
-/// Share of a static overlap of which [`SOLVED`] is some 450 roundings of the overlap.
+/// Share of the largest static overlap that is the least unit of residuals: [`SOLVED`] is then some
+/// 450 roundings of the overlap.
 const ROUNDED: f64 = 1e-2;
 /// A step of Newton's method below this is the last one.
 const LAST_STEP: f64 = 1e-9;
-/// Least unit of the amplitude between two points, as a share of it: beside a fold both have nearly
-/// the same.
+/// Least unit of the amplitude for the stretch between two points, as a share of the amplitude:
+/// beside a fold both points have nearly the same amplitude.
 const LEAST_CHANGE: f64 = 1e-3;
 /// Collisions that lead to no modulus above `1 + WEAK` are not located. Chosen: long chains have
 /// many weaker ones.
@@ -119,7 +121,7 @@ impl NormalModes {
         Ok(modes)
     }
 
-    /// The linear modes, the lowest frequency first; without that of a ring as a whole.
+    /// The linear modes, the lowest frequency first. The translation of a ring is not among them.
     pub fn linear(&self) -> &[LinearMode] {
         &self.linear
     }
@@ -129,13 +131,13 @@ impl NormalModes {
         &self.chain
     }
 
-    /// The number of the linear mode with the least participation number.
+    /// The number, from 0 on, of the linear mode with the least participation number.
     pub fn most_localised(&self) -> usize {
         let participation = |k: &usize| self.linear[*k].participation;
         (0..self.linear.len()).min_by(|a, b| participation(a).total_cmp(&participation(b))).unwrap_or(0)
     }
 
-    /// Site of a coordinate, and whether it is that of a resonator.
+    /// Site of a coordinate, and whether the coordinate is that of a resonator.
     pub fn place(&self, coordinate: usize) -> (usize, bool) {
         let n = self.chain.sites();
         (self.free[coordinate] % n, self.free[coordinate] >= n)
@@ -225,7 +227,8 @@ impl NormalModes {
         state
     }
 
-    /// What the flow makes of the given coordinates, in the rows of positions and velocities.
+    /// The derivative of the flow over the time `t`. Its rows are the displacements and then the
+    /// velocities of the free coordinates; its columns are those with the numbers `directions`.
     fn tangent(&self, start: &[f64], t: f64, directions: &[usize]) -> Result<DMatrix<f64>> {
         let (half, k) = (self.chain.layout().half(), directions.len());
         let entry = |c: usize| self.free[c % self.free.len()] + half * (c / self.free.len());
@@ -258,19 +261,20 @@ fn participation(shape: &[f64], masses: &[f64]) -> f64 {
 /// An orbit of a nonlinear normal mode.
 #[derive(Clone, Debug)]
 pub struct ModeOrbit {
-    /// `a`.
+    /// Amplitude `a`; negative on some branches of doubled period.
     pub amplitude: f64,
-    /// Frequency.
+    /// Frequency `omega`.
     pub omega: f64,
-    /// `xi`, of beads and of resonators that move.
+    /// Shape `xi`, of beads and of resonators that move.
     pub shape: Vec<f64>,
-    /// `max |q'(T/2)|` in units of `a omega`, or of a hundredth of the largest static overlap.
+    /// Largest residual of the equations, in units of the largest of: 1, the unknowns, and a
+    /// hundredth of the largest static overlap over the first amplitude of the branch.
     pub residual: f64,
     /// Steps of Newton's method.
     pub newton: Vec<NewtonStep>,
 }
 
-/// An orbit of a branch, and what is known of it.
+/// An orbit of a branch with its energy, participation number, least overlap and multipliers.
 #[derive(Clone, Debug)]
 pub struct ModePoint {
     /// The orbit.
@@ -279,7 +283,7 @@ pub struct ModePoint {
     pub energy: f64,
     /// `(sum m xi^2)^2 / sum (m xi^2)^2`.
     pub participation: f64,
-    /// The least overlap at the two times of rest; negative where beads are apart.
+    /// The least overlap of all contacts at the two times of rest; negative if beads are apart.
     pub least_overlap: f64,
     /// The multipliers.
     pub spectrum: Spectrum,
@@ -299,7 +303,7 @@ pub struct ModeContinuation {
     pub mode: usize,
     /// The amplitude at which the branch ends.
     pub to: f64,
-    /// The amplitude at which it begins, and its largest change from point to point.
+    /// The first amplitude, and the largest change of the amplitude from point to point.
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
@@ -384,11 +388,12 @@ impl ModeContinuation {
     }
 }
 
-/// Orbits of a mode, over their amplitude.
+/// The orbits of a mode, with the amplitude as parameter.
 pub(super) struct ModeFamily<'a> {
     pub(super) modes: &'a NormalModes,
     pub(super) linear: &'a LinearMode,
-    /// Least unit of residuals: what roundings of overlaps are at the least amplitude.
+    /// Least unit of residuals: [`ROUNDED`] times the largest static overlap, over the first
+    /// amplitude.
     floor: f64,
 }
 
@@ -399,7 +404,7 @@ impl<'a> ModeFamily<'a> {
         Self { modes, linear, floor }
     }
 
-    /// `xi` and `omega`.
+    /// Shape `xi` and frequency `omega` for the unknowns `z`.
     fn parts(&self, z: &[f64]) -> (Vec<f64>, f64) {
         let mut shape = z[..z.len() - 1].to_vec();
         shape.insert(self.linear.leading, 1.0);

@@ -1,4 +1,4 @@
-//! The numbers that determine an orbit, except for the choice of a branch.
+//! The numbers that determine a periodic orbit on a given branch: chain, frequency and centre.
 
 use crate::{
     chain::{Boundary, Chain, Params, Resonators},
@@ -67,7 +67,7 @@ pub struct Setting {
     pub turns: u32,
 }
 
-/// Largest ring for which the tangent map of contact collocation is made.
+/// Largest number of sites for which the tangent map of contact collocation is computed.
 const MOST_SITES: usize = 256;
 
 impl Setting {
@@ -101,8 +101,8 @@ impl Setting {
         Chain::new(params, Boundary::StrainRing, sites)
     }
 
-    /// Frequency of contacts under the given strains, or of resonators if higher, in units of
-    /// `omega_b`.
+    /// Frequency `(alpha |x|^{alpha-1})^{1/2}` of a contact with the largest of the given strains,
+    /// or that of the resonators if it is higher, in units of `omega_b`.
     ///
     /// Infinite for strains that are not finite.
     pub(crate) fn haste(&self, strains: &[f64]) -> f64 {
@@ -128,7 +128,7 @@ impl Setting {
         }
     }
 
-    /// The setting with another value of a parameter, unchecked.
+    /// The setting with another value of a parameter, which is not checked.
     #[must_use]
     pub fn with(mut self, parameter: Parameter, value: f64) -> Self {
         *match parameter {

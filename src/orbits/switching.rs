@@ -1,4 +1,4 @@
-//! From a bifurcation to the other branch that crosses there.
+//! The first solution on the branch that crosses a known branch at a bifurcation.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -8,9 +8,9 @@
 //!
 //! Where two branches cross, `F_X` has two null vectors. A period doubling is such a crossing for
 //! the equations of the doubled period, which the known branch solves as well. The first solution
-//! of the other branch is sought in the hyperplane `v . (X - X_0) = delta`: it is parallel to the
-//! known branch, and so meets the other one only. Source: Keller 1977, in *Applications of
-//! Bifurcation Theory*, pp. 359-384.
+//! of the other branch is sought in the hyperplane `v . (X - X_0) = delta`. Near `X_0` this
+//! hyperplane is parallel to the known branch, so that it meets the other branch only. Source:
+//! Keller 1977, in *Applications of Bifurcation Theory*, pp. 359-384.
 
 use super::arclength::{self, Family, Scales, Solution, Spot};
 use crate::error::{Error, Result};
@@ -18,14 +18,14 @@ use nalgebra::DVector;
 
 /// Values of `delta`, tried in this order.
 const DISTANCES: [f64; 5] = [0.02, 0.01, 5e-3, 2.5e-3, 1.25e-3];
-/// Largest distance of a solution from `X_0`, in units of `delta`: beyond it the hyperplane may have
-/// met the known branch.
+/// Largest distance of a solution from `X_0`, in units of `delta`. A solution farther away may be
+/// one of the known branch.
 const FARTHEST: f64 = 4.0;
 /// Two branches cross if the least singular value of `(F_X, t)` is at most this share of the next.
 const SINGULAR: f64 = 1e-2;
 
-/// `v` at a solution, its largest entry positive; `None` where no other branch crosses, or more than
-/// one. `along` is `t`.
+/// The vector `v` at a solution, with its largest entry positive; `along` is `t`. `None` if no
+/// other branch crosses there, or more than one.
 pub(super) fn crossing(
     family: &impl Family,
     (z, p): (&[f64], f64),
@@ -47,7 +47,7 @@ pub(super) fn crossing(
     }))
 }
 
-/// The first solution on the branch that leaves in the direction `v`, and its `delta`.
+/// The first solution on the branch that leaves `X_0` in the direction `v`, and its `delta`.
 pub(super) fn first(
     family: &impl Family,
     (z, p): (&[f64], f64),
@@ -63,9 +63,9 @@ pub(super) fn first(
     DISTANCES.into_iter().find_map(near).ok_or(Error::Stalled { steps: arclength::MOST_CORRECTIONS, best: None })
 }
 
-/// Whether the two halves of an orbit of doubled period have changed places from one point to the
-/// next, told by the differences of their starts: a step there went through the branch of half the
-/// period.
+/// Whether a branch of doubled period passed through the branch of half the period between two
+/// points. `before` and `now` are the state in the middle of each orbit less the one at its start.
+/// This difference is zero on the branch of half the period, and has the opposite sign beyond it.
 pub(super) fn changed_places(before: &DVector<f64>, now: &DVector<f64>) -> bool {
     before.dot(now) < -0.5 * before.norm() * now.norm()
 }

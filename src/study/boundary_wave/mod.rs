@@ -1,8 +1,8 @@
 //! Travelling waves launched into a chain from one end.
 //!
-//! A chain under a static overlap lies between walls. Its first bead is moved as `A sin(omega_d t)`,
-//! after a ramp, and sends a wave into the chain; dashpots in the last sites take it up. Far from
-//! both ends the strain is `X_b + Re(c_b exp(-i omega_d t))` and harmonics.
+//! A chain under a static overlap lies between walls. Its first bead is moved as
+//! `A sin(omega_d t)`, after a ramp, and sends a wave into the chain; dashpots in the last sites
+//! absorb it. Far from both ends the strain is `X_b + Re(c_b exp(-i omega_d t))` and harmonics.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -11,8 +11,9 @@
 //! | `q` | wave number: slope of the phase of `c_b`, by least squares |
 //! | `q_tw` | wave number of the first-order wave with this frequency, `X` and `r` |
 //!
-//! By (eq:w_tw) with `epsilon = 1`, `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`.
-//! For a weak wave `h` is `kappa alpha g_0^{alpha-1}`, `g_0` the static overlap.
+//! By (eq:w_tw) with `epsilon = 1`,
+//! `sin^2(q_tw/2) = (omega_d - omega) omega^3/(2 h(X, r/(2 kappa)))`. For a weak wave `h` is
+//! `kappa alpha g_0^{alpha-1}`, `g_0` the static overlap.
 
 mod report;
 
@@ -34,17 +35,19 @@ use std::{
 const ALPHA: f64 = 1.5;
 const KAPPA: f64 = 1.0;
 const SITES: RangeInclusive<usize> = 80..=1000;
-/// Sites in which dashpots grow like the cube of the distance, to this at the last.
+/// Number of sites at the far end whose dashpots absorb the wave. They grow like the cube of the
+/// distance, up to `DASHPOT` at the last site.
 const ABSORBING: usize = 40;
 const DASHPOT: f64 = 0.05;
-/// Bonds beside the bead that is moved, and before the dashpots, that are not measured.
+/// Numbers of bonds that are not measured, beside the bead that is moved and before the dashpots.
 const NEAR: usize = 10;
 const BEFORE: usize = 5;
-/// Periods of the ramp, and periods over which the wave is measured, with samples in each.
+/// Periods of the drive in its ramp, periods over which the wave is measured at the end of the run,
+/// and samples in each of these.
 const RAMP: f64 = 30.0;
 const PERIODS: usize = 40;
 const SAMPLES: usize = 32;
-/// A run lasts so many times as long as a weak wave takes to the dashpots.
+/// Time between ramp and measurement, in units of the time that a weak wave takes to the dashpots.
 const TRANSITS: f64 = 2.0;
 const TOLERANCE: f64 = 1e-9;
 /// Longest run, in periods of the drive.
@@ -96,34 +99,34 @@ impl Default for BoundaryWave {
 /// The strain of a bond.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BondStrain {
-    /// Between the sites `bond - 1` and `bond`.
+    /// Number of the bond, between the sites `bond - 1` and `bond`.
     pub bond: usize,
-    /// Mean.
+    /// Mean of the strain over the periods of the measurement.
     pub mean: f64,
-    /// `abs(c_b)`.
+    /// Amplitude `abs(c_b)` of the first harmonic.
     pub amplitude: f64,
-    /// Angle from `c_b` to `c_{b+1}`.
+    /// Angle from `c_b` to `c_{b+1}`, in radians.
     pub angle: f64,
 }
 
-/// A wave in the chain.
+/// The wave that a drive of one frequency launches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LaunchedWave {
-    /// `omega_d`.
+    /// Frequency of the drive, `omega_d`.
     pub omega: f64,
-    /// End of the run.
+    /// Time at which the run ends.
     pub end: f64,
-    /// `X`.
+    /// Mean strain `X`.
     pub mean_strain: f64,
-    /// `r`.
+    /// Amplitude `r` of the strain.
     pub amplitude: f64,
     /// Standard deviation of the amplitude over the measured bonds, weighted, in units of `r`.
     pub spread: f64,
-    /// Whether measured contacts open.
+    /// Whether a measured contact opens during the measurement.
     pub opens: bool,
-    /// `q`.
+    /// Wave number `q`, in radians per site.
     pub q: f64,
-    /// `q_tw`; `None` if the frequency is outside of the band of such waves.
+    /// Wave number `q_tw` of theory; `None` if the frequency is outside the band of such waves.
     pub q_theory: Option<f64>,
     /// All bonds between beads but the last.
     #[serde(skip)]
@@ -133,9 +136,9 @@ pub struct LaunchedWave {
 /// The outcome of the study.
 #[derive(Clone, Debug)]
 pub struct BoundaryWaveStudy {
-    /// What was asked for.
+    /// The options of the study.
     pub options: BoundaryWave,
-    /// A wave a frequency, in their order.
+    /// The waves, in the order of the frequencies.
     pub waves: Vec<LaunchedWave>,
 }
 
@@ -221,7 +224,8 @@ impl BoundaryWave {
         NEAR..self.sites - ABSORBING - BEFORE
     }
 
-    /// When the wave is measured: twice the time that a weak wave takes to the dashpots. Its speed is
+    /// Time at which the run ends: after the ramp, twice the time that a weak wave takes to the
+    /// dashpots, and the measurement. The speed of this wave is
     /// `d omega/d q = (omega_d - omega) cot(q/2)`.
     fn end(&self, omega_d: f64) -> Result<f64> {
         let (omega, q) = (self.params()?.omega(), self.weak_wave_number(omega_d)?);
@@ -270,11 +274,12 @@ impl BoundaryWave {
         self.launched(omega_d, end, least, (1..self.sites - 1).map(strain).collect())
     }
 
-    /// What the strains say of the wave.
+    /// Mean strain, amplitude and wave number of the wave, from the strains of its bonds.
     fn launched(&self, omega: f64, end: f64, least: f64, bonds: Vec<BondStrain>) -> Result<LaunchedWave> {
         let measured: Vec<&BondStrain> = bonds.iter().filter(|one| self.measured().contains(&one.bond)).collect();
-        // Weights of the slope of a straight line through all phases: ends count little, so that what
-        // the dashpots throw back cancels.
+        // Weights of the differences of phases in the slope of a straight line through all phases,
+        // by least squares. Bonds at the ends count little, so that waves which the dashpots
+        // reflect cancel.
         let count = measured.len();
         let weighted = |of: &dyn Fn(&BondStrain) -> f64, k: usize| ((k + 1) * (count - k)) as f64 * of(measured[k]);
         let sum = |of: &dyn Fn(&BondStrain) -> f64| (0..count).map(|k| weighted(of, k)).sum::<f64>();

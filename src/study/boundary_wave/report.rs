@@ -1,4 +1,4 @@
-//! Waves launched from one end as people and machines read them.
+//! Waves launched from one end as text, JSON, CSV and a picture.
 
 use super::{ALPHA, BoundaryWaveStudy, KAPPA, LaunchedWave, TOLERANCE};
 use crate::{
@@ -74,7 +74,7 @@ impl Report for BoundaryWaveStudy {
 }
 
 impl BoundaryWaveStudy {
-    /// Wave number against frequency, and amplitude and phase along the chain.
+    /// Wave number and mean strain against frequency; amplitude and mean strain along the chain.
     #[cfg(feature = "plot")]
     fn picture(&self) -> Result<crate::figures::Picture> {
         use super::{ABSORBING, PERIODS, RAMP};

@@ -1,7 +1,7 @@
 //! Branches of driven orbits as files, read back to the bit.
 //!
-//! An NPZ file: `settings.json` with the scene and what holds for the whole branch, and the arrays
-//! `parameter`, `residual` and `z`, with a row for each orbit.
+//! An NPZ file: `settings.json` with the scene and the numbers that hold for the whole branch, and
+//! the arrays `parameter`, `residual` and `z`, with a row for each orbit.
 
 use crate::{
     error::{Error, Result},
@@ -17,7 +17,8 @@ use std::path::Path;
 
 /// Format and version of the file.
 const FORMAT: (&str, u64) = ("hertzchain driven branch", 1);
-/// Largest residual of an orbit in a file: orbits are solved to 1e-11.
+/// Largest residual of an orbit in a file, measured when the file is read; orbits are solved to
+/// 1e-11.
 const ORBIT: f64 = 1e-8;
 
 /// Format and version of a file.
@@ -51,7 +52,7 @@ struct Settings {
     end: Option<End>,
 }
 
-/// The bytes of the file of a branch of this scene.
+/// The bytes of the file for a branch of this scene.
 pub(super) fn npz(scene: &Scene, trail: &DrivenTrail) -> Result<Vec<u8>> {
     let DrivenTrail { continuation, back, birth, orbits, ds, end } = trail;
     let &DrivenContinuation { parameter, to, step, most_points, shooting } = continuation;
@@ -116,7 +117,7 @@ pub fn load_driven_branch(path: &Path) -> Result<(Scene, DrivenTrail)> {
     Ok((scene, DrivenTrail { continuation, back, birth, orbits, ds, end }))
 }
 
-/// The orbits in a file, each of which returns.
+/// The orbits in a file, each with its residual checked.
 fn orbits(
     file: &Archive,
     points: u64,

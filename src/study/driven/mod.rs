@@ -105,7 +105,7 @@ pub struct DrivenStudy {
     pub point: DrivenPoint,
     /// States at 64 times of each period of the drive.
     pub samples: Vec<Vec<f64>>,
-    /// Energy that drives put in over the orbit.
+    /// Work of the drives over the orbit.
     pub driven: f64,
     /// Energy that is dissipated over the orbit.
     pub dissipated: f64,
@@ -207,7 +207,7 @@ pub struct DrivenBranchStudy {
     pub switched: Option<(usize, DrivenBranch)>,
 }
 
-/// The files that branches are gone on with.
+/// Names of the files in which branches are kept, and from which they are continued.
 const BRANCH_FILE: &str = "driven-branch.npz";
 const SWITCHED_FILE: &str = "switched-branch.npz";
 
@@ -259,12 +259,13 @@ impl DrivenWay {
     }
 }
 
-/// Share of the work at which the scene has settled, and at which a branch has its orbits.
+/// Shares of the progress at which the scene has settled, and at which all orbits of a branch are
+/// known.
 const SETTLING: f64 = 0.2;
 const ORBITS: f64 = 0.6;
 
-/// The branch of the orbit to which a driven scene leads, in one parameter. `progress` is told the
-/// share done.
+/// The branch, in one parameter, that begins with the orbit to which a driven scene leads.
+/// `progress` is told the share done.
 ///
 /// # Errors
 /// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; no
@@ -280,14 +281,14 @@ pub fn driven_branch(
     followed(scene, trail, way.switch, None, progress)
 }
 
-/// The branch at its first orbit.
+/// The branch with its first orbit only.
 fn first(scene: &Scene, search: &DrivenSearch, way: &DrivenWay, progress: Progress<'_>) -> Result<DrivenTrail> {
     let setting = search.setting(scene)?;
     let continuation = way.continuation(&setting)?;
     DrivenTrail::new(continuation, search.orbit(scene, &setting, progress)?)
 }
 
-/// A branch followed on and studied, and the one that crosses it.
+/// Continues and studies a branch, and the one that crosses it at bifurcation `switch`, if given.
 fn followed(
     scene: Scene,
     trail: DrivenTrail,
@@ -306,7 +307,7 @@ fn followed(
     Ok(DrivenBranchStudy { scene, branch, switched: Some((number, other)) })
 }
 
-/// Follows a branch on, unless it has ended, and studies it.
+/// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
 fn go_on(
     scene: &Scene,
     mut trail: DrivenTrail,

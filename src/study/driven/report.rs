@@ -177,7 +177,7 @@ fn branch_csv(branch: &DrivenBranch) -> Vec<u8> {
 }
 
 impl DrivenBranchStudy {
-    /// The branch, and the one that crosses it.
+    /// The branch and, if it was followed, the one that crosses it.
     fn branches(&self) -> impl Iterator<Item = &DrivenBranch> {
         std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
     }
@@ -236,13 +236,15 @@ impl Report for DrivenBranchStudy {
         Some(format!("error: the branch ended: {}", short.end.words()))
     }
 
-    /// A branch succeeds if it reached its end or turned back.
+    /// A branch succeeds if it reached its end or turned back, or if it came back to the branch of
+    /// half its period.
     fn succeeded(&self) -> bool {
         self.branches().all(|branch| branch.end.answers())
     }
 }
 
-/// Multipliers in the complex plane: inside the circle, and outside.
+/// The multipliers in the complex plane, with a line each for those inside or on the circle, and
+/// for those outside.
 #[cfg(feature = "plot")]
 pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
     use crate::figures::{Kind, Line, Panel};
@@ -256,7 +258,7 @@ pub(crate) fn multipliers_panel(point: &DrivenPoint) -> crate::figures::Panel {
     Panel::new(Kind::Plane, ["Re λ", "Im λ"], lines)
 }
 
-/// Points of branches, stable ones and unstable ones apart.
+/// The points of a branch as two lines of a picture, one for stable and one for unstable ones.
 #[cfg(feature = "plot")]
 pub(crate) fn stability_lines<'a, T: 'a>(
     points: &'a [T],

@@ -1,4 +1,5 @@
-//! A nonlinear normal mode of a conservative scene: its branch from the linear mode on.
+//! A nonlinear normal mode of a conservative scene: the branch of orbits that begins as a linear
+//! mode.
 
 mod report;
 
@@ -64,7 +65,7 @@ pub struct ModeWay {
 pub struct ModeStudy {
     /// The scene.
     pub scene: Scene,
-    /// Its linear modes.
+    /// Its equilibrium and linear modes.
     pub modes: NormalModes,
     /// The branch.
     pub branch: ModeBranch,
@@ -108,8 +109,8 @@ impl Study for FollowMode {
 /// The branch of a normal mode of a conservative scene. `progress` is told the share done.
 ///
 /// # Errors
-/// A scene that dissipates, is driven, or whose beads contacts do not hold; a number outside its
-/// rule; a first orbit that is not found; a signal.
+/// A scene that dissipates or is driven, or whose contacts do not hold every bead; a number outside
+/// its rule; a first orbit that is not found; a signal.
 pub fn follow_mode(scene: Scene, way: &ModeWay, progress: Progress<'_>) -> Result<ModeStudy> {
     let modes = NormalModes::new(scene.chain())?;
     let continuation = way.continuation(&modes)?;

@@ -15,7 +15,8 @@ use serde_json::{Value, json};
 const NEIGHBOURS: usize = 3;
 
 impl ModeStudy {
-    /// Site of the largest share of a linear mode, and whether it is that of a resonator.
+    /// Site of the coordinate with the largest share of a linear mode, and whether this coordinate
+    /// is that of a resonator.
     fn site_of(&self, mode: &LinearMode) -> (usize, bool) {
         self.modes.place(mode.leading)
     }
@@ -37,7 +38,7 @@ impl ModeStudy {
         both
     }
 
-    /// The branch, and the one that crosses it.
+    /// The branch and, if it was followed, the one that crosses it.
     fn branches(&self) -> impl Iterator<Item = &ModeBranch> {
         std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
     }
@@ -59,7 +60,7 @@ impl ModeStudy {
         table(&["number", "bifurcation", "a", "omega", "tau"], &rows) + &unresolved
     }
 
-    /// The numbers of a point in tables.
+    /// The row of a point in a table.
     fn row(point: &ModePoint) -> [f64; 7] {
         let ModePoint { orbit, energy, participation, least_overlap, spectrum } = point;
         let unstable = point.unstable() as f64;
@@ -137,7 +138,7 @@ impl ModeStudy {
     }
 }
 
-/// The last orbit of a branch.
+/// The last point of a branch.
 fn last(branch: &ModeBranch) -> &ModePoint {
     &branch.points[branch.points.len() - 1]
 }

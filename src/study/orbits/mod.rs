@@ -1,5 +1,5 @@
-//! Dark breathers as exact orbits: one with its multipliers, a branch with its bifurcations, the
-//! branch of doubled period (Sec. 7).
+//! Dark breathers as exact orbits: one orbit with its multipliers, a branch of orbits with its
+//! bifurcations, and the branch of doubled period (Sec. 7).
 
 mod report;
 
@@ -23,8 +23,8 @@ use crate::{
 use hertzchain_integrators::collocation::Pace;
 use std::path::{Path, PathBuf};
 
-/// Frequencies over `omega`, where none is given: a breather as in the paper, and the ends of a
-/// branch.
+/// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
+/// of a branch.
 const ONE: f64 = 1.025;
 const RANGE: [f64; 2] = [1.005, 1.05];
 
@@ -103,12 +103,12 @@ pub struct Dark {
     pub ring: Ring,
 }
 
-/// A dark breather and what is asked of it.
+/// A dark breather with its multipliers and measurements.
 #[derive(Clone, Debug)]
 pub struct DarkStudy {
-    /// What it is symmetric about.
+    /// The centre of its symmetry, a site or a bond.
     pub center: Center,
-    /// The orbit, its multipliers, and how good both are.
+    /// The orbit and its multipliers, with measured errors of both.
     pub study: OrbitStudy,
 }
 
@@ -122,7 +122,7 @@ impl Study for Dark {
 }
 
 impl Dark {
-    /// The breather that is asked for.
+    /// The breather that the options describe.
     ///
     /// # Errors
     /// Parameters of the chain outside their rules.
@@ -130,7 +130,7 @@ impl Dark {
         self.ring.breather(self.center, self.omega_b, ONE)
     }
 
-    /// Its orbit and what is asked of it.
+    /// The orbit of a breather, with its multipliers and measurements.
     ///
     /// # Errors
     /// As [`DarkBreather::orbit`] and [`orbit_study`].
@@ -208,7 +208,7 @@ pub struct Continue {
 }
 
 impl Continue {
-    /// The branch at its first point.
+    /// The branch with its first orbit only.
     fn first(&self) -> Result<Trail> {
         let Some(&(_, parameter)) = Parameter::ALL.iter().find(|(name, _)| *name == self.parameter) else {
             return Err(Error::unknown("parameter", &self.parameter, Parameter::ALL.map(|(name, _)| name)));
@@ -298,7 +298,7 @@ pub struct Doubled {
     pub ring: Ring,
 }
 
-/// The branch of doubled period and what is asked of its last orbit.
+/// The branch of doubled period, with the measurements of its last orbit.
 #[derive(Clone, Debug)]
 pub struct DoubledStudy {
     /// The branch.
@@ -313,7 +313,7 @@ impl Study for Doubled {
     fn begin(&self) -> Result<Work<'_>> {
         let (breather, shooting) = (self.ring.breather(Center::Bond, None, RANGE[0])?, self.ring.shooting());
         let most = self.most.unwrap_or(RANGE[1] * breather.params.omega());
-        // Before the main branch, which takes its time.
+        // These are checked before the main branch is followed, which takes long.
         for (name, value) in self.most.map(|most| ("most", most)).into_iter().chain([("omega-b", self.omega_b)]) {
             if !(value.is_finite() && value > 0.0) {
                 return Err(Error::parameter(name, value, "a frequency is finite and positive"));
@@ -334,10 +334,10 @@ impl Study for Doubled {
     }
 }
 
-/// The file that a branch is gone on with.
+/// Name of the file in which a branch is kept, and from which it is continued.
 const BRANCH_FILE: &str = "branch.npz";
 
-/// The folder that is named, or that of a file.
+/// The folder `path` or, if `path` is a file, the folder that has it.
 pub(crate) fn folder_of(path: &Path) -> PathBuf {
     if path.is_dir() {
         return path.to_owned();
@@ -345,13 +345,13 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
-/// Keeps a branch while it is followed.
+/// A function that writes the file of a branch from time to time while the branch is followed.
 fn keeper(folder: Option<&Folder>) -> impl FnMut(&Trail) {
     let mut keeper = Keeper::new(folder, BRANCH_FILE, &["branch.json", "branch.csv", "branch.png"]);
     move |trail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || trail.npz(Vec::new()))
 }
 
-/// An orbit and what is asked of it.
+/// An orbit with its multipliers and measurements.
 #[derive(Clone, Debug)]
 pub struct OrbitStudy {
     /// The orbit.
@@ -360,17 +360,17 @@ pub struct OrbitStudy {
     pub spectrum: Spectrum,
     /// Centres and amplitudes of the first bond.
     pub extent: Extent,
-    /// `E_b(T)` (eq:relerr).
+    /// `E_b(T)`, the relative error of periodicity (eq:relerr).
     pub e_b: f64,
     /// Mean contact force of every bond over a period, constant along the chain (Theorem nobreath).
     pub forces: MeanForces,
-    /// How near an exact orbit is.
+    /// Bound for the distance to an exact orbit; `None` where the equations are not independent.
     pub kantorovich: Option<Kantorovich>,
-    /// How it was searched for and measured.
+    /// Settings of the search for the orbit; its tolerance is also that of the measurements.
     pub shooting: Shooting,
 }
 
-/// All that is asked of an orbit.
+/// Computes the multipliers and all measurements of an orbit.
 ///
 /// # Errors
 /// An integration that fails.
@@ -396,7 +396,8 @@ pub struct BranchPoint {
     pub spectrum: Spectrum,
     /// Centres and amplitudes of the first bond.
     pub extent: Extent,
-    /// How near an exact orbit is, if that was asked for.
+    /// Bound for the distance to an exact orbit; `None` before [`Branch::bound`], and where the
+    /// equations are not independent.
     pub kantorovich: Option<Kantorovich>,
 }
 
@@ -409,14 +410,14 @@ pub struct Branch {
     pub points: Vec<BranchPoint>,
     /// Values of the parameter of orbits whose multipliers are not known; these are no points.
     pub gaps: Vec<f64>,
-    /// What happens between them.
+    /// The bifurcations between its points.
     pub bifurcations: Vec<Bifurcation>,
     /// Why it ended.
     pub end: End,
-    /// Whether the distance of points to exact orbits was bounded.
+    /// Whether [`Branch::bound`] has computed bounds for the distances to exact orbits.
     pub bounded: bool,
-    /// All of its orbits, with what it takes to go on; more than points, where one has no
-    /// multipliers.
+    /// All of its orbits, with everything needed to continue it. It has more orbits than `points`
+    /// if the multipliers of an orbit are not known.
     pub trail: Trail,
 }
 
@@ -446,7 +447,7 @@ impl Branch {
         }
     }
 
-    /// Where and why the branch ended before its end.
+    /// Where and why the branch ended, if not at the final value of its parameter.
     fn shortfall(&self) -> Option<String> {
         let Continuation { parameter, to, .. } = self.continuation;
         let last = self.points.last()?.orbit.setting.get(parameter);
@@ -455,14 +456,14 @@ impl Branch {
     }
 }
 
-/// Given what there is of a branch after every point, to keep it.
+/// Called with the branch so far after every new point, to write it to a file.
 pub type Keep<'a> = &'a mut dyn FnMut(&Trail);
 
-/// Share of the work of a branch that its orbits are; the rest are multipliers and bifurcations.
+/// Share of the progress for the orbits of a branch; the rest is for multipliers and bifurcations.
 const ORBITS: f64 = 0.4;
 
-/// The branch of dark breathers through `breather`, followed as `continuation` says; collisions of
-/// multipliers up to a modulus of `1 + weak` are passed over.
+/// The branch of dark breathers that begins with `breather`, followed as `continuation` says.
+/// Collisions of multipliers that lead to no modulus above `1 + weak` are not located.
 ///
 /// # Errors
 /// Numbers outside their rules, and no orbit to begin with.
@@ -475,10 +476,10 @@ pub fn branch(
     go_on(begin(breather, continuation, weak)?, &mut |_| {}, progress)
 }
 
-/// The first point of [`branch`].
+/// The branch of [`branch`] with its first orbit only.
 ///
 /// # Errors
-/// As there.
+/// As [`branch`].
 pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) -> Result<Trail> {
     if !(weak.is_finite() && weak >= 0.0) {
         return Err(Error::parameter("weak", weak, "finite and at least zero"));
@@ -488,7 +489,7 @@ pub fn begin(breather: &DarkBreather, continuation: &Continuation, weak: f64) ->
     Ok(Trail { center: Some(breather.center), weak: Some(weak), ..trail })
 }
 
-/// Where it is to go there are breathers.
+/// Refuses a final value at which there are no dark breathers: their frequency is above `omega`.
 fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
     let last = setting.with(continuation.parameter, continuation.to);
     if f64::from(last.turns) * last.omega_b <= last.params.omega() {
@@ -498,10 +499,10 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
     Ok(())
 }
 
-/// Follows a branch on, unless it has ended, and studies it.
+/// Continues a branch, unless it has ended, and computes what [`study`] does.
 ///
 /// # Errors
-/// Numbers outside their rules, and no point with multipliers; `keep` was then given its orbits.
+/// Numbers outside their rules; no point with multipliers, after `keep` was called with the orbits.
 pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
     if let (Some(first), None) = (trail.orbits.first(), trail.end) {
         let Continuation { parameter, to, .. } = trail.continuation;
@@ -519,7 +520,7 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
     study(trail, progress)
 }
 
-/// Multipliers, extents and bifurcations of a branch that was followed.
+/// Computes multipliers, extents and bifurcations of a branch that was followed.
 ///
 /// # Errors
 /// No point with multipliers.
@@ -532,7 +533,7 @@ pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
             || Error::Stopped { kept: format!("all {} points of the branch, not yet its multipliers", orbits.len()) };
         if interrupt::asked() { Err(stopped()) } else { orbit.spectrum(shooting) }
     };
-    // A point without multipliers is a gap in the branch.
+    // An orbit without multipliers is no point of the branch; its parameter is kept in `gaps`.
     let (mut known, mut spectra, mut gaps, mut failure) = (Vec::new(), Vec::new(), Vec::new(), None);
     for (orbit, spectrum) in orbits.iter().zip(map(orbits, spectrum)) {
         match spectrum {
@@ -562,7 +563,7 @@ pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
     Ok(Branch { continuation, points, gaps, bifurcations, end, bounded: false, trail })
 }
 
-/// The branch of doubled period: where it is born, and its points.
+/// The branch of doubled period, and the period doubling at which it begins.
 #[derive(Clone, Debug)]
 pub struct DoubledBranch {
     /// The period doubling of the main branch.
@@ -572,8 +573,9 @@ pub struct DoubledBranch {
     pub branch: Branch,
 }
 
-/// Relative size of the first orbit beyond the period doubling along its mode: below 0.005 Newton's
-/// method falls back on the main branch.
+/// Distance of the first orbit of doubled period from the period doubling, along the mode that
+/// grows there, in units of the largest strain. Below 0.005 Newton's method falls back on the main
+/// branch.
 const FIRST_SIZE: f64 = 0.02;
 
 /// The main branch of bond-centred breathers, up from the frequency of `breather` to `most`.
@@ -605,8 +607,8 @@ fn bond_centred(center: Option<Center>) -> Result<()> {
 }
 
 /// Leaves a main branch at its first period doubling, and follows the branch of doubled period to
-/// `omega_b` (that of the whole period). Bifurcations of the latter are not located: its background
-/// is unstable, and the bands of that are full of collisions.
+/// `omega_b` (that of the whole period). Bifurcations of the branch of doubled period are not
+/// located: the background of its orbits is unstable, and has bands full of collisions.
 ///
 /// # Errors
 /// No period doubling on the main branch, or numbers outside their rules.

@@ -1,4 +1,4 @@
-//! Exact orbits and their branches as people and machines read them.
+//! Exact orbits and their branches as text, JSON, CSV, NPZ and pictures.
 
 use super::{Branch, DarkStudy, DoubledStudy, OrbitStudy};
 use crate::{
@@ -10,11 +10,11 @@ use crate::{
 };
 use serde_json::{Value, json};
 
-/// Multipliers off the circle that a branch keeps of each point.
+/// Largest number of multipliers outside the circle in the JSON of each point of a branch.
 const LEADING: usize = 8;
 
 impl Report for DarkStudy {
-    /// The orbit, its multipliers, and how good both are.
+    /// The orbit and its multipliers, with measured errors of both.
     fn json(&self) -> Value {
         let mut fields = json(&self.study);
         fields["center"] = json!(center_word(self.center));
@@ -55,19 +55,19 @@ impl Report for Branch {
         Ok(named([("branch.png", branch_picture(self)?)]))
     }
 
-    /// That the branch did not reach its end.
+    /// An error message, if the branch did not reach its end.
     fn remark(&self) -> Option<String> {
         self.shortfall().map(|why| format!("error: the branch {why}"))
     }
 
-    /// What there is of a branch is written, but one that did not get there is a failure.
+    /// Whether the branch reached its end. Its files are written in any case.
     fn succeeded(&self) -> bool {
         self.end == End::Reached
     }
 }
 
 impl Report for DoubledStudy {
-    /// The branch, where it is born, and its last orbit.
+    /// The branch, the period doubling at which it begins, and its last orbit.
     fn json(&self) -> Value {
         let mut value = branch_value(&self.doubled.branch);
         value["birth"] = bifurcation(&self.doubled.birth);
@@ -287,7 +287,7 @@ fn branch_table(branch: &Branch) -> String {
         + &bounds(branch)
 }
 
-/// The orbits without multipliers, in a line; empty if there is none.
+/// A line of text with the parameters of orbits without multipliers; empty if there are none.
 fn gaps(branch: &Branch) -> String {
     let places: Vec<String> = branch.gaps.iter().map(|p| format!("{p:.8}")).collect();
     let name = branch.continuation.parameter.name();
@@ -298,13 +298,14 @@ fn gaps(branch: &Branch) -> String {
     }
 }
 
-/// How near exact orbits are, in a line; empty if that was not asked for.
+/// A line of text with the bounds for distances to exact orbits; empty if none were computed.
 fn bounds(branch: &Branch) -> String {
     let found = branch.points.iter().map(|point| point.kantorovich);
     if branch.bounded { crate::study::exact::bounds(found) + "\n" } else { String::new() }
 }
 
-/// `branch.csv`: every point with its leading moduli.
+/// `branch.csv`: for every point its parameter, amplitudes and centres, the largest modulus, and
+/// the bound for the distance to an exact orbit.
 pub(crate) fn branch_csv(branch: &Branch) -> Vec<u8> {
     let parameter = branch.continuation.parameter;
     let rows = branch.points.iter().map(|point| {
@@ -317,7 +318,6 @@ pub(crate) fn branch_csv(branch: &Branch) -> Vec<u8> {
 
 /// `branch.npz`: what [`Trail::load`](crate::orbits::Trail::load) reads back, and all multipliers
 /// of every point.
-///
 fn branch_npz(branch: &Branch) -> Result<Vec<u8>> {
     let parts = |part: &dyn Fn(&Multiplier) -> f64| -> Vec<Vec<f64>> {
         branch.points.iter().map(|point| point.spectrum.multipliers.iter().map(part).collect()).collect()
@@ -367,8 +367,7 @@ fn orbit_picture(title: String, study: &OrbitStudy) -> Result<crate::figures::Pi
 #[cfg(feature = "plot")]
 const UNSTABLE: f64 = 1.0 + 1e-6;
 
-/// The amplitude along the branch with stability marked, the largest modulus, and where
-/// bifurcations are.
+/// The amplitude along the branch, with stability and bifurcations marked, and the largest modulus.
 #[cfg(feature = "plot")]
 fn branch_picture(branch: &Branch) -> Result<crate::figures::Picture> {
     use crate::figures::{self, Line, Panel, Panels, panels};
