@@ -20,8 +20,8 @@ pub(crate) struct Contact {
     pub(crate) onset: f64,
     /// Time of the release; infinity where none is predicted.
     pub(crate) release: f64,
-    /// `dg/dt` at onset and release; `dP/dt`, see `loss.rs`, if the contact dissipates and the event
-    /// is a zero of `P`.
+    /// Slopes `dg/dt` at onset and release; `dP/dt`, see `loss.rs`, if the contact dissipates and
+    /// the event is a zero of `P`.
     pub(crate) slopes: [f64; 2],
     /// Whether beads overlapped already at the onset, which is then a zero of `P`, see `loss.rs`.
     pub(crate) pressed: bool,
