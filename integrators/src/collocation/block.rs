@@ -181,7 +181,7 @@ impl Verdict {
         }
     }
 
-    /// Counts what bonds did.
+    /// Adds the numbers of bonds with contacts and with halved panels, and their largest stiffness.
     fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>]) {
         for bond in bonds {
             self.touching += usize::from(!bond.contacts.found.is_empty());

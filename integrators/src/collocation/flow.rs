@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `y = [r, v, c, s]` | a site at the start of a window: position `r + c`, velocity `v + omega s` |
+//! | `y = [r, v, c, s]` | a site at a window's start: position `r + c`, velocity `v + omega s` |
 //! | `A` | generator: `y' = A y + b f` under a force `f` |
 //! | `b = [0, m, 0, mu/omega]` | what a unit impulse adds to `y` |
 //! | `e = [1, 0, 1, 0]` | position: `q = e y` |
@@ -37,7 +37,7 @@ const WIDE: usize = 2 * MOST_LANES;
 /// Series in `theta` of `N` functions, term by term, since they are summed together.
 type Series<const N: usize> = [[f64; N]; TERMS];
 
-/// The motion of one site with drag and dashpot, without its contacts.
+/// The motion of one site with its drag and dashpot, without its contacts.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
     /// `A` and `b`.

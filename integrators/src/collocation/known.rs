@@ -73,7 +73,7 @@ impl Known {
         }
     }
 
-    /// The same with the other sign.
+    /// The negative of this part.
     pub(crate) fn minus(mut self) -> Self {
         self.series = self.series.map(|c| -c);
         self.ends = self.ends.map(|end| end.map(|x| -x));

@@ -50,7 +50,7 @@
 //! `int f sin` up to every node, and these give the displacement by the force up to every node. It
 //! is kept as one short series in `x`, which neighbours evaluate at their nodes; after the panel's
 //! end the displacement is a path `A + B t + C cos + D sin`. A sweep computes overlaps from the
-//! displacements, then the forces `f_n = (g_n)_+^alpha` at the nodes, and moves the ends of
+//! displacements, then the forces `f_n = (g_n)_+^alpha` at the nodes, and corrects the ends of
 //! contacts by Newton's method on the interpolant of `g_n`. Sweeps are repeated, bond after bond
 //! (Gauss-Seidel), until no impulse changes. Newton's method takes the slope between the two nodes
 //! nearest to the event; the slope from the search for contacts is that of a chord which may span
@@ -201,9 +201,9 @@ pub trait Windows: Send + Sized {
     fn solve(&mut self, window: &Window) -> Verdict;
     /// Moves the state to the end of the window that was solved last.
     fn advance(&mut self);
-    /// A copy with the same state.
+    /// A copy in the same state.
     fn duplicate(&self) -> Self;
-    /// Takes the state of another one of the same chain, and the window that it solved last.
+    /// Takes the state of `other`, which is of the same chain, and the window that it solved last.
     fn copy_from(&mut self, other: &Self);
     /// Writes the current state into `y`.
     fn store(&self, y: &mut [f64]);

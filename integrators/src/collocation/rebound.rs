@@ -244,8 +244,8 @@ fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
     (of(b) - of(a)) / (b - a)
 }
 
-/// `g` and `P` at equally spaced times, and where the parabola of one of them through three of these
-/// times has its vertex on the other side of zero.
+/// Values of `g` and `P` at equally spaced times, and at the vertices of parabolas through three of
+/// these values that lie on the other side of zero.
 fn looks(h: f64, at: &impl Fn(f64) -> [f64; 2]) -> Vec<Look> {
     let step = h / PARTS as f64;
     let mut looks: Vec<Look> = (0..=PARTS)

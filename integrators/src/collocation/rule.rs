@@ -82,7 +82,7 @@ impl<const M: usize> Rule<M> {
     }
 }
 
-/// The coefficients of powers from those of Chebyshev polynomials.
+/// Converts a series in Chebyshev polynomials into one in powers of `x`.
 fn powers<const M: usize>(chebyshev: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     let (mut t0, mut t1) = ([0.0; M], [0.0; M]);

@@ -52,7 +52,7 @@ pub(crate) struct Side {
     pub(crate) m: f64,
     pub(crate) mu: f64,
     pub(crate) mu_per_omega: f64,
-    /// Zero where nothing oscillates.
+    /// Angular frequency; zero if the site has no oscillating part.
     pub(crate) omega: f64,
     /// `1/omega`; zero for `omega = 0`.
     pub(crate) per_omega: f64,

@@ -1,7 +1,7 @@
 //! The control of windows: the accuracy that each must reach, the length of the next one, and the
 //! number of nodes a panel.
 //!
-//! | part | what it decides |
+//! | part | it computes |
 //! |---|---|
 //! | [`Accuracy`] | from the tolerance for the run, the [`Goal`] of one window |
 //! | [`Lengths`] | the length of the next window |
