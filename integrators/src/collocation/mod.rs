@@ -29,7 +29,7 @@
 //! # The panels
 //!
 //! Where a contact begins or ends, `f` goes like the power `alpha` of the distance in time. In
-//! `sigma = |t - t_o|^{1/q}`, with the event `t_o` as origin, it is analytic if `q alpha` is an
+//! `sigma = |t - t_o|^{1/q}`, with the event `t_o` as origin, `f` is analytic if `q alpha` is an
 //! integer (`q` = 2 for spheres, 1 for integers, where the variable is time), else smooth to order
 //! `q (alpha + 1) >= 8`. A panel has `M` Gauss nodes in `sigma`. Its origin may lie before the
 //! window (at an onset, which is kept with the contact) or after it (at a release, which is looked
@@ -97,10 +97,10 @@
 //! # Sums
 //!
 //! The state of a site is `[R0, V, C, S]` and a phase `omega t` in twice the working precision.
-//! Only impulses change `V`, `C` and `S`; `R0` also moves on by `V h`. Each sum keeps its rounding
-//! error. Sweeps and the search for events go on until their error is below the roundings, since it
-//! has one sign in all windows and adds up. The energy error is then a random walk of roundings:
-//! 1e-13 after 10^6 periods of a breather (measured).
+//! Without damping only impulses change `V`, `C` and `S`; `R0` also moves on by `V h`. Each sum
+//! keeps its rounding error. Sweeps and the search for events go on until their error is below the
+//! roundings, since it is biased and adds up over windows. The energy error is then a random walk of
+//! roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
 //! # Damping and drives
 //!
