@@ -1,5 +1,5 @@
-//! The search for the times at which an overlap changes its sign in a window. A bound of the second
-//! derivative guarantees that no change beyond a band of roundings is missed.
+//! The search for the times at which an overlap changes its sign in a window. A bound of its second
+//! derivative guarantees that no change beyond a given band is missed.
 
 use crate::events::root::bracketed;
 

@@ -246,8 +246,7 @@ impl Flow {
     }
 
     /// The factors of `v`, `c` and `s` in the velocity `q'`: the derivatives of `t + lag`, `cos`
-    /// and
-    /// `sin`.
+    /// and `sin`.
     #[inline(always)]
     pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         let (theta, count) = self.theta(t);

@@ -236,7 +236,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         drive
     }
 
-    /// The second derivative of the overlap by the forces of the left and right neighbour.
+    /// The second derivative of the overlap by the forces `left` and `right` of the neighbours.
     #[inline(always)]
     pub(super) fn driven(frame: &Frame<'_, M, S>, left: f64, right: f64) -> f64 {
         frame.link.weight(0) * left + frame.link.weight(S - 1) * right
@@ -290,7 +290,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if !once {
             return self.look(frame, drive, (end, rate));
         }
-        // A few steps of the Illinois method, whose error is below that of the prediction.
+        // A few steps of the Illinois method are enough: the prediction itself is not exact.
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
         for _ in 0..4 {
             let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);

@@ -33,8 +33,7 @@ pub(crate) struct Cuts {
 impl Cuts {
     /// Whether the error of an event is negligible. The event is off by a time `by` and an overlap;
     /// or, where it is an event of `P`, by a time and a value of `P`, while beads overlap by at
-    /// most
-    /// `pressed`, see `loss.rs`.
+    /// most `pressed`, see `loss.rs`.
     #[inline(always)]
     pub(super) fn negligible<const S: usize>(
         &self,

@@ -17,8 +17,7 @@
 //! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
 //! (`rebound.rs`). So the force is analytic up to the end. Where beads meet it begins with the
-//! power
-//! `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
+//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
 
 use super::{
     bond::Beside,

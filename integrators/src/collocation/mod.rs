@@ -99,8 +99,8 @@
 //! The state of a site is `[R0, V, C, S]` and a phase `omega t` in twice the working precision.
 //! Without damping only impulses change `V`, `C` and `S`; `R0` also moves on by `V h`. Each sum
 //! keeps its rounding error. Sweeps and the search for events go on until their error is below the
-//! roundings, since it is biased and adds up over windows. The energy error is then a random walk of
-//! roundings: 1e-13 after 10^6 periods of a breather (measured).
+//! roundings, since it is biased and adds up over windows. The energy error is then a random walk
+//! of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
 //! # Damping and drives
 //!

@@ -20,7 +20,7 @@ use crate::events::{Curve, root::bracketed};
 
 /// Number of equal parts of a window at whose ends `g` and `P` are evaluated. Chosen.
 const PARTS: usize = 12;
-/// Number of equal parts of an overlap without a force at whose ends the log gets it. Chosen.
+/// Number of equal steps in time at which the log gets an overlap without a force. Chosen.
 const FREE: usize = 8;
 /// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;

@@ -12,8 +12,8 @@ use super::{
 
 /// A window whose share of the tolerance is `e` may have last terms of a series up to
 /// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
-/// waves, impacts and random
-/// chains; `methods the_error_is_no_more_than_was_asked_for_over_six_decades` and
+/// waves, impacts and random chains; `methods
+/// the_error_is_no_more_than_was_asked_for_over_six_decades` and
 /// `random_chains_agree_with_the_regularised_run` measure what it gives.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
