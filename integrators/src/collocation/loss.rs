@@ -5,7 +5,7 @@
 //! | `F(g)` | elastic force, `A (g)_+^alpha` |
 //! | `c(g)` | resistance, `gamma F'(g)` or `gamma` |
 //! | `f = (F(g) + c(g) g')_+` | force of a contact: beads never pull |
-//! | `P(g, g')` | what is positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
+//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
 //! | `K'` | velocity of a site by a unit impulse |
 //!
 //! A panel of such a contact needs `g'` at its nodes, `g_lin'(t) + int K'(t - s) [..] ds`, where

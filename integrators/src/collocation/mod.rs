@@ -4,10 +4,10 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `g_n, f_n` | overlap and force of bond `n`; `f_n = (g_n)_+^alpha` |
-//! | `K(t) = m t + mu sin(omega t)/omega` | displacement of a site by a unit impulse, [`Response`] |
+//! | `K(t) = m t + mu sin(omega t)/omega` | displacement by a unit impulse, [`Response`] |
 //! | *window* | a time step `[0, h]`; it is solved at once, for the whole chain |
 //! | *contact* | a time interval in which a bond is closed, from *onset* to *release* |
-//! | *panel* | a part of a contact on which the force is smooth in the panel's own variable `x` in `[-1, 1]` |
+//! | *panel* | a part of a contact on which the force is smooth in a variable `x` in `[-1, 1]` |
 //! | *sweep* | one iteration: overlaps from all forces, then forces from overlaps, bond by bond |
 //!
 //! # The equations

@@ -3,7 +3,7 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `t` | time since the start of the window |
-//! | `sigma` | `|t - t_o|^{1/q}`, the distance from an origin `t_o` at or beyond an end of the panel |
+//! | `sigma` | `|t - t_o|^{1/q}`, with an origin `t_o` at or beyond an end of the panel |
 //! | `x` | `sigma` scaled to `[-1, 1]`, ascending in time |
 //! | `A + B t + C cos(omega t) + D sin(omega t)` | path: the displacement after a force has ended |
 
@@ -400,7 +400,6 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     }
 
     /// As [`moved`](Self::moved), at values of the variable `x`.
-
     #[inline(always)]
     pub(crate) fn moved_at<const L: usize>(&self, side: usize, x: &[f64; L]) -> [f64; L] {
         value(&self.series[side], x)

@@ -73,9 +73,10 @@ impl Differing {
         self.parts().drives().iter().filter(move |drive| drive.site == site && drive.means == means)
     }
 
-    /// The scale of the velocities that a drive causes. If it moves its bead: the speed of the bead.
-    /// If it is a force, the sum over its harmonics: the speed amplitude of the free bead; for a
-    /// constant force, the speed from its work up to the overlap at which a contact balances it.
+    /// The scale of the velocities that a drive causes. If it moves its bead: the speed of the
+    /// bead. If it is a force, the sum over its harmonics: the speed amplitude of the free bead;
+    /// for a constant force, the speed from its work up to the overlap at which a contact balances
+    /// it.
     fn speed(&self, drive: &super::Drive) -> f64 {
         if drive.means == Means::Moved {
             return drive.signal.speed();
