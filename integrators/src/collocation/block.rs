@@ -1,10 +1,11 @@
-//! A stretch of neighbouring bonds, solved over one window by one thread.
+//! A block: consecutive bonds that one thread solves over one window.
 //!
-//! A long chain is cut into blocks, so that memory is needed for one a thread only. A block takes
-//! some bonds of its neighbours along and solves for them too, without handing on what it finds:
-//! forces reach across one bond with a factor of a few hundredths, so that nothing of what is wrong
-//! at the far end arrives. Blocks share nothing, which makes the result the same for any number of
-//! threads. A block at rest sleeps until something moves in what it takes along.
+//! A long chain is cut into blocks, so that each thread needs memory for one block only. A block
+//! also solves for some bonds on either side that belong to its neighbours (halo), and discards
+//! their solution. The errors at the outer ends of the halo do not reach the block's own bonds,
+//! since a force acts across one bond with a factor of a few hundredths. Blocks share nothing,
+//! which makes the result the same for any number of threads. A block whose sites and halo are all
+//! at rest is skipped.
 
 use super::{
     bond::{BOND, Beside, Bond, Change, Contact, LAYOUT},
@@ -21,58 +22,61 @@ use crate::{
 };
 use std::ops::{Range, RangeInclusive};
 
-/// Bonds of a block, and those of its neighbours on either side that it takes along. 256 is chosen;
-/// 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which measures the momentum
-/// that blocks lose to each other.
+/// Number of bonds of a block, and number of its neighbours' bonds on either side that it solves
+/// for too. 256 is chosen; 12 is held by `methods any_number_of_threads_gives_the_same_bits`, which
+/// measures the momentum that blocks lose to each other.
 pub(crate) const OWN: usize = 256;
 pub(crate) const ALONG: usize = 12;
 /// Sweeps after which a window is given up. Chosen, not measured.
 const MOST_SWEEPS: u64 = 40;
-/// Sweeps of the first pass, which go along the bonds together. Chosen: most windows take no more,
-/// see `GOOD_SWEEPS`.
+/// Number of sweeps of the first pass, which are interleaved along the bonds, see [`Pass`]. Chosen:
+/// most windows take no more, see `GOOD_SWEEPS`.
 const LEVELS: usize = 5;
-/// Times that contacts may be found anew, or panels halved, before a window is given up. Chosen,
-/// not measured.
+/// Number of times that contacts may be found anew, or panels halved, before a window is given up.
+/// Chosen, not measured.
 const MOST_ROUNDS: u32 = 10;
-/// Times that panels may be halved. Chosen, not measured.
+/// Number of times that the panels of a bond may be halved. Chosen, not measured.
 const MOST_HALVINGS: u32 = 4;
 
-/// What a window starts from.
+/// The state of the chain at the start of a window.
 pub(crate) struct Start<'a, const S: usize> {
     pub(crate) links: &'a Links<S>,
     pub(crate) bonds: &'a dyn Bonds<S>,
+    /// The contact that each bond is in, if it is closed.
     pub(crate) ongoing: &'a [Option<Contact>],
-    /// How strongly a unit force of each bond opens it: 2 between two sites of mass 1, 1 at a wall.
+    /// For each bond, minus the second derivative of its overlap by a unit force in it: 2 between
+    /// two sites of mass 1, 1 at a wall.
     pub(crate) recoil: &'a [f64],
     pub(crate) share: &'a Share,
 }
 
-/// Which bonds of a chain are solved for in one place, as they are counted there.
+/// The bonds of a chain that one [`Section`](super::Section) solves for, as local indices.
 #[derive(Clone, Debug)]
 pub struct Share {
-    /// Solved for; blocks are counted from the first.
+    /// Bonds whose solution counts; blocks are counted from the first.
     pub(crate) own: Range<usize>,
-    /// Those, and bonds on either side of them, which may be taken along.
+    /// The own bonds, and the bonds on either side of them that blocks may solve for too.
     reach: Range<usize>,
     /// Whether these are all bonds of a ring.
     ring: bool,
-    /// Number of the first own bond in the whole chain, and of bonds there.
+    /// Index of the first own bond in the whole chain, and the number of bonds there.
     place: (usize, usize),
 }
 
 impl Share {
-    /// All of so many bonds, of a chain with ends or a ring.
+    /// All `bonds` bonds of a chain with ends, or of a ring.
     pub fn whole(bonds: usize, ring: bool) -> Self {
         Self { own: 0..bonds, reach: 0..bonds, ring, place: (0, bonds) }
     }
 
-    /// Some bonds with those around them, which are within `reach` of their blocks; with the number
-    /// of the first in the whole chain, and of bonds there.
+    /// A part of a chain: the `own` bonds, the own bonds with those around them that blocks may
+    /// solve for too, and the index of the first own bond and the number of bonds in the whole
+    /// chain.
     pub fn part(own: Range<usize>, reach: Range<usize>, place: (usize, usize)) -> Self {
         Self { own, reach, ring: false, place }
     }
 
-    /// Those, and the bonds around them that blocks may take along.
+    /// The own bonds, and the bonds around them that blocks may solve for too.
     pub(crate) fn reach(&self) -> Range<usize> {
         self.reach.clone()
     }
@@ -82,20 +86,20 @@ impl Share {
         self.own.len().div_ceil(OWN)
     }
 
-    /// The bonds that a block answers for.
+    /// The bonds of a block whose solution counts.
     pub(crate) fn own(&self, block: usize) -> Range<usize> {
         let first = self.own.start + block * OWN;
         first..self.own.end.min(first + OWN)
     }
 
-    /// How the whole chain counts a bond.
+    /// The index in the whole chain of a local bond.
     fn number(&self, bond: usize) -> usize {
         let (first, all) = self.place;
         (first + all + bond - self.own.start) % all
     }
 
-    /// The first bond that a block works on, and how many: beyond the last bond of a ring comes the
-    /// first again.
+    /// The first bond that a block with these own bonds solves for, and their number. On a ring the
+    /// first bond follows the last.
     fn along(&self, own: &Range<usize>) -> (usize, usize) {
         let Range { start, end } = self.reach;
         if own.len() == self.reach.len() {
@@ -109,57 +113,61 @@ impl Share {
     }
 }
 
-/// What a window leaves behind in a bond.
+/// The result of a window for one bond.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Left<const S: usize> {
-    /// On each side of the bond.
+    /// The paths by the bond's force in the window, on each side of the bond.
     pub(crate) path: [Path; S],
+    /// The contact that the bond is in at the window's end.
     pub(crate) ongoing: Option<Contact>,
-    /// What the ledger gains, of the sites that the bond keeps.
+    /// Energies by which the ledger grows, of the sites that are assigned to this bond.
     pub(crate) ledger: Path,
 }
 
 impl<const S: usize> Left<S> {
-    /// Nothing.
+    /// No force, no contact, no energy.
     pub(crate) const NONE: Self = Self { path: [[0.0; 4]; S], ongoing: None, ledger: [0.0; 4] };
 }
 
-/// What a contact did in a part of a step; the parts of a contact come in order of time.
+/// A part of a contact within one step; the pieces of a contact come in order of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// The bond.
     pub bond: usize,
-    /// Zero of the overlap with which the part begins: time since the start of the step, and
-    /// `dg/dt` (to six digits and more).
+    /// Zero of the overlap with which the piece begins, if it begins with one: time since the start
+    /// of the step, and `dg/dt` (to six digits and more).
     pub onset: Option<(f64, f64)>,
-    /// Zero with which it ends: time since the start of the step, and `dg/dt`.
+    /// Zero of the overlap with which the piece ends, if it ends with one: time since the start of
+    /// the step, and `dg/dt`.
     pub release: Option<(f64, f64)>,
-    /// `int f dt`.
+    /// Impulse `int f dt` of the piece.
     pub impulse: f64,
-    /// The overlap; `None` in a contact that was over before the step began.
+    /// The overlap as a function of time; `None` for a piece without a length in time.
     pub curve: Option<Curve>,
 }
 
-/// How it went.
+/// The outcome of solving a window: its cost, its resolution, and whether it failed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Verdict {
+    /// Number of sweeps; the largest number of a block.
     pub(crate) sweeps: u64,
-    /// What it cost, see [`BOND`].
+    /// Cost, in the units of [`BOND`].
     pub(crate) work: u64,
-    /// The largest `f'(g) h^2`.
+    /// The largest stiffness `f'(g) h^2/m` of a bond.
     pub(crate) stiffness: f64,
-    /// The largest last terms of a series, in units of those allowed.
+    /// The largest last terms of a series over those allowed; at most 1 if the window is solved.
     pub(crate) tail: f64,
-    /// Bonds that touched, and those whose panels were halved.
+    /// Number of bonds with a contact, and of bonds whose panels were halved.
     pub(crate) touching: usize,
     pub(crate) halved: usize,
-    /// Bond and change of impulse where it failed.
+    /// If the window was given up: a bond and its residual, which is the last change of its
+    /// impulse, its stiffness if this is above the limit, or infinity.
     pub(crate) failure: Option<(usize, f64)>,
 }
 
 impl Verdict {
-    /// This and that of bonds behind them. Numbers are added as integers and the largest taken, so
-    /// that it is the same in whatever groups bonds are.
+    /// The verdict of two groups of bonds, `other` after `self`. Only sums of integers and maxima
+    /// are taken, so that the result does not depend on how bonds are grouped.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -173,7 +181,7 @@ impl Verdict {
         }
     }
 
-    /// Counts what bonds did.
+    /// Adds the numbers of bonds with contacts and with halved panels, and their largest stiffness.
     fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>]) {
         for bond in bonds {
             self.touching += usize::from(!bond.contacts.found.is_empty());
@@ -183,7 +191,7 @@ impl Verdict {
     }
 }
 
-/// Memory for one block at a time.
+/// The memory of a thread, for one block at a time.
 pub(crate) struct Workspace<const M: usize, const S: usize> {
     pub(crate) bonds: Vec<Bond<M, S>>,
     old: Panels<M, S>,
@@ -195,7 +203,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         Self { bonds: Vec::new(), old: Panels::new(), pieces: Vec::new() }
     }
 
-    /// Solves for the bonds of `own` and leaves what they leave behind in `left`.
+    /// Solves for the bonds of `own` and writes their results into `left`.
     pub(crate) fn solve(
         &mut self,
         start: &Start<S>,
@@ -227,7 +235,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
             bond.begin(&frames.of(b), start.bonds.free(b, frames.h), start.ongoing[b], (b, start.recoil[b]));
             b = if b + 1 == all { 0 } else { b + 1 };
         }
-        // Contacts that begin in a window far too long for them are seen before anything is solved.
+        // A window that is far too long for a contact in it is given up before anything is solved.
         let approach = |bond: &Bond<M, S>| bond.approach(&frames.of(bond.initial.bond), goal.stiffest);
         if let Some((b, stiffness)) = too_stiff(bonds.iter().map(approach), goal) {
             return Verdict {
@@ -270,7 +278,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
     }
 }
 
-/// Writes what the ledger gains, of bonds from `first` on among those of a block.
+/// Writes the gains of the ledger into `left`, for the bonds of a block from `first` on.
 fn keep_ledger<const M: usize, const S: usize>(
     start: &Start<S>,
     frames: &Frames<'_, M, S>,
@@ -288,21 +296,21 @@ fn keep_ledger<const M: usize, const S: usize>(
     }
 }
 
-/// Runs a kernel of the solver. Where bonds see two sites AVX-512 would gain 4 % at most (50 sites,
-/// tolerances from 1e-4 to 1e-11), and a fifth of the program's time to compile: it is left out.
+/// Runs a kernel of the solver. For `S = 2` AVX-512 is left out: it would gain 4 % at most (50
+/// sites, tolerances from 1e-4 to 1e-11), and take a fifth of the program's time to compile.
 #[inline(always)]
 pub(super) fn run<const S: usize, K: Kernel>(kernel: K) -> K::Output {
     if const { S == 1 } { f64::run(kernel) } else { run_narrow(kernel) }
 }
 
-/// Runs a kernel inside another, of bonds that see two sites, without becoming a part of it: less
+/// Runs a kernel that another kernel calls, for `S = 2`. It is not inlined, so that there is less
 /// to compile.
 #[inline(never)]
 pub(super) fn apart<K: Kernel>(kernel: K) -> K::Output {
     run_narrow(kernel)
 }
 
-/// Neighbouring bonds; on a whole ring the first and the last are neighbours too.
+/// Consecutive bonds; on a whole ring the first and the last are neighbours too.
 struct Stretch<'a, const M: usize, const S: usize> {
     bonds: &'a mut [Bond<M, S>],
     ring: bool,
@@ -324,8 +332,8 @@ impl<const M: usize, const S: usize> Stretch<'_, M, S> {
     }
 }
 
-/// Finds the contacts of all bonds from the forces at the start of the window; `false` where there
-/// are too many to be sure.
+/// Finds the contacts of all bonds from the forces at the start of the window; `false` if a search
+/// needs too many subdivisions of the window.
 struct Predict<'a, const M: usize, const S: usize> {
     stretch: Stretch<'a, M, S>,
     frames: &'a Frames<'a, M, S>,
@@ -350,7 +358,8 @@ impl<const M: usize, const S: usize> Kernel for Predict<'_, M, S> {
     }
 }
 
-/// Compares all forces with those that were predicted, and with what the nodes resolve.
+/// Computes for all bonds how far the forces are from the predicted ones, and the last terms of
+/// their series over the allowed ones.
 struct Judge<'a, const M: usize, const S: usize> {
     bonds: &'a mut [Bond<M, S>],
     frames: &'a Frames<'a, M, S>,
@@ -376,7 +385,7 @@ impl<const M: usize, const S: usize> Kernel for Judge<'_, M, S> {
     }
 }
 
-/// The first bond whose stiffness is beyond what a window may have, and that.
+/// The first bond whose stiffness is above the limit for a window, and its stiffness.
 fn too_stiff(stiffness: impl Iterator<Item = f64>, goal: &Goal) -> Option<(usize, f64)> {
     stiffness.enumerate().find(|(_, stiffness)| *stiffness > goal.stiffest)
 }
@@ -423,20 +432,21 @@ impl<const M: usize, const S: usize> Work<'_, M, S> {
     }
 }
 
-/// The bond of which most is still to change, and by how much its impulse changed last.
+/// Among the bonds that wait for a sweep, that with the largest last change of its impulse, and
+/// this change.
 fn busiest<const M: usize, const S: usize>(bonds: &[Bond<M, S>]) -> Option<(usize, f64)> {
     let change = |bond: &Bond<M, S>| if bond.pending.sweep || bond.pending.layout { bond.sweeps.change } else { 0.0 };
     let worst = (0..bonds.len()).max_by(|&a, &b| change(&bonds[a]).total_cmp(&change(&bonds[b])));
     worst.map(|b| (b, bonds[b].sweeps.change))
 }
 
-/// Takes the bonds through some levels: level 0 lays panels out and starts from the prediction,
-/// every other is one sweep over those that have something to do.
+/// Takes the bonds through some levels. Level 0 lays panels out and computes forces from the
+/// prediction; every other level is one sweep over the bonds that wait for one.
 ///
-/// A level follows a bond after the one before it, so that a bond is swept again and again while it
-/// and its neighbours are in the cache. It starts a bond further on too: on a ring the first bond
-/// then comes after its neighbour at the end, and what a sweep sees is the same as if it went over
-/// all bonds alone.
+/// Levels are interleaved: each follows one bond after the level before it, so that a bond is swept
+/// several times while it and its neighbours are in the cache. Each level also starts one bond
+/// further on. On a ring the first bond then comes after its neighbour at the end, and a sweep sees
+/// the same forces as if the levels were done one after the other.
 struct Pass<'a, const M: usize, const S: usize> {
     stretch: Stretch<'a, M, S>,
     /// Room for panels that are replaced.
@@ -446,14 +456,14 @@ struct Pass<'a, const M: usize, const S: usize> {
     levels: RangeInclusive<usize>,
 }
 
-/// What a pass did.
+/// The outcome of a pass.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passed {
-    /// The last level on which a bond had something to do; zero if none had.
+    /// The last level on which a bond was swept; zero if none was.
     deepest: usize,
-    /// What it cost, see [`BOND`].
+    /// Cost, in the units of [`BOND`].
     work: u64,
-    /// A bond whose impulse is no number, and that.
+    /// A bond whose change of impulse is not finite, and this change.
     failure: Option<(usize, f64)>,
 }
 
@@ -465,10 +475,10 @@ impl<const M: usize, const S: usize> Kernel for Pass<'_, M, S> {
         let (n, from, to) = (self.stretch.bonds.len(), *self.levels.start(), *self.levels.end());
         let mut passed = Passed::default();
         for place in 0..n + 2 * to {
-            // Those that have begun and are not done: 2 level <= place < n + 2 level.
+            // Levels that have begun and are not done: 2 level <= place < n + 2 level.
             let first = from.max((place + 2).saturating_sub(n) / 2);
             let last = to.min(place / 2);
-            // A bond back for each level.
+            // Each level is one bond behind the level before it.
             let mut b = (place - first.min(place)) % n;
             for level in first..=last {
                 if level == 0 {
@@ -484,7 +494,7 @@ impl<const M: usize, const S: usize> Kernel for Pass<'_, M, S> {
 }
 
 impl<const M: usize, const S: usize> Pass<'_, M, S> {
-    /// Lays out the panels of a bond and takes forces from the prediction.
+    /// Lays out the panels of a bond and computes its forces from the prediction.
     #[inline(always)]
     fn start(&mut self, b: usize, passed: &mut Passed) {
         let (me, beside) = self.stretch.at(b);
@@ -495,14 +505,14 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
         passed.work += LAYOUT * me.panels.len as u64;
     }
 
-    /// Sweeps a bond if it has something to do, and tells its neighbours what changed.
+    /// Sweeps a bond, and marks its neighbours if they must be swept again.
     #[inline(always)]
     fn sweep(&mut self, b: usize, level: usize, passed: &mut Passed) {
         let Self { frames, goal, .. } = *self;
         let (me, beside) = self.stretch.at(b);
         let frame = &frames.of(me.initial.bond);
         let anew = me.pending.layout;
-        // A contact that turned out to be none is swept once more, to be forgotten.
+        // A bond whose contact turned out to be none is swept once more, with no panels.
         if !anew && me.contacts.found.is_empty() {
             me.pending.sweep = false;
             return;
@@ -522,7 +532,8 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
         self.tell(b, &change, (age, unsettled));
     }
 
-    /// What a change of one bond leaves to be done for its neighbours.
+    /// Marks the neighbours of bond `b` that its change concerns: for a sweep, or for new panels
+    /// too.
     #[inline(always)]
     fn tell(&mut self, b: usize, change: &Change, (age, unsettled): (u32, bool)) {
         let far = change.moved > self.frames.cuts.least_move_beside;
@@ -539,8 +550,9 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     }
 }
 
-/// Looks whether what was found is what there is: contacts that nobody predicted, and forces that
-/// the nodes do not resolve. The last bond of which something must be done anew, if there is one.
+/// After the sweeps: searches the contacts of bonds whose overlaps may be too far from the
+/// prediction again, and halves panels that do not resolve their force. Returns the last bond that
+/// must be swept again for one of these reasons, if there is one.
 fn unsettled<const M: usize, const S: usize>(
     stretch: &mut Stretch<'_, M, S>,
     frames: &Frames<'_, M, S>,

@@ -12,20 +12,20 @@ use super::{
     system::Path,
 };
 
-/// A stretch of time in which the bond is closed. It may have begun before the window and may end
-/// after it.
+/// A time interval in which the bond is closed. It may have begun before the window and may end
+/// after it. Times count from the start of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Contact {
-    /// Onset, in the time of the window; minus infinity if it was there when the run began.
+    /// Time of the onset; minus infinity if the bond was closed when the run began.
     pub(crate) onset: f64,
-    /// Release; infinity where none is in sight.
+    /// Time of the release; infinity where none is predicted.
     pub(crate) release: f64,
-    /// `dg/dt` at onset and release; where the contact dissipates and this is an event of `P`, see
-    /// `loss.rs`, `dP/dt`.
+    /// Slopes `dg/dt` at onset and release; `dP/dt`, see `loss.rs`, if the contact dissipates and
+    /// the event is a zero of `P`.
     pub(crate) slopes: [f64; 2],
-    /// Whether beads overlapped when it began.
+    /// Whether beads overlapped already at the onset, which is then a zero of `P`, see `loss.rs`.
     pub(crate) pressed: bool,
-    /// Its panels in this window.
+    /// Its panels in this window: index of the first, and one past the last.
     pub(crate) panels: (usize, usize),
 }
 
@@ -49,7 +49,7 @@ impl Contact {
 #[derive(Clone, Debug)]
 pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) initial: Initial<S>,
-    /// What drives make of the overlap, besides its path.
+    /// The part of the overlap that drives prescribe, in addition to its path.
     pub(crate) known: Option<Known>,
     pub(crate) forecast: Forecast,
     pub(crate) contacts: Contacts,
@@ -59,26 +59,26 @@ pub(crate) struct Bond<const M: usize, const S: usize> {
     pub(crate) pending: Pending,
 }
 
-/// What is known of a bond when a window begins.
+/// The state of a bond when a window begins.
 ///
-/// The overlap goes on along `path` but for forces. The bond's own force `f` changes the second
-/// derivative of its overlap by `-recoil f`, those of its neighbours by `f` times the weight of
-/// their side.
+/// Without forces the overlap goes on along `path`. The bond's own force `f` changes the second
+/// derivative of its overlap by `-recoil f`, a neighbour's force `f` by `f` times the weight of the
+/// side that they share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Initial<const S: usize> {
-    /// Which bond of the chain it is.
+    /// Index of the bond in the chain.
     pub(crate) bond: usize,
-    /// The sum of both weights: 2 between two sites of mass 1, 1 at a wall.
+    /// The sum of the weights of both sides: 2 between two sites of mass 1, 1 at a wall.
     pub(crate) recoil: f64,
-    /// The overlap along the linear path, as the sum of what its sides make.
+    /// The linear path of the overlap, as the sum of one path for each side.
     pub(crate) path: [Path; S],
-    /// Overlaps up to this are rounding.
+    /// Overlaps of at most this absolute value are rounding.
     pub(crate) band: f64,
-    /// Overlap and its rate.
+    /// Overlap at the start of the window, and its time derivative.
     pub(crate) overlap: [f64; 2],
-    /// Force and its rate.
+    /// Force at the start of the window, and its time derivative.
     pub(crate) force: [f64; 2],
-    /// The contact that the bond is in.
+    /// The contact that the bond is in when the window begins.
     pub(crate) ongoing: Option<Contact>,
     /// See [`Link::fade`](super::system::Link::fade).
     fade: f64,
@@ -98,8 +98,8 @@ impl<const S: usize> Initial<S> {
         }
     }
 
-    /// The factor with which the bond's own forces go into its overlap, on each side. Where sides
-    /// are alike one stands for both.
+    /// The factor on the displacement by the bond's own forces on a side, in its overlap: 1; or the
+    /// recoil for `S = 1`, where one side stands for both.
     #[inline(always)]
     pub(super) fn own(&self) -> f64 {
         if S == 1 { self.recoil } else { 1.0 }
@@ -114,95 +114,103 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     }
 }
 
-/// What the forces at the start of a window, extrapolated linearly in time, make of the overlap.
+/// The prediction of the overlap from the forces at the start of a window, extrapolated linearly in
+/// time.
 ///
-/// Contacts are first found in this prediction. They stand as long as the overlap is off by less
-/// than `slack`; how far it may be off follows from the `surprise` of the bond and its neighbours.
+/// Contacts are first found in this prediction. They are kept as long as the error of the predicted
+/// overlap is below `slack`; a bound of this error follows from the `surprise` of the bond and of
+/// its neighbours.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Forecast {
     /// Coefficient `b` of the predicted force `f_0 + f_0' t + b t^2`, which meets the force of the
     /// predicted overlap at the end of the window.
     pub(crate) bend: f64,
-    /// Overlap at the end of the window, as last used to look ahead.
+    /// Overlap at the end of the window that a release after the window was last estimated from;
+    /// `P` at the end of the window where the contact dissipates.
     pub(super) at_end: f64,
-    /// How far the overlap may be off without a change of its contacts, see
+    /// Largest error of the predicted overlap that cannot change the contacts found, see
     /// [`Search::run`](super::detect::Search::run).
     pub(crate) slack: f64,
-    /// The largest difference of the force that was found from `f_0 + f_0' t`.
+    /// Largest difference in the window between the computed force and `f_0 + f_0' t`.
     pub(crate) surprise: f64,
 }
 
-/// The contacts of a bond in a window, in order of time, and room to search for them.
+/// The contacts of a bond in a window, in order of time, and memory for the search.
 #[derive(Clone, Debug)]
 pub(crate) struct Contacts {
     pub(crate) found: Vec<Contact>,
-    /// Those that the last search replaced.
+    /// The contacts before the last search.
     pub(super) assumed: Vec<Contact>,
+    /// The changes of sign of the overlap that the last search found.
     pub(super) crossings: Vec<Crossing>,
 }
 
 /// How the sweeps over a bond converge.
 ///
-/// A sweep contracts changes by a factor that the stiffness `f'(g) h^2`, over the mass of the
-/// lighter site, and the number of sweeps bound, see [`Bond::answer`].
+/// A sweep contracts changes by a factor. Its bound depends on the stiffness `f'(g) h^2/m`, with
+/// the mass `m` of the lighter site, and on the number of sweeps, see [`Bond::answer`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sweeps {
-    /// The largest overlap at a node.
+    /// The largest overlap at a node in the last sweep.
     largest: f64,
-    /// The largest `f'(g) h^2`.
+    /// `f'(g) h^2/m` at the largest overlap of the last two sweeps; dimensionless.
     pub(crate) stiffness: f64,
-    /// The largest `c(g) h`, of a contact that dissipates; its square counts as stiffness.
+    /// `c(g) h/m` at this overlap, of a contact that dissipates. Its square is a part of the
+    /// stiffness.
     resistance: f64,
-    /// What the last sweep changed of an impulse.
+    /// Change of an impulse by the last sweep, as a change of velocity.
     pub(crate) change: f64,
-    /// Sweeps since panels were laid out, here or where the change came from.
+    /// Sweeps since panels were laid out, of this bond or of the bond from which a change came.
     pub(crate) age: u32,
 }
 
 /// Whether the nodes resolve the force.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Resolution {
-    /// Last terms of the force's series, in units of those allowed.
+    /// Last terms of the force's series over the allowed ones; above 1 panels are halved.
     pub(crate) tail: f64,
-    /// Every panel is halved so many times in its variable.
+    /// Number of times that every panel is halved in its variable.
     pub(crate) halvings: u32,
 }
 
-/// What has still to be done for a bond.
+/// What must still be done for a bond.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pending {
     /// An event has moved: panels must be laid out anew.
     pub(crate) layout: bool,
-    /// Forces have changed, here or beside: the bond must be swept again.
+    /// The force of the bond or of a neighbour has changed: the bond must be swept again.
     pub(crate) sweep: bool,
-    /// Newton's method found events that contradict the contacts: these must be searched for again.
+    /// Newton's method found events that contradict the contacts: the contacts must be searched for
+    /// again.
     pub(crate) search: bool,
 }
 
-/// What drives make of an overlap. Where sites are alike there are none, for the compiler too.
+/// The part of an overlap that drives prescribe. For `S = 1` it is `None` at compile time, since
+/// chains with drives have `S = 2`.
 #[inline(always)]
 pub(super) fn known<const S: usize>(known: &Option<Known>) -> Option<&Known> {
     if S == 1 { None } else { known.as_ref() }
 }
 
-/// A neighbour that may not be there.
+/// A neighbour of a bond; `None` at the end of a chain.
 pub(crate) type Beside<'a, const M: usize, const S: usize> = Option<&'a Bond<M, S>>;
 
-/// What a sweep did to a bond.
+/// The changes by one sweep over a bond.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Change {
     /// Largest change of an impulse, as a change of velocity.
     pub(crate) impulse: f64,
-    /// How far an event moved; panels of this bond must be laid out anew if it did.
+    /// Largest time by which an event moved. If positive, panels of this bond must be laid out
+    /// anew.
     pub(crate) moved: f64,
-    /// What it cost.
+    /// Cost of the sweep, in the units of [`BOND`].
     pub(crate) work: u64,
 }
 
-/// What a window costs, in units of about 10 ns: for each bond, each panel laid out, each panel
-/// swept, and each panel of a neighbour that acts on it. From timings of such parts on one machine,
-/// which no bench repeats one by one; they decide how long windows are, whose cost
-/// `benches/collocation.rs` times.
+/// Cost of parts of a window, in units of about 10 ns: of each bond, of each panel that is laid
+/// out, of each panel that is swept, and of each panel of a neighbour that acts on it. From timings
+/// of such parts on one machine, which no bench repeats one by one. The lengths of windows depend
+/// on these numbers; `benches/collocation.rs` times the cost of windows.
 pub(crate) const BOND: u64 = 12;
 pub(crate) const LAYOUT: u64 = 11;
 const SWEEP: u64 = 8;
@@ -243,7 +251,7 @@ fn ramped<const M: usize, const S: usize>(
     if kernel.omega * frame.h < 1e-2 {
         return (path, free.map(|free| weight * free));
     }
-    // int K s^k/k! takes t^{k+2}/(k+2)! with m, and with mu what sin(omega t)/omega makes of it.
+    // int K s^k/k!: m t^{k+2}/(k+2)!, and mu times the same integral of sin(omega t)/omega.
     let per_square = kernel.per_omega * kernel.per_omega;
     let swing = kernel.mu * per_square * (rates[0] - rates[2] * per_square);
     let moved = kernel.mu * per_square * rates[1];
@@ -255,8 +263,8 @@ fn ramped<const M: usize, const S: usize>(
     (path, [kernel.m * a + 0.5 * kernel.mu * per_square * rates[2], kernel.m * b, kernel.m * c])
 }
 
-/// Contacts of a bond in one window that there is room for; more cost an allocation. Chosen, not
-/// measured.
+/// Number of contacts of a bond in one window that memory is reserved for; more cost an allocation.
+/// Chosen, not measured.
 const CONTACTS: usize = 4;
 
 impl<const M: usize, const S: usize> Bond<M, S> {
@@ -278,7 +286,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// Takes the linear path of a new window, and the contact that goes on into it.
+    /// Begins a new window: takes the linear path in it and the contact that continues into it.
     pub(crate) fn begin(
         &mut self,
         frame: &Frame<'_, M, S>,
@@ -303,7 +311,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let mut force = [0.0; 2];
         if overlap[0] > 0.0 {
             let rate = link.stiffness(overlap[0]) * overlap[1];
-            // Right after an onset under alpha < 1 the rate has no bound, and says nothing of the
+            // Right after an onset with alpha < 1 the rate has no bound and predicts nothing of the
             // forces that follow.
             force = [link.force(overlap[0]), if link.law.alpha() < 1.0 { 0.0 } else { rate }];
         }
@@ -319,13 +327,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         self.pending = Pending::default();
     }
 
-    /// An estimate of `f'(g) t^2` for a contact that the bond is in, or comes into along its free
-    /// path: `t` is how long it may last in the window, `g` the largest overlap that the bond may
-    /// reach by itself.
+    /// An estimate of the stiffness `f'(g) t^2/m` of a contact that the bond is in, or comes into
+    /// along its free path: `t` is the time that the contact may last in the window, `g` the
+    /// largest overlap that the bond may reach by itself.
     ///
-    /// The overlap stays below what the free path reaches; and below where the own force has taken
-    /// up the speed of approach, `w^2/2 = recoil (g^{alpha+1} - g_0^{alpha+1})/(alpha+1)`. What
-    /// neighbours add is of the size of their own overlaps, which count for themselves.
+    /// Two bounds hold for `g`: the largest overlap of the free path; and the overlap at which the
+    /// bond's own force has stopped an approach with speed `w`, `w^2/2 = recoil (g^{alpha+1} -
+    /// g_0^{alpha+1})/(alpha+1)`. Overlaps due to neighbours are of the size of the neighbours' own
+    /// overlaps, for which this estimate is made too.
     pub(crate) fn approach(&self, frame: &Frame<'_, M, S>, most: f64) -> f64 {
         let Initial { recoil, path, overlap: [now, rate], .. } = self.initial;
         let (h, link, power) = (frame.h, frame.link, frame.link.law.alpha() + 1.0);
@@ -363,7 +372,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         Some(Contact { onset: contact.onset - h, release: f64::INFINITY, ..*contact })
     }
 
-    /// The first forces, from the overlaps that the forces at the start of the window predict.
+    /// Computes the first forces at the nodes, from the overlaps that the forces at the start of
+    /// the window predict.
     #[inline(always)]
     pub(crate) fn start(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) {
         let drive = self.drive(beside);
@@ -403,12 +413,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         (self.panels.total, self.sweeps.largest) = (before, largest);
     }
 
-    /// The share of a change of an impulse, here or beside and of that age, that the next sweep may
-    /// change in this bond's own.
+    /// Contraction factor, at most 1: the change of this bond's impulse in the next sweep is below
+    /// this factor times the last change, of age `age`, of its own impulse or a neighbour's.
     ///
-    /// Three forces of stiffness `f'` answer a change, four times in all, through `K(t) <= t`. A
-    /// change of age `n` is an integral taken `2 n` times over and grows like `t^{2n}`, so that the
-    /// next is less by `4 f' h^2/((2n + 1)(2n + 2))`.
+    /// Three forces of stiffness `f'` answer a change, with weights of 4 in all, through
+    /// `K(t) <= t`. A change of age `n` is an integral taken `2 n` times over and grows like
+    /// `t^{2n}`, so that the next is smaller by `4 f' h^2/((2n + 1)(2n + 2))`.
     #[inline(always)]
     pub(crate) fn answer(&self, age: u32) -> f64 {
         let age = f64::from(age.min(self.sweeps.age));
@@ -419,14 +429,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if answer < 1.0 { answer } else { 1.0 }
     }
 
-    /// Whether a sweep is to do something for it.
+    /// Whether the next sweep must include this bond.
     #[inline(always)]
     pub(crate) fn waits(&self) -> bool {
         self.pending.layout || self.pending.sweep
     }
 
-    /// One sweep: overlaps from all forces, forces from the overlaps, and where contacts begin and
-    /// end. If panels have been laid out since the last one, those before them are `old`.
+    /// One sweep: overlaps from all forces, forces from the overlaps, and a Newton step for the
+    /// times at which contacts begin and end. If panels have been laid out since the last sweep,
+    /// `old` are the panels before that.
     #[inline(always)]
     pub(crate) fn sweep(
         &mut self,
@@ -511,7 +522,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         if anew {
-            // Nodes have moved: what all of them did together tells.
+            // Nodes have moved, so that forces at them cannot be compared: compare total impulses.
             for side in 0..S {
                 let ([_, v, c, s], [_, v0, c0, s0]) = (before[side], total[side]);
                 change.impulse += (v - v0).abs() + frame.link.sides[side].omega * ((c - c0).abs() + (s - s0).abs());
@@ -520,14 +531,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             change.impulse *= frame.link.lightest();
         }
         let sweeps = &mut self.sweeps;
-        // A sweep may open all nodes: what it found before counts too.
+        // After a sweep all overlaps may be zero or less: the largest of the last sweep counts too.
         let was = std::mem::replace(&mut sweeps.largest, largest);
         let most = if was > largest { was } else { largest };
         sweeps.stiffness = frame.link.stiffness_over(most, frame.h);
         if frame.link.lossy() {
             sweeps.resistance = frame.link.resistance(most) * frame.h * frame.link.lightest();
         }
-        // Where the stiffness has no bound its largest overlap tells little.
+        // For alpha < 1 the stiffness is largest at small overlaps, and has no bound.
         sweeps.age = if frame.link.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
         sweeps.change = change.impulse;
         self.panels.total = before;
@@ -535,8 +546,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         change
     }
 
-    /// Moves an onset by Newton's method; returns by how much, zero if that is too little to
-    /// matter.
+    /// Moves an onset by one step of Newton's method, from the interpolated overlap and slope at
+    /// it. Returns the size of the step, a time; zero if it is negligible and was not done.
     #[inline(always)]
     fn shift_onset(&mut self, frame: &Frame<'_, M, S>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let contact = &mut self.contacts.found[c];
@@ -555,7 +566,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         by.abs()
     }
 
-    /// The same for a release, in the window or ahead of it.
+    /// As [`shift_onset`](Self::shift_onset) for a release, in the window or after it.
     #[inline(always)]
     fn shift_release(&mut self, frame: &Frame<'_, M, S>, c: usize, (overlap, slope): (f64, f64)) -> f64 {
         let h = frame.h;
@@ -569,14 +580,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             contact.slopes[1] = slope;
         }
         let by = if inside {
-            // Not before the window: there the overlap is what it was.
+            // A release does not move before the window, where the overlap is already known.
             (-overlap / contact.slopes[1]).max(-contact.release)
         } else if ahead < 0.1 * h {
             -overlap / contact.slopes[1] - ahead
         } else {
             (self.forecast.at_end - overlap) / contact.slopes[1]
         };
-        // The nearer a release, the better it must be known.
+        // A release after the window must be known the better the nearer it is.
         let pressed = frame.link.lossy().then_some(self.sweeps.largest);
         if by.abs() <= 0.01 * ahead || frame.cuts.negligible(frame.link, contact.slopes[1] * by, by, pressed) {
             return 0.0;

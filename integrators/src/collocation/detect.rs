@@ -1,43 +1,51 @@
-//! Where an overlap changes its side within a window, with a certificate that no change beyond the
-//! band was missed.
+//! The search for the times at which an overlap changes its sign in a window. A bound of its second
+//! derivative guarantees that no change beyond a given band is missed.
 
 use crate::events::root::bracketed;
 
-/// A change of side.
+/// A change of the sign of the overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     pub(crate) t: f64,
     pub(crate) rising: bool,
-    /// Secant slope around it.
+    /// Slope of the chord over the interval in which it was found.
     pub(crate) slope: f64,
 }
 
 /// The start of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
+    /// Overlap at the start of the window.
     pub(crate) value: f64,
+    /// Its time derivative there.
     pub(crate) slope: f64,
-    /// Values up to this are none.
+    /// Values of at most this size count as zero.
     pub(crate) rounding: f64,
-    /// The side that the overlap is on, remembered.
+    /// Whether the bond is in a contact, as known from the window before.
     pub(crate) positive: bool,
 }
 
+/// A search for the crossings of one overlap in one window.
 pub(crate) struct Search<'a, G, K> {
+    /// The overlap as a function of time.
     g: G,
     /// A bound on `|g''|` from the start up to a time.
     curvature: K,
-    /// Values up to this have no sign.
+    /// Values of at most this size have no sign.
     band: f64,
     crossings: &'a mut Vec<Crossing>,
+    /// Largest error of `g` that cannot change the crossings found so far.
     slack: f64,
+    /// Whether `g` is positive after the crossings found so far.
     side: bool,
+    /// Number of intervals that may still be divided.
     left: u32,
 }
 
-/// Halvings of a window, at most: a time is then known to a rounding of the window. Chosen.
+/// Largest number of successive halvings of a window: a time is then known to a rounding of the
+/// window. Chosen.
 const DEPTH: u32 = 40;
-/// Parts that are looked at, at most. Chosen, not measured.
+/// Largest number of intervals that are divided. Chosen, not measured.
 const PARTS: u32 = 1000;
 
 impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
@@ -46,13 +54,13 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
         Self { g, curvature, band, crossings, slack: f64::INFINITY, side: false, left: PARTS }
     }
 
-    /// Finds all crossings up to `h`. Returns how far the overlap may be off without a change of
-    /// what is found; `None` if there is more to look at than anybody could.
+    /// Finds all crossings up to `h`. Returns the slack: the largest error of the overlap that
+    /// cannot change the crossings. `None` if [`PARTS`] intervals were divided.
     pub(crate) fn run(mut self, start: Start, h: f64) -> Option<f64> {
         self.side = start.positive;
         let mut value = start.value;
         if value.abs() <= start.rounding {
-            // On the surface the side is that which it moves to.
+            // The overlap starts at zero: its sign is that of its slope.
             if start.slope.abs() * h > self.band && (start.slope > 0.0) != self.side {
                 self.cross(0.0, start.slope);
             }
@@ -61,7 +69,7 @@ impl<'a, G: FnMut(f64) -> f64, K: Fn(f64) -> f64> Search<'a, G, K> {
             self.cross(0.0, start.slope);
         }
         let end = (self.g)(h);
-        // From a surface that it leaves: g >= g0 + g0' t - G t^2/2, concave, so the ends decide.
+        // An overlap that leaves zero: g >= g0 + g0' t - G t^2/2, concave, so the ends decide.
         let sign = if self.side { 1.0 } else { -1.0 };
         let least = sign * (value + start.slope * h) - 0.5 * (self.curvature)(h) * h * h;
         if sign * value >= 0.0 && least > 0.0 {

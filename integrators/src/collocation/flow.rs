@@ -2,7 +2,7 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `y = [r, v, c, s]` | a site as a window starts: position `r + c`, velocity `v + omega s` |
+//! | `y = [r, v, c, s]` | a site at a window's start: position `r + c`, velocity `v + omega s` |
 //! | `A` | generator: `y' = A y + b f` under a force `f` |
 //! | `b = [0, m, 0, mu/omega]` | what a unit impulse adds to `y` |
 //! | `e = [1, 0, 1, 0]` | position: `q = e y` |
@@ -15,8 +15,8 @@
 //! ```
 //!
 //! `lag`, `cos` and `sin` are zero, `cos(omega t)` and `sin(omega t)` without damping. The series
-//! need no case distinction between damped rotation, critical and strong damping, where closed
-//! forms cancel; windows are short enough for them, see [`Flow::longest`].
+//! need no case distinction between weak, critical and strong damping, near which closed forms lose
+//! digits by cancellation. Windows are short enough for the series, see [`Flow::longest`].
 
 use super::system::{Path, Response};
 use crate::{
@@ -27,28 +27,32 @@ use crate::{
 /// The largest `theta` of a window. Chosen: 25 terms are then exact to rounding, and a rounding
 /// grows by `e^2` at most.
 const LONGEST: f64 = 2.0;
-/// Terms of a series; for `theta = 2` those left out are below 1e-18.
+/// Number of terms of a series; for `theta = 2` the terms left out are below 1e-18.
 const TERMS: usize = 26;
-/// Terms below this are rounding.
+/// Terms of the series below this are left out.
 const ROUNDING: f64 = 1e-17;
-/// Most times that series are summed at side by side, in whole pairs of registers.
+/// Largest number of times at which series are summed together, in whole pairs of registers.
 const WIDE: usize = 2 * MOST_LANES;
 
-/// Series in `theta` of `N` functions, term by term: they are summed side by side.
+/// Series in `theta` of `N` functions, term by term, since they are summed together.
 type Series<const N: usize> = [[f64; N]; TERMS];
 
-/// The motion of one site.
+/// The motion of one site with its drag and dashpot, without its contacts.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
+    /// `A` and `b`.
     a: [Path; 4],
     b: Path,
     response: Response,
+    /// Drag, a force over a velocity.
     drag: f64,
+    /// Rate at which the dashpot damps the oscillating part: `c'' = -omega^2 c - slip c'`.
     slip: f64,
+    /// `theta/t`.
     rate: f64,
-    /// `lag`, `cos`, `sin`.
+    /// Series of `lag`, `cos` and `sin`.
     position: Series<3>,
-    /// `exp(-A t) b`.
+    /// Series of `exp(-A t) b`.
     answer: Series<4>,
 }
 
@@ -66,8 +70,8 @@ fn powers(a: &[Path; 4], mut y: Path) -> Series<4> {
     out
 }
 
-/// The largest `theta` for which `1 + theta + ..` needs `k + 1` terms at most; those left out are
-/// rounding.
+/// For each `k`, the largest `theta` for which `k + 1` terms of the series of `exp(theta)` are
+/// enough; the terms left out are rounding.
 const REACH: [f64; TERMS - 1] = {
     let mut reach = [0.0; TERMS - 1];
     let mut k = 1;
@@ -107,14 +111,14 @@ const INTEGRALS: [[f64; 3]; TERMS] = {
     integrals
 };
 
-/// `1 + theta + ..` needs so many terms. A comparison with each of the numbers above costs less
-/// than the terms themselves.
+/// The number of terms that the series of `exp(theta)` needs. To compare `theta` with all of
+/// [`REACH`] costs less than terms that are not needed.
 #[inline(always)]
 fn terms(theta: f64) -> usize {
     REACH.iter().map(|&reach| usize::from(theta > reach)).sum::<usize>() + 1
 }
 
-/// The sums of some series, term by term, at `L` times.
+/// The sums of `N` series at `L` values of `theta`.
 #[inline(always)]
 fn sums<const L: usize, const N: usize>(series: &[[f64; N]], theta: &[f64; WIDE]) -> [[f64; L]; N] {
     let mut sums = [[0.0; WIDE]; N];
@@ -122,8 +126,8 @@ fn sums<const L: usize, const N: usize>(series: &[[f64; N]], theta: &[f64; WIDE]
     sums.map(|sum| std::array::from_fn(|j| sum[j]))
 }
 
-/// Sums series at some times side by side. It is written with registers: compilers keep so many sums
-/// of a loop in memory, number by number.
+/// Sums series at several times together, by Horner's rule. It is written with vector registers,
+/// since compilers would keep this number of sums in memory.
 struct Horner<'a, const N: usize> {
     series: &'a [[f64; N]],
     theta: &'a [f64; WIDE],
@@ -158,7 +162,7 @@ impl<const N: usize> VectorKernel<f64> for Horner<'_, N> {
 }
 
 impl Flow {
-    /// That of a site under drag, a force over the velocity, and with a dashpot that takes the
+    /// The flow of a site with drag, a force over the velocity, and a dashpot that damps the
     /// velocity of the oscillating part at the rate `slip`.
     pub(crate) fn new(response: Response, [drag, slip]: [f64; 2]) -> Self {
         let Response { m, mu, omega } = response;
@@ -171,7 +175,7 @@ impl Flow {
             [0.0, -drag * mu * per, -omega, -(drag * mu + slip)],
         ];
         let b = [0.0, m, 0.0, mu * per];
-        // Where nothing turns and nothing is damped any rate will do.
+        // Without oscillation and damping any positive rate will do.
         let rate = (omega + 2.0 * drag * (m + mu) + slip).max(1e-100);
         let scaled = a.map(|row| row.map(|x| x / rate));
         let transposed: [Path; 4] = std::array::from_fn(|i| std::array::from_fn(|j| scaled[j][i]));
@@ -180,7 +184,7 @@ impl Flow {
         Self { a, b, response, drag, slip, rate, position, answer: powers(&scaled.map(|row| row.map(|x| -x)), b) }
     }
 
-    /// Whether anything is damped.
+    /// Whether drag or a dashpot acts.
     pub(crate) fn damped(&self) -> bool {
         self.drag + self.slip > 0.0
     }
@@ -190,17 +194,17 @@ impl Flow {
         self.drag > 0.0
     }
 
-    /// What drag dissipates, over the square of the velocity.
+    /// Power that drag dissipates, over the square of the velocity.
     pub(crate) fn drag(&self) -> f64 {
         self.drag
     }
 
-    /// What the dashpot dissipates, over the square of the velocity of the oscillating part.
+    /// Power that the dashpot dissipates, over the square of the velocity of the oscillating part.
     pub(crate) fn dashpot(&self) -> f64 {
         if self.response.mu > 0.0 { self.slip / self.response.mu } else { 0.0 }
     }
 
-    /// The longest window.
+    /// The longest window for which the series are exact to rounding.
     pub(crate) fn longest(&self) -> f64 {
         LONGEST / self.rate
     }
@@ -217,12 +221,12 @@ impl Flow {
         sum
     }
 
-    /// `A y`: along it moves what the velocity along `y` is.
+    /// `A y`: the path whose position is the velocity along `y`.
     pub(crate) fn rates(&self, y: &Path) -> Path {
         apply(&self.a, y)
     }
 
-    /// `theta` at `L` times, at most [`WIDE`], and how many terms these need.
+    /// `theta` at `L` times, at most [`WIDE`], and the number of terms that these need.
     #[inline(always)]
     fn theta<const L: usize>(&self, t: &[f64; L]) -> ([f64; WIDE], usize) {
         const { assert!(L <= WIDE) };
@@ -234,15 +238,15 @@ impl Flow {
         (theta, terms(largest))
     }
 
-    /// `lag`, `cos` and `sin` at some times.
+    /// `lag`, `cos` and `sin` at `L` times.
     #[inline(always)]
     pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         let (theta, count) = self.theta(t);
         sums(&self.position[..count], &theta)
     }
 
-    /// What `v`, `c` and `s` contribute to the velocity: the derivatives of `t + lag`, `cos` and
-    /// `sin`.
+    /// The factors of `v`, `c` and `s` in the velocity `q'`: the derivatives of `t + lag`, `cos`
+    /// and `sin`.
     #[inline(always)]
     pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
         let (theta, count) = self.theta(t);
@@ -254,8 +258,8 @@ impl Flow {
         sums(&rates[..count], &theta)
     }
 
-    /// The same for the velocity of the oscillating part: without that of the free part, which is
-    /// `v - drag m (q - q(0))`.
+    /// The factors of `v`, `c` and `s` in the velocity of the oscillating part: `q'` without the
+    /// velocity of the free part, which is `v - drag m (q - q(0))`.
     #[inline(always)]
     pub(crate) fn swing<const L: usize>(&self, t: &[f64; L], velocity: &[[f64; L]; 3]) -> [[f64; L]; 3] {
         let ([lag, cos, sin], slows) = (self.position(t), self.drag * self.response.m);
@@ -268,7 +272,7 @@ impl Flow {
         swing
     }
 
-    /// `exp(-A t) b`: the path that a unit impulse at `t` leaves behind.
+    /// `exp(-A t) b`: the path by a unit impulse at `t`, after `t`.
     #[inline(always)]
     pub(crate) fn answer<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 4] {
         let (theta, count) = self.theta(t);
@@ -283,7 +287,7 @@ impl Flow {
         self.b[1] * free + self.b[3] * sin
     }
 
-    /// `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`, and `K` itself, in front.
+    /// `K(t)`, and `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
     pub(crate) fn ramps(&self, t: f64) -> [f64; 3] {
         let (theta, mut out) = (self.rate * t, [0.0; 3]);
         for k in (0..terms(theta)).rev() {

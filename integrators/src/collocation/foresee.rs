@@ -1,5 +1,5 @@
-//! What contacts a bond has in a window: foreseen from the forces at its start, and looked for
-//! again in what the sweeps found.
+//! The contacts of a bond in a window: predicted from the forces at the window's start, and
+//! searched for again with the forces after the sweeps.
 
 use super::{
     block::{Piece, apart},
@@ -12,20 +12,22 @@ use super::{
 };
 use crate::real::Kernel;
 
-/// A release up to this many windows beyond the end is looked for. Chosen, not measured: beyond, a
-/// release is too far to be felt.
+/// A release is looked for up to this number of window lengths after the window's end. Chosen, not
+/// measured: a later release does not matter for the accuracy of the panels.
 pub(super) const AHEAD: f64 = 1.5;
-/// Share of a window over which speeds are differences. Chosen;
-/// `methods contacts_are_those_that_a_search_of_every_step_finds` measures the speeds.
+/// Distance of the points from which speeds at events are difference quotients, as a share of the
+/// window. Chosen; `methods contacts_are_those_that_a_search_of_every_step_finds` measures the
+/// speeds.
 const SPEED_STEP: f64 = 1e-4;
-/// What forces move over a window is rounded by less than this share. Chosen: a sum of some 64
-/// terms.
+/// Bound for the relative rounding error of displacements by forces in a window. Chosen: a sum of
+/// some 64 terms.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Forces on the two sides of a bond and their rates, which make its overlap go on to a second
-/// order in time beyond its path: one pair for both sides where these are alike.
+/// For each side of a bond, the sum of forces on it at the window's start and its time derivative;
+/// one pair for both sides if `S = 1`.
 pub(super) type Drive<const S: usize> = [[f64; 2]; S];
 
-/// Sine and cosine of `omega t` on a side, or what stands for them where a site is damped.
+/// `sin`, `cos` and `lag` of one side at a time: `sin(omega t)`, `cos(omega t)` and 0, or the
+/// functions of [`Flow`](super::flow::Flow) where the site is damped.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turned {
     pub(super) sin: f64,
@@ -34,16 +36,18 @@ pub(super) struct Turned {
 }
 
 impl Turned {
-    /// That of the time zero.
+    /// The values at `t = 0`.
     pub(super) const NONE: Self = Self { sin: 0.0, cos: 1.0, lag: 0.0 };
 }
 
-/// The same on each side.
+/// [`Turned`] for each side of a bond.
 pub(super) type Turn<const S: usize> = [Turned; S];
 
-/// How an overlap goes on without contact forces: along a path, and as drives have it.
+/// An overlap without contact forces: the sum of its linear path and of the part that drives
+/// prescribe.
 pub(super) type Course<'a, const S: usize> = (&'a [Path; S], Option<&'a Known>);
 
+/// The functions of [`Turned`] at a time, for each side of a bond.
 #[inline(always)]
 pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> Turn<S> {
     let mut turn = [Turned::NONE; S];
@@ -59,7 +63,7 @@ pub(super) fn turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f
     turn
 }
 
-/// Replaces what [`turn`] finds on sides whose sites are damped.
+/// Replaces the result of [`turn`] on sides whose sites are damped.
 struct TurnDamped<'a, const M: usize, const S: usize> {
     frame: &'a Frame<'a, M, S>,
     t: f64,
@@ -80,7 +84,7 @@ impl<const M: usize, const S: usize> Kernel for TurnDamped<'_, M, S> {
     }
 }
 
-/// An overlap without contact forces at a time.
+/// An overlap without contact forces at the time `t`, with the functions of [`Turned`] at `t`.
 #[inline(always)]
 fn along<const S: usize>((path, known): Course<S>, t: f64, turn: &Turn<S>) -> f64 {
     let (mut lag, mut sin, mut cos) = ([[0.0]; S], [[0.0]; S], [[0.0]; S]);
@@ -101,7 +105,7 @@ pub(super) fn predicted<const M: usize, const S: usize>(
     predicted_at(frame, course, drive, t, &turn(frame, t))
 }
 
-/// The same with sines and cosines.
+/// As [`predicted`], with the functions of [`Turned`] at `t` given.
 #[inline(always)]
 fn predicted_at<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
@@ -121,7 +125,7 @@ fn predicted_at<const M: usize, const S: usize>(
     overlap
 }
 
-/// What extrapolated forces add to an overlap where a site is damped.
+/// The displacement by the extrapolated forces where a site is damped.
 #[inline(never)]
 fn ramped_damped<const M: usize, const S: usize>(
     frame: &Frame<'_, M, S>,
@@ -154,7 +158,7 @@ pub(super) fn overlap_at<const M: usize, const S: usize>(
     driven_at(course, frame, beside, t) + by_own[0]
 }
 
-/// The same without the bond's own forces.
+/// As [`overlap_at`], without the bond's own forces.
 fn driven_at<const M: usize, const S: usize>(
     course: Course<S>,
     frame: &Frame<'_, M, S>,
@@ -172,7 +176,8 @@ fn driven_at<const M: usize, const S: usize>(
     out[0]
 }
 
-/// `lag`, cosines and sines of `omega t`, by the library, side by side.
+/// `lag`, `cos` and `sin` of each side at a time, see [`Turned`], with the sine and cosine of the
+/// standard library.
 pub(super) fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>, t: f64) -> [[[f64; 1]; S]; 3] {
     let mut turn = [[[0.0]; S], [[1.0]; S], [[0.0]; S]];
     for side in 0..S {
@@ -203,7 +208,8 @@ impl<const S: usize> Times<'_, 1, S> {
 }
 
 impl<const M: usize, const S: usize> Bond<M, S> {
-    /// What forces of neighbours and of the bond itself do on its sides.
+    /// The sum of forces for each side of the bond, from those of the left and right neighbour and
+    /// the bond's own.
     #[inline(always)]
     pub(super) fn pushes(&self, left: f64, right: f64, own: f64) -> [f64; S] {
         let mut pushes = [0.0; S];
@@ -215,8 +221,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         pushes
     }
 
-    /// What the forces at the start of the window, kept up to first order, do to this bond's
-    /// overlap.
+    /// The [`Drive`] of this bond's overlap: forces at the start of the window and their rates.
     #[inline(always)]
     pub(super) fn drive(&self, [left, right]: [Beside<M, S>; 2]) -> Drive<S> {
         let mut drive = [[0.0; 2]; S];
@@ -231,15 +236,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         drive
     }
 
-    /// What forces of neighbours, all of them positive, can do to the second derivative of the
-    /// overlap.
+    /// The second derivative of the overlap by the forces `left` and `right` of the neighbours.
     #[inline(always)]
     pub(super) fn driven(frame: &Frame<'_, M, S>, left: f64, right: f64) -> f64 {
         frame.link.weight(0) * left + frame.link.weight(S - 1) * right
     }
 
-    /// Finds the contacts of the window from the forces at its start; `false` if there are too many
-    /// to be sure.
+    /// Finds the contacts of the window from the forces at its start; `false` if the search needs
+    /// too many subdivisions.
     #[inline(always)]
     pub(crate) fn predict(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], turn: &Turn<S>) -> bool {
         if frame.link.lossy() {
@@ -265,7 +269,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let (c3, c4) = (sign * (0.25 * (3.0 * b2 + end)), sign * end);
         let still = |c: f64| c.abs() <= band;
         if still(start) && still(b1) && still(b2) && still(end) && error <= band {
-            // Rounding only: it stays on its side.
+            // The overlap is rounding in the whole window: the bond stays closed or open.
             self.forecast.slack = 0.0;
             self.contacts.found.extend(ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact }));
             return true;
@@ -278,14 +282,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             self.look_ahead(frame, drive, (end, rate));
             return true;
         }
-        // One change of sign among the coefficients, whatever the error and a slack make of them.
+        // One change of sign among the coefficients, also if each is changed by the error and by a
+        // slack.
         let more = |a: f64, b: f64| if a > b { a } else { b };
         let slack = least(least(-c4, more(c1, -c2 - error)), least(more(c1, -c3), more(c2 - error, -c3)));
         let once = sign * start > band && slack > band;
         if !once {
             return self.look(frame, drive, (end, rate));
         }
-        // A few steps of the Illinois method are better than the prediction deserves.
+        // A few steps of the Illinois method are enough: the prediction itself is not exact.
         let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
         for _ in 0..4 {
             let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
@@ -298,7 +303,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             b = (t, g);
         }
         let t = b.0 - b.1 / slope;
-        // Within what is unsure about the overlap, its rate must not turn.
+        // Near its zero, as far as its error reaches, the overlap must be monotonic.
         let unsure = slope * slope / second - error;
         self.forecast.slack = least(slack, unsure);
         if !(sign * slope < 0.0 && t > 0.0 && t < h && unsure > 0.0) {
@@ -339,7 +344,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         (second, fourth)
     }
 
-    /// The same where a site is damped.
+    /// As [`bounds`](Self::bounds) where a site is damped.
     #[inline(never)]
     fn bounds_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>) -> (f64, f64) {
         let [mut second, mut fourth] = known::<S>(&self.known).map_or([0.0; 2], |known| known.bends);
@@ -399,7 +404,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         known::<S>(&self.known).map_or(rate, |known| rate + known.ends[1][1])
     }
 
-    /// What it has besides free motions where a site is damped.
+    /// The predicted rate without the free velocities, where a site is damped.
     #[inline(never)]
     fn rate_damped(&self, frame: &Frame<'_, M, S>, drive: &Drive<S>, turn: &Turn<S>) -> f64 {
         let (h, mut rate) = (frame.h, known::<S>(&self.known).map_or(0.0, |known| known.ends[1][1]));
@@ -418,7 +423,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         rate
     }
 
-    /// Searches the prediction.
+    /// Searches the predicted overlap for contacts, and estimates a release after the window;
+    /// `false` if the search needs too many subdivisions.
     #[inline(never)]
     fn look(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, end: (f64, f64)) -> bool {
         let (path, given, linear) = (self.initial.path, self.known, self.linear(frame));
@@ -435,7 +441,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         found
     }
 
-    /// Estimates when a contact that outlasts the window will end.
+    /// Estimates the release of a contact that continues after the window.
     #[inline(always)]
     fn look_ahead(&mut self, frame: &Frame<'_, M, S>, drive: &Drive<S>, (end, rate): (f64, f64)) {
         let (h, course) = (frame.h, (&self.initial.path, known::<S>(&self.known)));
@@ -463,8 +469,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// Finds the contacts of the window from what is known of all forces. Returns whether they
-    /// differ from those assumed; `None` if there are too many to be sure.
+    /// Finds the contacts of the window from all forces computed so far. Returns whether they
+    /// differ from the contacts assumed before; `None` if the search needs too many subdivisions.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
         let Initial { path, recoil, .. } = self.initial;
         let given = self.known;
@@ -486,7 +492,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         };
         self.panels = panels;
         self.pending.search = false;
-        // On the surface at the end of the window it may be said to have left or not.
+        // If the overlap is zero at the end of the window, the contact may or may not have ended.
         let alike = |(a, b): (&Contact, &Contact)| {
             let ([begins, ends], [begun, ended]) = (a.events(frame.h), b.events(frame.h));
             // Newton's method may have led astray.
@@ -501,13 +507,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             && new.release > frame.h
             && old.release < f64::INFINITY
         {
-            // What was to end in the window ends soon after it.
+            // A contact that was assumed to end in the window ends soon after it.
             (new.release, new.slopes[1]) = (old.release.max(frame.h * (1.0 + f64::EPSILON)), old.slopes[1]);
         }
         sure.then_some(!same)
     }
 
-    /// How far the force is from that predicted.
+    /// Computes [`Forecast::surprise`](super::bond::Forecast::surprise): how far the force is from
+    /// the predicted one.
     #[inline(always)]
     pub(crate) fn surprised(&mut self, h: f64) {
         let force = self.initial.force;
@@ -527,7 +534,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         self.forecast.surprise = surprise;
     }
 
-    /// Finds contacts; `false` if there are too many to be sure.
+    /// Finds the contacts of an overlap `g` whose second derivative up to a time has the bound
+    /// `curvature`; `false` if the search needs too many subdivisions.
     fn search(&mut self, h: f64, band: f64, curvature: impl Fn(f64) -> f64, g: impl FnMut(f64) -> f64) -> bool {
         let Initial { band: rounding, overlap: [value, slope], ongoing, .. } = self.initial;
         let start = Start { value, slope, rounding, positive: ongoing.is_some() };
@@ -548,7 +556,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         slack.is_some()
     }
 
-    /// What a contact did in this window, panel by panel, appended, with the number of the bond.
+    /// Appends the pieces of a contact in this window, one for each panel, with the index of the
+    /// bond.
     pub(crate) fn pieces_of(
         &self,
         (frame, bond): (&Frame<'_, M, S>, usize),
@@ -559,9 +568,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let panels = &self.panels.list[contact.panels.0..contact.panels.1];
         let rule = &frame.rule;
         let [begins, ends] = contact.events(frame.h);
-        // An event is known to the force that counts; for the record it is found to the last digit.
-        // There is no force at it, so that the overlap goes on along the path on which the panels
-        // before it leave the bond, whose values do not hang on any series.
+        // The sweeps know an event as well as the force needs it; the log gets it to the last
+        // digit. The force is zero at the event, so that near it the overlap follows the path by
+        // the panels before, whose values have no errors of a series.
         let event = |mut t: f64, before: usize| {
             let (left, own) = (self.panels.before(before), self.initial.own());
             let mut path = self.initial.path;

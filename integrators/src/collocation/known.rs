@@ -1,9 +1,10 @@
-//! What drives make of positions over a window, known before anything is solved.
+//! The displacements of driven sites over a window, which are known before anything is solved.
 //!
-//! A site that is moved is where its signal says, and answers no impulse. One that is pushed goes
-//! on as `int_0^t K(t - s) F(s) ds` besides its path. Both are a Chebyshev series of the time
-//! here, that the overlaps beside the site take as given. A window is so short that the series
-//! resolves them to rounding, or to far below the tolerance.
+//! A site that is moved has the position of its signal `s(t)`, and does not respond to impulses. A
+//! site that is pushed by a force `F` has the displacement `int_0^t K(t - s) F(s) ds` in addition
+//! to its path. Each is represented by a Chebyshev series in time over the window, which is a given
+//! part of the overlaps beside the site. Windows are short enough for the series to be exact to
+//! rounding, or to far below the tolerance.
 
 use super::{
     flow::Flow,
@@ -13,25 +14,27 @@ use super::{
 };
 use crate::real::Kernel;
 
-/// Terms of a series. With a frequency `omega` windows may be as long as `1/omega` at all
-/// tolerances.
+/// Number of terms of a series. For a signal of frequency `omega` windows may be as long as
+/// `1/omega` at all tolerances.
 pub(crate) const TERMS: usize = 12;
-/// Last terms that are rounding, as a share of a signal; and as one of the time in it.
+/// Last terms that are rounding: a share of the signal's size, and, for the rounding of the time in
+/// the signal, a share of the time times the signal's rate.
 const ROUNDING: f64 = 4e-15;
 const OF_TIME: f64 = 4e-16;
-/// Share of the tolerance that last terms may have, relative to the size of a signal. Chosen, not
+/// Largest last terms, relative to the size of a signal, as a share of the tolerance. Chosen, not
 /// measured.
 const SHARE: f64 = 1e-3;
 
-/// What drives make of one position, or of an overlap.
+/// The part of a position, or of an overlap, that drives prescribe, over one window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
-    /// Chebyshev series over the window.
+    /// Coefficients of its Chebyshev series over the window.
     series: [f64; TERMS],
+    /// Length of the window.
     h: f64,
-    /// Value and rate where the window begins and where it ends.
+    /// Value and time derivative at the start and at the end of the window.
     pub(crate) ends: [[f64; 2]; 2],
-    /// Bounds of the second and the fourth derivative.
+    /// Bounds of the second and the fourth time derivative in the window.
     pub(crate) bends: [f64; 2],
 }
 
@@ -46,6 +49,7 @@ fn derivative(series: &[f64; TERMS], h: f64) -> [f64; TERMS] {
     out
 }
 
+/// A bound of a Chebyshev series on its interval: the sum of the sizes of its coefficients.
 fn size(series: &[f64; TERMS]) -> f64 {
     series.iter().fold(0.0, |sum, c| sum + c.abs())
 }
@@ -58,7 +62,7 @@ impl Known {
         Self { series, h, ends, bends: [size(&second), size(&fourth)] }
     }
 
-    /// The sum of what two drives make of an overlap.
+    /// The sum of the parts of an overlap that two drives prescribe.
     pub(crate) fn plus(self, other: Self) -> Self {
         let sum = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         Self {
@@ -69,14 +73,15 @@ impl Known {
         }
     }
 
-    /// The same with the other sign.
+    /// The negative of this part.
     pub(crate) fn minus(mut self) -> Self {
         self.series = self.series.map(|c| -c);
         self.ends = self.ends.map(|end| end.map(|x| -x));
         self
     }
 
-    /// At times of the window; beyond its end, where a release is only guessed, a straight line.
+    /// Values at times of the window; after its end, where a release is only estimated, those of
+    /// the tangent at the end.
     #[inline(always)]
     pub(crate) fn at<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
         let [value, rate] = self.ends[1];
@@ -92,7 +97,7 @@ impl Known {
         out
     }
 
-    /// Rates at times of the window; beyond its end that of its end.
+    /// Time derivatives at times of the window; after its end the derivative at the end.
     pub(crate) fn rates_at<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
         let x = t.map(|t| t.mul_add(2.0 / self.h, -1.0));
         let mut out = clenshaw(&derivative(&self.series, self.h), &x);
@@ -102,7 +107,7 @@ impl Known {
         out
     }
 
-    /// The largest value and the largest rate, or a little more.
+    /// Bounds of the value and of the time derivative in the window.
     pub(crate) fn reach(&self) -> [f64; 2] {
         let [_, rate] = self.ends[0];
         [size(&self.series), rate.abs() + self.bends[0] * self.h]
@@ -113,17 +118,17 @@ impl Known {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Driven {
     pub(crate) known: Known,
-    /// The path that a push leaves behind.
+    /// The path by a pushing force after the window; zero for a site that is moved.
     pub(crate) left: Path,
 }
 
-/// Looks at a drive in a window: what it does, and the length of a shorter window if the series do
-/// not resolve it in this one.
+/// Computes what a drive does in a window, and the length of a shorter window if the series do not
+/// resolve the drive in this one, else infinity.
 pub(crate) struct Foresight<'a> {
     pub(crate) drive: &'a Drive,
-    /// The motion of a site that is pushed.
+    /// The flow of a site that is pushed; `None` for one that is moved.
     pub(crate) flow: Option<&'a Flow>,
-    /// The signal as a function of the time in the window.
+    /// The signal and two derivatives, as a function of the time since the start of the window.
     pub(crate) signal: &'a dyn Fn(f64) -> [f64; 3],
     /// Start and length of the window, and the tolerance.
     pub(crate) at: (f64, f64, f64),

@@ -1,4 +1,4 @@
-//! How contacts are cut into panels.
+//! Cuts contacts into panels.
 
 use super::{
     block::apart,
@@ -10,7 +10,7 @@ use super::{
 };
 use crate::real::Kernel;
 
-/// How contacts are cut into panels, and what is too small for that.
+/// How contacts are cut into panels, and thresholds below which events and overlaps are negligible.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cuts {
     /// Whether panels are also cut where a contact of a neighbour begins or ends.
@@ -18,21 +18,22 @@ pub(crate) struct Cuts {
     /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left
     /// out.
     pub(crate) merge: f64,
-    /// A panel has its variable's origin at an event that is at most so many lengths of the panel
-    /// away.
+    /// Largest distance from a panel to an event at which the panel's variable has its origin, in
+    /// lengths of the panel.
     pub(crate) near: f64,
-    /// An event stays where it is if moving it changes the impulse of its contact by less than
-    /// this, as a change of velocity.
+    /// An event is not moved if this would change the impulse of its contact by at most this change
+    /// of velocity.
     pub(crate) event_impulse: f64,
-    /// Overlaps up to this count as none.
+    /// Overlaps of at most this value count as zero.
     pub(crate) least_overlap: f64,
-    /// Panels of a neighbour are laid out anew if an event moves by more than this time.
+    /// If an event moves by more than this time, panels of the neighbours are laid out anew.
     pub(crate) least_move_beside: f64,
 }
 
 impl Cuts {
-    /// Whether an event may be off by a time and an overlap; or by a time and a value of `P`, while
-    /// beads overlap by at most `pressed`, see `loss.rs`.
+    /// Whether the error of an event is negligible. The event is off by a time `by` and an overlap;
+    /// or, where it is an event of `P`, by a time and a value of `P`, while beads overlap by at
+    /// most `pressed`, see `loss.rs`.
     #[inline(always)]
     pub(super) fn negligible<const S: usize>(
         &self,
@@ -50,8 +51,8 @@ impl Cuts {
     }
 }
 
-/// Cuts the contacts of a bond into panels. Where bonds see two sites this is not compiled into the
-/// kernels that call it, which would have a copy each.
+/// Cuts the contacts of a bond into panels, for `S = 2`. It is compiled apart from the kernels that
+/// call it; otherwise each of them would have a copy.
 struct LayOut<'a, const M: usize, const S: usize> {
     bond: &'a mut Bond<M, S>,
     frame: &'a Frame<'a, M, S>,
@@ -88,8 +89,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         for i in 0..self.contacts.found.len() {
             let contact = self.contacts.found[i];
             let first = self.panels.len;
-            // One that is over when the window begins has no panels: there is nothing to solve, and
-            // nothing to move its end by.
+            // A contact that ends when the window begins has no panels: there is nothing to solve
+            // for, and its end does not move.
             if contact.release > contact.onset.max(0.0) {
                 self.cut(frame, contact, beside);
             }
@@ -112,7 +113,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     fn cut(&mut self, frame: &Frame<'_, M, S>, contact: Contact, beside: [Beside<M, S>; 2]) {
         let cuts = frame.cuts;
         let (start, end) = (contact.onset.max(0.0), contact.release.min(frame.h));
-        // The latest onset behind a panel and the earliest release ahead of it, also of neighbours.
+        // The latest onset before a panel and the earliest release after it, of the bond and its
+        // neighbours.
         let (mut behind, mut ahead) = (contact.onset, contact.release + self.fade());
         let mut points = [(0.0, f64::INFINITY); 8];
         let mut count = 0;
@@ -167,7 +169,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// Lays out one stretch, in equal parts of its variable where one panel is not enough.
+    /// Lays out `2^halvings` panels from `from` to `to`, of equal lengths in their variable.
     fn halve(&mut self, frame: &Frame<'_, M, S>, from: f64, to: f64, origin: Origin) {
         let parts = 1 << self.resolution.halvings;
         let mut start = from;

@@ -5,19 +5,19 @@
 //! | `F(g)` | elastic force, `A (g)_+^alpha` |
 //! | `c(g)` | resistance, `gamma F'(g)` or `gamma` |
 //! | `f = (F(g) + c(g) g')_+` | force of a contact: beads never pull |
-//! | `P(g, g')` | what is positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
+//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
 //! | `K'` | velocity of a site by a unit impulse |
 //!
 //! A panel of such a contact needs `g'` at its nodes, `g_lin'(t) + int K'(t - s) [..] ds`, where
-//! `[..]` are the forces on both sites. What neighbours move is known as for overlaps, by a series
-//! of its own. What the panel's own forces move is solved for: with `T` their `int K'` at the
-//! nodes, `f + c T f = F + c r`, where `r` is the rate without them. So sweeps contract like those
-//! of elastic contacts, however strong the resistance is.
+//! `[..]` are the forces on both sites. The part by the forces of neighbours is evaluated from
+//! series, as for overlaps. The part by the panel's own forces is solved for: with the matrix `T`
+//! of `int K'` at the nodes, `f + c T f = F + c r`, where `r` is the rate without these forces. So
+//! sweeps contract like those of elastic contacts, however strong the resistance is.
 //!
-//! A panel has no `(..)_+`: where `P` comes to zero the contact ends, with `f = 0` and `g > 0`, and
-//! beads overlap freely until `P` rises through zero or the overlap is gone (`rebound.rs`). So the
-//! force is analytic up to the end. It begins with the power `alpha - 1` of time, or with a jump,
-//! where beads meet.
+//! On a panel the force has no `(..)_+`. Where `P` comes to zero the contact ends, with `f = 0` and
+//! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
+//! (`rebound.rs`). So the force is analytic up to the end. Where beads meet it begins with the
+//! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
 
 use super::{
     bond::Beside,
@@ -40,7 +40,7 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// The smallest power of time with which the force begins.
+    /// The smallest power of time with which the force begins when beads meet.
     pub(crate) fn power(self, alpha: f64) -> f64 {
         match self {
             Self::Viscoelastic(_) => alpha - 1.0,
@@ -88,8 +88,8 @@ impl<const S: usize> Link<S> {
         if overlap > 0.0 { (self.force(overlap) + self.resistance(overlap) * rate).max(0.0) } else { 0.0 }
     }
 
-    /// A bound of the impulse in which a contact differs whose event is off by a time and an
-    /// overlap, or a value of `P` while beads overlap by at most `pressed`.
+    /// A bound of the error of a contact's impulse if its event is off by the time `by` and the
+    /// overlap `value`; or by the value `value` of `P` while beads overlap by at most `pressed`.
     pub(crate) fn impulse_besides(&self, value: f64, by: f64, pressed: Option<f64>) -> f64 {
         match pressed {
             None => self.force(value) * by + self.resistance(value) * value,
@@ -97,8 +97,9 @@ impl<const S: usize> Link<S> {
         }
     }
 
-    /// How long after its end the overlap of a contact comes to zero if its force goes on as the
-    /// analytic function that it was: there is the singularity that a panel has its origin at.
+    /// The time from the end of a contact to the singularity of its force, where the overlap would
+    /// come to zero if the force went on as the same analytic function. Panels before a release
+    /// have their origin there.
     #[inline(always)]
     pub(crate) fn fade(&self) -> f64 {
         match self.loss {
@@ -107,7 +108,8 @@ impl<const S: usize> Link<S> {
         }
     }
 
-    /// What `v`, `c` and `s` of a path contribute to the velocity of the site on a side.
+    /// The factors of `v`, `c` and `s` of a path in the velocity of the site on a side, at `L`
+    /// times.
     pub(crate) fn velocity<const L: usize>(
         &self,
         side: usize,
@@ -125,8 +127,7 @@ impl<const S: usize> Link<S> {
         [[1.0; L], sin.map(|sin| -omega * sin), cos.map(|cos| omega * cos)]
     }
 
-    /// `K(t)` on a side and its integral: what unit forces add to the rate at which positions
-    /// change, and to positions.
+    /// `K(t)` on a side: the velocity by a unit force that acts from time 0.
     pub(crate) fn ramp(&self, side: usize, t: f64, turned: Turned) -> f64 {
         if let Some(flow) = self.flow(side) {
             return flow.ramps(t)[0];
@@ -140,17 +141,17 @@ impl<const S: usize> Link<S> {
 /// Rates of overlaps at the nodes of a panel, where the bond or one beside it dissipates.
 #[derive(Clone, Debug)]
 pub(crate) struct Rates<const M: usize, const S: usize> {
-    /// What `v`, `c` and `s` of a path contribute to velocities, on each side.
+    /// The factors of `v`, `c` and `s` of a path in the velocity of the site, on each side.
     velocity: [[[f64; M]; 3]; S],
-    /// What drives contribute.
+    /// The part of the rate of the overlap that drives prescribe.
     known: [f64; M],
     /// `reaction[side][k][j]`: the velocity at node `j` by a unit force at node `k`.
     reaction: [[[f64; M]; M]; S],
     /// The velocities by the force of the panel, as series in `x`.
     series: [[f64; M]; S],
-    /// The rate of the overlap.
+    /// The rate `g'` of the overlap.
     pub(crate) overlap: [f64; M],
-    /// What the force is besides the elastic one.
+    /// The dissipative part `f - F` of the force.
     pub(crate) lost: [f64; M],
 }
 
@@ -186,7 +187,7 @@ impl<const M: usize, const S: usize> Rates<M, S> {
     }
 }
 
-/// Makes what a panel needs for rates, once its nodes are placed.
+/// Computes the kernels of a panel for rates, after its nodes are placed.
 pub(super) struct PlaceRates<'a, const M: usize, const S: usize> {
     pub(super) panel: &'a mut Panel<M, S>,
     pub(super) frame: &'a Frame<'a, M, S>,
@@ -214,7 +215,7 @@ impl<const M: usize, const S: usize> Kernel for PlaceRates<'_, M, S> {
     }
 }
 
-/// The velocities that the force of a panel makes, as series.
+/// Computes the velocities by the force of a panel, as series.
 pub(super) struct Move<'a, const M: usize, const S: usize> {
     pub(super) panel: &'a mut Panel<M, S>,
     pub(super) rule: &'a Rule<M>,
@@ -233,9 +234,9 @@ impl<const M: usize, const S: usize> Kernel for Move<'_, M, S> {
     }
 }
 
-/// The forces of a panel from its overlaps `g`. The first path has what neighbours left behind that
-/// are on one path at all nodes; the second one is that of earlier panels of the bond, if the first
-/// does not have it.
+/// Computes the forces of a panel from its overlaps `g`, with their rates. The first of `paths` is
+/// the linear path and those parts by other panels that are one path for all nodes. The second is
+/// the path by earlier panels of the bond, or zero if the first includes it.
 pub(super) struct Resist<'a, const M: usize, const S: usize> {
     pub(super) panel: &'a mut Panel<M, S>,
     pub(super) frame: &'a Frame<'a, M, S>,
@@ -300,8 +301,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         std::array::from_fn(|j| link.pushes(self.overlap[j], rates.overlap[j]))
     }
 
-    /// The forces of overlaps `g` along a path and what forces of its sides predict besides, as
-    /// coefficients of `t^2`, `t^3` and `t^4`.
+    /// The predicted forces at the nodes, from predicted overlaps `g`: these are a path plus a
+    /// polynomial with the coefficients of `t^2`, `t^3` and `t^4`, which give their rates.
     #[inline(never)]
     pub(super) fn resist_ahead(
         &self,
@@ -319,8 +320,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     }
 }
 
-/// Solves a system by Gauss and Jordan, columns first. Its diagonal is 1 and more, and what is
-/// beside it small: there is no pivoting.
+/// Solves a linear system by Gauss-Jordan elimination; the matrix is given by columns. There is no
+/// pivoting, since the diagonal is at least 1 and other entries are small.
 #[inline(always)]
 fn solve<const M: usize>(columns: &mut [[f64; M]; M], x: &mut [f64; M]) {
     for p in 0..M {
@@ -344,8 +345,8 @@ fn solve<const M: usize>(columns: &mut [[f64; M]; M], x: &mut [f64; M]) {
 }
 
 impl<const M: usize, const S: usize> Panels<M, S> {
-    /// Adds the velocities by these panels at the nodes of one of a neighbour, which sees them so:
-    /// without paths that hold at all nodes.
+    /// Adds the velocities by these panels at the nodes of a panel of a neighbour, which sees them
+    /// by `view`; without the part that is one path for all nodes.
     #[inline(always)]
     fn move_along(&self, view: &View<M>, of: &Rates<M, S>, Shared { theirs, mine }: Shared, out: &mut [f64; M]) {
         let inside = |k: usize| {
@@ -373,7 +374,8 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         }
     }
 
-    /// `int_0^t K'(t - s) f(s) ds` at a time, with what paths contribute to the velocity then.
+    /// `int_0^t K'(t - s) f(s) ds` at a time; `velocity` are the factors of `v`, `c` and `s` of a
+    /// path in the velocity at that time.
     pub(crate) fn velocity_at(&self, t: f64, velocity: &[[f64; 1]; 3], theirs: usize) -> f64 {
         let along = |path: &Path| path[1] * velocity[0][0] + path[2] * velocity[1][0] + path[3] * velocity[2][0];
         let panels = self.as_slice();

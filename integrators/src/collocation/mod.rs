@@ -1,14 +1,14 @@
-//! Contact collocation: every contact resolved where it happens, at full order, at a cost that
-//! grows with the chain only linearly.
+//! Contact collocation: an integrator that gives every contact a time mesh of its own. It keeps its
+//! full order through contacts, at a cost linear in the length of the chain.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `g_n, f_n` | overlap and force of bond `n`; `f_n = (g_n)_+^alpha` |
-//! | `K(t) = m t + mu sin(omega t)/omega` | displacement of a site by a unit impulse, [`Response`] |
-//! | *window* | a stretch `[0, h]` of time that is solved at once, for the whole chain |
-//! | *contact* | a stretch of it in which a bond is closed, from *onset* to *release* |
-//! | *panel* | a part of a contact on which the force is smooth in the panel's own variable `x` in `[-1, 1]` |
-//! | *sweep* | overlaps from all forces, then forces from overlaps, bond by bond |
+//! | `K(t) = m t + mu sin(omega t)/omega` | displacement by a unit impulse, [`Response`] |
+//! | *window* | a time step `[0, h]`; it is solved at once, for the whole chain |
+//! | *contact* | a time interval in which a bond is closed, from *onset* to *release* |
+//! | *panel* | a part of a contact on which the force is smooth in a variable `x` in `[-1, 1]` |
+//! | *sweep* | one iteration: overlaps from all forces, then forces from overlaps, bond by bond |
 //!
 //! # The equations
 //!
@@ -21,100 +21,111 @@
 //! ```
 //!
 //! (with 1 for the 2 at a wall). Where sites differ each has a kernel of its own, and a bond sees
-//! two, `int K_l (f_{n-1} - f_n) + int K_r (f_{n+1} - f_n)`; see [`ContactChain`]. Nothing in it
-//! asks for a common mesh: each bond may have its own panels, placed where its own contacts begin
+//! two, `int K_l (f_{n-1} - f_n) + int K_r (f_{n+1} - f_n)`; see [`ContactChain`]. The equations
+//! need no common time mesh: each bond may have its own panels, placed where its own contacts begin
 //! and end. A method that stops the whole chain at every event does work of order `N^2` a period;
 //! this one of order `N`.
 //!
 //! # The panels
 //!
 //! Where a contact begins or ends, `f` goes like the power `alpha` of the distance in time. In
-//! `sigma = |t - t_o|^{1/q}`, with the event `t_o` as origin, it is analytic if `q alpha` is an
-//! integer (`q` = 2 for spheres, 1 for integers: then there is nothing to map), else smooth to
-//! order `q (alpha + 1) >= 8`. A panel spans equal steps of `sigma`, `M` Gauss nodes in it. The
-//! origin may lie before the window (an onset, remembered) or beyond it (a release, looked for up
-//! to one and a half windows ahead): a singularity that is near is as bad as one that is there.
+//! `sigma = |t - t_o|^{1/q}`, with the event `t_o` as origin, `f` is analytic if `q alpha` is an
+//! integer (`q` = 2 for spheres, 1 for integers, where the variable is time), else smooth to order
+//! `q (alpha + 1) >= 8`. A panel has `M` Gauss nodes in `sigma`. Its origin may lie before the
+//! window (at an onset, which is kept with the contact) or after it (at a release, which is looked
+//! for up to one and a half windows ahead): a singularity near the panel spoils the interpolation
+//! as one at its end does.
 //!
-//! A contact of a neighbour that begins at `t'` gives `g_n` a term `(t - t')^{alpha + 2}` from then
-//! on, one that ends has it until then. So panels are cut there as well, with the same kind of
-//! variable on the singular side; where both ends are singular the panel is cut once more in the
-//! middle. Without these cuts the order is about `alpha + 3`; with them it is that of Gauss
-//! quadrature, and doubling the nodes squares the error. Cutting in ever smaller parts towards `t'`
-//! instead reaches the same with three times the panels.
+//! A contact of a neighbour that begins at `t'` adds to `g_n` a term `(t - t')^{alpha + 2}` after
+//! `t'`; one that ends at `t'` adds `(t' - t)^{alpha + 2}` before `t'`. So panels are cut at `t'`
+//! too, with the same kind of variable on the singular side. Where both ends are singular the panel
+//! is cut once more in the middle. Without these cuts the order is about `alpha + 3`; with them it
+//! is that of Gauss quadrature, and doubling the nodes squares the error. Graded panels, ever
+//! shorter towards `t'`, reach the same error with three times the panels.
 //!
 //! # The sweep
 //!
 //! `K(t - s)` is separable in `1, t, cos(omega t), sin(omega t)`. From `f` at the nodes one fixed
 //! matrix (antiderivatives of the Lagrange polynomials) gives `int f`, `int s f`, `int f cos`,
-//! `int f sin` up to every node, and these what the force has moved so far. That becomes one short
-//! series in `x`, which is all that neighbours need; after a panel its force has left a path
-//! `A + B t + C cos + D sin` behind. Then `f_n = (g_n)_+^alpha` at the nodes, the ends of contacts
-//! by Newton's method on the interpolant of `g_n`, and again, in the order of the bonds (Gauss and
-//! Seidel), until no impulse changes. The slope for Newton's method is that between the two nodes
-//! nearest to the event: the one that the search for contacts knows belongs to a chord that may
-//! span half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`; the first
-//! forces come from overlaps under forces `f_0 + f_0' t + b t^2` with the `b` that meets the force
-//! predicted at the window's end. A bond is swept again only if its own force or one beside it has
-//! changed; one that stays open is not swept at all.
+//! `int f sin` up to every node, and these give the displacement by the force up to every node. It
+//! is kept as one short series in `x`, which neighbours evaluate at their nodes; after the panel's
+//! end the displacement is a path `A + B t + C cos + D sin`. A sweep computes overlaps from the
+//! displacements, then the forces `f_n = (g_n)_+^alpha` at the nodes, and corrects the ends of
+//! contacts by Newton's method on the interpolant of `g_n`. Sweeps are repeated, bond after bond
+//! (Gauss-Seidel), until no impulse changes. Newton's method takes the slope between the two nodes
+//! nearest to the event; the slope from the search for contacts is that of a chord which may span
+//! half of a short contact. A sweep contracts by about `alpha g^{alpha-1} h^2/6`. The first forces
+//! are those at the overlaps which forces `f_0 + f_0' t + b t^2` make, where `b` is chosen to meet
+//! the force predicted at the window's end. A bond is swept again only if its own force or that of
+//! a neighbour has changed; one that stays open is not swept at all.
 //!
-//! What contacts there are is first told from the prediction, a cubic plus a bounded remainder, by
-//! the signs of its coefficients in Bernstein's basis; where these do not decide, by subdivision
-//! under a bound for `g''`. When the sweeps are done, every bond whose overlap moved by more than
-//! its certificate allows is searched anew with the forces found.
+//! Contacts are first found in the predicted overlap, a cubic plus a bounded remainder, from the
+//! signs of its coefficients in Bernstein's basis; where these do not decide, by subdivision under
+//! a bound for `g''`. This search also gives a bound on how far the overlap may be off without a
+//! change of the contacts. After the sweeps, every bond that may be off by more is searched again
+//! with the forces found.
 //!
 //! # The error
 //!
 //! The last terms of the Chebyshev series of each impulse tell whether the nodes resolve the force.
-//! Panels that do not are halved in their variable, that bond's only; a window that does not settle
-//! is halved for all. So is one that is too long for its contacts, also for those to come: before
-//! anything is solved, each bond bounds the overlap that it may reach, by its free path and by
-//! where its own force has taken up the speed of approach, and `f'(g) h^2` for the time that is
-//! then left must be below a limit. Few nodes may take a whole contact for something else with no
-//! sign of it in their last terms. Where panels are halved often they get two nodes more, where the
-//! last terms are far below what is asked two less. Windows are as long as they are cheapest:
-//! `f'(g) h^2` is moved up and down, whichever way the work for a unit of time falls, and work is
-//! counted, not timed, so that a run has the same bits every time. Local errors go with a power 5/4
-//! of the last terms, which was measured. An overlap that falls to almost nothing without an event
-//! makes a force whose terms fall slowly at last; there the error is taken to be proportional to
-//! them. Last terms above 0.3 of the largest value resolve nothing, however small they are beside
-//! the velocities: where resonators are much faster than contacts, each of thousands of windows
-//! moves little, and would be wrong by most of it to the same side. A tolerance is for the sum over
-//! the run, relative to the size of the state. What the dynamics makes of local errors is not in
-//! it.
+//! Panels whose last terms are too large are halved in their variable, for that bond only. A window
+//! whose sweeps do not converge is given up, and half its length is tried for the whole chain.
 //!
-//! A sweep is the last when what the next would change is less than a hundredth of that. An error
-//! that grows like `t^{2n}`, as it does after `n` sweeps, shrinks by `4 f' h^2/((2n+1)(2n+2))` in
-//! the next.
+//! A window is given up too if it is too long for its contacts, including those that begin in it:
+//! few nodes may take a whole contact for something else with no sign of it in their last terms.
+//! Before anything is solved, each bond bounds the overlap that it may reach, by its free path and
+//! by the overlap at which its own force has stopped the approach. `f'(g) t^2` must be below a
+//! limit, where `g` is this bound and `t` the time that a contact may last in the window.
+//!
+//! Where panels are halved often they get two nodes more; where the last terms are far below those
+//! allowed, two less. Windows have the length of least cost: `f'(g) h^2` is moved up or down, in
+//! the direction in which the work for a unit of time falls. Work is counted, not timed, so that a
+//! run has the same bits every time.
+//!
+//! Local errors go with a power 5/4 of the last terms, which was measured. If an overlap falls to
+//! almost nothing without an event, the last terms of its force fall slowly; there the error is
+//! taken to be proportional to them. A force with last terms above 0.3 of its largest value is not
+//! resolved, however small these terms are beside the velocities: where resonators are much faster
+//! than contacts, each of thousands of windows moves little, and would be wrong by most of it, with
+//! the same sign. A tolerance is for the sum of local errors over the run, relative to the size of
+//! the state. It does not include how the dynamics amplifies local errors.
+//!
+//! A sweep is the last when the next would change impulses by less than a hundredth of the window's
+//! share of the tolerance. An error that grows like `t^{2n}`, as it does after `n` sweeps, shrinks
+//! by `4 f' h^2/((2n+1)(2n+2))` in the next.
 //!
 //! # Sums
 //!
-//! Sites keep `[R0, V, C, S]`, which only impulses change, in a phase `omega t` that is one number
-//! in two parts. Each sum keeps its rounding error; sweeps and the search for events go on until
-//! what they leave is below the roundings, for it has a sign and adds up. The energy error is then
-//! a random walk of roundings: 1e-13 after 10^6 periods of a breather (measured).
+//! The state of a site is `[R0, V, C, S]` and a phase `omega t` in twice the working precision.
+//! Without damping only impulses change `V`, `C` and `S`; `R0` also moves on by `V h`. Each sum
+//! keeps its rounding error. Sweeps and the search for events go on until their error is below the
+//! roundings, since it is biased and adds up over windows. The energy error is then a random walk
+//! of roundings: 1e-13 after 10^6 periods of a breather (measured).
 //!
 //! # Damping and drives
 //!
 //! A damped site has other functions of time in the place of `t`, `cos` and `sin`, as series, see
-//! `flow.rs`; between windows its path is moved on by the same series. A site that is moved is a
-//! known part of the overlaps beside it, and so is what a force does to one that is pushed
-//! (`known.rs`). What is dissipated and driven is integrated over each window (`open.rs`). Windows
-//! end where a signal is not smooth, and are so short that all series are resolved.
+//! `flow.rs`; between windows its path is moved on by the same series. The position of a site that
+//! a drive moves is a known part of the overlaps of its bonds, and so is the displacement of a site
+//! that a drive pushes (`known.rs`). The energy that is dissipated and the work of drives are
+//! integrated over each window (`open.rs`). Windows end where a signal is not smooth, and are short
+//! enough for all series to be resolved.
 //!
-//! Where contacts dissipate, `f = (F + c g')_+`, panels have rates `int K' [..]` beside overlaps, and
-//! solve for those by their own forces at once (`loss.rs`). A contact ends where its force comes to
-//! zero, with an overlap, and may begin again with one (`rebound.rs`).
+//! A contact that dissipates has the force `f = (F + c g')_+`. Its panels have the rates of the
+//! overlap at their nodes too, `int K' [..]`; the part of them that the panel's own forces make is
+//! solved for directly (`loss.rs`). Such a contact ends where its force comes to zero, while beads
+//! still overlap, and may begin again while they overlap (`rebound.rs`).
 //!
 //! # Limits
 //!
 //! - `alpha < 1`: the force has an infinite slope at onsets; the predictions there are poor,
 //!   windows short, and tangent maps do not exist.
-//! - Resonators so light that they turn many times in a window are resolved where contacts excite
-//!   them: the cost then grows with `omega`.
-//! - Overlaps whose force over a window would change no digit that the tolerance asks for count as
-//!   none, also for the log of contacts.
-//! - It is no symplectic method: its energy error is the sum of its local errors, down to a random
-//!   walk of roundings.
+//! - Resonators so light that they oscillate many times in a window are resolved where contacts
+//!   excite them: the cost then grows with `omega`.
+//! - Overlaps whose force over a window is too small to matter at the tolerance are taken as zero,
+//!   also in the log of contacts.
+//! - The method is not symplectic: its energy error is the sum of its local errors, down to a
+//!   random walk of roundings.
 //!
 //! Source: this software. For Gauss collocation: Hairer, Lubich & Wanner 2006, *Geometric Numerical
 //! Integration*, Sec. II.1.
@@ -156,69 +167,73 @@ use crate::{clock::Twofold, drive::Stepper, error::Error, stats::Stats};
 use control::Control;
 use system::Links;
 
-/// Parts that a window is cut into at most, to show the state inside it. Chosen, not measured.
+/// Most parts that the time from the start of a window to a sample inside it is divided into; the
+/// sample is lost beyond that. Chosen, not measured.
 const MOST_PARTS: u32 = 1 << 10;
 
-/// Times that a window is shortened for what drives do in it, each by a tenth at least. Chosen: a
-/// signal that is rounding by then is resolved by nothing.
+/// Most times that a window is shortened because it does not resolve a drive, each by a tenth at
+/// least. Chosen: if a signal is still not resolved then, its last terms are rounding.
 const MOST_SHORTENED: u32 = 40;
 
 /// A stepper that logs what contacts do.
 pub trait ContactStepper: Stepper<f64> {
-    /// Tells what contacts did in the last step, part by part, and the time that times of a piece
-    /// count from.
+    /// Calls `told` with every [`Piece`] of the last step, and the time from which the times in the
+    /// piece count.
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64));
 }
 
-/// Solves the windows that a run decides on: in one place, or in parts of the chain wherever these
-/// are.
+/// Solves windows of given lengths and keeps the state of the chain: in one place, or in parts of
+/// the chain on other threads or processes.
 pub trait Windows: Send + Sized {
     /// Number of components of the state.
     fn dim(&self) -> usize;
-    /// The longest windows that may begin where the chain stands: until a signal of a drive is not
-    /// smooth, and until flows of damped sites are not resolved.
+    /// Two bounds for the length of the next window: the time until the signal of a drive is not
+    /// smooth, and the longest time over which the series of damped sites are resolved.
     fn longest(&self) -> [f64; 2] {
         [f64::INFINITY; 2]
     }
-    /// Looks at what drives do in a window of length `h`; returns the length of a shorter one if
-    /// this is not resolved to a tolerance, else infinity.
+    /// Prepares what drives do in the next window, of length `h`. Returns a shorter length if their
+    /// series are not resolved to the tolerance `tol`, else infinity.
     fn foresee(&mut self, _h: f64, _tol: f64) -> f64 {
         f64::INFINITY
     }
-    /// Solves for a window from where the chain stands, and leaves it there.
+    /// Solves the window that begins at the current state; the state stays there.
     fn solve(&mut self, window: &Window) -> Verdict;
-    /// Moves the chain over the window that was solved last.
+    /// Moves the state to the end of the window that was solved last.
     fn advance(&mut self);
-    /// Another one, where this one stands.
+    /// A copy in the same state.
     fn duplicate(&self) -> Self;
-    /// Goes to where another one of the same chain stands, with the window that it solved last.
+    /// Takes the state of `other`, which is of the same chain, and the window that it solved last.
     fn copy_from(&mut self, other: &Self);
-    /// Writes the state where the chain stands.
+    /// Writes the current state into `y`.
     fn store(&self, y: &mut [f64]);
-    /// Instead: no state could be computed.
+    /// Takes the place of [`store`](Self::store) if no state could be computed: writes NaN.
     fn lose(&self, y: &mut [f64]) {
         y.fill(f64::NAN);
     }
-    /// Tells what contacts did in the window that was solved last, by bond, if that is logged.
+    /// Calls `told` with every [`Piece`] of the window that was solved last, in the order of bonds,
+    /// if the window was logged.
     fn tell(&self, told: &mut dyn FnMut(&Piece));
 }
 
-/// A run by contact collocation. It decides which windows are solved and how well, and when one
-/// counts; a [`Section`] or another `W` solves them.
+/// A run by contact collocation. It chooses the length of each window and the accuracy that it must
+/// reach, and accepts it or tries a shorter one; a [`Section`] or another `W` solves it.
 pub struct Collocation<W> {
     windows: W,
     control: Control,
-    /// The tolerance, or zero.
+    /// Relative tolerance of the run; zero if the windows are given.
     tol: f64,
-    /// Start of the last window, its length and its nodes a panel; the length is zero if there is
-    /// none.
+    /// Start time of the last window, its length and its number of nodes a panel; the length is
+    /// zero before the first window.
     t: Twofold<f64>,
     h: f64,
     nodes: usize,
+    /// End of the run, a time.
     end: Twofold<f64>,
+    /// Whether windows keep what contacts do.
     log: bool,
     stats: Stats,
-    /// For states inside a window; made when first asked for.
+    /// A copy that is moved to samples inside the last window; made at the first of them.
     inside: Option<W>,
 }
 
@@ -232,7 +247,7 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
         Self::on_threads(chain, y0, span, pace, None)
     }
 
-    /// The same on at most so many threads; without a number, on all that there are.
+    /// As [`new`](Self::new), on at most `threads` threads; `None` stands for all that there are.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -250,7 +265,8 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
         Ok(Self::steered(section, control, (span, pace)))
     }
 
-    /// What contacts did in the last window, by bond, if that is logged; and when the window began.
+    /// The start time of the last window, and what contacts did in it, in the order of bonds, if
+    /// that is logged.
     pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
         (self.t.value(), self.windows.pieces())
     }
@@ -284,7 +300,8 @@ impl<W: Windows> Collocation<W> {
         Self::by_paths(windows, chain, &|i| chain.path(y0, i), span, pace)
     }
 
-    /// The same from the paths of sites, which are asked for from the first to the last.
+    /// As [`by`](Self::by), from the paths of the sites at the start instead of a state. Paths are
+    /// asked for from the first site to the last.
     ///
     /// # Errors
     /// A pace outside its rule.
@@ -321,7 +338,8 @@ impl<W: Windows> Collocation<W> {
         self
     }
 
-    /// The length of the next window, with what drives do in it.
+    /// The length of the next window, when `left` is left of the span; prepares what drives do in
+    /// this window.
     fn propose(&mut self, left: f64) -> f64 {
         let [smooth, resolved] = self.windows.longest();
         let mut h = self.control.propose(left.min(smooth)).min(smooth).min(resolved);
@@ -340,8 +358,8 @@ impl<W: Windows> Collocation<W> {
         Window { h, nodes: self.nodes, log, goal: self.control.goal(h) }
     }
 
-    /// Moves what is inside the last window by so much, in so many parts; `false` if one of them
-    /// does not settle.
+    /// Moves `inside` on by the time `by`, in `parts` windows of equal length; `false` if one of
+    /// them does not converge.
     fn moves_inside(&self, inside: &mut W, by: f64, parts: u32) -> bool {
         let window = self.window(by / f64::from(parts), false);
         (0..parts).all(|_| {
@@ -399,8 +417,8 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
         }
     }
 
-    /// The state inside the last window is that of a window that ends there: as accurate as at its
-    /// end.
+    /// The state at a time inside the last window is computed by a window that ends at this time,
+    /// so that it is as accurate as a state between windows.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
         let mut inside = self.inside.take().unwrap_or_else(|| self.windows.duplicate());
         inside.copy_from(&self.windows);

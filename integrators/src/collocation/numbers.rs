@@ -1,4 +1,5 @@
-//! What the parts of a chain tell each other, as numbers.
+//! The messages between the parts of a long chain: windows, verdicts, results and pieces as arrays
+//! of `f64`.
 
 use super::{
     block::{Left, Piece, Verdict},
@@ -9,10 +10,10 @@ use super::{
 use crate::events::Curve;
 
 impl Window {
-    /// How many numbers say all of it.
+    /// Length of the array.
     pub const NUMBERS: usize = 15;
 
-    /// These numbers.
+    /// The window as an array.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { h, nodes, log, goal } = *self;
         let Goal { change, rounded, tail, slow, least_impulse, stiffest, cuts } = goal;
@@ -26,7 +27,7 @@ impl Window {
         numbers
     }
 
-    /// The window of these numbers.
+    /// The window of an array.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
         let [h, nodes, log, change, rounded, tail, slow, least_impulse, stiffest, cuts @ ..] = *numbers;
         let [neighbours, merge, near, event_impulse, least_overlap, least_move_beside] = cuts;
@@ -38,17 +39,17 @@ impl Window {
 }
 
 impl Verdict {
-    /// How many numbers say all of it.
+    /// Length of the array.
     pub const NUMBERS: usize = 8;
 
-    /// These numbers; counts are exact up to 2^53.
+    /// The verdict as an array; counts are exact up to 2^53.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { sweeps, work, stiffness, tail, touching, halved, failure } = *self;
         let (bond, residual) = failure.map_or((f64::NAN, 0.0), |(bond, residual)| (bond as f64, residual));
         [sweeps as f64, work as f64, stiffness, tail, touching as f64, halved as f64, bond, residual]
     }
 
-    /// The verdict of these numbers.
+    /// The verdict of an array.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
         let [sweeps, work, stiffness, tail, touching, halved, bond, residual] = *numbers;
         let (sweeps, work) = (sweeps as u64, work as u64);
@@ -58,17 +59,17 @@ impl Verdict {
 }
 
 impl<const S: usize> Left<S> {
-    /// How many numbers say all of it.
+    /// Number of values for one bond: its paths; onset and slopes of its contact.
     pub(crate) const NUMBERS: usize = 4 * S + 3;
 
-    /// Appends these numbers.
+    /// Appends these values. The ledger is not among them, and of the contact not `pressed`.
     pub(crate) fn write(&self, numbers: &mut Vec<f64>) {
         let contact = |ongoing: Contact| [ongoing.onset, ongoing.slopes[0], ongoing.slopes[1]];
         numbers.extend(self.path.as_flattened());
         numbers.extend(self.ongoing.map_or([f64::NAN; 3], contact));
     }
 
-    /// What these numbers say.
+    /// The result of these values, with a ledger of zero.
     pub(crate) fn of_numbers(numbers: &[f64]) -> Self {
         let (paths, contact) = numbers.split_at(4 * S);
         let mut left = Self::NONE;
@@ -83,10 +84,10 @@ impl<const S: usize> Left<S> {
 }
 
 impl Piece {
-    /// How many numbers say all of it.
+    /// Length of the array.
     pub const NUMBERS: usize = 6 + Curve::NUMBERS;
 
-    /// These numbers.
+    /// The piece as an array.
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let Self { bond, onset, release, impulse, curve } = *self;
         let event = |event: Option<(f64, f64)>| event.unwrap_or((f64::NAN, f64::NAN));
@@ -99,7 +100,7 @@ impl Piece {
         numbers
     }
 
-    /// The piece of these numbers.
+    /// The piece of an array.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Self {
         let [bond, onset, onset_rate, release, release_rate, impulse, ref curve @ ..] = *numbers;
         let event = |t: f64, rate| (!t.is_nan()).then_some((t, rate));

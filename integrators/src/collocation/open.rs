@@ -1,5 +1,5 @@
-//! What is damped and driven in a chain, and its ledger: what drag and dashpots take and drives
-//! put in.
+//! Damping and drives of a chain, and its ledger: the energies that drag, dashpots and contacts
+//! dissipate, and the work of drives.
 
 use super::{
     block::apart,
@@ -15,27 +15,27 @@ use super::{
 use crate::real::Kernel;
 use std::{collections::HashMap, sync::Arc};
 
-/// The sites that are damped or driven.
+/// The sites that are damped, driven, or beside a contact that dissipates.
 #[derive(Clone, Debug)]
 pub(crate) struct Open {
     /// The motion of each site that is damped or pushed, or beside a contact that dissipates.
     flows: Vec<Option<Arc<Flow>>>,
     pub(crate) drives: Vec<Drive>,
-    /// The drive of each site.
+    /// Index of the drive of each site.
     driven: Vec<Option<u32>>,
-    /// The sites in whose ledger a bond writes: that behind it, and that before it if it is the
-    /// first of its bonds.
+    /// For each bond, the sites whose gains of the ledger are computed with it: the site after it,
+    /// and for the first bond of a chain with ends also the site before it.
     kept: Vec<[Option<usize>; 2]>,
-    /// Sites that no bond keeps.
+    /// Sites whose gains of the ledger are computed with no bond.
     pub(crate) alone: Vec<usize>,
     /// Times at which signals are not smooth, ascending.
     breaks: Vec<f64>,
-    /// The longest window for which all flows are resolved.
+    /// The longest window for which the series of all flows are exact to rounding.
     longest: f64,
 }
 
 impl Open {
-    /// That of a chain, if anything is damped or driven.
+    /// The damping and drives of a chain; `None` if it has none, and no contact dissipates.
     pub(crate) fn of<const S: usize, C: ContactChain<S>>(chain: &C) -> Option<Self> {
         let (sites, drives) = (chain.sites(), chain.drives());
         if S == 1 {
@@ -91,7 +91,7 @@ impl Open {
         self.flows[site].as_ref().filter(|flow| flow.damped())
     }
 
-    /// The longest window in which all flows are resolved.
+    /// The longest window for which the series of all flows are exact to rounding.
     pub(crate) fn longest(&self) -> f64 {
         self.longest
     }
@@ -102,8 +102,9 @@ impl Open {
         self.breaks.get(next).map_or(f64::INFINITY, |at| at - t)
     }
 
-    /// What drives do in a window of length `h` that begins at `t`. Returns the length of a shorter
-    /// window if series do not resolve them in this one, else infinity.
+    /// Computes what drives do in a window, given by its start, its length and the tolerance.
+    /// Returns the length of a shorter window if series do not resolve the drives in this one, else
+    /// infinity.
     pub(crate) fn window<const S: usize, C: ContactChain<S>>(
         &self,
         chain: &C,
@@ -123,7 +124,7 @@ impl Open {
         longest
     }
 
-    /// Adds what a drive pushes a site by in a window.
+    /// Adds to `path` the path by the force of a drive on a site in a window.
     pub(crate) fn push(&self, window: &Signals, site: usize, path: &mut Path) {
         if let Some(k) = self.drive(site) {
             let left = &window.driven[k].left;
@@ -131,13 +132,13 @@ impl Open {
         }
     }
 
-    /// The drive of a site.
+    /// Index of the drive of a site.
     pub(crate) fn drive(&self, site: usize) -> Option<usize> {
         self.driven[site].map(|k| k as usize)
     }
 
-    /// What the ledgers of the sites gain that a bond keeps; `next` are the panels of the bond
-    /// behind it.
+    /// The gains of the ledger in a window, of the sites that are computed with a bond; `next` are
+    /// the panels of the bond after it.
     pub(crate) fn gains_beside<const M: usize, const S: usize>(
         &self,
         (bonds, h): (&dyn Bonds<S>, f64),
@@ -155,11 +156,11 @@ impl Open {
         sum
     }
 
-    /// What the ledger of a site gains in a window of length `h`, from the forces in the bonds
-    /// before and behind it: by quadrature, between the ends of all panels.
+    /// The gains of the ledger in a window of length `h`, of a site with the panels of the bonds
+    /// before and after it: by quadrature between the ends of all these panels.
     ///
-    /// Where a force begins or ends there with a half power of time, the time is one with a double
-    /// zero, `t = a + (b - a) x^2 (3 - 2 x)`.
+    /// Where a force begins or ends with a half power of time, the variable of the quadrature is
+    /// `x` in `t = a + (b - a) x^2 (3 - 2 x)`, in which the force is smooth at both ends.
     pub(crate) fn gains<const M: usize, const S: usize>(
         &self,
         bonds: &dyn Bonds<S>,
@@ -190,7 +191,7 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
         let (mut y, flow) = (bonds.site(site), open.flows[site].as_deref());
         let panels = panels.map(|panels| panels.map_or(&[][..], Panels::as_slice));
         let Some(flow) = flow else {
-            // One that is moved: the nodes of the panels themselves are the best for its forces.
+            // A site that is moved: its contact forces are given at the nodes of the panels.
             for (panels, sign) in panels.iter().zip([1.0, -1.0]) {
                 for panel in *panels {
                     let [work, lost] = panel.work(Rule::shared(), |t| bonds.signal(site, t)[1]);
@@ -242,9 +243,10 @@ impl<const M: usize, const S: usize> Kernel for Gains<'_, M, S> {
     }
 }
 
-/// A stretch of a window in which the force on a site is smooth but for its ends, with the nodes of
+/// A part of a window in which the force on a site is smooth except at the ends, with the nodes of
 /// a quadrature.
 struct Piece {
+    /// Times of the nodes.
     t: [f64; NODES],
     /// `dt/dx` at the nodes, and the weights of integrals over `t`.
     rate: [f64; NODES],
@@ -252,6 +254,8 @@ struct Piece {
 }
 
 impl Piece {
+    /// The part from `a` to `b`; with the variable of [`Open::gains`] if the force is singular at
+    /// an end.
     #[inline(always)]
     fn between((a, b): (f64, f64), singular: bool) -> Self {
         let (rule, length) = (Rule::<NODES>::shared(), b - a);
@@ -266,7 +270,7 @@ impl Piece {
         piece
     }
 
-    /// The same in the variable of a panel, whose singularities may lie beyond an end.
+    /// The part from `a` to `b`, with the variable of a panel, whose origin may lie outside.
     #[inline(always)]
     fn inside((a, b): (f64, f64), (origin, sign, q): (f64, f64, u32)) -> Self {
         let rule = Rule::<NODES>::shared();
@@ -282,8 +286,8 @@ impl Piece {
         piece
     }
 
-    /// Moves the path of a site on by the impulses of the piece, and adds what it dissipates and
-    /// what a force that drives it does.
+    /// Adds to the path of a site the impulses in this part, and to the ledger the energies
+    /// dissipated and the work of a driving force.
     #[inline(always)]
     fn follow(
         &self,
@@ -333,19 +337,20 @@ impl Piece {
     }
 }
 
-/// Nodes of a quadrature between two ends of panels.
+/// Number of nodes of a quadrature between two ends of panels.
 const NODES: usize = 12;
-/// Windows longer than this share of the longest are cut into so many parts for the quadrature.
-/// Chosen; `methods energy_dissipated_and_driven_balance` measures what it gives.
+/// Windows longer than the share `RESOLVED` of the longest window are cut into `PARTS` parts for
+/// the quadrature. Chosen; `methods energy_dissipated_and_driven_balance` measures what it gives.
 const RESOLVED: f64 = 0.3;
 const PARTS: u32 = 4;
-/// Share of a time that counts as none.
+/// Times nearer than this, relative to the time, count as the same.
 const NEAR: f64 = 1e-12;
 
 /// What drives do in a window.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Signals {
-    /// When it begins.
+    /// Start time of the window.
     pub(crate) start: f64,
+    /// One for each drive.
     pub(crate) driven: Vec<Driven>,
 }

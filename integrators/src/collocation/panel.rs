@@ -1,11 +1,11 @@
-//! A panel: a stretch of one contact on which the force is smooth in the panel's own variable.
+//! A panel: a part of one contact on which the force is smooth in the panel's own variable.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `t` | time since the start of the window |
-//! | `sigma` | `|t - t_o|^{1/q}`, the distance from an origin `t_o` at or beyond an end of the panel |
+//! | `sigma` | `|t - t_o|^{1/q}`, with an origin `t_o` at or beyond an end of the panel |
 //! | `x` | `sigma` scaled to `[-1, 1]`, ascending in time |
-//! | `A + B t + C cos(omega t) + D sin(omega t)` | the path that an impulse history leaves behind |
+//! | `A + B t + C cos(omega t) + D sin(omega t)` | path: the displacement after a force has ended |
 
 use super::{
     block::apart,
@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{events::Curve, real::Kernel};
 
-/// What all bonds share in a window.
+/// The parameters of a window, for all bonds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames<'a, const M: usize, const S: usize> {
     pub(crate) rule: &'a Rule<M>,
@@ -27,7 +27,7 @@ pub(crate) struct Frames<'a, const M: usize, const S: usize> {
     pub(crate) h: f64,
 }
 
-/// What a bond needs to know in a window.
+/// The parameters of a window, for one bond.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame<'a, const M: usize, const S: usize> {
     pub(crate) rule: &'a Rule<M>,
@@ -58,7 +58,7 @@ pub(crate) enum Origin {
 }
 
 impl Origin {
-    /// The time a share of the way from `from` to `to` in the variable.
+    /// The time between `from` and `to` that is `share` of the way in the panel's variable.
     pub(crate) fn between(self, q: u32, from: f64, to: f64, share: f64) -> f64 {
         let (o, sign) = match self {
             Self::None => return from + share * (to - from),
@@ -70,6 +70,8 @@ impl Origin {
     }
 }
 
+/// The nodes of a panel, its kernels, and the overlaps and forces at the nodes. Times count from
+/// the start of the window.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel<const M: usize, const S: usize> {
     pub(crate) start: f64,
@@ -82,56 +84,58 @@ pub(crate) struct Panel<const M: usize, const S: usize> {
     middle: f64,
     half: f64,
     per_half: f64,
-    /// Times of the nodes, and cosine and sine of `omega t` there, on each side of the bond; where
-    /// sites are damped what stands for them, see [`Flow`](super::flow::Flow).
+    /// Times of the nodes; and for each side of the bond `lag`, `cos` and `sin` at these times: 0,
+    /// `cos(omega t)` and `sin(omega t)`, or the functions of [`Flow`](super::flow::Flow) where the
+    /// site is damped.
     pub(crate) tau: [f64; M],
     pub(crate) lag: [[f64; M]; S],
-    /// Whether a lag of it was ever not zero.
+    /// Whether `lag` was ever set for a damped site, and must be cleared for another one.
     lags: bool,
     pub(crate) cos: [[f64; M]; S],
     pub(crate) sin: [[f64; M]; S],
     /// `dt/dx` at the nodes.
     pub(crate) rate: [f64; M],
-    /// `reaction[side][k][j]`: what a unit force at node `k` has moved by node `j`.
+    /// `reaction[side][k][j]`: displacement at node `j` by a unit force at node `k`, on each side.
     reaction: [[[f64; M]; M]; S],
-    /// The paths that a unit force at each node leaves behind.
+    /// The paths by a unit force at each node, after the panel.
     pub(crate) left: [[Path; S]; M],
-    /// What drives make of the overlap at the nodes.
+    /// The part of the overlap at the nodes that drives prescribe.
     pub(crate) known: [f64; M],
     /// Overlap at the nodes.
     pub(crate) overlap: [f64; M],
     /// Force at the nodes.
     pub(crate) force: [f64; M],
-    /// What the force of this panel has moved, at its own nodes: `int K(t - s) f(s) ds` from its
+    /// Displacement by the force of this panel at its own nodes: `int K(t - s) f(s) ds` from its
     /// start.
     pub(crate) local: [[f64; M]; S],
-    /// The same as Chebyshev series in `x`.
+    /// [`local`](Self::local) as a series in `x`, see [`Rule::series`].
     pub(crate) series: [[f64; M]; S],
-    /// The paths that earlier panels of the bond in this window left behind.
+    /// The paths by all earlier panels of the bond in this window.
     pub(crate) before: [Path; S],
-    /// How the two neighbours are seen from the nodes.
+    /// Where the nodes lie among the panels of the two neighbours.
     pub(crate) views: [View<M>; 2],
-    /// Rates, where the bond or one beside it dissipates.
+    /// Rates of the overlap, where the contact of the bond or of a neighbour dissipates.
     pub(crate) rates: Option<Box<Rates<M, S>>>,
 }
 
-/// A neighbour as seen from the nodes of a panel: what does not change from sweep to sweep.
+/// Where the nodes of a panel lie among the panels of a neighbour. This changes only when panels
+/// are laid out anew, not from sweep to sweep.
 ///
-/// A node inside panel `k` of the neighbour has the place `2 k`, one behind it and before the next
-/// `2 k + 1`, one before all -1. Places ascend with the nodes.
+/// A node inside panel `k` of the neighbour has the place `2 k`, one after it and before the next
+/// panel `2 k + 1`, one before all panels -1. Places ascend with the nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct View<const M: usize> {
-    /// Of the neighbour's panels.
+    /// Version of the neighbour's panels that this view was made for; zero for none.
     pub(crate) version: u64,
-    /// Of the first and the last node.
+    /// Places of the first and of the last node.
     pub(crate) span: (i32, i32),
-    /// Of each, where they differ.
+    /// Place of each node; set only if the nodes differ in it.
     pub(crate) place: [f64; M],
-    /// The nodes in the variable of the panel that they are in.
+    /// For each node inside a panel of the neighbour, its value of that panel's variable `x`.
     pub(crate) x: [f64; M],
 }
 
-/// Ascending times, with cosine and sine of `omega t` of each side, or what stands for them.
+/// Ascending times, with `lag`, `cos` and `sin` at them for each side, see [`Panel::tau`].
 #[derive(Clone, Copy)]
 pub(crate) struct Times<'a, const L: usize, const S: usize> {
     pub(crate) tau: &'a [f64; L],
@@ -141,7 +145,7 @@ pub(crate) struct Times<'a, const L: usize, const S: usize> {
 }
 
 impl<const L: usize, const S: usize> Times<'_, L, S> {
-    /// The sum of the paths of all sides at a time, but for [`lagging`](Self::lagging).
+    /// The sum of the paths of all sides at time `j`, without [`lagging`](Self::lagging).
     #[inline(always)]
     pub(crate) fn along(&self, path: &[Path; S], j: usize) -> f64 {
         let ([mut r, mut v, ..], mut swing) = (path[0], self.swing(&path[0], 0, j));
@@ -153,13 +157,13 @@ impl<const L: usize, const S: usize> Times<'_, L, S> {
         (r + v * self.tau[j]) + swing
     }
 
-    /// What drag makes of the free motion on all sides.
+    /// The part `v lag(t)` of the paths of all sides, which drag causes, at time `j`.
     #[inline(always)]
     pub(crate) fn lagging(&self, path: &[Path; S], j: usize) -> f64 {
         (1..S).fold(path[0][1] * self.lag[0][j], |sum, side| sum + path[side][1] * self.lag[side][j])
     }
 
-    /// A path of one side at a time.
+    /// The path of one side at time `j`.
     #[inline(always)]
     pub(crate) fn along_side(&self, path: &Path, side: usize, j: usize) -> f64 {
         let free = (path[0] + path[1] * self.tau[j]) + self.swing(path, side, j);
@@ -224,8 +228,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// Makes this the panel over `[start, end]`, of a variable with this origin and power; its
-    /// nodes are yet to be placed.
+    /// Makes this the panel over `[start, end]`, of a variable with this origin and power. Its
+    /// nodes are placed later, by [`place`](Self::place).
     pub(crate) fn span(&mut self, start: f64, end: f64, origin: Origin, q: u32) {
         (self.start, self.end) = (start, end);
         (self.origin, self.sign, self.q) = match origin {
@@ -238,7 +242,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// Whether its variable is not the time.
+    /// Whether the variable of the panel is not the time itself.
     pub(crate) fn singular(&self) -> bool {
         self.q > 1
     }
@@ -248,19 +252,20 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         (self.origin, self.sign, self.q)
     }
 
-    /// How far from its origin a time is; infinitely far if its variable is the time.
+    /// Distance in time from the origin of the panel's variable; infinite if the variable is time.
     pub(crate) fn far(&self, t: f64) -> f64 {
         if self.singular() { (t - self.origin).abs() } else { f64::INFINITY }
     }
 
-    /// The nodes.
+    /// The times of the nodes.
     #[inline(always)]
     pub(crate) fn times(&self) -> Times<'_, M, S> {
         Times { tau: &self.tau, lag: &self.lag, cos: &self.cos, sin: &self.sin }
     }
 
-    /// Adds what a linear path lacks: the part of it that drag makes, and what drives do. Not
-    /// inlined, and by value, so that other bonds keep their overlaps in registers.
+    /// Adds to overlaps at the nodes the parts that [`Times::along`] lacks: that of drag, and, if
+    /// `known`, that of drives. Not inlined, and by value, so that bonds without these parts keep
+    /// their overlaps in registers.
     #[inline(never)]
     pub(super) fn besides(&self, known: bool, path: [Path; S], mut overlap: [f64; M]) -> [f64; M] {
         for j in 0..M {
@@ -274,7 +279,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         overlap
     }
 
-    /// Places the nodes.
+    /// Places the nodes, and computes the kernels between them.
     #[inline(always)]
     pub(super) fn place(&mut self, frame: &Frame<'_, M, S>) {
         let Self { start, end, origin, sign, q, .. } = *self;
@@ -343,8 +348,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// Replaces what [`place`](Self::place) and [`weigh`](Self::weigh) do on a side whose site is
-    /// damped.
+    /// Replaces the results of [`place`](Self::place) and [`weigh`](Self::weigh) on a side whose
+    /// site is damped.
     #[inline(always)]
     fn place_damped(&mut self, rule: &Rule<M>, flow: &Flow, side: usize) {
         [self.lag[side], self.cos[side], self.sin[side]] = flow.position(&self.tau);
@@ -363,8 +368,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
     }
 
-    /// The slope of a chord from a node to the nearest of others that is far enough from it. Values
-    /// at nodes are exact where few of them resolve little in between.
+    /// The slope of the chord from a node to the first of `others` that is far enough from it. A
+    /// chord is used because values at nodes are exact even where the interpolant between few nodes
+    /// is poor.
     #[inline(always)]
     pub(crate) fn chord(&self, values: &[f64; M], node: usize, mut others: impl Iterator<Item = usize>) -> f64 {
         let least = CHORD * (self.end - self.start);
@@ -372,7 +378,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         (values[k] - values[node]) / (self.tau[k] - self.tau[node])
     }
 
-    /// `x` at times inside the panel.
+    /// The variable `x` at times inside the panel.
     #[inline(always)]
     pub(crate) fn variable<const L: usize>(&self, t: &[f64; L]) -> [f64; L] {
         let mut distance = [0.0; L];
@@ -387,18 +393,19 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         x
     }
 
-    /// What the force of this panel has moved on a side by times inside it.
+    /// Displacement on a side by the force of this panel, at times inside the panel.
     #[inline(always)]
     pub(crate) fn moved<const L: usize>(&self, side: usize, t: &[f64; L]) -> [f64; L] {
         self.moved_at(side, &self.variable(t))
     }
 
+    /// As [`moved`](Self::moved), at values of the variable `x`.
     #[inline(always)]
     pub(crate) fn moved_at<const L: usize>(&self, side: usize, x: &[f64; L]) -> [f64; L] {
         value(&self.series[side], x)
     }
 
-    /// The force at times inside the panel, and how much of it is not elastic.
+    /// The force at times inside the panel, and its dissipative part `f - F`.
     #[inline(always)]
     pub(crate) fn forces_at<const L: usize>(&self, rule: &Rule<M>, t: &[f64; L]) -> [[f64; L]; 2] {
         let x = self.variable(t);
@@ -406,13 +413,13 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         [value(&product(&rule.series, &self.force), &x), lost]
     }
 
-    /// What the force is besides the elastic one, where the contact dissipates.
+    /// The dissipative part `f - F` of the force at the nodes, where panels have rates.
     #[inline(always)]
     fn lost(&self) -> Option<&[f64; M]> {
         self.rates.as_ref().map(|rates| &rates.lost)
     }
 
-    /// `int f v dt` with a smooth function `v` of the time, and how much of it is not elastic.
+    /// `int f v dt` with a smooth function `v` of the time, and the same integral of `f - F`.
     pub(crate) fn work(&self, rule: &Rule<M>, v: impl Fn(f64) -> f64) -> [f64; 2] {
         let by =
             |force: &[f64; M]| (0..M).map(|j| rule.weights[j] * self.rate[j] * force[j] * v(self.tau[j])).sum::<f64>();
@@ -424,7 +431,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         dot(&rule.weights, &times(&self.force, &self.rate))
     }
 
-    /// The overlap, to be kept; `None` for a panel of no length.
+    /// The overlap on this panel as a function for the log; `None` for a panel of no length.
     pub(crate) fn curve(&self, rule: &Rule<M>) -> Option<Curve> {
         let [start, end] = rule.ends.map(|row| dot(&row, &self.overlap));
         let inner = rule.nodes.iter().zip(self.overlap).map(|(x, g)| (0.5 * (1.0 + x), g));
@@ -433,10 +440,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         (self.half != 0.0).then(|| Curve::new((self.origin, self.sign, self.q), sigma, points))
     }
 
-    /// The last terms of the series of the impulses that the free part and the oscillating part
-    /// take: how well the nodes resolve the force, and the oscillation. They count `slow` times for
-    /// a force that nearly goes out without an event, or does and comes back: its terms fall slowly
-    /// at last. And the largest value at a node. Both as changes of velocity.
+    /// Two changes of velocity. First the last terms of the series of `f`, `f cos` and `f sin`, the
+    /// impulses on the free and on the oscillating part of a site: they measure how well the nodes
+    /// resolve the force and the oscillation. They are multiplied by `slow` where the overlap falls
+    /// to almost nothing, or below zero, without an event at an end, since the terms then fall
+    /// slowly. Second the largest value of `f dt/dx` at a node.
     #[inline(always)]
     pub(crate) fn tail(&self, frame: &Frame<'_, M, S>, slow: f64) -> [f64; 2] {
         let w = times(&self.force, &self.rate);
@@ -461,8 +469,8 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         [tail * lightest, largest * lightest]
     }
 
-    /// From the force at the nodes, what it moves: [`local`](Self::local),
-    /// [`series`](Self::series), and the paths that are left behind at the end.
+    /// Computes the displacements by the force at the nodes: [`local`](Self::local) and
+    /// [`series`](Self::series). Returns the paths after this panel, by all panels so far.
     #[inline(always)]
     pub(crate) fn integrate(&mut self, frame: &Frame<'_, M, S>) -> [Path; S] {
         let (mut even, mut odd) = (self.before, [[0.0; 4]; S]);
@@ -525,15 +533,15 @@ fn last_terms<const M: usize>(rule: &Rule<M>, values: &[f64; M]) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The shortest chord for a slope, as a share of a panel: a shorter one has rounding in its slope,
-/// a longer one its bend. Chosen; `methods short_contacts_are_found_in_few_sweeps` counts the
-/// sweeps that it takes.
+/// The shortest chord for a slope, as a share of the panel's length: rounding spoils the slope of a
+/// shorter one, curvature that of a longer one. Chosen; `methods
+/// short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
 const CHORD: f64 = 1e-3;
-/// An overlap that falls to this share of itself within a panel, with no event near. Chosen; held
-/// by `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// Ratio of the smallest to the largest overlap on a panel below which the force counts as nearly
+/// going out. Chosen; held by `methods contacts_that_nearly_open_keep_the_tolerance`.
 const FADING: f64 = 0.15;
-/// Up to this many terms a series is one of powers, which is faster, beyond of Chebyshev
-/// polynomials, which loses no digits. Held by `methods
+/// Up to this number of terms a series is kept in powers of `x`, which is faster; longer ones are
+/// kept in Chebyshev polynomials, which lose no digits. Held by `methods
 /// ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 pub(crate) const MONOMIAL: usize = 8;
 
@@ -556,7 +564,7 @@ pub(crate) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
     sum(&terms)
 }
 
-/// The value of a series as [`Rule::series`] makes it.
+/// The value of a series whose coefficients come from [`Rule::series`].
 #[inline(always)]
 pub(super) fn value<const M: usize, const L: usize>(series: &[f64; M], x: &[f64; L]) -> [f64; L] {
     if M <= MONOMIAL { horner(series, x) } else { clenshaw(series, x) }

@@ -1,4 +1,4 @@
-//! The panels of a bond in a window, and what their forces move in its neighbours.
+//! The panels of a bond in a window, and the displacements that their forces cause.
 
 use super::{
     block::apart,
@@ -7,18 +7,19 @@ use super::{
 };
 use crate::real::Kernel;
 
+/// The panels of a bond in a window, in order of time.
 #[derive(Clone, Debug)]
 pub(crate) struct Panels<const M: usize, const S: usize> {
+    /// The first `len` are in use; the memory of the others is kept.
     pub(crate) list: Vec<Panel<M, S>>,
     pub(crate) len: usize,
-    /// Changes whenever panels are laid out.
+    /// Grows whenever panels are laid out, so that an outdated [`View`] of them is recognised.
     pub(crate) version: u64,
-    /// The paths that the whole window leaves behind, on each side of the bond.
+    /// The paths by all forces of the bond in the window, on each side of the bond.
     pub(crate) total: [Path; S],
 }
 
-/// What a bond sees of a neighbour's forces: the side on which the neighbour has the site that they
-/// share, and the side on which the bond has it.
+/// The site that two neighbouring bonds share, as a side of each: 0 or `S - 1`.
 #[derive(Clone, Copy)]
 pub(crate) struct Shared {
     pub(super) theirs: usize,
@@ -26,13 +27,13 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// With the neighbour before a bond (0) or the one behind it (1).
+    /// The site shared with the neighbour before a bond (0) or after it (1).
     #[inline(always)]
     pub(crate) fn with<const S: usize>(neighbour: usize) -> Self {
         if neighbour == 0 { Self { theirs: S - 1, mine: 0 } } else { Self { theirs: 0, mine: S - 1 } }
     }
 
-    /// With itself.
+    /// For the action of a bond on itself: one of its own sides.
     #[inline(always)]
     pub(crate) fn own(side: usize) -> Self {
         Self { theirs: side, mine: side }
@@ -68,13 +69,13 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         &self.list[..self.len]
     }
 
-    /// The paths left behind when panel `k` starts.
+    /// The paths by all panels before panel `k`.
     #[inline(always)]
     pub(crate) fn before(&self, k: usize) -> &[Path; S] {
         if k < self.len { &self.list[k].before } else { &self.total }
     }
 
-    /// Where ascending times are among these panels.
+    /// Writes into `view` where ascending times lie among these panels.
     #[inline(always)]
     fn look(&self, tau: &[f64; M], view: &mut View<M>) {
         view.version = self.version;
@@ -97,7 +98,8 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         view.span = (place, place);
     }
 
-    /// The same for times of different places, the first of them not behind panel `first`.
+    /// As [`look`](Self::look) for times of different places, the first of them not after panel
+    /// `first`.
     #[inline(always)]
     fn look_one_by_one(&self, first: usize, tau: &[f64; M], view: &mut View<M>) {
         view.place = [2.0 * first as f64 - 1.0; M];
@@ -121,8 +123,9 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         view.span = (view.place[0] as i32, view.place[M - 1] as i32);
     }
 
-    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour: to `path` what is a
-    /// path at all of them, to `out` the rest. Returns in how many pieces.
+    /// Adds `int_0^t K(t - s) f(s) ds` at the nodes of a panel of a neighbour. The part that is one
+    /// path for all nodes goes to `path`, the rest to `out`. Returns the number of places that the
+    /// nodes lie in, for the count of work.
     #[inline(always)]
     pub(super) fn act(&self, panel: &mut Panel<M, S>, side: usize, path: &mut [Path; S], out: &mut [f64; M]) -> u64 {
         let Panel { tau, lag, cos, sin, views, .. } = panel;
@@ -219,7 +222,8 @@ impl<const M: usize, const S: usize> Panels<M, S> {
         }
     }
 
-    /// Adds what the bond's own forces do to its overlap, with a weight, at ascending times.
+    /// Adds the displacements by the bond's own forces on all of its sides, times `weight`, at
+    /// ascending times.
     #[inline(always)]
     pub(crate) fn own_influence<const L: usize>(&self, times: Times<'_, L, S>, weight: f64, out: &mut [f64; L]) {
         for side in 0..S {
@@ -246,7 +250,7 @@ impl<const M: usize, const S: usize> Panels<M, S> {
     }
 }
 
-/// Where bonds see two sites, not compiled into the kernels that call it.
+/// [`Panels::influence`] for `S = 2`, compiled apart from the kernels that call it.
 struct Influence<'a, const M: usize, const S: usize> {
     panels: &'a Panels<M, S>,
     times: Times<'a, M, S>,
@@ -264,7 +268,7 @@ impl<const M: usize, const S: usize> Kernel for Influence<'_, M, S> {
     }
 }
 
-/// As [`Influence`].
+/// [`Panels::act_in_pieces`] for `S = 2`, compiled apart from the kernels that call it.
 struct InPieces<'a, const M: usize, const S: usize> {
     panels: &'a Panels<M, S>,
     times: Times<'a, M, S>,

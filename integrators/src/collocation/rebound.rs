@@ -1,10 +1,11 @@
-//! The contacts of a bond that dissipates: stretches in which it pushes, `g > 0` and `P > 0`, see
-//! `loss.rs`. Before and after them beads may overlap without a force.
+//! The contacts of a bond that dissipates: time intervals in which it pushes, `g > 0` and `P > 0`,
+//! see `loss.rs`. Before and after them beads may overlap without a force.
 //!
 //! No bound of the second derivative of `P` is known where forces of neighbours begin like a root
-//! of time. So overlaps and rates are looked at at equal times, and where parabolas through three
-//! of them turn beyond zero. What is missed is shorter than a fraction of these, and the sweeps and
-//! their last terms still see it if it has begun.
+//! of time. So `g` and `P` are evaluated at equally spaced times, and where the parabola through
+//! three of them has its vertex on the other side of zero. A contact, or a pause of one, that is
+//! missed is shorter than a fraction of this spacing. The sweeps and the last terms of their series
+//! still see it if it has begun.
 
 use super::{
     block::Piece,
@@ -17,24 +18,24 @@ use super::{
 };
 use crate::events::{Curve, root::bracketed};
 
-/// Equal parts of a window at whose ends overlaps and rates are looked at. Chosen.
+/// Number of equal parts of a window at whose ends `g` and `P` are evaluated. Chosen.
 const PARTS: usize = 12;
-/// Equal parts of a stretch without a force at whose ends the overlap is kept. Chosen.
+/// Number of equal steps in time at which the log gets an overlap without a force. Chosen.
 const FREE: usize = 8;
-/// Share of a window over which rates of `P` are differences. Chosen.
+/// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;
 
-/// Overlap and `P` at a time.
+/// A time, and `[g, P]` at it.
 type Look = (f64, [f64; 2]);
 
-/// The smaller of both: what is positive where the bond pushes.
+/// The smaller of `g` and `P`: positive where the bond pushes.
 fn least([overlap, pushes]: [f64; 2]) -> f64 {
     overlap.min(pushes)
 }
 
 impl<const M: usize, const S: usize> Bond<M, S> {
-    /// Force at the start of a window, and its rate up to the end of it, from the overlap that the
-    /// bond would have by itself.
+    /// Force at the start of a window and its mean rate over the window, estimated without the
+    /// forces of neighbours.
     pub(super) fn resisting(&self, frame: &Frame<'_, M, S>) -> [f64; 2] {
         let (link, [g, rate]) = (frame.link, self.initial.overlap);
         if self.initial.ongoing.is_none() {
@@ -60,7 +61,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         self.forecast.at_end = frame.link.pushes(end, rate);
         let [force, by] = self.initial.force;
         self.forecast.bend = (frame.link.force_at_rate(end, rate) - (force + by * h)) / (h * h);
-        // The overlap is below the chord and what it may bend.
+        // The overlap is below its chord plus the bound of its curvature times h^2/8.
         let most = self.initial.overlap[0].max(end) + 0.125 * self.bounds(frame, &drive).0 * h * h;
         if self.initial.ongoing.is_none() && most < -self.initial.band {
             self.contacts.found.clear();
@@ -69,7 +70,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
         self.gather(frame, self.initial.band, look);
         let Some(contact) = self.contacts.found.last_mut().filter(|contact| contact.release > h) else { return };
-        // A release that is near behind the window.
+        // A release soon after the window's end.
         let pushes = |t: f64| {
             let (g, rate) = look(t);
             frame.link.pushes(g, rate)
@@ -81,8 +82,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// Finds them from all forces. Returns whether the bond ceases to push, or begins, so near to the
-    /// end of the window that it may be said to do so in it or not.
+    /// Finds the contacts of the window from all forces. Returns whether the bond ceases or begins
+    /// to push so near to the end of the window that the event may be counted in it or not.
     pub(super) fn search_again(
         &mut self,
         frame: &Frame<'_, M, S>,
@@ -105,8 +106,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         overlap.abs() <= band || frame.cuts.negligible(frame.link, end.abs(), by, Some(overlap))
     }
 
-    /// What the bond did in this window while beads overlapped, pushing or not, appended, with its
-    /// number.
+    /// Appends the pieces of this window in which beads overlap, with or without a force, with the
+    /// index of the bond.
     pub(super) fn pieces_over(
         &self,
         (frame, bond): (&Frame<'_, M, S>, usize),
@@ -117,7 +118,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let course = (&self.initial.path, known::<S>(&self.known));
         let overlap = |t: f64| overlap_at(course, (&self.panels, own), frame, beside, t);
         let rate = |t: f64| rate_at(course, (&self.panels, own), frame, beside, t);
-        // An event is known to the force that counts; for the record it is found to the last digit.
+        // The sweeps know an event as well as the force needs it; the log gets it to the last
+        // digit.
         let zero = |t: f64| {
             let t = (0..2).fold(t, |t, _| (t - overlap(t) / rate(t)).clamp(0.0, h));
             (t, rate(t))
@@ -128,7 +130,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 return;
             }
             let at = |k: usize| from + (to - from) * k as f64 / FREE as f64;
-            // Beads that part without a force do not come back without one.
+            // The overlap without a force ends at its first zero: beads that have parted do not
+            // overlap again without a force.
             let gone = (0..=FREE).find(|&k| overlap(at(k)) <= self.initial.band);
             let end = match gone {
                 None => to,
@@ -156,10 +159,12 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         freely(from.max(0.0), h, out);
     }
 
-    /// What beads lose that overlap without a force: it is the energy of the overlap.
+    /// Energy dissipated while beads overlap without a force: the decrease of the elastic energy of
+    /// the overlap.
     pub(super) fn let_go(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> f64 {
         let course = (&self.initial.path, known::<S>(&self.known));
-        // A little later: then forces up to there are paths, and what these say hangs on no series.
+        // The next time after an event: there the forces before it are paths, whose values have no
+        // errors of a series.
         let energy = |t: f64| {
             let overlap = overlap_at(course, (&self.panels, self.initial.own()), frame, beside, t.next_up());
             frame.link.potential(overlap)
@@ -171,16 +176,16 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         free.filter(|(from, to)| from < to).map(|(from, to)| energy(from) - energy(to)).sum()
     }
 
-    /// The stretches in which the bond pushes, from overlap and rate at a time; overlaps up to
-    /// `band` are none.
+    /// Finds the time intervals in which the bond pushes, from the function `look` that gives
+    /// overlap and rate at a time; overlaps up to `band` count as zero.
     fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> (f64, f64)) {
         let (h, link) = (frame.h, frame.link);
         let at = |t: f64| {
             let (g, rate) = look(t);
             [g, link.pushes(g, rate)]
         };
-        // Values of `P` up to this are rounding; and how far the overlap may be off, over the
-        // window, before the bond pushes or does not.
+        // `rounding`: values of `P` up to this are rounding. `margin`: the least error of the
+        // overlap, over the window, that changes whether the bond pushes.
         let rounding = {
             let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
             let paths = self.initial.path.iter().zip(&link.sides);
@@ -206,7 +211,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 last = (t, value);
                 continue;
             }
-            // From one side to the other since the last look.
+            // The bond has begun or ceased to push since the last evaluation.
             slack = 0.0;
             let (before, now) = (least(last.1), least(value));
             let event = match k {
@@ -233,13 +238,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     }
 }
 
-/// The difference quotient of a function in a window.
+/// The derivative of a function at a time of the window, as a difference quotient.
 fn slope(of: impl Fn(f64) -> f64, t: f64, h: f64) -> f64 {
     let (a, b) = ((t - STEP * h).max(0.0), (t + STEP * h).min(h));
     (of(b) - of(a)) / (b - a)
 }
 
-/// Looks at equal times, and where parabolas through three of them have their vertex beyond zero.
+/// Values of `g` and `P` at equally spaced times, and at the vertices of parabolas through three of
+/// these values that lie on the other side of zero.
 fn looks(h: f64, at: &impl Fn(f64) -> [f64; 2]) -> Vec<Look> {
     let step = h / PARTS as f64;
     let mut looks: Vec<Look> = (0..=PARTS)

@@ -1,5 +1,5 @@
-//! The fixed numbers of a panel: Gauss nodes, weights, and the matrices that integrate and
-//! interpolate between them.
+//! The constants of a panel with `M` nodes: Gauss nodes, weights, and the matrices that integrate
+//! and interpolate between the nodes.
 
 use super::{panel::MONOMIAL, solver::MOST_NODES};
 use std::{any::Any, sync::OnceLock};
@@ -7,7 +7,7 @@ use std::{any::Any, sync::OnceLock};
 /// Gauss-Legendre collocation with `M` nodes on `[-1, 1]`; `l_k` are the Lagrange polynomials of
 /// the nodes.
 ///
-/// Matrices are kept by columns, so that a product runs over nodes in vector registers.
+/// Matrices are kept by columns, so that products run over nodes in vector registers.
 #[derive(Clone, Debug)]
 pub(crate) struct Rule<const M: usize> {
     /// Nodes, ascending.
@@ -16,9 +16,10 @@ pub(crate) struct Rule<const M: usize> {
     pub(crate) weights: [f64; M],
     /// `integral[k][j] = int_{-1}^{x_j} l_k`.
     pub(crate) integral: [[f64; M]; M],
-    /// `series[k][i]`: the coefficient of the Chebyshev polynomial `T_i` in `l_k`.
+    /// `series[k][i]`: the coefficient of the Chebyshev polynomial `T_i` in `l_k`, or of `x^i` for
+    /// `M` up to [`MONOMIAL`].
     pub(crate) series: [[f64; M]; M],
-    /// Rows that give the last two Chebyshev coefficients.
+    /// Rows by which values at the nodes give the last two Chebyshev coefficients.
     pub(crate) tail: [[f64; M]; 2],
     /// `l_k(-1)` and `l_k(1)`.
     pub(crate) ends: [[f64; M]; 2],
@@ -35,9 +36,10 @@ fn legendre(n: usize, x: f64) -> Vec<f64> {
 }
 
 impl<const M: usize> Rule<M> {
-    /// The rule, computed when somebody first asks for it: short runs by the thousand share it.
+    /// The rule, computed at the first call and kept, since programs may do thousands of short
+    /// runs.
     pub(crate) fn shared() -> &'static Self {
-        // A static cannot be generic: one place for each number of nodes.
+        // A static cannot be generic: it has one entry for each number of nodes.
         static RULES: [OnceLock<Box<dyn Any + Send + Sync>>; MOST_NODES + 1] =
             [const { OnceLock::new() }; MOST_NODES + 1];
         let rule = RULES[M].get_or_init(|| Box::new(Self::new()));
@@ -80,7 +82,7 @@ impl<const M: usize> Rule<M> {
     }
 }
 
-/// The coefficients of powers from those of Chebyshev polynomials.
+/// Converts a series in Chebyshev polynomials into one in powers of `x`.
 fn powers<const M: usize>(chebyshev: &[f64; M]) -> [f64; M] {
     let mut out = [0.0; M];
     let (mut t0, mut t1) = ([0.0; M], [0.0; M]);

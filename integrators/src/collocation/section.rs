@@ -1,4 +1,4 @@
-//! The bonds of a chain that windows are solved for in one place: all of them, or a part.
+//! A section: the bonds of a chain that windows are solved for together, all of them or a part.
 
 use super::{
     Windows,
@@ -16,48 +16,49 @@ use crate::{
 };
 use std::{ops::Range, sync::Arc};
 
-/// Length of the window that shows drives as they are when a run begins.
+/// Length of the window in which drives are evaluated at the start of a run.
 const AT_ONCE: f64 = 1e-9;
 
-/// Bonds of a block. A part of a chain has whole blocks, counted from the first bond of the chain;
-/// the last may be shorter.
+/// Number of bonds of a block. A part of a chain consists of whole blocks, counted from the first
+/// bond of the chain; the last may be shorter.
 pub const BLOCK: usize = OWN;
-/// Bonds at either end of a part that its neighbours are told of: those that their blocks take
-/// along, and one more, which pushes the outermost site of these.
+/// Number of bonds at either end of a part whose results its neighbours need: those that the blocks
+/// of a neighbour solve for too, and one more, which pushes the outermost site of these.
 pub const EDGE: usize = ALONG + 1;
 
 /// The bonds of a chain that windows are solved for in one place, and their sites.
 ///
-/// One that is a part of a longer chain has more bonds than its own. What those at its edges leave
-/// behind in a window it must be told by its neighbours, before it is moved over that window.
+/// A section that is a part of a longer chain has more bonds than its own. The results of a window
+/// for the bonds beyond its own must come from its neighbours ([`take_edge`](Self::take_edge)),
+/// before the section is moved over that window.
 pub struct Section<C, const S: usize = 1> {
     pub(super) held: Arc<Held<C, S>>,
-    /// At the start of the last window.
+    /// The state at the start of the last window.
     pub(super) state: State<S>,
-    /// There is one once a window was solved.
+    /// Made for the first window, and again when the number of nodes changes.
     pub(super) solver: Option<Box<dyn Solver<S>>>,
-    /// What the last window left behind, and its length.
+    /// The results of the last window for each bond, and its length.
     left: Vec<Left<S>>,
     h: f64,
 }
 
-/// What does not move.
+/// The constants of a section.
 pub(super) struct Held<C, const S: usize> {
     pub(super) chain: C,
     pub(super) links: Links<S>,
     recoil: Vec<f64>,
     share: Share,
-    /// Most threads; as many as there are if not given.
+    /// Largest number of threads; `None` for as many as there are.
     threads: Option<usize>,
 }
 
 impl<C, const S: usize> Held<C, S> {
-    /// What is damped and driven, with what drives do in the window at hand.
+    /// Damping and drives, if there are any, with what drives do in the current window.
     fn open<'a>(&'a self, signals: &'a Signals) -> Option<(&'a Open, &'a Signals)> {
         self.links.open.as_ref().map(|open| (open, signals))
     }
 
-    /// The number of threads that blocks are solved on.
+    /// The number of threads on which blocks are solved.
     fn threads(&self) -> usize {
         #[cfg(feature = "parallel")]
         let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
@@ -67,16 +68,16 @@ impl<C, const S: usize> Held<C, S> {
     }
 }
 
-/// What moves: sites, the contacts that bonds are in, and the time.
+/// The state of a section: sites, the contacts that bonds are in, phases, time and ledger.
 #[derive(Clone)]
 pub(super) struct State<const S: usize> {
     sites: Vec<Site>,
     ongoing: Vec<Option<Contact>>,
     pub(super) phases: Phases<S>,
     t: Twofold<f64>,
-    /// What was dissipated and driven, see [`ContactChain::ledger`].
+    /// Energies dissipated and driven so far, see [`ContactChain::ledger`].
     ledger: Site,
-    /// What drives do in the window at hand.
+    /// What drives do in the current window.
     signals: Signals,
 }
 
@@ -115,7 +116,7 @@ impl<C: ContactChain<S>, const S: usize> Kernel for Advance<'_, C, S> {
 }
 
 impl<C: ContactChain<S>, const S: usize> Section<C, S> {
-    /// The whole of a chain, from the state `y0` at the time `t`; on at most so many threads.
+    /// A whole chain in the state `y0` at the time `t`, on at most `threads` threads.
     pub(super) fn whole(chain: C, (y0, t): (&[f64], f64), threads: Option<usize>) -> Self {
         let share = Share::whole(chain.bonds(), chain.ring());
         let mut section = Self::at_rest(chain, share, threads);
@@ -126,8 +127,8 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         section
     }
 
-    /// A share of a chain, at rest; on at most so many threads. That of a part is of a `chain` that
-    /// has the sites of the bonds within its reach, and the bonds on both sides of each.
+    /// A share of a chain, at rest, on at most `threads` threads. For a part of a longer chain,
+    /// `chain` has the sites of the bonds within its reach, and the bonds on both sides of each.
     pub fn at_rest(chain: C, share: Share, threads: Option<usize>) -> Self {
         let (links, bonds, phases) = (Links::of(&chain), chain.bonds(), Phases::new(&chain));
         let recoil = (0..bonds).map(|b| links.recoil(&chain, b)).collect();
@@ -153,7 +154,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         self.state.sites[site] = Site { hi: path, lo: [0.0; 4] };
     }
 
-    /// All sites are set: finds the contacts that are there when the run begins.
+    /// Finds the bonds that are closed when the run begins, after all sites are [`set`](Self::set).
     pub fn begin(&mut self) {
         self.foresee(AT_ONCE, 0.0);
         let (held, State { sites, phases, ongoing, signals, .. }) = (&self.held, &mut self.state);
@@ -178,25 +179,27 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         [r, v, c, self.held.chain.response(site).omega.value() * s]
     }
 
-    /// What contacts did in the last window, by bond, if that is logged.
+    /// What contacts did in the last window, in the order of bonds, if that is logged.
     pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
         self.solver.iter().flat_map(|solver| solver.pieces())
     }
 
-    /// Bytes that a bond and its site take: what moves, as much for samples, and its recoil.
+    /// Bytes of memory for a bond and its site: their state twice, the second time for samples, and
+    /// the recoil.
     pub const BYTES: usize =
         2 * (size_of::<Site>() + size_of::<Option<Contact>>() + size_of::<Left<S>>()) + size_of::<f64>();
-    /// Numbers of an edge.
+    /// Number of `f64` values that [`edge`](Self::edge) appends.
     pub const EDGE_NUMBERS: usize = EDGE * Left::<S>::NUMBERS;
 
-    /// What the last window has left behind in the [`EDGE`] first or last own bonds, appended.
+    /// Appends the results of the last window for the first or the last [`EDGE`] own bonds.
     pub fn edge(&self, last: bool, numbers: &mut Vec<f64>) {
         let Range { start, end } = self.held.share.own;
         let edge = if last { end - EDGE..end } else { start..start + EDGE };
         self.left[edge].iter().for_each(|left| left.write(numbers));
     }
 
-    /// Takes what it has left behind in as many bonds before the first or behind the last own one.
+    /// Takes a neighbour's [`edge`](Self::edge) as the results for the [`EDGE`] bonds before the
+    /// first own bond, or after the last one.
     pub fn take_edge(&mut self, behind: bool, numbers: &[f64]) {
         let Range { start, end } = self.held.share.own;
         let edge = if behind { end..end + EDGE } else { start - EDGE..start };

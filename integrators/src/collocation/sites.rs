@@ -1,4 +1,4 @@
-//! Sites along their exact linear paths, summed with their rounding errors kept.
+//! The state of sites, as exact linear paths, in sums that keep their rounding errors.
 
 use super::{
     flow::Flow,
@@ -9,8 +9,9 @@ use super::{
 use crate::clock::Twofold;
 use std::{cell::Cell, collections::HashMap, sync::Arc};
 
-/// `[R0, V, C, S]` of a site as unevaluated sums: `q(t) = R0 + V t + C cos theta + S sin theta`,
-/// `theta = omega t` since the start of the run, `t` since the start of the window.
+/// `[R0, V, C, S]` of a site, each as the unevaluated sum of `hi` and `lo`: `q = R0 + V t +
+/// C cos theta + S sin theta`. The time `t` counts from the start of the window; in the phase
+/// `theta = omega t` time counts from the start of the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Site {
     pub(crate) hi: Path,
@@ -28,7 +29,7 @@ impl Site {
         self.lo[k] += error;
     }
 
-    /// Whether it rests at the origin.
+    /// Whether the site rests at the origin.
     #[inline(always)]
     pub(crate) fn at_rest(&self) -> bool {
         self.hi == [0.0; 4] && self.lo == [0.0; 4]
@@ -42,19 +43,20 @@ impl Site {
         }
     }
 
-    /// Moves freely for `h`, with the impulses `path` (in the phase `(sin, cos)`) of a window of
-    /// that length.
+    /// Moves the site over a window of length `h`, which starts in phase `(sin, cos)`; `path` is
+    /// the path by the impulses in the window.
     #[inline(always)]
     pub(crate) fn advance(&mut self, path: &Path, h: f64, (sin, cos): (f64, f64)) {
         self.take(&[path[0], path[1], path[2] * cos - path[3] * sin, path[2] * sin + path[3] * cos]);
-        // V h, its rounding too.
+        // V h, with its rounding error.
         let by = self.hi[1] * h;
         let rest = self.hi[1].mul_add(h, -by) + self.lo[1] * h;
         self.add(0, by);
         self.lo[0] += rest;
     }
 
-    /// Moves along a flow for `h`, with the impulses `path` of a window of that length.
+    /// Moves a damped site over a window of length `h`; `path` is the path by the impulses in the
+    /// window.
     pub(crate) fn flow(&mut self, path: &Path, flow: &Flow, h: f64) {
         self.take(path);
         if !self.at_rest() {
@@ -71,18 +73,19 @@ impl Site {
     }
 }
 
-/// Sites of a chain in their phases.
+/// The state of a chain at the start of a window.
 pub(crate) struct Sites<'a, C, const S: usize> {
     pub(crate) chain: &'a C,
     pub(crate) sites: &'a [Site],
     pub(crate) phases: &'a Phases<S>,
-    /// What is damped and driven, and what drives do in the window at hand.
+    /// Damping and drives, if there are any, and what drives do in the current window.
     pub(crate) open: Option<(&'a Open, &'a Signals)>,
 }
 
 impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
-    /// The path of an overlap over a window of length `h`, and the largest value that its terms may
-    /// have in it: a shift of the whole chain is in neither. The first side has the free part.
+    /// The path of an overlap over a window of length `h`, and a bound of its terms in the window.
+    /// Both do not depend on a shift of the whole chain. The first side has the free motion of both
+    /// sides, unless drag acts on one: then each side has its own velocity.
     #[inline(always)]
     pub(crate) fn overlap(&self, bond: usize, h: f64) -> ([Path; S], f64) {
         let Self { chain, sites, phases, open } = *self;
@@ -112,7 +115,7 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
         {
             let lags = |site: usize| open.damped(site).is_some_and(|flow| flow.lags());
             if ends.into_iter().flatten().any(lags) {
-                // What drag makes of a velocity is a matter of each side.
+                // Drag acts on the velocity of each side with its own coefficient.
                 for side in 0..S {
                     path[side][1] = hi[side][1] + lo[side][1];
                 }
@@ -122,26 +125,27 @@ impl<C: ContactChain<S>, const S: usize> Sites<'_, C, S> {
     }
 }
 
-/// The bonds of a chain as a window begins, for a solver that does not know its type.
+/// The bonds of a chain at the start of a window, for a solver that does not know the chain's type.
 pub(crate) trait Bonds<const S: usize>: Sync {
-    /// Whether the sites of a bond rest at the origin.
+    /// Whether the sites of a bond rest at the origin and are not driven.
     fn at_rest(&self, bond: usize) -> bool;
-    /// How a bond moves in a window of length `h` without forces.
+    /// The overlap of a bond in a window of length `h` without contact forces and drives.
     fn free(&self, bond: usize, h: f64) -> Free<S>;
-    /// What drives make of the overlap of a bond besides.
+    /// The part of the overlap of a bond that drives prescribe.
     fn known(&self, bond: usize) -> Option<Known>;
-    /// The path of a site.
+    /// The path of a site in the window.
     fn site(&self, site: usize) -> Path;
-    /// What drives a site at a time of the window.
+    /// The signal of a site's drive, see [`ContactChain::signal`], at a time since the start of the
+    /// window.
     fn signal(&self, site: usize, t: f64) -> [f64; 3];
 }
 
-/// How a bond moves in a window without forces.
+/// An overlap in a window without contact forces and drives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Free<const S: usize> {
-    /// The path of its overlap.
+    /// The path of the overlap.
     pub(crate) path: [Path; S],
-    /// Overlaps up to this are rounding.
+    /// Overlaps of at most this size are rounding.
     pub(crate) band: f64,
 }
 
@@ -190,7 +194,7 @@ impl<C: ContactChain<S>, const S: usize> Bonds<S> for Sites<'_, C, S> {
     }
 }
 
-/// The phase `omega t` of one or more sites, kept to twice the working precision.
+/// The phase `theta = omega t` of sites with one frequency, in twice the working precision.
 #[derive(Clone, Copy, Debug)]
 struct Phase {
     omega: Twofold<f64>,
@@ -202,17 +206,17 @@ struct Phase {
 #[derive(Clone, Debug)]
 pub(crate) struct Phases<const S: usize> {
     list: Vec<Phase>,
-    /// Which one a site has, where they are not all alike.
+    /// Index in `list` for each site; for `S = 1` all sites have the first.
     of: Arc<[u32]>,
     two_pi: Twofold<f64>,
 }
 
 impl<const S: usize> Phases<S> {
-    /// Those of a chain at the time zero.
+    /// The phases of a chain at the start of a run, all zero.
     pub(crate) fn new<C: ContactChain<S>>(chain: &C) -> Self {
         let (mut list, mut known) = (Vec::new(), HashMap::new());
         let mut of = |site: usize| {
-            // A damped site is kept where it is, not in a phase.
+            // The state of a damped site is its path in the current window, without a phase.
             let turns = S == 1 || chain.damping(site) == [0.0; 2];
             let omega = if turns { chain.response(site).omega } else { Twofold::zero() };
             *known.entry([omega.hi, omega.lo].map(f64::to_bits)).or_insert_with(|| {

@@ -1,4 +1,4 @@
-//! All blocks of a chain over one window, with the number of nodes behind it.
+//! Solves all blocks of a section over one window, behind a trait that hides the number of nodes.
 
 use super::{
     block::{Left, OWN, Piece, Start, Verdict, Workspace, run},
@@ -11,17 +11,19 @@ use super::{
 };
 use std::any::Any;
 
-/// What solves windows.
+/// A solver of windows, with a number of nodes a panel and its memory.
 pub(crate) trait Solver<const S: usize>: Send {
-    /// Solves one window from `start` and writes what its own bonds leave behind.
+    /// Solves one window from `start` and writes the results for the own bonds into `left`.
     fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> Verdict;
     /// Nodes a panel.
     fn nodes(&self) -> usize;
     /// What contacts did in the last window that was logged.
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
-    /// What changes of the linear paths of bonds leave behind in them, over the last window that
-    /// was solved: of length `h`, of a chain of one block. Or bond and residual where that did not
-    /// settle.
+    /// The tangent map of the last window that was solved, of length `h`, for a chain of one block:
+    /// replaces changes of the linear paths of bonds by the changes of the paths by their forces.
+    ///
+    /// # Errors
+    /// A bond and its residual if the sweeps do not converge.
     fn differentiate(
         &self,
         links: &Links<S>,
@@ -31,13 +33,13 @@ pub(crate) trait Solver<const S: usize>: Send {
     ) -> Result<(), (usize, f64)>;
 }
 
-/// Numbers of nodes that a panel may have: all loops over nodes are compiled for each. More resolve
-/// nothing that shorter windows do not resolve at less cost; `run --windows-per-period N --nodes M`
-/// shows both sides.
+/// Numbers of nodes that a panel may have; all loops over nodes are compiled for each. Shorter
+/// windows resolve at less cost what more nodes would; `run --windows-per-period N --nodes M` shows
+/// both.
 pub(crate) const NODES: [usize; 5] = [4, 6, 8, 10, MOST_NODES];
 pub(crate) const MOST_NODES: usize = 12;
 
-/// A solver with so many nodes a panel, one of [`NODES`], on at most so many threads.
+/// A solver with `nodes` nodes a panel, one of [`NODES`], on at most `threads` threads.
 ///
 /// # Panics
 /// For `S` other than 1 and 2.
@@ -46,8 +48,8 @@ pub(crate) fn with_nodes<const S: usize>(nodes: usize, threads: usize) -> Box<dy
     *solver.downcast().expect("bonds see one kind of site, or two")
 }
 
-/// Solvers for chains whose sites are alike, and for others. Neither function is generic, so that
-/// both are compiled with this package.
+/// Solvers for chains whose sites are alike (`S = 1`), and for others (`S = 2`). Neither function
+/// is generic, so that both are compiled with this package.
 fn alike(nodes: usize, threads: usize) -> Box<dyn Solver<1>> {
     of_size(nodes, threads)
 }
@@ -66,6 +68,7 @@ fn of_size<const S: usize>(nodes: usize, threads: usize) -> Box<dyn Solver<S>> {
     }
 }
 
+/// The solver with `M` nodes a panel.
 struct Nodes<const M: usize, const S: usize> {
     rule: &'static Rule<M>,
     /// One for each thread.

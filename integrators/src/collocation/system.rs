@@ -1,62 +1,64 @@
-//! What contact collocation may ask of a problem: exact linear paths, and a contact law on a
-//! nearest-neighbour chain.
+//! The interface between contact collocation and a problem: [`ContactChain`], a chain with exact
+//! linear paths of its sites and contacts between neighbours.
 //!
-//! The two sites of a bond may answer impulses differently. The number `S` of answers that a bond
-//! sees is known to the compiler: 1 where all sites are alike, and all bonds have one law; else 2,
-//! that of the site before the bond and that of the site behind it.
+//! The two sites of a bond may have different kernels. The number `S` of kernels of a bond is known
+//! at compile time. It is 1 if all sites are alike and all bonds have one law; else 2, the kernel
+//! of the site before the bond and that of the site after it.
 
 use super::{flow::Flow, loss::Loss, open::Open};
 use crate::{clock::Twofold, law::ContactLaw, regularised::common_power};
 use std::sync::Arc;
 
-/// How a site answers an impulse `j`: `q'` jumps by `j/mass`, of which a part `m j` moves on freely
-/// and a part `mu j` oscillates, so that `q(t) = j K(t)`, `K(t) = m t + mu sin(omega t)/omega`.
+/// The response of a site to an impulse `j`: `q'` jumps by `j/mass`. A part `m j` of this velocity
+/// belongs to the free motion and a part `mu j` to the oscillation, so that `q(t) = j K(t)` with
+/// `K(t) = m t + mu sin(omega t)/omega`.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// Share of the free part.
     pub m: f64,
     /// Share of the oscillating part; `m + mu = 1/mass`, and 1 where all sites are alike.
     pub mu: f64,
-    /// Frequency; positive if `mu` is.
+    /// Angular frequency of the oscillation; positive if `mu` is.
     pub omega: Twofold<f64>,
 }
 
 impl Response {
-    /// That of a wall.
+    /// The response of a wall: zero.
     const NONE: Self = Self { m: 0.0, mu: 0.0, omega: Twofold { hi: 0.0, lo: 0.0 } };
 }
 
-/// What leaves a site alone: `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as `[r, v, c, s]`.
+/// The motion of a site without forces, `q(t) = r + v t + c cos(omega t) + s sin(omega t)`, as
+/// `[r, v, c, s]`.
 pub type Path = [f64; 4];
 
 /// A drive of a site from outside, see [`ContactChain::signal`].
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
-    /// Which site.
+    /// Index of the site.
     pub site: usize,
-    /// Whether its position is given; else it is pushed by a force.
+    /// Whether the signal is the position of the site; else it is a force on the site.
     pub moved: bool,
-    /// A bound of the signal.
+    /// A bound of the absolute value of the signal.
     pub size: f64,
-    /// The scale of the signal's rate.
+    /// The scale of the time derivative of the signal.
     pub rate: f64,
-    /// The scale of the velocities that it makes.
+    /// The scale of the velocities that the drive causes.
     pub speed: f64,
 }
 
-/// One side of a bond: how its site answers a unit impulse, as loops over nodes need it.
+/// One side of a bond: the [`Response`] of its site, in the form that loops over nodes need.
 #[derive(Clone, Debug)]
 pub(crate) struct Side {
     pub(crate) m: f64,
     pub(crate) mu: f64,
     pub(crate) mu_per_omega: f64,
-    /// Zero where nothing oscillates.
+    /// Angular frequency; zero if the site has no oscillating part.
     pub(crate) omega: f64,
     /// `1/omega`; zero for `omega = 0`.
     pub(crate) per_omega: f64,
-    /// `m + mu`.
+    /// `m + mu`: acceleration by a unit force.
     weight: f64,
-    /// Of a damped site.
+    /// The motion of the site, if it is damped.
     flow: Option<Arc<Flow>>,
 }
 
@@ -69,39 +71,42 @@ impl Side {
     }
 }
 
-/// What a bond is made of: its law and its two sides.
+/// The constants of a bond: its law and its sides.
 #[derive(Clone, Debug)]
 pub(crate) struct Link<const S: usize> {
     pub(crate) law: ContactLaw<f64>,
     /// Factor of the law.
     constant: f64,
     pub(crate) sides: [Side; S],
-    /// Power of the variable near an event: it suits the forces of the bond and of its neighbours.
+    /// Power of the panels' variable near an event, chosen for the forces of the bond and of its
+    /// neighbours.
     pub(crate) q: u32,
-    /// The largest weight of a side; 1 between a wall and a site that is moved.
+    /// The largest weight of a side, which is the inverse mass of the lighter site; 1 if both
+    /// weights are zero, between a wall and a site that is moved.
     lightest: f64,
-    /// Whether a site is damped, and whether drag acts on its free motion.
+    /// Whether a site of the bond is damped, and whether drag acts on the free motion of one.
     damped: bool,
     pub(crate) lags: bool,
+    /// Dissipation of the contact, if there is any.
     pub(super) loss: Option<Loss>,
-    /// Whether its panels have rates: the contact or one beside it dissipates.
+    /// Whether its panels have the rates of overlaps: the contact or a neighbour's dissipates.
     pub(crate) rated: bool,
 }
 
-/// Order that the variable near an event is chosen for. Chosen;
+/// Order for which the power of the variable near an event is chosen. Chosen;
 /// `methods panels_cut_at_events_of_neighbours_restore_the_order` measures what it gives.
 const ORDER: u32 = 8;
 
-// Where all sites are alike, weights and constants are the number 1 for the compiler.
+// For S = 1 weights and constants are 1 at compile time.
 impl<const S: usize> Link<S> {
-    /// The second derivative of the overlap that a unit force on a side makes.
+    /// The second derivative of the overlap by a unit force on a side.
     #[inline(always)]
     pub(crate) fn weight(&self, side: usize) -> f64 {
         if S == 1 { 1.0 } else { self.sides[side].weight }
     }
 
-    /// Whether a site is damped. What is done then is not a part of the kernels, where it would
-    /// keep the two sides of other bonds from being worked on in one register.
+    /// Whether a site is damped. The code for damped sites is not inlined into the kernels: there
+    /// it would prevent that both sides of other bonds are computed in one register.
     #[inline(always)]
     pub(crate) fn damped(&self) -> bool {
         S != 1 && self.damped
@@ -113,7 +118,7 @@ impl<const S: usize> Link<S> {
         if S == 1 || !self.damped { None } else { self.sides[side].flow.as_deref() }
     }
 
-    /// The largest change of velocity that a unit impulse makes.
+    /// The largest change of velocity by a unit impulse: the inverse mass of the lighter site.
     #[inline(always)]
     pub(crate) fn lightest(&self) -> f64 {
         if S == 1 { 1.0 } else { self.lightest }
@@ -153,8 +158,8 @@ impl<const S: usize> Link<S> {
         self.constant() * self.law.potential(overlap)
     }
 
-    /// `f'(g) t^2` over the mass of the lighter site; of a contact that dissipates with the square
-    /// of `c(g) t` over that mass.
+    /// The stiffness `f'(g) t^2/m` of an overlap over a time, with the mass `m` of the lighter
+    /// site, dimensionless; plus `(c(g) t/m)^2` for a contact that dissipates.
     #[inline(always)]
     pub(crate) fn stiffness_over(&self, overlap: f64, t: f64) -> f64 {
         let stiffness = self.stiffness(overlap) * t * t * self.lightest();
@@ -166,16 +171,16 @@ impl<const S: usize> Link<S> {
     }
 }
 
-/// What the solver of windows knows of a chain, whatever its type.
+/// The constants of a chain for the solver of windows, which does not know the chain's type.
 #[derive(Clone, Debug)]
 pub(crate) struct Links<const S: usize> {
     pub(crate) bonds: usize,
     pub(crate) ring: bool,
-    /// Of each bond; of all of them together for `S = 1`.
+    /// One for each bond; a single one for all bonds if `S = 1`.
     links: Vec<Link<S>>,
-    /// Whether bonds touch where all sites rest at the origin.
+    /// Whether a bond has a positive overlap when all sites are at the origin.
     pub(crate) precompressed: bool,
-    /// What is damped and driven, if anything is.
+    /// Damping, drives and dissipation of the chain, if it has any.
     pub(crate) open: Option<Open>,
 }
 
@@ -188,17 +193,18 @@ impl<const S: usize> Links<S> {
         Self { bonds, ring: chain.ring(), precompressed: (0..kinds).any(|b| chain.rest(b) > 0.0), links, open }
     }
 
-    /// How strongly a unit force of a bond opens it: 2 between two sites of mass 1, 1 at a wall.
+    /// Minus the second derivative of a bond's overlap by a unit force in it: 2 between two sites
+    /// of mass 1, 1 at a wall.
     pub(crate) fn recoil<C: ContactChain<S>>(&self, chain: &C, bond: usize) -> f64 {
         let unit = |c: usize| [[f64::from(u8::from(c == bond)); 4]; S];
-        // Where all are alike a wall shows in what bonds push; else in its answer.
+        // For S = 1 a wall is seen from what the bond pushes; for S = 2 its weight is zero.
         match S {
             1 => -chain.across(bond, |i| chain.push(i, unit))[0][0],
             _ => self.links[bond].sides.iter().map(|side| side.weight).sum(),
         }
     }
 
-    /// All kinds of bonds.
+    /// The constants of all bonds that differ: of one for `S = 1`, else of each.
     pub(crate) fn each(&self) -> impl Iterator<Item = &Link<S>> {
         self.links.iter()
     }
@@ -258,11 +264,12 @@ pub(crate) fn beside(b: usize, n: usize, ring: bool) -> [Option<usize>; 2] {
 /// site with `b - 1` and `b + 1` only, the last with the first on a ring. Its force is
 /// `constant (g)_+^alpha`.
 ///
-/// `S` is 1 for a chain whose sites are all alike, and so are its bonds: `law`, `response` and
-/// `rest` then give the same for all of them, with `m + mu = 1` and the constant 1. It is 2 for
-/// other chains, where what concerns the site before a bond and the one behind it is kept apart.
+/// `S` is 1 for a chain whose sites are all alike, and whose bonds are: `law`, `response` and
+/// `rest` then give the same for all of them, with `m + mu = 1` and the constant 1. `S` is 2 for
+/// other chains, where quantities of the site before a bond and of the site after it are kept
+/// separate.
 pub trait ContactChain<const S: usize = 1>: Send + Sync {
-    /// Number of components of the state as others see it.
+    /// Number of components of the state vector `y`.
     fn dim(&self) -> usize;
     /// Number of sites.
     fn sites(&self) -> usize;
@@ -276,42 +283,45 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     fn constant(&self, _bond: usize) -> f64 {
         1.0
     }
-    /// How a site answers an impulse.
+    /// The response of a site to an impulse.
     fn response(&self, site: usize) -> Response;
-    /// The sites whose answers a bond sees: any one of its sites, or for `S = 2` the site before it
-    /// and the one behind it, with `None` for a wall.
+    /// The sites whose responses count for a bond: any one of its sites, or for `S = 2` the site
+    /// before it and the site after it, with `None` for a wall.
     fn ends(&self, bond: usize) -> [Option<usize>; S];
     /// The overlap of a bond where all positions are zero.
     fn rest(&self, bond: usize) -> f64;
-    /// The part of the overlap of a bond that a quantity of its sites makes: `q_{n-1} - q_n`, or
-    /// its two terms `[q_{n-1}, -q_n]` for `S = 2`.
+    /// The difference of a quantity over a bond, as the overlap has it: `q_{n-1} - q_n`, or its two
+    /// terms `[q_{n-1}, -q_n]` for `S = 2`.
     fn across(&self, bond: usize, quantity: impl Fn(usize) -> Path) -> [Path; S];
-    /// What forces in bonds do to a site, the transpose of [`across`](Self::across) but for its
-    /// sign: `f_n - f_{n+1}`. For `S = 2` a bond has one force for each of its sites, and a site
-    /// takes its own.
+    /// The sum of the forces of bonds on a site, `f_n - f_{n+1}`: minus the transpose of
+    /// [`across`](Self::across). For `S = 2` a bond has one force for each of its sites, and each
+    /// site takes the one that is its own.
     fn push(&self, site: usize, force: impl Fn(usize) -> [Path; S]) -> Path;
-    /// The path of a site at `t = 0`, from a state.
+    /// The path of a site, from a state at `t = 0`.
     fn path(&self, y: &[f64], site: usize) -> Path;
-    /// Writes a site into a state: `[r, r', p, p']`, the free and the oscillating part of its
-    /// position and their rates.
+    /// Writes a site into a state, from the free part of its position, its rate, the oscillating
+    /// part, and its rate: `[r, r', p, p']`.
     fn place(&self, parts: [f64; 4], site: usize, y: &mut [f64]);
-    /// Overlaps up to this are rounding of an overlap whose terms are up to `largest`.
+    /// The rounding error of an overlap whose terms are at most `largest`: overlaps up to it count
+    /// as zero.
     fn dead_band(&self, largest: f64) -> f64;
-    /// Damping of a site, for `S = 2`: drag, a force over its velocity; and the rate at which a
-    /// dashpot takes the velocity of the oscillating part: `p'' = -omega^2 p - slip p'`.
+    /// Damping `[drag, slip]` of a site, for `S = 2`: drag, a force over the velocity of the site;
+    /// and the rate at which a dashpot damps the oscillating part, `p'' = -omega^2 p - slip p'`.
     fn damping(&self, _site: usize) -> [f64; 2] {
         [0.0; 2]
     }
-    /// The sites that are driven, each once, for `S = 2`. One that is moved answers no impulse, and
-    /// its [`path`](Self::path) is zero.
+    /// The drives, one for each driven site, for `S = 2`. A site that is moved has the response
+    /// zero and the [`path`](Self::path) zero.
     fn drives(&self) -> Vec<Drive> {
         Vec::new()
     }
-    /// How the contact of a bond dissipates, for `S = 2`. A viscoelastic one has an exponent above 1.
+    /// How the contact of a bond dissipates, for `S = 2`. A viscoelastic one has an exponent above
+    /// 1.
     fn loss(&self, _bond: usize) -> Option<Loss> {
         None
     }
-    /// What drives a site: its position with two derivatives, or a force.
+    /// The signal of a drive at time `t`, with its first and second derivative: the position of the
+    /// site, or a force.
     fn signal(&self, _site: usize, _t: f64) -> [f64; 3] {
         [0.0; 3]
     }
@@ -319,8 +329,8 @@ pub trait ContactChain<const S: usize = 1>: Send + Sync {
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
     }
-    /// From a state at a time: what was dissipated by drag, by dashpots and by contacts, and what
-    /// drives did; of sites that are moved without their kinetic energy.
+    /// The ledger of a state at a time: energies dissipated by drag, by dashpots and by contacts,
+    /// and the work of drives. The work on sites that are moved is without their kinetic energy.
     fn ledger(&self, _y: &[f64], _t: f64) -> Path {
         [0.0; 4]
     }

@@ -1,19 +1,21 @@
-//! The tangent map: the derivative of what windows do to a state.
+//! The tangent map: the derivative of the state after a window by the state before it.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | `dg, df` | changes of overlaps and forces at the nodes of a window |
 //! | `D` | `f'(g)` at the nodes, a diagonal |
-//! | `T` | influences: what forces at the nodes make of overlaps there, `int K(t - s) f(s) ds` |
+//! | `T` | influences: the overlaps at the nodes by forces at the nodes, `int K(t - s) f(s) ds` |
 //! | `dg_lin` | change of the overlaps along the linear paths |
-//! | `G` | `(I - D T_pp)^{-1}` of one panel: its answer to what others do |
+//! | `G` | `(I - D T_pp)^{-1}` of one panel `p`: its response to the forces of other panels |
 //!
 //! A window solves `g = g_lin + T f(g)`, so `df = D (dg_lin + T df)`: a linear system with a block
-//! for each pair of panels. What a panel does to itself is solved once a window, so that a sweep is
-//! `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`. Ends of contacts move
-//! too, but the force is zero there: to first order nothing is felt of that. What is felt is an end
-//! that is not where the contact begins or ends: a gap of `t` costs the force `t^{alpha+1}`, its
-//! derivative `t^alpha`. So the nodes are laid out anew, from ends that are moved once more.
+//! for each pair of panels. The action of a panel on itself is solved once a window, so that a
+//! sweep is `df_p = G_p D_p (dg_lin + sum_q T_pq df_q)` over the other panels `q`.
+//!
+//! The ends of contacts move too; since the force is zero there, this has no effect to first order.
+//! An end of a panel that is not where the contact begins or ends does have an effect: an error `t`
+//! of its time is an error `t^{alpha+1}` of the impulse, and `t^alpha` of its derivative. So the
+//! nodes are laid out anew, from ends that are improved by one more step of Newton's method.
 //!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
 //! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.
@@ -36,17 +38,17 @@ use crate::{
     vector::Vector,
 };
 
-/// Columns that are worked on together: a register of the widest vector unit. Timed by
+/// Number of columns that are computed together: one register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
 /// `[R0, V, C, S]` of every site, for some columns.
 type Block = Vec<[Lanes; 4]>;
-/// The same of both sides of every bond.
+/// Paths of the changes of overlaps on each side of every bond, for some columns.
 pub(crate) type BondBlock<const S: usize> = Vec<[[Lanes; 4]; S]>;
 
-/// Sweeps after which a window is given up; each takes a digit at least where the window itself was
-/// solved.
+/// Number of sweeps after which a window is given up; each gains at least a digit where the window
+/// itself was solved.
 const MOST_SWEEPS: u32 = 100;
 
 fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
@@ -54,8 +56,7 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 }
 
 /// Columns `w` that move with a run: `w(t) = (d y(t)/d y(t_0)) w(t_0)`, the linearised flow along
-/// the trajectory of the run. Sites that are moved have none, and a ledger is not followed: their
-/// entries are zero.
+/// the trajectory of the run. The entries of sites that are moved, and of a ledger, are zero.
 ///
 /// ```text
 /// let mut tangent = Tangent::identity(&run)?;
@@ -66,16 +67,16 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 /// let monodromy = tangent.matrix(&run)?;
 /// ```
 ///
-/// Nothing is differenced: what the nodes of a window resolve is exact to rounding. Forces are
-/// smoother than their derivative, so columns need finer windows than the state does. Under
-/// [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
+/// No difference quotients are used: what the nodes of a window resolve is exact to rounding.
+/// Forces are smoother than their derivative, so columns need shorter windows than the state does.
+/// With [`Pace::Tolerance`](super::Pace) expect a few hundred times the tolerance.
 #[derive(Clone, Debug)]
 pub struct Tangent<const S: usize = 1> {
     blocks: Vec<Block>,
     columns: usize,
     dim: usize,
     phases: Phases<S>,
-    /// Windows of the run that are followed.
+    /// Number of windows of the run at the time of the columns.
     windows: u64,
 }
 
@@ -225,19 +226,21 @@ fn turned([r, v, c, s]: Path, (sin, cos): (f64, f64)) -> Path {
     [r, v, c * cos + s * sin, s * cos - c * sin]
 }
 
-/// One panel in `df = D (dg_lin + T df)`. Matrices by columns, with `G D` in them.
+/// The rows of one panel in `df = D (dg_lin + T df)`. Matrices are kept by columns, and are
+/// multiplied by `G D`.
 struct Row<const M: usize> {
     bond: usize,
     /// `D`.
     stiffness: [f64; M],
-    /// `G D` times the four functions of a linear path, on each side.
+    /// `G D` times the functions 1, `t + lag`, `cos` and `sin` of a linear path at the nodes, for
+    /// each side.
     path: Vec<[f64; M]>,
-    /// `G D T` for each other panel that acts on this one.
+    /// `G D T` for each other panel that acts on this one, with the index of that panel.
     from: Vec<(usize, [[f64; M]; M])>,
 }
 
-/// A solved window, and changes of the linear paths of its bonds, which become what they leave
-/// behind.
+/// A solved window with changes of the linear paths of its bonds. [`run`](Kernel::run) replaces
+/// these by the changes of the paths by the bonds' forces.
 pub(crate) struct Window<'a, const M: usize, const S: usize> {
     pub(crate) frames: &'a Frames<'a, M, S>,
     pub(crate) bonds: &'a [Bond<M, S>],
@@ -245,7 +248,7 @@ pub(crate) struct Window<'a, const M: usize, const S: usize> {
 }
 
 impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
-    /// Or bond and residual where it did not settle.
+    /// If the sweeps do not converge, a bond and its residual.
     type Output = Result<(), (usize, f64)>;
 
     #[inline(always)]
@@ -272,7 +275,8 @@ impl<const M: usize, const S: usize> Kernel for Window<'_, M, S> {
     }
 }
 
-/// The changes of the linear path of a bond that changes of sites make, in these phases.
+/// The changes of the linear path of a bond by the changes of its sites; `phases` are those at the
+/// start of the window.
 #[inline(always)]
 fn across<const S: usize, C: ContactChain<S>>(
     chain: &C,
@@ -312,7 +316,8 @@ fn laid_out<const M: usize, const S: usize>(
         for contact in &mut bond.contacts.found {
             let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
             let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
-            // By Newton's method once more; not far, for a contact that grazes has no slope.
+            // One more step of Newton's method, if it is short: at grazing contacts the slope is
+            // near zero.
             let newton = |panel: &Panel<M, S>, end: usize| {
                 let by = -dot(&frames.rule.ends[end], &panel.overlap) / contact.slopes[end];
                 let reach = 0.1 * (panel.end - panel.start);
@@ -355,10 +360,11 @@ fn laid_out<const M: usize, const S: usize>(
     out
 }
 
-/// The paths that unit forces at the nodes of a panel leave behind.
+/// The paths by unit forces at the nodes of a panel, after the panel.
 type Traces<const M: usize, const S: usize> = [[Path; S]; M];
 
-/// The linear system of a window, its influences from unit forces, and what these leave behind.
+/// The linear system of a window, with influences computed from unit forces at the nodes, and the
+/// paths by these unit forces.
 #[inline(always)]
 fn rows<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
@@ -390,7 +396,8 @@ fn rows<const M: usize, const S: usize>(
         source.list[0].before = [[0.0; 4]; S];
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring);
-        // For the bond before it this one is that behind, and the other way round.
+        // The bond before sees this one as its neighbour after it (1), the bond after as that
+        // before it (0).
         let own = (Some(b), None, -bonds[b].initial.own());
         let targets: Vec<(usize, Option<usize>, f64)> = [own, (left, Some(1), 1.0), (right, Some(0), 1.0)]
             .into_iter()
@@ -436,7 +443,7 @@ fn answer<const M: usize>(a: [[f64; M]; M]) -> [[f64; M]; M] {
     let unit = |k: usize| std::array::from_fn(|j| f64::from(u8::from(j == k)));
     let mut inverse: [[f64; M]; M] = std::array::from_fn(unit);
     let mut rest: [[f64; M]; M] = std::array::from_fn(|k| std::array::from_fn(|j| inverse[k][j] - a[k][j]));
-    // Rows are those of the transpose: operations on columns of the matrix give the same inverse.
+    // The arrays are columns, so that this eliminates in the transpose; the inverse is the same.
     for k in 0..M {
         let larger = |i: &usize, j: &usize| rest[*i][k].abs().total_cmp(&rest[*j][k].abs());
         let pivot = (k..M).max_by(larger).unwrap_or(k);
@@ -458,28 +465,29 @@ fn answer<const M: usize>(a: [[f64; M]; M]) -> [[f64; M]; M] {
     inverse
 }
 
-/// What a [`System`] is solved in: for each panel, forces without those of others, and forces.
+/// Memory for the solution of a [`System`]: for each panel the changes of forces at its nodes,
+/// without the influence of other panels (`driven`) and with it (`force`).
 struct Memory<const M: usize> {
     driven: Vec<[Lanes; M]>,
     force: Vec<[Lanes; M]>,
 }
 
-/// Numbers of some columns from `at` on.
+/// The numbers of columns from `at` on, in a register.
 #[inline(always)]
 fn part<V: Vector<f64>>(columns: &Lanes, at: usize) -> V {
     let columns = &columns[at..at + V::LANES];
-    // SAFETY: the slice has so many.
+    // SAFETY: the slice has `V::LANES` numbers.
     unsafe { V::load(columns.as_ptr()) }
 }
 
 #[inline(always)]
 fn put<V: Vector<f64>>(columns: &mut Lanes, at: usize, values: V) {
     let columns = &mut columns[at..at + V::LANES];
-    // SAFETY: the slice has so many.
+    // SAFETY: the slice has `V::LANES` numbers.
     unsafe { values.store(columns.as_mut_ptr()) }
 }
 
-/// What a sweep changes, and the size of what it finds, column by column.
+/// For each column, the largest change of a force by a sweep, and the largest force.
 struct Progress {
     change: Lanes,
     size: Lanes,
@@ -488,19 +496,19 @@ struct Progress {
 /// `df = D (dg_lin + T df)` for some columns.
 struct System<'a, const M: usize> {
     rows: &'a [Row<M>],
-    /// Of all sides of all bonds.
+    /// Changes of the linear paths of all sides of all bonds.
     path: &'a [Lanes],
     memory: &'a mut Memory<M>,
 }
 
-/// Compiled once, not once in each kind of window.
+/// Solves a [`System`]. Not inlined, so that it is compiled once for all kinds of windows.
 #[inline(never)]
 fn solve<const M: usize>(system: System<'_, M>) -> Result<(), (usize, f64)> {
     f64::run_vector(system)
 }
 
 impl<const M: usize> System<'_, M> {
-    /// The forces of a panel without those of others.
+    /// Computes the forces of a panel without the influence of other panels.
     #[inline(always)]
     fn drive<V: Vector<f64>>(&mut self, p: usize) {
         let (row, driven) = (&self.rows[p], &mut self.memory.driven[p]);
@@ -549,10 +557,10 @@ impl<const M: usize> System<'_, M> {
 }
 
 impl<const M: usize> VectorKernel<f64> for System<'_, M> {
-    /// Or bond and residual where it does not settle.
+    /// If the sweeps do not converge, a bond and its residual.
     type Output = Result<(), (usize, f64)>;
 
-    /// Solves it by sweeps.
+    /// Solves the system by sweeps over the panels.
     #[inline(always)]
     fn run<V: Vector<f64>>(mut self) -> Self::Output {
         let none = || Progress { change: [0.0; LANES], size: [0.0; LANES] };
@@ -567,7 +575,7 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
                 self.sweep::<V>(p, &mut progress);
             }
             let Progress { change, size } = progress;
-            // By the next change, as sweeps contract at least as fast as they did.
+            // By an estimate of the next change: sweeps contract at least as fast as before.
             let settled = |lane: usize| {
                 let (by, before) = (change[lane], last[lane]);
                 let rounding = f64::EPSILON * size[lane];
@@ -578,7 +586,7 @@ impl<const M: usize> VectorKernel<f64> for System<'_, M> {
             }
             last = change;
         }
-        // Once more, to tell where.
+        // One more sweep, to find the bond with the largest change.
         let mut worst = (0, 0.0);
         for p in 0..self.rows.len() {
             let mut progress = none();
@@ -606,7 +614,7 @@ fn flows(open: Option<&Open>, sites: usize, h: f64) -> Vec<Option<[Path; 4]>> {
     (0..sites).map(of).collect()
 }
 
-/// The derivative of what [`State::advance`](super::State) does.
+/// Moves the changes of sites over a window: the derivative of `Section::advance`.
 #[inline(always)]
 fn advance<const S: usize, C: ContactChain<S>>(
     (chain, flows): (&C, &[Option<[Path; 4]>]),

@@ -1,5 +1,5 @@
-//! A chain whose beads differ, are damped and driven, as contact collocation sees it: every bond
-//! between two sites that answer impulses in their own ways.
+//! The interface of a chain with details to contact collocation: every bond is between two sites
+//! with kernels of their own.
 
 use super::{
     super::{Chain, ContactLaw, Layout, Modes, Params, Resonators},
@@ -10,8 +10,7 @@ use hertzchain_integrators::{
     collocation::{self, ContactChain, Loss, Path, Response},
 };
 
-/// Overlap of a bond with the contact constant zero where all sites are at the origin: it never
-/// closes.
+/// Overlap at the origin of a bond whose contact constant is zero, so that it never closes.
 const APART: f64 = -1e100;
 
 /// A chain with [`Details`](super::Details).
@@ -21,14 +20,16 @@ pub struct Differing {
     sites: Vec<Motion>,
 }
 
-/// The two motions of a site.
+/// The free motion and the oscillation of a site.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
     modes: Modes<f64>,
+    /// Whether it has a resonator that moves.
     moving: bool,
     response: Response,
+    /// Drag and slip, see [`ContactChain::damping`].
     damping: [f64; 2],
-    /// Whether a drive moves it.
+    /// Whether a drive prescribes its position.
     moved: bool,
 }
 
@@ -49,7 +50,7 @@ impl Motion {
 }
 
 impl Differing {
-    /// The chain.
+    /// The interface to a chain.
     ///
     /// # Errors
     /// A chain without details.
@@ -66,15 +67,16 @@ impl Differing {
         self.chain.parts().expect("a chain with details")
     }
 
-    /// The drives of a site that count: one that moves it, or all that push it.
+    /// The drives of a site: the one that moves it, or all that push it.
     fn drives_of(&self, site: usize) -> impl Iterator<Item = &super::Drive> {
         let means = if self.sites[site].moved { Means::Moved } else { Means::Pushed };
         self.parts().drives().iter().filter(move |drive| drive.site == site && drive.means == means)
     }
 
-    /// The scale of the velocities that a drive makes: of the bead that it moves; or, of a force,
-    /// that of the free bead at each frequency, and for a constant one the speed with which a
-    /// contact takes it up.
+    /// The scale of the velocities that a drive causes. If it moves its bead: the speed of the
+    /// bead. If it is a force, the sum over its harmonics: the speed amplitude of the free bead;
+    /// for a constant force, the speed from its work up to the overlap at which a contact balances
+    /// it.
     fn speed(&self, drive: &super::Drive) -> f64 {
         if drive.means == Means::Moved {
             return drive.signal.speed();

@@ -51,7 +51,7 @@ impl<R: Real> Contact<R> {
         self.constant
     }
 
-    /// How it dissipates, if it does.
+    /// The kind and `gamma` of its dissipation, if it dissipates.
     pub(crate) fn loss(&self) -> Option<(Kind, R)> {
         self.loss
     }
@@ -82,7 +82,7 @@ impl<R: Real> Contact<R> {
         (elastic + self.drag(g, rate)).max(R::zero())
     }
 
-    /// What the rate of the overlap adds to the force of a closed contact.
+    /// The dissipative part of the force of a closed contact: `c(g) g'`.
     fn drag(&self, g: R, rate: R) -> R {
         match self.loss {
             Some((Kind::Viscoelastic, gamma)) => self.constant * self.law.stiffness(g) * gamma * rate,

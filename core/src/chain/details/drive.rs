@@ -1,4 +1,4 @@
-//! What moves or pushes a bead: a sum of harmonics under an envelope.
+//! Drives, which move or push a bead by a signal: a sum of harmonics times an envelope.
 
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
@@ -14,23 +14,24 @@ pub struct Harmonic {
     pub phase: f64,
 }
 
-/// What the sum of harmonics is multiplied by. All envelopes have three continuous derivatives.
+/// The factor of the sum of harmonics, from 0 to 1. All envelopes have three continuous
+/// derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Envelope {
     /// 1 at all times.
     None,
     /// From 0 at time 0 to 1 at this time: `x^4 (35 - 84 x + 70 x^2 - 20 x^3)`, `x = t/ramp`.
     Ramp(f64),
-    /// Zero outside a window: `(4 x (1 - x))^4`, `x = (t - start)/length`.
+    /// `(4 x (1 - x))^4`, `x = (t - start)/length`, for `x` from 0 to 1, and zero elsewhere.
     Burst {
-        /// When it begins.
+        /// Time at which it begins, at least zero.
         start: f64,
-        /// How long it lasts.
+        /// Duration, positive.
         length: f64,
     },
 }
 
-/// A sum of harmonics under an envelope.
+/// A sum of harmonics times an envelope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// The harmonics.
@@ -39,7 +40,7 @@ pub struct Signal {
     pub envelope: Envelope,
 }
 
-/// What a drive does with its bead.
+/// How a drive acts on its bead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Means {
     /// The signal is the displacement of the bead.
@@ -55,7 +56,7 @@ pub struct Drive {
     pub site: usize,
     /// Whether it is moved or pushed.
     pub means: Means,
-    /// Its displacement, or the force.
+    /// The displacement of the bead, or the force on it.
     pub signal: Signal,
 }
 
@@ -88,12 +89,12 @@ impl Signal {
         [e * sum[0], e1 * sum[0] + e * sum[1], e2 * sum[0] + R::of(2.0) * e1 * sum[1] + e * sum[2]]
     }
 
-    /// A bound of the signal.
+    /// A bound of the absolute value of the signal: the sum of the amplitudes.
     pub fn size(&self) -> f64 {
         self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum()
     }
 
-    /// The scale of its rate.
+    /// The scale of the time derivative of the signal; positive.
     pub(crate) fn speed(&self) -> f64 {
         let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs() * harmonic.omega).sum();
         own.max(f64::MIN_POSITIVE) + self.size() * self.envelope.per_time()
@@ -108,7 +109,7 @@ impl Signal {
         }
     }
 
-    /// The time at which the envelope has come to its end or its full height.
+    /// The time from which the envelope is constant: the end of a ramp or of a burst.
     pub fn settled(&self) -> f64 {
         match self.envelope {
             Envelope::None => 0.0,
@@ -180,7 +181,7 @@ impl Envelope {
         }
     }
 
-    /// The scale of its rate.
+    /// The scale of the time derivative of the envelope.
     fn per_time(self) -> f64 {
         match self {
             Self::None => 0.0,

@@ -37,7 +37,7 @@ pub(crate) fn rates<R: Real>(chain: &Chain<R>, parts: &Parts<R>, t: R, y: &[R], 
                 ledger.driven += value * u_dot[i];
             }
             Means::Moved => {
-                // The contacts act on it, and the drive does the rest.
+                // Power of the drive's force, which is mass times acceleration minus contact force.
                 ledger.driven += parts.sites[i].mass * second * u_dot[i] - force[i] * first;
                 (dy[i], dy[half + i]) = (first, second);
             }
@@ -48,7 +48,7 @@ pub(crate) fn rates<R: Real>(chain: &Chain<R>, parts: &Parts<R>, t: R, y: &[R], 
     }
 }
 
-/// The forces of contacts on sites, and the rate of what contacts dissipate.
+/// Writes the contact forces on sites into `force`; returns the power that contacts dissipate.
 fn contacts<R: Real>(chain: &Chain<R>, parts: &Parts<R>, u: &[R], u_dot: &[R], force: &mut [R]) -> Ledger<R> {
     let mut lost = R::zero();
     force.fill(R::zero());

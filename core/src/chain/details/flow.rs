@@ -1,13 +1,14 @@
 //! Both splits of a chain with details: sites move on their own, by the exact flow of each, and
 //! contacts and drives kick.
 //!
-//! On the linear split springs are part of the motion of a site, on the kinetic one they kick. Drag
-//! and dashpots are part of the motion on both, so that it is exact with them, and what they
-//! dissipate is, too. The clock is part of the drift.
+//! In the linear split springs are part of the drift of a site, in the kinetic split of the kick.
+//! Drag and dashpots are part of the drift in both, so that the motion with them is exact, and so
+//! are the energies that they dissipate. Time advances in the drift.
 //!
-//! What drives put in is kept as `p`, which kicks change by what depends on positions only:
-//! `p' = -F' u` for a bead that is pushed, `p' = -f s'` with its contact force `f` for one that is
-//! moved. Then `driven = p + F u + m s'^2/2`, and schemes made for such kicks keep their order.
+//! The work of drives is kept as a quantity `p`, whose rate depends on positions and time only, so
+//! that kicks can change it: `p' = -F' u` for a bead that is pushed by a force `F`, `p' = -f s'`
+//! with its contact force `f` for one that is moved. The work is then `p + F u + m s'^2/2`, and
+//! schemes made for such kicks keep their order.
 
 use super::{
     super::{Chain, Resonators},
@@ -19,10 +20,10 @@ use crate::run::method::Split;
 use hertzchain_integrators::{Real, SplitFlow, Twofold, system::ContactFlow};
 use std::{collections::HashMap, sync::Arc};
 
-/// Drifts that are kept: those that a scheme repeats.
+/// Largest number of drifts that are kept, for the times that a scheme repeats.
 const KEPT: usize = 16;
 
-/// A time, and what each site does over it.
+/// A time, and the motion of each site over it.
 type Kept<R> = (Twofold<R>, Arc<Drift<R>>);
 
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
@@ -61,7 +62,7 @@ impl<R: Real> SitewiseFlow<R> {
             None => chain.with(&super::Details::default()).expect("a chain of displacements"),
         };
         let (mut classes, mut class) = (Vec::new(), Vec::new());
-        // Kinds of sites with their classes, by what they round to: all sites may differ.
+        // Classes of sites by their rounded parameters, for a fast search: all sites may differ.
         let mut known: HashMap<[u64; 5], Vec<(SiteParts<R>, u32)>> = HashMap::new();
         for site in &parts(&chain).sites {
             let rounded = [site.mass, site.kappa, site.rho, site.drag, site.dashpot].map(|x| x.f64().to_bits());
@@ -105,7 +106,7 @@ impl<R: Real> SitewiseFlow<R> {
         self.class(i).bead(&self.site(i))
     }
 
-    /// `F u + m s'^2/2` of all drives, now.
+    /// The sum of `F u` and `m s'^2/2` of all drives at the present time.
     fn held_by_drives(&self) -> R {
         let parts = parts(&self.chain);
         parts.drives().iter().fold(R::zero(), |sum, drive| {
@@ -117,7 +118,7 @@ impl<R: Real> SitewiseFlow<R> {
         })
     }
 
-    /// Puts beads that are moved where they are now.
+    /// Sets beads that are moved to their prescribed positions and velocities at the present time.
     fn follow(&mut self) {
         let t = self.time.value();
         let Self { chain, z, .. } = self;

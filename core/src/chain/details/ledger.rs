@@ -1,26 +1,26 @@
-//! What was dissipated and driven since the start, at the end of a state.
+//! The ledger, at the end of a state: energies dissipated and work of drives since the start.
 
 use super::super::Layout;
 use hertzchain_integrators::Real;
 
-/// Number of entries.
+/// Number of entries of a ledger.
 pub(crate) const LEDGER: usize = 4;
 
-/// Work that has left a chain and that drives have put in, since the start.
+/// Energies that a chain has dissipated and the work that drives have done on it, since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger<R> {
-    /// Dissipated by drag on beads.
+    /// Energy dissipated by drag on beads.
     pub drag: R,
-    /// Dissipated by dashpots of resonators.
+    /// Energy dissipated by dashpots of resonators.
     pub dashpots: R,
-    /// Dissipated by contacts.
+    /// Energy dissipated by contacts.
     pub contacts: R,
-    /// Put in by drives.
+    /// Work of drives.
     pub driven: R,
 }
 
 impl<R: Real> Ledger<R> {
-    /// All that was dissipated.
+    /// Energy dissipated in all.
     pub fn dissipated(&self) -> R {
         self.drag + self.dashpots + self.contacts
     }

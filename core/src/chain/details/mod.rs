@@ -1,4 +1,4 @@
-//! What differs from bead to bead, what dissipates, and what drives.
+//! Details of a chain: parameters that differ from bead to bead, damping, dissipation and drives.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -14,8 +14,9 @@
 //! f_b = A_b (g_b)_+^{alpha_b}, or with dissipation at least zero: beads never pull
 //! ```
 //!
-//! The state of a chain with damping or drives has four more entries at its end, the [`Ledger`]:
-//! what was dissipated and driven since the start. Energy + dissipated - driven is constant.
+//! The state of a chain with damping, dissipation or drives has four more entries at its end, the
+//! [`Ledger`]: energies dissipated and work of drives since the start. Energy + dissipated - driven
+//! is constant.
 
 mod collocated;
 mod contact;
@@ -45,7 +46,7 @@ use contact::Contact;
 use hertzchain_integrators::{Real, regularised::common_power};
 use std::sync::Arc;
 
-/// What differs from bead to bead, what dissipates, and what drives, as it is given to
+/// Parameters that differ from bead to bead, damping, dissipation and drives, as input of
 /// [`Chain::with`].
 ///
 /// Lists of sites have one number a site, lists of bonds one number for each bond that can touch,
@@ -81,15 +82,15 @@ pub struct Details {
     pub contact: Vec<f64>,
     /// Exponents of contacts, positive.
     pub alpha: Vec<f64>,
-    /// Static overlaps; negative: beads apart.
+    /// Static overlaps of contacts, finite; negative if there is a gap between the beads.
     pub overlap: Vec<f64>,
     /// How contacts dissipate, if they do.
     pub dissipation: Option<Dissipation>,
-    /// What moves or pushes beads.
+    /// Drives, which move or push beads.
     pub drives: Vec<Drive>,
 }
 
-/// A site, as loops over sites need it.
+/// The parameters of a site, in the form that loops over sites need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SiteParts<R> {
     pub(crate) mass: R,
@@ -98,12 +99,12 @@ pub(crate) struct SiteParts<R> {
     pub(crate) drag: R,
     pub(crate) dashpot: R,
     pub(crate) resonators: Resonators,
-    /// Whether a drive moves it.
+    /// Whether a drive prescribes its position.
     pub(crate) moved: bool,
 }
 
 impl<R: Real> SiteParts<R> {
-    /// The mass of the resonator; zero where none moves.
+    /// The mass of the resonator; zero if there is none or it is fixed.
     pub(crate) fn resonator(&self) -> R {
         if self.resonators == Resonators::Moving { self.rho * self.mass } else { R::zero() }
     }
@@ -114,7 +115,7 @@ impl<R: Real> SiteParts<R> {
 pub(crate) struct Parts<R> {
     given: Details,
     pub(crate) sites: Vec<SiteParts<R>>,
-    /// From bond 0 on; those that cannot touch have constant zero.
+    /// Contacts from bond 0 on; bonds that cannot touch have the constant zero.
     pub(crate) bonds: Vec<Contact<R>>,
     pub(crate) damped: bool,
     pub(crate) dissipative: bool,
@@ -135,7 +136,7 @@ impl<R: Real> Parts<R> {
         self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64().abs()))
     }
 
-    /// The powers with which the field begins and ends at events.
+    /// The powers of time with which forces begin and end at events, each once.
     fn powers(&self) -> Vec<f64> {
         let mut powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers).collect();
         powers.sort_by(f64::total_cmp);
@@ -143,8 +144,8 @@ impl<R: Real> Parts<R> {
         powers
     }
 
-    /// For DOP853 from event to event of order `p`: the smallest power of the field at an event,
-    /// and the power of the map that suits all.
+    /// For DOP853 of order `p` from event to event: the smallest power of time with which the field
+    /// begins at an event, and the power of the map that is used for all events.
     pub(crate) fn map(&self, p: u32) -> (f64, u32) {
         let powers = self.powers();
         let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
@@ -153,7 +154,7 @@ impl<R: Real> Parts<R> {
     }
 }
 
-/// A force that jumps counts as this power of time in the estimate of what a moved event changes.
+/// Power of time that stands for a force that jumps, in the estimate of the error by a moved event.
 const LEAST_POWER: f64 = 0.01;
 
 /// The number of entry `i` of a list, or the value of the uniform chain.
@@ -205,8 +206,8 @@ impl Details {
         Ok(())
     }
 
-    /// The largest displacement that a drive gives its bead or, of forces on beads, the largest
-    /// acceleration; zero without drives.
+    /// The largest displacement that a drive prescribes; if no drive moves its bead, the largest
+    /// acceleration by a driving force; zero without drives.
     pub(crate) fn scale(&self) -> f64 {
         let largest = |means: Means| {
             let of = |drive: &Drive| match means {
@@ -246,7 +247,7 @@ impl Details {
                 return Err(Error::parameter("drive.site", drive.site, "a site of the chain, counted from 0"));
             }
             drive.signal.check()?;
-            // A push of a moved bead would do nothing: what moves it takes it up.
+            // A force on a moved bead would have no effect: its position is prescribed.
             let also = |other: &Drive| other.site == drive.site && [drive.means, other.means].contains(&Means::Moved);
             if self.drives[..k].iter().any(also) {
                 return Err(Error::parameter("drive.site", drive.site, "a bead that is moved has no other drive"));
@@ -319,8 +320,8 @@ impl<R: Real> Chain<R> {
         self.details.as_deref().is_some_and(|parts| parts.dissipative)
     }
 
-    /// Refuses a chain with details, for what assumes that all beads are equal and nothing
-    /// dissipates or drives. `what` needs it, in words.
+    /// Refuses a chain with details, for methods that assume equal beads without damping,
+    /// dissipation and drives. `what` names the method in the error message.
     ///
     /// # Errors
     /// A chain with details.
@@ -334,13 +335,13 @@ impl<R: Real> Chain<R> {
         }
     }
 
-    /// The parts, for loops of this crate.
+    /// The details, checked and completed, for loops of this crate.
     pub(crate) fn parts(&self) -> Option<&Parts<R>> {
         self.details.as_deref()
     }
 
-    /// For DOP853 of order `p` from event to event: the smallest power with which the field begins
-    /// at an event, and the power of the map at singular ends.
+    /// For DOP853 of order `p` from event to event: the smallest power of time with which the field
+    /// begins at an event, and the power of the map at singular ends.
     pub fn powers_at_events(&self, p: u32) -> (f64, u32) {
         match self.parts() {
             Some(parts) => parts.map(p),
@@ -356,8 +357,8 @@ impl<R: Real> Chain<R> {
         }
     }
 
-    /// Whether the beads that drives move are where these have them at time `t`, up to rounding of
-    /// the state.
+    /// Whether the beads that drives move have the prescribed positions and velocities at time `t`,
+    /// to 1e-9 of the drive's size and speed. The error is a site that has not.
     pub(crate) fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
         let Some(parts) = self.parts() else { return Ok(()) };
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));

@@ -4,10 +4,10 @@
 //! |---|---|
 //! | `z` | `[u, v, u', v']`, or `[R, P, R', P'/omega]` for the modes of a site without damping |
 //! | `E(t)` | `exp(A t)`, with `z' = A z` |
-//! | `Q(t)` | `int_0^t E^T D E ds`: `z^T Q z` is what a damper with the rate `z^T D z` dissipates |
+//! | `Q(t)` | `int_0^t E^T D E ds`: `z^T Q z` is the energy dissipated at the power `z^T D z` |
 //!
-//! `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`: from a short time, by Taylor's series
-//! and a Gauss rule, to the whole one by doublings.
+//! Both are computed for a short time, by Taylor's series and a Gauss rule, and then for the whole
+//! time by doubling: `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`.
 
 use super::{
     super::{Modes, Params, Resonators, gauss::gauss},
@@ -24,18 +24,19 @@ type Matrix<R> = [[R; 4]; 4];
 const SHORT: f64 = 0.5;
 const TERMS: usize = 26;
 
-/// A kind of site: what its motion between contacts depends on.
+/// A class of sites with the same motion between contacts, and the parameters of this motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Class<R> {
-    /// Its position is given.
+    /// A site whose position is prescribed.
     Moved,
-    /// Free, or with an undamped spring that is part of the drift: `R` moves freely, `P` turns.
+    /// A site without spring, or with an undamped spring that is part of the drift: `R` moves
+    /// freely, `P` oscillates.
     Modes(Modes<R>),
-    /// Any other: `z' = A z`, and what drag and dashpot dissipate.
+    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot.
     Linear { a: Matrix<R>, drag: R, dashpot: R, damped: bool },
 }
 
-/// What a class does over a time.
+/// The motion of the sites of a class over a given time.
 #[derive(Clone, Debug)]
 pub(super) enum Propagator<R> {
     Moved,
@@ -54,7 +55,7 @@ impl<R: Real> Class<R> {
         }
         let damped = site.drag + site.dashpot > zero;
         let params = Params { alpha: 1.0, kappa: (site.kappa / site.mass).f64(), rho: site.rho.f64() };
-        // Springs that kick leave two bodies that move freely: no modes.
+        // If springs are part of the kick, bead and resonator move freely: there are no modes.
         let bound = split == Split::Linear || site.resonators == Resonators::None;
         if !damped && bound {
             return Self::Modes(Modes::new(params));
@@ -97,7 +98,7 @@ impl<R: Real> Class<R> {
         }
     }
 
-    /// The velocity and the position of the bead.
+    /// The position and the velocity of the bead.
     #[inline]
     pub(super) fn bead(&self, z: &[R; 4]) -> [R; 2] {
         match self {
@@ -106,7 +107,7 @@ impl<R: Real> Class<R> {
         }
     }
 
-    /// What an impulse on the bead, over its mass, adds to `z[2]` and `z[3]`.
+    /// The factors by which an impulse on the bead, over its mass, is added to `z[2]` and `z[3]`.
     pub(super) fn shares(&self) -> [R; 2] {
         match self {
             Self::Modes(modes) => [modes.m, modes.mu_over_omega()],
@@ -114,7 +115,7 @@ impl<R: Real> Class<R> {
         }
     }
 
-    /// The motion over a time.
+    /// The motion over the time `dt`.
     pub(super) fn over(&self, dt: Twofold<R>) -> Propagator<R> {
         match self {
             Self::Moved => Propagator::Moved,
@@ -130,7 +131,7 @@ impl<R: Real> Class<R> {
 }
 
 impl<R: Real> Propagator<R> {
-    /// Moves a site on; returns what drag and dashpot have dissipated.
+    /// Moves a site on; returns the energies that drag and dashpot have dissipated.
     #[inline]
     pub(super) fn apply(&self, z: &mut [R; 4]) -> [R; 2] {
         match self {
@@ -156,7 +157,7 @@ fn dot<R: Real>(a: &[R; 4], b: &[R; 4]) -> R {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// `z^T Q z`; a damper dissipates only if a velocity does.
+/// `z^T Q z`; zero for a damper that is absent, whose `Q` is zero.
 fn form<R: Real>(q: &Matrix<R>, z: &[R; 4]) -> R {
     if q[2][2] == R::zero() {
         return R::zero();

@@ -15,27 +15,30 @@ use super::{
 use hertzchain_integrators::{Real, Rotation, Twofold, VectorKernel, vector::Vector};
 use std::ops::Range;
 
-/// By what formula a site moves.
+/// The formula of a site's drift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Motion {
-    /// Its position is given.
+    /// The position is prescribed.
     Given,
-    /// `R` moves freely, `P` turns.
+    /// `R` moves freely, `P` oscillates.
     Turning,
     /// Bead and resonator move freely.
     Straight,
-    /// By a matrix.
+    /// A damped site, moved by a matrix.
     Damped,
 }
 
-/// What the loops need of the sites and contacts, and what does not change.
+/// The constants of sites and contacts for the loops.
 #[derive(Debug)]
 pub(super) struct Stretches<R> {
+    /// The stretches of the chain, in order.
     motions: Vec<(Motion, Range<usize>)>,
-    /// Shares of an impulse on the bead that go to `z[2]` and `z[3]`.
+    /// Shares of an impulse on the bead that go to `z[2]` and `z[3]`, by site.
     shares: [Vec<R>; 2],
+    /// Masses of beads.
     mass: Vec<R>,
-    /// Spring constants; masses of resonators, infinite where none moves.
+    /// Spring constants, and masses of resonators, infinite where none moves; `None` without
+    /// springs.
     springs: Option<[Vec<R>; 2]>,
     /// The law of all contacts, if they have the same exponent.
     law: Option<ContactLaw<R>>,
@@ -43,18 +46,19 @@ pub(super) struct Stretches<R> {
     contacts: [Vec<R>; 2],
 }
 
-/// What each site does over a time.
+/// The motion of each site over a given time.
 #[derive(Debug)]
 pub(super) struct Drift<R> {
     dt: R,
-    /// High and low part of the cosine and of the sine, by site; empty where no site turns.
+    /// High and low part of the cosine and of the sine, by site; empty if no site of the chain is
+    /// of [`Motion::Turning`].
     turns: [Vec<R>; 4],
-    /// By class.
+    /// The propagator of each class.
     propagators: Vec<Propagator<R>>,
 }
 
 impl<R: Real> Stretches<R> {
-    /// Of a chain whose sites are of these classes, each of that with its number.
+    /// The constants of a chain; `class` has for each site the index of its class in `classes`.
     pub(super) fn new(chain: &Chain<R>, parts: &Parts<R>, classes: &[Class<R>], class: &[u32]) -> Self {
         let of = |i: usize| &classes[class[i] as usize];
         let mut motions: Vec<(Motion, Range<usize>)> = Vec::new();
@@ -109,7 +113,7 @@ impl<R: Real> Stretches<R> {
         Drift { dt: dt.value(), turns, propagators }
     }
 
-    /// Moves all sites on; adds what drag and dashpots dissipate.
+    /// Moves all sites on; adds the energies that drag and dashpots dissipate to `lost`.
     pub(super) fn drift(&self, z: &mut [Vec<R>; 4], drift: &Drift<R>, class: &[u32], lost: [&mut R; 2]) {
         let [lost_to_drag, lost_to_dashpots] = lost;
         for (motion, range) in &self.motions {
@@ -159,7 +163,8 @@ impl<R: Real> Stretches<R> {
         } else {
             touching.clone().for_each(|bond| push[bond] = own(bond));
         }
-        // With a wall, with nothing, or from the last bead of a ring to the first.
+        // The first and last bond: with a wall, with nothing, or from the last bead of a ring to
+        // the first.
         for bond in [0, n] {
             push[bond] = if touching.contains(&bond) { own(bond) } else { R::zero() };
         }
@@ -182,7 +187,7 @@ impl<R: Real> Stretches<R> {
         }
     }
 
-    /// Kicks all beads but those that are moved.
+    /// Kicks all beads except those that a drive moves.
     pub(super) fn kick(&self, z: &mut [Vec<R>; 4], force: &[R], kick: R) {
         for (_, range) in self.motions.iter().filter(|(motion, _)| *motion != Motion::Given) {
             let (force, mass) = (&force[range.clone()], &self.mass[range.clone()]);
@@ -198,14 +203,15 @@ fn part<'a, R>(z: &'a mut [Vec<R>; 4], range: &Range<usize>) -> [&'a mut [R]; 4]
 
 /// A formula for one register of sites, or bonds.
 trait Formula<R: Real> {
-    /// Those from `i` on, as many as `V` has lanes.
+    /// Applies the formula to the sites, or bonds, from `i` on, as many as `V` has lanes.
     ///
     /// # Safety
-    /// All slices have so many numbers from `i` on; the formula for overlaps has one more.
+    /// All slices have this number of values from `i` on, and that of positions in the formula for
+    /// overlaps one more.
     unsafe fn at<V: Vector<R>>(&mut self, i: usize);
 }
 
-/// A formula for so many sites, or bonds, register after register.
+/// A formula for `count` sites, or bonds, register after register.
 struct Over<F> {
     count: usize,
     formula: F,
@@ -234,10 +240,10 @@ impl<R: Real, F: Formula<R>> VectorKernel<R> for Over<F> {
     }
 }
 
-/// The numbers of a slice from `i` on.
+/// The numbers of a slice from `i` on, in a register.
 ///
 /// # Safety
-/// It has so many.
+/// The slice has at least `V::LANES` numbers from `i` on.
 #[inline(always)]
 unsafe fn load<R, V: Vector<R>>(numbers: &[R], i: usize) -> V {
     debug_assert!(i + V::LANES <= numbers.len());
@@ -248,7 +254,7 @@ unsafe fn load<R, V: Vector<R>>(numbers: &[R], i: usize) -> V {
 /// The numbers of four slices from `i` on. No closure: it would not be compiled for the registers.
 ///
 /// # Safety
-/// They have so many.
+/// Each slice has at least `V::LANES` numbers from `i` on.
 #[inline(always)]
 unsafe fn four<R, V: Vector<R>>(numbers: &[impl std::ops::Deref<Target = [R]>; 4], i: usize) -> [V; 4] {
     // SAFETY: the caller's promise.
@@ -258,7 +264,7 @@ unsafe fn four<R, V: Vector<R>>(numbers: &[impl std::ops::Deref<Target = [R]>; 4
 /// Writes the numbers of a slice from `i` on.
 ///
 /// # Safety
-/// It has so many.
+/// The slice has at least `V::LANES` numbers from `i` on.
 #[inline(always)]
 unsafe fn store<R, V: Vector<R>>(numbers: &mut [R], i: usize, values: V) {
     debug_assert!(i + V::LANES <= numbers.len());
@@ -266,7 +272,7 @@ unsafe fn store<R, V: Vector<R>>(numbers: &mut [R], i: usize, values: V) {
     unsafe { values.store(numbers.as_mut_ptr().add(i)) }
 }
 
-/// `R` moves freely, `P` turns.
+/// Drift of a site without damping: `R` moves freely, `P` oscillates.
 struct Turn<'a, R> {
     z: [&'a mut [R]; 4],
     dt: R,
@@ -288,7 +294,7 @@ impl<R: Real> Formula<R> for Turn<'_, R> {
     }
 }
 
-/// Bead and resonator move freely.
+/// Drift of bead and resonator that both move freely.
 struct Straight<'a, R> {
     z: [&'a mut [R]; 4],
     dt: R,
@@ -306,7 +312,7 @@ impl<R: Real> Formula<R> for Straight<'_, R> {
     }
 }
 
-/// `A (delta + u_i - u_{i+1})_+^alpha` of the bond behind bead `i`.
+/// The force `A (delta + u_i - u_{i+1})_+^alpha` of the bond after bead `i`.
 struct Push<'a, R, P> {
     power: P,
     law: &'a ContactLaw<R>,

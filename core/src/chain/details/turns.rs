@@ -1,5 +1,5 @@
-//! The events of a chain for methods that stop at each: contacts that close or open, and contacts
-//! that dissipate and cease to push before they open.
+//! The events of a chain, for methods that stop at each event: contacts close or open, and contacts
+//! that dissipate begin or cease to push while beads overlap.
 
 use super::super::{Chain, Overlaps};
 use hertzchain_integrators::{EventFunctions, Real};

@@ -33,7 +33,7 @@ pub struct Variations<R> {
     change: Vec<R>,
 }
 
-/// What the flow of a chain has made of a state and of some columns.
+/// A state and columns `W` at the end of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Varied<R> {
     /// The state, with its ledger.
@@ -43,7 +43,7 @@ pub struct Varied<R> {
 }
 
 impl<R: Real> Variations<R> {
-    /// The field of a chain and of so many columns. A uniform chain counts as one with details.
+    /// The field of a chain and of `columns` columns. A uniform chain counts as one with details.
     ///
     /// # Errors
     /// A strain ring; contacts that dissipate, or have an exponent of 1 or less: the force or its
@@ -69,8 +69,8 @@ impl<R: Real> Variations<R> {
         2 * self.chain.layout().half()
     }
 
-    /// The flow from `start` over a span by regularised DOP853, and what it makes of `columns`,
-    /// given row by row.
+    /// Integrates the state `start` and the `columns`, given row by row, over a span by regularised
+    /// DOP853.
     ///
     /// Tolerance of a step: relative, and absolute in units of the largest entry of the state and
     /// of the drives. It holds for state and columns alike.
@@ -106,12 +106,12 @@ impl<R: Real> Variations<R> {
         let largest = start.iter().fold(R::zero(), |largest: R, y| largest.max(y.abs()));
         let size = largest.max(R::of(chain.details().map_or(0.0, super::Details::scale)));
         let atol = if size > R::zero() { tol * size } else { tol };
-        // Contacts know displacements to the roundings of their static overlaps.
+        // An overlap is rounded by the rounding of its static part.
         let overlaps = chain.overlaps(&vec![R::zero(); chain.sites()]);
         let overlap = overlaps.into_iter().fold(R::zero(), |largest: R, overlap| largest.max(overlap));
         let options = Options { atol: atol.max(R::epsilon() * overlap), ..Options::new(tol) };
         let powers = parts(&chain).powers();
-        // Without columns only the force matters.
+        // With columns the stiffness matters, one power of time below the force.
         let down = if columns.is_empty() { 0.0 } else { 1.0 };
         let powers: Vec<f64> = powers.into_iter().map(|alpha| alpha - down).collect();
         let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
@@ -135,7 +135,7 @@ fn parts<R: Real>(chain: &Chain<R>) -> &Parts<R> {
     chain.parts().expect("a chain with details")
 }
 
-/// The events of a chain, from a vector that begins with its state.
+/// The events of a chain, as functions of a vector that begins with the state.
 struct OfState<R> {
     turns: Turns<R>,
     dim: usize,
@@ -227,7 +227,7 @@ impl<R: Real> Kernel for Linearised<'_, R> {
             let stiffness = contact.stiffness(g);
             let pushed = chain.topology().pushed(bond);
             change.fill(R::zero());
-            // A bead is pushed along the direction in which it reduces the overlap.
+            // Displacements are in the overlap with minus the weights of the forces on beads.
             for &(site, weight) in pushed.iter() {
                 accumulate(change, -R::of(weight), row(site));
             }

@@ -1,4 +1,4 @@
-//! What a window is held to.
+//! The accuracy that a window must reach.
 
 use super::{
     super::{
@@ -10,41 +10,42 @@ use super::{
     nodes::analytic,
 };
 
-/// A share `e` of the tolerance allows last terms of a series up to `(TAIL e)^POWER`: local errors
-/// go with the power `1/POWER` of the last terms. Fitted to runs of waves, impacts and random
-/// chains; `methods the_error_is_no_more_than_was_asked_for_over_six_decades` and
+/// A window whose share of the tolerance is `e` may have last terms of a series up to
+/// `(TAIL e)^POWER`: local errors go with the power `1/POWER` of the last terms. Fitted to runs of
+/// waves, impacts and random chains; `methods
+/// the_error_is_no_more_than_was_asked_for_over_six_decades` and
 /// `random_chains_agree_with_the_regularised_run` measure what it gives.
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
-/// The same where terms fall slowly, as of a force that nearly goes out: `SLOW_TAIL e`. Held by
-/// `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// Largest last terms where the terms fall slowly, as for a contact that nearly opens: `SLOW_TAIL
+/// e`. Held by `methods contacts_that_nearly_open_keep_the_tolerance`.
 const SLOW_TAIL: f64 = 2e2;
-/// How near an event must be for a panel to have its origin there, in lengths of the panel: without
-/// control of the error, and with it, where halvings make good for events farther away. Chosen; the
+/// Largest distance from a panel to an event that is the origin of its variable, in lengths of the
+/// panel. The second value is for a tolerance and forces that are all analytic in the panels'
+/// variable, where halvings resolve events farther away; the first for all other runs. Chosen; the
 /// first is held by `methods every_exponent_and_mass_ratio_is_resolved_in_equal_windows`.
 const NEAR: [f64; 2] = [0.75, 0.5];
-/// Share of the tolerance of a window that sweeps may leave undone. Chosen, not measured.
+/// Largest change by a further sweep, as a share of a window's tolerance. Chosen, not measured.
 const UNDONE: f64 = 1e-2;
-/// The same at least: what sweeps leave undone and what events are off by comes from one side and
-/// adds up over windows, unlike roundings. Held by
+/// Least value of this change and of the errors of events, relative to velocities. It is far below
+/// a rounding, since these errors have one sign and add up over windows, unlike roundings. Held by
 /// `methods a_thousand_periods_keep_the_energy_to_rounding`.
 const BIAS: f64 = 1e-18;
-/// A change that is rounding, in units of velocities, and last terms that are. Chosen; held by
-/// `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
+/// Changes of impulses, and last terms of series, that are rounding, relative to velocities.
+/// Chosen; held by `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
-/// The largest `f'(g) h^2` of a window under a tolerance from `LOOSE` on, and under a finer one. A
-/// longer window may hold whole contacts, which few nodes take for something else with no sign of
-/// it in their last terms; the looser the tolerance, the less these say. Windows that are chosen
-/// for their cost stay below a quarter. Chosen; held by
+/// The largest `f'(g) h^2/m` of a window, for a tolerance of at least `LOOSE` and for a finer one.
+/// A longer window may hold whole contacts, which few nodes take for something else with no sign of
+/// it in their last terms; the looser the tolerance, the less the last terms say. Windows that are
+/// chosen for their cost stay below 0.25. Chosen; held by
 /// `methods chains_at_rest_keep_loose_tolerances`.
 const STIFFEST: [f64; 2] = [0.5, 1.5];
 const LOOSE: f64 = 1e-4;
-/// The shortest window that the tolerance is divided to, as a share of the span. Chosen, not
-/// measured.
+/// The least share of the tolerance that a window gets, however short it is. Chosen, not measured.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// From the tolerance for a run, the goal for a window.
+/// Computes the goal of a window from the tolerance of the run.
 ///
 /// The tolerance is for the sum over the run, relative to the size of velocities; a window gets the
 /// share that its length is of the span. Without a tolerance a window is solved as well as sweeps
@@ -53,22 +54,22 @@ const LEAST_SHARE: f64 = 1e-6;
 pub(super) struct Accuracy {
     pace: Pace,
     span: f64,
-    /// Size of velocities: the largest at the start, or that to which the largest contact force
-    /// would drive a bead.
+    /// Size of velocities: the largest of those at the start, those to which overlaps at the start
+    /// would drive a bead, and those that drives make; 1 if all are zero.
     size: f64,
     contacts: Contacts,
 }
 
-/// The contacts of a chain in numbers.
+/// Bounds over all contacts of a chain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contacts {
     /// The smallest and the largest exponent.
     alphas: [f64; 2],
-    /// The smallest power of time with which a force begins that depends on rates, if one does.
+    /// If contacts dissipate, the smallest power of time with which the force of one begins.
     abrupt: Option<f64>,
     /// Whether all exponents are whole or half numbers.
     pub(super) analytic: bool,
-    /// The largest acceleration that a unit overlap makes.
+    /// The largest acceleration by a unit overlap.
     strongest: f64,
 }
 
@@ -130,7 +131,7 @@ impl Accuracy {
 
     pub(super) fn goal(&self, h: f64) -> Goal {
         let (share, change, tail, slow) = match self.pace {
-            // All that sweeps can do.
+            // Sweeps go on until changes are rounding.
             Pace::Windows { .. } => (f64::INFINITY, 0.0, f64::INFINITY, 1.0),
             Pace::Tolerance(tol) => {
                 let share = tol * (h / self.span).max(LEAST_SHARE);
@@ -139,8 +140,9 @@ impl Accuracy {
             }
         };
         let least = change.max(if let Pace::Windows { .. } = self.pace { 0.1 * ROUNDING } else { BIAS });
-        // A force that begins with the power p gives the overlap beside it one of p + 2, and its rate
-        // one of p + 1; a panel that is cut beside the event errs by an impulse of one more.
+        // A force that begins with the power p of time adds to a neighbour's overlap a power p + 2,
+        // and to its rate p + 1; a panel that is cut off the event has an error of the impulse of
+        // one power more.
         let mut lost = self.contacts.least(|alpha| h * least.powf(1.0 / (alpha + 3.0)));
         if let Some(power) = self.contacts.abrupt {
             lost = lost.min(h * least.powf(1.0 / (power + 2.0)));

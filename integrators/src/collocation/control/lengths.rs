@@ -6,48 +6,50 @@ use super::super::{
 };
 use super::nodes::MOST_HALVED;
 
-/// The largest `f'(g) h^2` at first, and its range: shorter windows need fewer sweeps, longer ones
-/// have fewer panels. Chosen; runs move it by what their windows cost, and `benches/collocation.rs`
-/// times such runs.
+/// The largest `f'(g) h^2/m` of a window at the start of a run, and its range: shorter windows need
+/// fewer sweeps, longer ones have fewer panels. Chosen; runs adapt it to the cost of their windows,
+/// and `benches/collocation.rs` times such runs.
 const STIFFNESS: f64 = 0.04;
 const STIFFNESSES: [f64; 2] = [0.02, 0.25];
 /// A trial of longer or shorter windows changes `f'(g) h^2` by this factor. Chosen, not measured.
 const TRIAL: f64 = 1.25;
 /// Windows between two trials. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// Sweeps that a good window takes. Chosen, not measured.
+/// Windows become shorter if they need more sweeps than this. Chosen, not measured.
 const GOOD_SWEEPS: u64 = 5;
-/// The first window, as a share of the shortest time scale. Chosen, not measured.
+/// Length of the first window, as a share of the shortest time scale. Chosen, not measured.
 const FIRST: f64 = 0.3;
-/// Oscillations faster than this do not shorten the first window. Chosen, not measured.
+/// Frequency of resonators above which they do not shorten the first window further. Chosen, not
+/// measured.
 const FASTEST: f64 = 1e3;
 
 /// The length of the next window.
 ///
-/// It grows while windows settle in few sweeps and without halved panels, and shrinks while they do
-/// not. `f'(g) h^2` is held at the value that was cheapest so far, so that sweeps contract.
+/// It grows while windows converge in few sweeps and few panels are halved, and shrinks otherwise.
+/// The stiffness `f'(g) h^2/m` is limited to a value that is moved towards least cost, so that
+/// sweeps contract.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lengths {
     /// The length to try next.
     h: f64,
-    /// The longest window given up since the last good one; zero if none.
+    /// Length of the longest window given up since the last one that was solved; zero if none.
     given_up: f64,
     stiffness: Stiffness,
 }
 
-/// A search for the `f'(g) h^2` at which a unit of time costs least: it goes on up or down as long
-/// as the cost falls, and turns when it rises.
+/// A search for the `f'(g) h^2/m` at which a unit of time costs least. It goes up or down as long
+/// as the cost falls, and changes its direction when the cost rises.
 #[derive(Clone, Copy, Debug)]
 struct Stiffness {
-    /// The largest `f'(g) h^2` allowed.
+    /// The largest `f'(g) h^2/m` allowed.
     value: f64,
-    /// The factor of the last trial.
+    /// The factor of the last trial: [`TRIAL`] or its reciprocal.
     trial: f64,
-    /// Windows since that trial, their length and their work.
+    /// Number of windows since the last trial, the sum of their lengths and of their work.
     windows: u32,
     time: f64,
     work: f64,
-    /// Work for a unit of time before that trial.
+    /// Work for a unit of time before the last trial.
     cost: f64,
 }
 
@@ -67,20 +69,20 @@ impl Lengths {
     }
 
     pub(super) fn propose(&self, left: f64) -> f64 {
-        // The last windows share what is left.
+        // The last two windows have equal lengths.
         if left <= self.h { left } else { self.h.min(0.5 * left) }
     }
 
-    /// A window was given up; returns the length to try instead.
+    /// Takes note of a window that was given up; returns the length to try instead.
     pub(super) fn reject(&mut self, h: f64) -> f64 {
         self.given_up = self.given_up.max(h);
         self.h = 0.5 * h;
         self.h
     }
 
-    /// Counts the work of a window that is done.
+    /// Counts the work of a window that was solved.
     pub(super) fn count(&mut self, verdict: &Verdict, h: f64) {
-        // One bond in trouble for a moment says little about the windows after it.
+        // A window that is given up for one bond says little about the windows after it.
         self.h = self.h.max(0.9 * self.given_up);
         self.given_up = 0.0;
         self.stiffness.count(verdict, h);
@@ -98,7 +100,7 @@ impl Lengths {
         } else {
             1.0
         };
-        // Sweeps are to contract.
+        // The limit of the stiffness makes sweeps contract.
         if verdict.stiffness > 0.0 {
             self.h = self.h.min(h * (self.stiffness.value / verdict.stiffness).sqrt());
         }

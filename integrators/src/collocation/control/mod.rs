@@ -1,7 +1,7 @@
-//! The control of windows: what each is held to, how long the next one is, and how many nodes its
-//! panels have.
+//! The control of windows: the accuracy that each must reach, the length of the next one, and the
+//! number of nodes a panel.
 //!
-//! | part | what it decides |
+//! | part | it computes |
 //! |---|---|
 //! | [`Accuracy`] | from the tolerance for the run, the [`Goal`] of one window |
 //! | [`Lengths`] | the length of the next window |
@@ -22,29 +22,30 @@ use accuracy::Accuracy;
 use lengths::Lengths;
 use nodes::NodeChoice;
 
-/// How finely to work.
+/// How the lengths of windows are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// Equal windows, without control of the error.
+    /// Windows of equal length, without control of the error.
     Windows {
-        /// How many.
+        /// Number of windows in the span, at least 1.
         windows: u64,
         /// Nodes a panel: 4, 6, 8, 10 or 12.
         nodes: usize,
-        /// Whether panels are cut where a contact of a neighbour begins or ends as well: that gives
-        /// the order its full height.
+        /// Whether panels are also cut where a contact of a neighbour begins or ends; the full
+        /// order needs these cuts.
         neighbours: bool,
     },
-    /// The error at the end, relative to the size of the state, that local errors may add up to.
+    /// Adaptive windows: a bound for the sum of local errors over the run, relative to the size of
+    /// the state; from 1e-15 to 0.1.
     Tolerance(f64),
 }
 
-/// Decides what windows are tried, and what they are held to.
+/// Chooses the windows that are tried, and the accuracy that they must reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
     accuracy: Accuracy,
     plan: Plan,
-    /// Whether the end is reached.
+    /// Whether the end of the span is reached.
     finished: bool,
 }
 
@@ -55,25 +56,25 @@ enum Plan {
     Adapted(Adapted),
 }
 
-/// Equal windows. One that does not settle is done in parts.
+/// Windows of equal length. A window that does not converge is done in shorter parts.
 #[derive(Clone, Copy, Debug)]
 struct Equal {
     windows: u64,
     nodes: usize,
-    /// Windows done, and the length of each.
+    /// Number of windows done, and the length of each.
     done: u64,
     length: f64,
-    /// The length to try next, and what is left of the window at hand.
+    /// The length to try next, and the time left in the current window.
     h: f64,
     rest: f64,
 }
 
-/// Windows as long, and nodes as many, as they are cheapest.
+/// Windows whose length and number of nodes are those of least cost.
 #[derive(Clone, Copy, Debug)]
 struct Adapted {
     lengths: Lengths,
     nodes: NodeChoice,
-    /// Running mean of the share of contacts whose panels were halved.
+    /// Running mean of the share of touching bonds whose panels were halved, from 0 to 1.
     halved: f64,
 }
 
@@ -85,7 +86,7 @@ fn rule(name: &'static str, value: f64, rule: &'static str) -> Error {
 }
 
 impl Control {
-    /// For a chain whose sites have the paths `start` at first.
+    /// For a chain whose sites have the paths `start` at the beginning of the run.
     pub(crate) fn new<const S: usize, C: ContactChain<S>>(
         chain: (&C, &Links<S>),
         start: &dyn Fn(usize) -> Path,
@@ -127,7 +128,7 @@ impl Control {
         self.finished
     }
 
-    /// The length of the next window, when so much time is left.
+    /// The length of the next window, when the time `left` is left.
     pub(crate) fn propose(&self, left: f64) -> f64 {
         match &self.plan {
             Plan::Equal(equal) => equal.h.min(equal.rest),
@@ -135,12 +136,12 @@ impl Control {
         }
     }
 
-    /// What a window of length `h` is held to.
+    /// The accuracy that a window of length `h` must reach.
     pub(crate) fn goal(&self, h: f64) -> Goal {
         self.accuracy.goal(h)
     }
 
-    /// A window of this verdict is done; `last` if it reached the end.
+    /// Takes note of a window that was solved; `last` if it reached the end of the span.
     pub(crate) fn accept(&mut self, verdict: &Verdict, h: f64, last: bool) {
         match &mut self.plan {
             Plan::Equal(equal) => self.finished = equal.accept(h),
@@ -151,7 +152,8 @@ impl Control {
         }
     }
 
-    /// A window of length `h` was given up: whether a shorter one may be tried.
+    /// Takes note of a window of length `h` that was given up. Returns whether a shorter one may be
+    /// tried.
     pub(crate) fn reject(&mut self, h: f64) -> bool {
         let h = match &mut self.plan {
             Plan::Equal(equal) => {
@@ -165,7 +167,7 @@ impl Control {
 }
 
 impl Equal {
-    /// A window, or a part of one, is done. Returns whether it was the last.
+    /// Takes note of a window, or a part of one, that was solved. Returns whether it was the last.
     fn accept(&mut self, h: f64) -> bool {
         self.rest -= h;
         if self.rest <= 1e-9 * self.length {

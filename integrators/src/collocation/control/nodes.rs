@@ -7,12 +7,12 @@ use super::super::solver::MOST_NODES;
 pub(super) const MOST_HALVED: f64 = 0.3;
 /// Windows between two changes of the number of nodes. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// Two nodes less cost the last terms about this factor. Chosen, not measured; too small a value
-/// shows as windows given up in `methods hardly_a_window_is_given_up`.
+/// Factor by which last terms are assumed to grow with two nodes less. Chosen, not measured; too
+/// small a value shows as windows given up in `methods hardly_a_window_is_given_up`.
 const TWO_NODES: f64 = 60.0;
 
-/// The fewest nodes for a force that is analytic in no variable: with fewer the power of the
-/// variable alone, 5 for `alpha = 1.2`, makes panels be halved and windows shrink. Chosen;
+/// The fewest nodes for a force that is not analytic in the panels' variable. With fewer nodes the
+/// power `q` of the variable, 5 for `alpha = 1.2`, causes halved panels and short windows. Chosen;
 /// `methods chains_at_rest_keep_loose_tolerances` holds the cost.
 const LEAST: usize = 8;
 
@@ -26,17 +26,16 @@ pub(super) fn analytic(alpha: f64) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodeChoice {
     count: usize,
-    /// Fewer were too few.
+    /// The least number to choose: fewer have led to too many halvings.
     least: usize,
-    /// Windows since the number was changed or last thought over, and the largest last terms in
-    /// them in units of those allowed.
+    /// Number of windows since the last choice, and their largest last terms over those allowed.
     since: u32,
     tail: f64,
 }
 
 impl NodeChoice {
-    /// For a tolerance, and forces that are [`analytic`] or not; so many as most runs come to.
-    /// Chosen, not measured.
+    /// The first choice, for a tolerance and forces that are [`analytic`] or not: the number at
+    /// which most runs end. Chosen, not measured.
     pub(super) fn new(tol: f64, analytic: bool) -> Self {
         let count: usize = match tol {
             1e-3.. => 4,
@@ -45,7 +44,7 @@ impl NodeChoice {
             1e-8.. => 10,
             _ => 12,
         };
-        // Where no variable makes the force analytic, its last terms tell less.
+        // The last terms say less about a force that is not analytic.
         let (count, least) = if analytic { (count, 4) } else { (count.max(LEAST), count.max(LEAST)) };
         Self { count, least, since: 0, tail: 0.0 }
     }
