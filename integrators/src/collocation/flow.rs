@@ -52,8 +52,14 @@ pub(crate) struct Flow {
     rate: f64,
     /// Series of `lag`, `cos` and `sin`.
     position: Series<3>,
+    /// Series of the factors of `v`, `c` and `s` in the velocity, and in that of the oscillating
+    /// part.
+    velocity: Series<3>,
+    swing: Series<3>,
     /// Series of `exp(-A t) b`.
     answer: Series<4>,
+    /// Series of `K`.
+    kernel: [f64; TERMS],
 }
 
 fn apply(a: &[Path; 4], y: &Path) -> Path {
@@ -99,31 +105,11 @@ const REACH: [f64; TERMS - 1] = {
     reach
 };
 
-/// `theta^k`, its integral and the integral of that, in units of `theta^k`, `theta^{k+1}` and
-/// `theta^{k+2}`.
-const INTEGRALS: [[f64; 3]; TERMS] = {
-    let (mut integrals, mut k) = ([[1.0; 3]; TERMS], 0);
-    while k < TERMS {
-        let next = (k + 1) as f64;
-        (integrals[k][1], integrals[k][2]) = (1.0 / next, 1.0 / (next * (next + 1.0)));
-        k += 1;
-    }
-    integrals
-};
-
 /// The number of terms that the series of `exp(theta)` needs. To compare `theta` with all of
 /// [`REACH`] costs less than terms that are not needed.
 #[inline(always)]
 fn terms(theta: f64) -> usize {
     REACH.iter().map(|&reach| usize::from(theta > reach)).sum::<usize>() + 1
-}
-
-/// The sums of `N` series at `L` values of `theta`.
-#[inline(always)]
-fn sums<const L: usize, const N: usize>(series: &[[f64; N]], theta: &[f64; WIDE]) -> [[f64; L]; N] {
-    let mut sums = [[0.0; WIDE]; N];
-    f64::run_vector(Horner { series, theta, times: L, sums: &mut sums });
-    sums.map(|sum| std::array::from_fn(|j| sum[j]))
 }
 
 /// Sums series at several times together, by Horner's rule. It is written with vector registers,
@@ -179,9 +165,22 @@ impl Flow {
         let rate = (omega + 2.0 * drag * (m + mu) + slip).max(1e-100);
         let scaled = a.map(|row| row.map(|x| x / rate));
         let transposed: [Path; 4] = std::array::from_fn(|i| std::array::from_fn(|j| scaled[j][i]));
-        let mut position = powers(&transposed, [1.0, 0.0, 1.0, 0.0]).map(|[_, v, c, s]| [v, c, s]);
+        let of_path = |of: Path| powers(&transposed, of).map(|[_, v, c, s]| [v, c, s]);
+        let mut position = of_path([1.0, 0.0, 1.0, 0.0]);
         position[1][0] = 0.0;
-        Self { a, b, response, drag, slip, rate, position, answer: powers(&scaled.map(|row| row.map(|x| -x)), b) }
+        Self {
+            a,
+            b,
+            response,
+            drag,
+            slip,
+            rate,
+            position,
+            velocity: of_path([0.0, 1.0, 0.0, omega]),
+            swing: of_path([0.0, 0.0, 0.0, omega]),
+            answer: powers(&scaled.map(|row| row.map(|x| -x)), b),
+            kernel: powers(&scaled, b).map(|[r, _, c, _]| r + c),
+        }
     }
 
     /// Whether drag or a dashpot acts.
@@ -226,74 +225,52 @@ impl Flow {
         apply(&self.a, y)
     }
 
-    /// `theta` at `L` times, at most [`WIDE`], and the number of terms that these need.
+    /// The sums of some series at `L` times, at most [`WIDE`].
     #[inline(always)]
-    fn theta<const L: usize>(&self, t: &[f64; L]) -> ([f64; WIDE], usize) {
+    fn at<const L: usize, const N: usize>(&self, series: &Series<N>, t: &[f64; L]) -> [[f64; L]; N] {
         const { assert!(L <= WIDE) };
         let (mut theta, mut largest) = ([0.0; WIDE], 0.0);
         for j in 0..L {
             theta[j] = self.rate * t[j];
             largest = if theta[j] > largest { theta[j] } else { largest };
         }
-        (theta, terms(largest))
+        let mut sums = [[0.0; WIDE]; N];
+        f64::run_vector(Horner { series: &series[..terms(largest)], theta: &theta, times: L, sums: &mut sums });
+        sums.map(|sum| std::array::from_fn(|j| sum[j]))
     }
 
     /// `lag`, `cos` and `sin` at `L` times.
     #[inline(always)]
     pub(crate) fn position<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        let (theta, count) = self.theta(t);
-        sums(&self.position[..count], &theta)
+        self.at(&self.position, t)
     }
 
-    /// The factors of `v`, `c` and `s` in the velocity `q'`: the derivatives of `t + lag`, `cos`
-    /// and `sin`.
+    /// The factors of `v`, `c` and `s` in the velocity `q'`.
     #[inline(always)]
     pub(crate) fn velocity<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
-        let (theta, count) = self.theta(t);
-        let mut rates = [[0.0; 3]; TERMS];
-        for k in 1..(count + 1).min(TERMS) {
-            rates[k - 1] = self.position[k].map(|term| k as f64 * self.rate * term);
-        }
-        rates[0][0] = 1.0;
-        sums(&rates[..count], &theta)
+        self.at(&self.velocity, t)
     }
 
-    /// The factors of `v`, `c` and `s` in the velocity of the oscillating part: `q'` without the
-    /// velocity of the free part, which is `v - drag m (q - q(0))`.
+    /// The factors of `v`, `c` and `s` in the velocity of the oscillating part.
     #[inline(always)]
-    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L], velocity: &[[f64; L]; 3]) -> [[f64; L]; 3] {
-        let ([lag, cos, sin], slows) = (self.position(t), self.drag * self.response.m);
-        let mut swing = *velocity;
-        for j in 0..L {
-            swing[0][j] += slows * (t[j] + lag[j]) - 1.0;
-            swing[1][j] += slows * (cos[j] - 1.0);
-            swing[2][j] += slows * sin[j];
-        }
-        swing
+    pub(crate) fn swing<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 3] {
+        self.at(&self.swing, t)
     }
 
     /// `exp(-A t) b`: the path by a unit impulse at `t`, after `t`.
     #[inline(always)]
     pub(crate) fn answer<const L: usize>(&self, t: &[f64; L]) -> [[f64; L]; 4] {
-        let (theta, count) = self.theta(t);
-        sums(&self.answer[..count], &theta)
-    }
-
-    /// The coefficient of `theta^k` in `K = b_v (t + lag) + b_s sin`.
-    #[inline(always)]
-    fn kernel(&self, k: usize) -> f64 {
-        let [lag, _, sin] = self.position[k];
-        let free = if k == 1 { 1.0 / self.rate } else { lag };
-        self.b[1] * free + self.b[3] * sin
+        self.at(&self.answer, t)
     }
 
     /// `K(t)`, and `int_0^t K(t - s) s^k/k! ds` for `k = 0, 1`.
     pub(crate) fn ramps(&self, t: f64) -> [f64; 3] {
-        let (theta, mut out) = (self.rate * t, [0.0; 3]);
+        let theta = self.rate * t;
+        let mut out = [0.0; 3];
         for k in (0..terms(theta)).rev() {
-            let term = self.kernel(k);
-            for i in 0..3 {
-                out[i] = theta * out[i] + term * INTEGRALS[k][i];
+            let (x, k) = (self.kernel[k], k as f64);
+            for (out, part) in out.iter_mut().zip([x, x / (k + 1.0), x / ((k + 1.0) * (k + 2.0))]) {
+                *out = theta * *out + part;
             }
         }
         [out[0], out[1] * t, out[2] * t * t]
@@ -301,7 +278,7 @@ impl Flow {
 
     /// Coefficients of `t^2`, `t^3` and `t^4` in `sum_k rates[k] int_0^t K(t - s) s^k/k! ds`.
     pub(crate) fn ramped(&self, [f0, f1, f2]: [f64; 3]) -> [f64; 3] {
-        let [a, b, c] = [1, 2, 3].map(|k| self.kernel(k));
+        let [_, a, b, c, ..] = self.kernel;
         let [a, b, c] = [a * self.rate, 2.0 * b * self.rate.powi(2), 6.0 * c * self.rate.powi(3)];
         [a * f0 / 2.0, (a * f1 + b * f0) / 6.0, (a * f2 + b * f1 + c * f0) / 24.0]
     }
@@ -345,8 +322,7 @@ mod tests {
 
     /// Position and velocity of the oscillating part, and of all, along `y` at `t`.
     fn at(flow: &Flow, y: Path, t: f64) -> [f64; 2] {
-        let [lag, cos, sin] = flow.position(&[t]);
-        let [v, c, s] = flow.swing(&[t], &flow.velocity(&[t]));
+        let ([lag, cos, sin], [v, c, s]) = (flow.position(&[t]), flow.swing(&[t]));
         let position = (y[0] + y[1] * t) + (y[1] * lag[0] + y[2] * cos[0] + y[3] * sin[0]);
         [position, y[1] * v[0] + y[2] * c[0] + y[3] * s[0]]
     }

@@ -318,20 +318,19 @@ impl Piece {
             }
         }
         let [_, v, c, s] = &now;
-        let along = |by: &[[f64; NODES]; 3]| {
+        let along = |by: [[f64; NODES]; 3]| {
             let mut out = [0.0; NODES];
             for j in 0..NODES {
                 out[j] = v[j] * by[0][j] + (c[j] * by[1][j] + s[j] * by[2][j]);
             }
             out
         };
-        let rates = flow.velocity(&self.t);
-        let velocity = along(&rates);
+        let velocity = along(flow.velocity(&self.t));
         gains[0] += flow.drag() * dot(&self.weights, &times(&velocity, &velocity));
         gains[2] -= dot(&self.weights, &times(lost, &velocity));
         gains[3] += dot(&self.weights, &times(drive, &velocity));
         if flow.dashpot() > 0.0 {
-            let swing = along(&flow.swing(&self.t, &rates));
+            let swing = along(flow.swing(&self.t));
             gains[1] += flow.dashpot() * dot(&self.weights, &times(&swing, &swing));
         }
     }
