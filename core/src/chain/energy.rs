@@ -95,13 +95,14 @@ impl<R: Real> Chain<R> {
         let (mut before, behind) = self.topology.ghosts(R::zero(), last);
         let overlap = |before: R, q: R| self.precompression + (before - q);
         state.each(&mut |_, arrays| {
-            for k in 0..3 {
-                let (sum, of_squares) = (&mut running[k], &mut squares[k]);
-                self.of_block(arrays, k, |d| {
-                    *sum += d;
-                    let value = if strains { *sum - means[k] } else { d };
-                    *of_squares += value * value;
+            if strains {
+                self.each_site(arrays, |k, d| {
+                    running[k] += d;
+                    let value = running[k] - means[k];
+                    squares[k] += value * value;
                 });
+            } else {
+                self.each_site(arrays, |k, d| squares[k] += d * d);
             }
             let u = arrays[0];
             contacts = if strains {
@@ -122,27 +123,33 @@ impl<R: Real> Chain<R> {
     fn means(&self, state: &dyn Blocks<R>) -> [R; 3] {
         let (mut running, mut totals) = ([R::zero(); 3], [R::zero(); 3]);
         state.each(&mut |_, arrays| {
-            for k in 0..3 {
-                self.of_block(arrays, k, |d| {
-                    running[k] += d;
-                    totals[k] += running[k];
-                });
-            }
+            self.each_site(arrays, |k, d| {
+                running[k] += d;
+                totals[k] += running[k];
+            });
         });
         R::from(self.sites()).map_or(totals, |count| totals.map(|total| total / count))
     }
 
-    /// Site by site what the kind `k` of energy is of: `u'`, `v'`, or what stretches the spring.
+    /// Calls `take` with `u'`, `v'` and the stretch of the spring of each site, numbered from 0; all
+    /// of a site together, since sums over sites wait for their last addition.
     #[inline(always)]
-    fn of_block(&self, [u, v, u_dot, v_dot]: [&[R]; 4], k: usize, mut take: impl FnMut(R)) {
-        match k {
-            0 => u_dot.iter().for_each(|&rate| take(rate)),
-            1 => v_dot.iter().for_each(|&rate| take(rate)),
-            _ => match self.params.resonators() {
-                Resonators::Moving => u.iter().zip(v).for_each(|(&u, &v)| take(u - v)),
-                Resonators::Fixed => u.iter().for_each(|&u| take(u)),
-                Resonators::None => {}
-            },
+    fn each_site(&self, [u, v, u_dot, v_dot]: [&[R]; 4], mut take: impl FnMut(usize, R)) {
+        match self.params.resonators() {
+            Resonators::Moving => {
+                for ((&u, &v), (&u_dot, &v_dot)) in u.iter().zip(v).zip(u_dot.iter().zip(v_dot)) {
+                    take(0, u_dot);
+                    take(1, v_dot);
+                    take(2, u - v);
+                }
+            }
+            Resonators::Fixed => {
+                for (&u, &u_dot) in u.iter().zip(u_dot) {
+                    take(0, u_dot);
+                    take(2, u);
+                }
+            }
+            Resonators::None => u_dot.iter().for_each(|&u_dot| take(0, u_dot)),
         }
     }
 
