@@ -95,15 +95,18 @@ impl<R: Real> Chain<R> {
         let (mut before, behind) = self.topology.ghosts(R::zero(), last);
         let overlap = |before: R, q: R| self.precompression + (before - q);
         state.each(&mut |_, arrays| {
+            // Copies, which stay in registers.
+            let (mut sum, mut of_squares) = (running, squares);
             if strains {
                 self.each_site(arrays, |k, d| {
-                    running[k] += d;
-                    let value = running[k] - means[k];
-                    squares[k] += value * value;
+                    sum[k] += d;
+                    let value = sum[k] - means[k];
+                    of_squares[k] += value * value;
                 });
             } else {
-                self.each_site(arrays, |k, d| squares[k] += d * d);
+                self.each_site(arrays, |k, d| of_squares[k] += d * d);
             }
+            (running, squares) = (sum, of_squares);
             let u = arrays[0];
             contacts = if strains {
                 self.potential(contacts, u.iter().map(|&x| -x))
@@ -123,10 +126,12 @@ impl<R: Real> Chain<R> {
     fn means(&self, state: &dyn Blocks<R>) -> [R; 3] {
         let (mut running, mut totals) = ([R::zero(); 3], [R::zero(); 3]);
         state.each(&mut |_, arrays| {
+            let (mut sum, mut of_sums) = (running, totals);
             self.each_site(arrays, |k, d| {
-                running[k] += d;
-                totals[k] += running[k];
+                sum[k] += d;
+                of_sums[k] += sum[k];
             });
+            (running, totals) = (sum, of_sums);
         });
         R::from(self.sites()).map_or(totals, |count| totals.map(|total| total / count))
     }
