@@ -281,8 +281,7 @@ def run(
         End time; the run begins at zero.
     method : str, optional
         An integrator by name, see :func:`integrators`. Without a name, a `tol` selects contact
-        collocation (DOP853 where contacts dissipate); otherwise ``hertzchain run`` has the same
-        choice.
+        collocation; otherwise ``hertzchain run`` has the same choice.
     tol : float, optional
         Tolerance, from 1e-15 to 0.1; for collocation it bounds the error of the whole run.
     step, steps_per_period : float, optional
