@@ -150,7 +150,7 @@ def test_one_stop_leaves_a_run_on_another_thread_alone() -> None:
 
 
 def test_threads_run_side_by_side() -> None:
-    scene = hc.Scene.load("tw-q15").until(2000.0)
+    scene = hc.Scene.load("tw-q15").until(20000.0)
 
     def one(_: int) -> hc.Trajectory:
         return hc.run(scene, method="strang-linear", step=0.01, at=10)

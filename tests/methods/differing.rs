@@ -25,19 +25,20 @@ pub(crate) fn random(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A chain in which everything differs from bead to bead and from bond to bond, and a state in
-/// which beads meet and part: walls and gaps, exponents 3/2, 2 and 5/2, sites without resonators
-/// and with ones that stay at rest.
-fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>) {
-    let mut next = random(seed);
-    let mut within = |from: f64, to: f64| from + (to - from) * next();
-    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
-    let bonds = uniform.touching().len();
+/// So many numbers of `within`, a random number between two others.
+pub(crate) fn list(within: &mut dyn FnMut(f64, f64) -> f64, count: usize, from: f64, to: f64) -> Vec<f64> {
+    (0..count).map(|_| within(from, to)).collect()
+}
+
+/// Details in which everything differs from bead to bead and from bond to bond: walls and gaps,
+/// exponents 3/2, 2 and 5/2, sites without resonators and with ones that stay at rest.
+pub(crate) fn unequal(uniform: &Chain<f64>, within: &mut dyn FnMut(f64, f64) -> f64) -> Details {
+    let (sites, bonds) = (uniform.sites(), uniform.touching().len());
     let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
-    let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
-    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
+    let held = if uniform.boundary() == Boundary::Free { 0.0 } else { 0.2 };
+    let mut list = |count: usize, from: f64, to: f64| list(within, count, from, to);
     let rho = list(sites, -0.5, 2.5).into_iter().map(|rho| if rho > 2.2 { f64::INFINITY } else { rho.max(0.0) });
-    let details = Details {
+    Details {
         rho: rho.collect(),
         mass: list(sites, 0.5, 2.0),
         kappa: list(sites, 0.5, 2.0),
@@ -45,13 +46,49 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
         alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
         overlap: list(bonds, -0.2, held),
         ..Details::default()
-    };
-    let chain = uniform.with(&details).unwrap();
-    let state = State::from_fn(&chain, |_| {
+    }
+}
+
+/// A state in which beads meet and part; a bead that is moved is where its drive has it.
+pub(crate) fn lively(chain: &Chain<f64>, within: &mut dyn FnMut(f64, f64) -> f64) -> Vec<f64> {
+    let state = State::from_fn(chain, |_| {
         let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
         Site { u, v, u_dot, v_dot }
     });
-    (chain, state.unwrap().as_slice().to_vec())
+    state.unwrap().driven(chain).as_slice().to_vec()
+}
+
+/// A chain with such details, and such a state.
+fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>) {
+    let mut next = random(seed);
+    let mut within = |from: f64, to: f64| from + (to - from) * next();
+    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
+    let details = unequal(&uniform, &mut within);
+    let chain = uniform.with(&details).unwrap();
+    let y0 = lively(&chain, &mut within);
+    (chain, y0)
+}
+
+/// Energy + dissipated - driven.
+pub(crate) fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
+    let ledger = chain.layout().ledger(y).unwrap();
+    chain.energy(y).total() + ledger.dissipated() - ledger.driven
+}
+
+/// The order in the length of windows with 6 nodes, of a part of the state at t = 8, against the
+/// finest run: of means of the error over nearby numbers of windows.
+pub(crate) fn order(chain: &Chain<f64>, y0: &[f64], part: std::ops::Range<usize>) -> f64 {
+    let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
+    let mean = |count: u64| {
+        let error = |k: u64| {
+            let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
+            distance(&got[part.clone()], &want[part.clone()]).ln()
+        };
+        ((0..12).map(error).sum::<f64>() / 12.0).exp()
+    };
+    let (coarse, fine) = (mean(40), mean(120));
+    println!("{coarse:e} {fine:e}");
+    (coarse / fine).ln() / 3f64.ln()
 }
 
 pub(crate) fn collocation(chain: &Chain<f64>, y0: &[f64], end: f64, pace: Pace) -> Vec<f64> {

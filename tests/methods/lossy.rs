@@ -3,13 +3,12 @@
 use crate::{
     common::{distance, largest},
     details::{run, stored},
-    differing::{BOUNDARIES, collocation, of, random, regularised, same_for_every_set},
-    windows,
+    differing::{
+        BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set, unequal,
+    },
 };
 use hertzchain::{
-    chain::{
-        Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, Site, State,
-    },
+    chain::{Boundary, Chain, Details, Dissipation, Drive, Envelope, Harmonic, Kind, Means, Params, Signal, State},
     integrators::collocation::Pace,
     run::{Method, Records, Setting},
 };
@@ -27,25 +26,11 @@ fn varied(
     let mut next = random(seed);
     let mut within = |from: f64, to: f64| from + (to - from) * next();
     let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), boundary, sites).unwrap();
-    let bonds = uniform.touching().len();
-    let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
-    let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
-    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
-    let rho = list(sites, -0.5, 2.5).into_iter().map(|rho| if rho > 2.2 { f64::INFINITY } else { rho.max(0.0) });
-    let mut details = Details {
-        rho: rho.collect(),
-        mass: list(sites, 0.5, 2.0),
-        kappa: list(sites, 0.5, 2.0),
-        contact: list(bonds, 0.5, 2.0),
-        alpha: list(bonds, 0.0, 5.0).into_iter().map(|k| exponents[k as usize]).collect(),
-        overlap: list(bonds, -0.2, held),
-        // Two of ten do not.
-        dissipation: Some(Dissipation {
-            kind,
-            strength: list(bonds, -0.25 * most, most).into_iter().map(|gamma| gamma.max(0.0)).collect(),
-        }),
-        ..Details::default()
-    };
+    let mut details = unequal(&uniform, &mut within);
+    let mut list = |count: usize, from: f64, to: f64| list(&mut within, count, from, to);
+    // Two contacts of ten do not dissipate.
+    let strength = list(uniform.touching().len(), -0.25 * most, most).into_iter().map(|gamma| gamma.max(0.0));
+    details.dissipation = Some(Dissipation { kind, strength: strength.collect() });
     if driven {
         let damped = |(dashpot, rho): (f64, &f64)| if *rho == 0.0 { 0.0 } else { dashpot.max(0.0) };
         (details.rho[0], details.kappa[0]) = (0.0, 0.0);
@@ -58,23 +43,14 @@ fn varied(
         ];
     }
     let chain = uniform.with(&details).unwrap();
-    let state = State::from_fn(&chain, |_| {
-        let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
-        Site { u, v, u_dot, v_dot }
-    });
-    let state = state.unwrap().driven(&chain);
-    (chain, state.as_slice().to_vec())
-}
-
-/// Energy + dissipated - driven.
-fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
-    let ledger = chain.layout().ledger(y).unwrap();
-    chain.energy(y).total() + ledger.dissipated() - ledger.driven
+    let y0 = lively(&chain, &mut within);
+    (chain, y0)
 }
 
 #[test]
 fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
     // Truth: `tests/reference/quad.c`, with 33 digits: state, what is dissipated and driven.
+    // Measured: 2.1e-12, ledger 8e-14, balance 6.6e-13; DOP853 3.5e-11.
     let (chain, state, end, want) = stored("dissipating");
     let asked = of(&chain, state.as_slice(), end).tolerance(1e-14).unwrap().contacts();
     let got = asked.start().unwrap().complete().unwrap();
@@ -86,8 +62,8 @@ fn two_hundred_contacts_that_dissipate_are_those_of_another_program() {
     let other = run(&chain, &state, end, "dop853-regularised", Setting::Tolerance(1e-15)).state;
     let by_other = distance(&other[..split], &want[..split]);
     println!("{error:e}, ledger {ledger_error:e}, balance {off:e}, {contacts} contacts, dop853 {by_other:e}");
-    assert!(error < 1e-11 && ledger_error < 1e-12 && off < 1e-12 && contacts >= 200);
-    assert!(by_other < 1e-9, "{by_other:e}");
+    assert!(error < 4e-12 && ledger_error < 1.6e-13 && off < 1e-12 && contacts >= 200);
+    assert!(by_other < 7e-11, "{by_other:e}");
     let ledger = chain.layout().ledger(&want).unwrap();
     assert!(ledger.contacts > 1.0 && ledger.drag > 0.1 && ledger.dashpots > 0.1 && ledger.driven > 1.0, "{ledger:?}");
 }
@@ -121,7 +97,8 @@ fn tolerances_are_kept_where_contacts_dissipate() {
 
 #[test]
 fn what_contacts_dissipate_balances() {
-    // Truth: energy + dissipated - driven is constant. Every part is measured on its own.
+    // Truth: energy + dissipated - driven is constant. Every part is measured on its own. Measured:
+    // 4.9e-14.
     for law in [(Kind::Viscoelastic, 0.3), (Kind::Dashpot, 0.4)] {
         for (seed, boundary) in BOUNDARIES.into_iter().enumerate() {
             for driven in [false, true] {
@@ -130,55 +107,9 @@ fn what_contacts_dissipate_balances() {
                 let ledger = chain.layout().ledger(&end).unwrap();
                 let off = (balance(&chain, &end) - balance(&chain, &y0)).abs();
                 println!("{law:?} {boundary:?} {driven}: {off:e}, {:e}", ledger.contacts);
-                assert!(off < 1e-12 && ledger.contacts > 0.01, "{law:?} {boundary:?} {driven}: {off:e} {ledger:?}");
+                assert!(off < 1e-13 && ledger.contacts > 0.01, "{law:?} {boundary:?} {driven}: {off:e} {ledger:?}");
             }
         }
-    }
-}
-
-/// The coefficient of restitution of two beads that meet with a relative speed.
-fn restitution(alpha: f64, (kind, gamma): (Kind, f64), speed: f64, mass: [f64; 2]) -> f64 {
-    let details = Details {
-        mass: mass.to_vec(),
-        overlap: vec![-0.125],
-        dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
-        ..Details::default()
-    };
-    let bare = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
-    let chain = bare.with(&details).unwrap();
-    let y0 = [0.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let end = collocation(&chain, &y0, 60.0, Pace::Tolerance(1e-13));
-    let off = balance(&chain, &end) - balance(&chain, &y0);
-    assert!(off.abs() < 1e-13, "{off:e}");
-    (end[3] - end[2]) / speed
-}
-
-#[test]
-fn beads_rebound_as_published() {
-    // Truth: Ramirez, Poeschel, Brilliantov & Schwager 1999, Phys. Rev. E 60, 4465: e = 1 - C_1 x +
-    // C_2 x^2 with x = 3/2 gamma k^{2/5} v^{1/5}, k = A/m_eff; what follows is of the order x^{5/2},
-    // since beads part where the force vanishes.
-    let (speed, mass) = (0.3f64, [2.0, 0.5]);
-    let rest = |gamma: f64| {
-        let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
-        let rest = restitution(1.5, (Kind::Viscoelastic, gamma), speed, mass) - (1.0 - 1.15344 * x + 0.79826 * x * x);
-        assert!(rest.abs() < 0.5 * x.powf(2.5), "{gamma}: {rest:e}");
-        rest
-    };
-    let slope = (rest(0.02) / rest(0.01)).log2();
-    println!("{slope}");
-    assert!((2.2..2.8).contains(&slope), "{slope}");
-    // Truth: Schwager & Poeschel 2007, Granular Matter 9, 465: for alpha = 1 and beads that never
-    // pull, e = exp(-beta/omega (pi - arctan(2 beta omega/(omega^2 - beta^2)))), beta = gamma/(2
-    // m_eff), omega^2 = A/m_eff - beta^2.
-    for gamma in [0.1, 0.5, 0.9] {
-        let (beta, square) = (gamma, 2.0f64);
-        let omega = (square - beta * beta).sqrt();
-        let angle = std::f64::consts::PI - (2.0 * beta * omega / (omega * omega - beta * beta)).atan();
-        let want = (-beta / omega * angle).exp();
-        let e = restitution(1.0, (Kind::Dashpot, gamma), 0.7, [1.0, 1.0]);
-        println!("{gamma}: {:e}", e - want);
-        assert!((e - want).abs() < 1e-13, "{gamma}: {e} {want}");
     }
 }
 
@@ -191,20 +122,7 @@ fn the_order_of_windows_is_that_of_elastic_contacts() {
     let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 8).unwrap();
     let elastic = bare.with(&elastic).unwrap();
     let split = 2 * lossy.layout().half();
-    let slope = |chain: &Chain<f64>, part: std::ops::Range<usize>| {
-        let y0 = &y0[..chain.layout().dim()];
-        let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
-        let mean = |count: u64| {
-            let error = |k: u64| {
-                let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
-                distance(&got[part.clone()], &want[part.clone()]).ln()
-            };
-            ((0..12).map(error).sum::<f64>() / 12.0).exp()
-        };
-        let (coarse, fine) = (mean(40), mean(120));
-        println!("{coarse:e} {fine:e}");
-        (coarse / fine).ln() / 3f64.ln()
-    };
+    let slope = |chain: &Chain<f64>, part| order(chain, &y0[..chain.layout().dim()], part);
     let [state, ledger] = [0..split, split..split + 4].map(|part| slope(&lossy, part));
     let reference = slope(&elastic, 0..split);
     println!("{state:.2} {ledger:.2}, elastic {reference:.2}");
@@ -237,8 +155,9 @@ fn a_contact_that_lets_go_may_push_again_before_beads_part() {
         run.contacts().start().unwrap().complete().unwrap()
     };
     let (got, want) = (log("collocation", 1e-12), log("dop853-regularised", 3e-15));
-    println!("{:e}", distance(&got.state, &want.state));
-    assert!(distance(&got.state, &want.state) < 1e-11 && got.energy_error.unwrap() < 1e-12);
+    let (error, off) = (distance(&got.state, &want.state), got.energy_error.unwrap());
+    println!("{error:e}, balance {off:e}");
+    assert!(error < 1e-12 && off < 1e-12, "{error:e} {off:e}");
     // Bond 0 has no force, and is in the log of the other method only.
     let [ours, theirs] = [got.contacts.unwrap(), want.contacts.unwrap()]
         .map(|contacts| contacts.iter().filter(|contact| contact.bond > 0).count());
@@ -268,7 +187,8 @@ fn contacts_that_dissipate_are_those_that_a_search_of_every_step_finds() {
         worst = std::array::from_fn(|k| worst[k].max(here[k]));
     }
     println!("{} contacts; onsets, releases, impulses: {worst:?}", found.len());
-    assert!(worst.iter().all(|off| *off < 1e-9), "{worst:?}");
+    // Measured: 5.0e-11, 3.3e-11 and 2.9e-12.
+    assert!(worst.iter().zip([1e-10, 1e-10, 6e-12]).all(|(off, bound)| *off < bound), "{worst:?}");
 }
 
 #[test]

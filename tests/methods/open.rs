@@ -3,11 +3,11 @@
 use crate::{
     common::{distance, largest},
     details::{run, stored},
-    differing::{BOUNDARIES, collocation, of, random, regularised, same_for_every_set},
+    differing::{BOUNDARIES, balance, collocation, list, lively, of, order, random, regularised, same_for_every_set},
     windows,
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal, Site, State},
+    chain::{Boundary, Chain, Details, Drive, Envelope, Harmonic, Means, Params, Signal},
     integrators::{Silent, collocation::Pace, drive},
     run::{Method, Records, Setting},
 };
@@ -26,7 +26,7 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
     let bonds = uniform.touching().len();
     let exponents = [1.5, 1.5, 1.5, 2.0, 2.5];
     let held = if boundary == Boundary::Free { 0.0 } else { 0.2 };
-    let mut list = |count: usize, from: f64, to: f64| (0..count).map(|_| within(from, to)).collect::<Vec<f64>>();
+    let mut list = |count: usize, from: f64, to: f64| list(&mut within, count, from, to);
     let of_resonator = |rho: f64| {
         if rho > 2.2 {
             f64::INFINITY
@@ -60,18 +60,8 @@ fn varied(seed: u64, boundary: Boundary, sites: usize) -> (Chain<f64>, Vec<f64>)
         ..Details::default()
     };
     let chain = uniform.with(&details).unwrap();
-    let state = State::from_fn(&chain, |_| {
-        let [u, v, u_dot, v_dot] = [0.2, 0.2, 0.6, 0.3].map(|size| within(-size, size));
-        Site { u, v, u_dot, v_dot }
-    });
-    let state = state.unwrap().driven(&chain);
-    (chain, state.as_slice().to_vec())
-}
-
-/// Energy + dissipated - driven.
-fn balance(chain: &Chain<f64>, y: &[f64]) -> f64 {
-    let ledger = chain.layout().ledger(y).unwrap();
-    chain.energy(y).total() + ledger.dissipated() - ledger.driven
+    let y0 = lively(&chain, &mut within);
+    (chain, y0)
 }
 
 #[test]
@@ -139,20 +129,7 @@ fn the_order_of_windows_is_that_of_closed_chains() {
         let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 8).unwrap();
         let closed = uniform.with(&closed).unwrap();
         let split = 2 * open.layout().half();
-        let slope = |chain: &Chain<f64>, part: std::ops::Range<usize>| {
-            let y0 = &y0[..chain.layout().dim()];
-            let want = collocation(chain, y0, 8.0, Pace::Tolerance(1e-14));
-            let mean = |count: u64| {
-                let error = |k: u64| {
-                    let got = collocation(chain, y0, 8.0, windows(count + count * k / 24, 6));
-                    distance(&got[part.clone()], &want[part.clone()]).ln()
-                };
-                ((0..12).map(error).sum::<f64>() / 12.0).exp()
-            };
-            let (coarse, fine) = (mean(40), mean(120));
-            println!("{coarse:e} {fine:e}");
-            (coarse / fine).ln() / 3f64.ln()
-        };
+        let slope = |chain: &Chain<f64>, part| order(chain, &y0[..chain.layout().dim()], part);
         let [state, ledger] = [0..split, split..split + 4].map(|part| slope(&open, part));
         let reference = slope(&closed, 0..split);
         println!("{seed}: {state:.2} {ledger:.2}, closed {reference:.2}");

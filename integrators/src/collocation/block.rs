@@ -263,18 +263,28 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         }
         if log && verdict.failure.is_none() {
             for i in mine {
-                let beside = beside(i, len, ring).map(|i| i.map(|i| &bonds[i]));
-                let (frame, number) = (&frames.of(bonds[i].initial.bond), share.number(bonds[i].initial.bond));
-                if frame.link.lossy() {
-                    bonds[i].pieces_over((frame, number), beside, &mut self.pieces);
-                    continue;
-                }
-                for contact in &bonds[i].contacts.found {
-                    bonds[i].pieces_of((frame, number), contact, beside, &mut self.pieces);
-                }
+                log_contacts(share, frames, (&*bonds, i, ring), &mut self.pieces);
             }
         }
         verdict
+    }
+}
+
+/// Appends the pieces of the contacts of bond `i` of a block.
+fn log_contacts<const M: usize, const S: usize>(
+    share: &Share,
+    frames: &Frames<'_, M, S>,
+    (bonds, i, ring): (&[Bond<M, S>], usize, bool),
+    pieces: &mut Vec<Piece>,
+) {
+    let bond = &bonds[i];
+    let beside = beside(i, bonds.len(), ring).map(|i| i.map(|i| &bonds[i]));
+    let (frame, number) = (&frames.of(bond.initial.bond), share.number(bond.initial.bond));
+    if frame.link.lossy() {
+        return bond.pieces_over((frame, number), beside, pieces);
+    }
+    for contact in &bond.contacts.found {
+        bond.pieces_of((frame, number), contact, beside, pieces);
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     foresee::Turned,
     known::Known,
     loss::Resist,
-    panel::{Frame, dot},
+    panel::{Frame, Panel, dot},
     panels::Panels,
     sites::Free,
     system::Path,
@@ -267,6 +267,48 @@ fn ramped<const M: usize, const S: usize>(
 /// Chosen, not measured.
 const CONTACTS: usize = 4;
 
+impl<const M: usize, const S: usize> Panel<M, S> {
+    /// Overlaps at the nodes from the linear path, from the forces of the bond and from those
+    /// beside it; without damping and drives. `before` is the path by earlier panels of the bond,
+    /// `own` the weight of its forces, `old` its panels of the last sweep if it has been laid out
+    /// since. Also the path that is one for all nodes, which the overlaps contain, and the work.
+    #[inline(always)]
+    fn overlaps(
+        &mut self,
+        (linear, before, own): (&[Path; S], &[Path; S], f64),
+        beside: [Beside<M, S>; 2],
+        old: Option<&Panels<M, S>>,
+    ) -> ([Path; S], [f64; M], u64) {
+        let (mut path, mut g, mut work) = (*linear, [0.0; M], 0);
+        if let Some(old) = old {
+            old.own_influence_at_nodes(self.times(), -own, &mut g);
+        } else {
+            for side in 0..S {
+                for i in 0..4 {
+                    path[side][i] -= own * before[side][i];
+                }
+            }
+            for j in 0..M {
+                g[j] = -own * self.local[0][j];
+            }
+            for side in 1..S {
+                for j in 0..M {
+                    g[j] -= own * self.local[side][j];
+                }
+            }
+        }
+        for (side, bond) in beside.into_iter().enumerate() {
+            if let Some(bond) = bond {
+                work += VIEW * bond.panels.act(self, side, &mut path, &mut g);
+            }
+        }
+        for j in 0..M {
+            g[j] += self.times().along(&path, j);
+        }
+        (path, g, work)
+    }
+}
+
 impl<const M: usize, const S: usize> Bond<M, S> {
     pub(crate) fn new() -> Self {
         let contacts = Contacts {
@@ -456,32 +498,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let (first, last) = self.contacts.found[c].panels;
             for k in first..last {
                 let panel = &mut self.panels.list[k];
-                let (mut path, mut g) = (linear, [0.0; M]);
-                if let Some(old) = old {
-                    old.own_influence_at_nodes(panel.times(), -own, &mut g);
-                } else {
-                    for side in 0..S {
-                        for i in 0..4 {
-                            path[side][i] -= own * before[side][i];
-                        }
-                    }
-                    for j in 0..M {
-                        g[j] = -own * panel.local[0][j];
-                    }
-                    for side in 1..S {
-                        for j in 0..M {
-                            g[j] -= own * panel.local[side][j];
-                        }
-                    }
-                }
-                for (side, bond) in beside.into_iter().enumerate() {
-                    if let Some(bond) = bond {
-                        change.work += VIEW * bond.panels.act(panel, side, &mut path, &mut g);
-                    }
-                }
-                for j in 0..M {
-                    g[j] += panel.times().along(&path, j);
-                }
+                let (path, mut g, work) = panel.overlaps((&linear, &before, own), beside, old);
+                change.work += work;
                 if S != 1 && (frame.link.lags || self.known.is_some()) {
                     g = panel.besides(self.known.is_some(), path, g);
                 }
@@ -521,10 +539,23 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 }
             }
         }
+        self.end_sweep(frame, [&before, &total], (largest, anew), change)
+    }
+
+    /// Keeps what a sweep has found: paths `[after, before]` that all panels leave behind, and the
+    /// largest overlap; completes its `change`.
+    #[inline(always)]
+    fn end_sweep(
+        &mut self,
+        frame: &Frame<'_, M, S>,
+        [after, before]: [&[Path; S]; 2],
+        (largest, anew): (f64, bool),
+        mut change: Change,
+    ) -> Change {
         if anew {
             // Nodes have moved, so that forces at them cannot be compared: compare total impulses.
             for side in 0..S {
-                let ([_, v, c, s], [_, v0, c0, s0]) = (before[side], total[side]);
+                let ([_, v, c, s], [_, v0, c0, s0]) = (after[side], before[side]);
                 change.impulse += (v - v0).abs() + frame.link.sides[side].omega * ((c - c0).abs() + (s - s0).abs());
             }
         } else if S != 1 {
@@ -541,7 +572,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         // For alpha < 1 the stiffness is largest at small overlaps, and has no bound.
         sweeps.age = if frame.link.law.alpha() < 1.0 { 1 } else { sweeps.age + 1 };
         sweeps.change = change.impulse;
-        self.panels.total = before;
+        self.panels.total = *after;
         self.pending.layout |= change.moved > 0.0;
         change
     }

@@ -192,6 +192,25 @@ pub(super) fn exact_turn<const M: usize, const S: usize>(frame: &Frame<'_, M, S>
     turn
 }
 
+/// The zero of a function with values of both signs at the two `ends` of a window of length `h`,
+/// and its slope there, by a few steps of the Illinois method. They are enough for a prediction,
+/// which is not exact itself.
+#[inline(always)]
+fn crossing(h: f64, ends: [f64; 2], g: impl Fn(f64) -> f64) -> [f64; 2] {
+    let (mut a, mut b, mut slope) = ((0.0, ends[0]), (h, ends[1]), (ends[1] - ends[0]) / h);
+    for _ in 0..4 {
+        let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
+        let value = g(t);
+        if value == 0.0 || t <= 0.0 || t >= h {
+            break;
+        }
+        slope = (value - b.1) / (t - b.0);
+        a = if (value > 0.0) == (b.1 > 0.0) { (a.0, 0.5 * a.1) } else { b };
+        b = (t, value);
+    }
+    [b.0 - b.1 / slope, slope]
+}
+
 impl<const S: usize> Times<'_, 1, S> {
     /// An overlap without contact forces.
     #[inline(always)]
@@ -290,19 +309,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if !once {
             return self.look(frame, drive, (end, rate));
         }
-        // A few steps of the Illinois method are enough: the prediction itself is not exact.
-        let (mut a, mut b, mut slope) = ((0.0, start), (h, end), (end - start) / h);
-        for _ in 0..4 {
-            let t = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
-            let g = predicted(frame, course, drive, t);
-            if g == 0.0 || t <= 0.0 || t >= h {
-                break;
-            }
-            slope = (g - b.1) / (t - b.0);
-            a = if (g > 0.0) == (b.1 > 0.0) { (a.0, 0.5 * a.1) } else { b };
-            b = (t, g);
-        }
-        let t = b.0 - b.1 / slope;
+        let [t, slope] = crossing(h, [start, end], |t| predicted(frame, course, drive, t));
         // Near its zero, as far as its error reaches, the overlap must be monotonic.
         let unsure = slope * slope / second - error;
         self.forecast.slack = least(slack, unsure);

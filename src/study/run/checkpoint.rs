@@ -431,6 +431,21 @@ fn energy_kinds(chain: &Chain<f64>) -> usize {
     if chain.open() { 6 } else { 4 }
 }
 
+/// The log of contacts in a checkpoint, with `count` contacts that have ended.
+fn contacts(file: &Archive, settings: &Settings, chain: &Chain<f64>, count: u64) -> Result<Contacts> {
+    let numbers = file.array("contacts", &[count, Contact::NUMBERS as u64])?;
+    let touching = chain.touching();
+    let contact = |(k, row): (usize, &[f64])| {
+        let row = row.first_chunk().filter(|row| touching.contains(&(row[0] as usize)));
+        let rule = || format!("row {k}: a bond that can close, and times, speeds, overlap and impulse that can be");
+        row.and_then(Contact::of_numbers).ok_or_else(|| file.refused("contacts", rule()))
+    };
+    let ended = numbers.chunks_exact(Contact::NUMBERS).enumerate().map(contact).collect::<Result<_>>()?;
+    let open = file.array("open_contacts", &[settings.open_contacts])?;
+    let rule = "each is a bond that can close, and what its overlap has done";
+    Contacts::restore(chain, ended, &open).ok_or_else(|| file.refused("open_contacts", rule.to_owned()))
+}
+
 /// The record in a checkpoint, checked as far as is possible without running it again.
 fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Result<Kept> {
     let &Settings { t, taken, samples, profiles, steps, rejected, force_evaluations, .. } = settings;
@@ -468,19 +483,6 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
         let (dissipated, driven) = if chain.open() { (*row.get(4)?, *row.get(5)?) } else { (0.0, 0.0) };
         Some(Energy { beads, resonators, springs, contacts, dissipated, driven })
     };
-    let touching = chain.touching();
-    let contacts = settings.contacts.map(|count| {
-        let numbers = file.array("contacts", &[count, Contact::NUMBERS as u64])?;
-        let contact = |(k, row): (usize, &[f64])| {
-            let row = row.first_chunk().filter(|row| touching.contains(&(row[0] as usize)));
-            let rule = || format!("row {k}: a bond that can close, and times, speeds, overlap and impulse that can be");
-            row.and_then(Contact::of_numbers).ok_or_else(|| file.refused("contacts", rule()))
-        };
-        let ended = numbers.chunks_exact(Contact::NUMBERS).enumerate().map(contact).collect::<Result<_>>()?;
-        let open = file.array("open_contacts", &[settings.open_contacts])?;
-        let rule = "each is a bond that can close, and what its overlap has done";
-        Contacts::restore(chain, ended, &open).ok_or_else(|| file.refused("open_contacts", rule.to_owned()))
-    });
     let profile_t = finite("profile_t", &[profiles])?;
     let states = match &settings.by_part {
         _ if by_part => vec![Vec::new(); profile_t.len()],
@@ -498,7 +500,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene, by_part: bool) -> Re
         largest,
         samples: sample_t.iter().enumerate().map(|(k, &t)| Sample { t, energy: energy(k) }).collect(),
         profiles: profile_t.iter().zip(states).map(profile).collect(),
-        contacts: contacts.transpose()?,
+        contacts: settings.contacts.map(|count| contacts(file, settings, chain, count)).transpose()?,
         stats: Stats { steps, rejected, force_evaluations },
         wall,
         sampling,
