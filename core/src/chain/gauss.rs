@@ -15,14 +15,26 @@ const POINTS: [(f64, f64); 6] = [
     (0.981_560_634_246_719_2, 0.047_175_336_386_511_83),
 ];
 
+/// Number of nodes.
+pub(super) const NODES: usize = 2 * POINTS.len();
+
+/// Nodes on `[a, b]` with their weights, in pairs about the middle.
+pub(super) fn nodes<R: Real>(a: R, b: R) -> [(R, R); NODES] {
+    let (middle, half) = (R::of(0.5) * (a + b), R::of(0.5) * (b - a));
+    std::array::from_fn(|k| {
+        let (x, weight) = POINTS[k / 2];
+        let x = if k % 2 == 0 { -x } else { x };
+        (middle + half * R::of(x), half * R::of(weight))
+    })
+}
+
 /// `int_a^b f ds`, for several functions at once.
 pub(super) fn gauss<R: Real, const K: usize>(f: impl Fn(R) -> [R; K], a: R, b: R) -> [R; K] {
-    let (middle, half) = (R::of(0.5) * (a + b), R::of(0.5) * (b - a));
     let mut sums = [R::zero(); K];
-    for &(x, weight) in &POINTS {
-        let (below, above) = (f(middle - half * R::of(x)), f(middle + half * R::of(x)));
+    for pair in nodes(a, b).chunks_exact(2) {
+        let (below, above) = (f(pair[0].0), f(pair[1].0));
         for (sum, (below, above)) in sums.iter_mut().zip(below.into_iter().zip(above)) {
-            *sum += half * R::of(weight) * (below + above);
+            *sum += pair[0].1 * (below + above);
         }
     }
     sums

@@ -4,18 +4,30 @@ use super::root::bracketed;
 
 /// Number of values; they define a polynomial of degree 7, the degree of the dense output of
 /// DOP853.
-pub(crate) const NODES: usize = 8;
+pub const NODES: usize = 8;
+
+/// Where the values are, as shares of an interval: Chebyshev-Lobatto points, `sin^2(k pi/14)`.
+pub const SHARES: [f64; NODES] = [
+    0.0,
+    0.049_515_566_048_790_434,
+    0.188_255_099_070_633_23,
+    0.388_739_533_021_842_7,
+    0.611_260_466_978_157_2,
+    0.811_744_900_929_366_8,
+    0.950_484_433_951_209_6,
+    1.0,
+];
 
 /// A polynomial of degree 7 on `[0, 1]` in the Bernstein basis: `sum c_j C(7, j) s^j (1-s)^{7-j}`.
 ///
 /// Its values lie between its smallest and its largest coefficient. Halving the interval tightens
 /// these bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Polynomial([f64; NODES]);
+pub(crate) struct Polynomial([f64; NODES]);
 
 impl Polynomial {
     /// The value at `s` (de Casteljau).
-    pub fn at(&self, s: f64) -> f64 {
+    pub(crate) fn at(&self, s: f64) -> f64 {
         let mut c = self.0;
         for last in (0..NODES - 1).rev() {
             for j in 0..=last {
@@ -23,17 +35,6 @@ impl Polynomial {
             }
         }
         c[0]
-    }
-
-    /// The derivative at `s`, by the differences of the coefficients.
-    pub fn slope(&self, s: f64) -> f64 {
-        let mut c = self.0;
-        for last in (1..NODES - 1).rev() {
-            for j in 0..=last {
-                c[j] += s * (c[j + 1] - c[j]);
-            }
-        }
-        (NODES - 1) as f64 * (c[1] - c[0])
     }
 
     /// The parts on `[0, s]` and `[s, 1]`, each rescaled to `[0, 1]` (de Casteljau).
@@ -57,22 +58,6 @@ impl Polynomial {
 
     fn times(&self, sign: f64) -> Self {
         Self(self.0.map(|c| sign * c))
-    }
-
-    /// The largest value on `[0, 1]`, to 1e-9 of the largest distance of a coefficient from the
-    /// first.
-    pub fn largest(&self) -> f64 {
-        let span = self.0.iter().fold(0.0f64, |span, c| span.max((c - self.0[0]).abs()));
-        let mut best = self.0[0].max(self.0[NODES - 1]);
-        let mut parts = vec![*self];
-        while let Some(part) = parts.pop() {
-            if part.0.iter().any(|&c| c > best + 1e-9 * span) {
-                let (left, right) = part.split(0.5);
-                best = best.max(right.0[0]);
-                parts.extend([left, right]);
-            }
-        }
-        best
     }
 
     /// The first `s` at which the polynomial exceeds `level`.
@@ -123,8 +108,6 @@ impl Polynomial {
 /// Computes polynomials from values at fixed nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolation {
-    /// The nodes, as shares of the step: Chebyshev-Lobatto points, both ends included.
-    pub(crate) nodes: [f64; NODES],
     coefficients: [[f64; NODES]; NODES],
     /// Coefficients differ from the middle of the values by at most this many times half their
     /// range.
@@ -133,11 +116,7 @@ pub(crate) struct Interpolation {
 
 impl Interpolation {
     pub(crate) fn new() -> Self {
-        let nodes: [f64; NODES] = std::array::from_fn(|k| {
-            let angle = std::f64::consts::FRAC_PI_2 * k as f64 / (NODES - 1) as f64;
-            angle.sin().powi(2)
-        });
-        let basis = nodes.map(|s| {
+        let basis = SHARES.map(|s| {
             std::array::from_fn(|j| {
                 let mut unit = Polynomial([0.0; NODES]);
                 unit.0[j] = 1.0;
@@ -146,7 +125,7 @@ impl Interpolation {
         });
         let coefficients = inverse(basis);
         let stretch = coefficients.iter().map(|row| row.iter().map(|c| c.abs()).sum()).fold(1.0, f64::max);
-        Self { nodes, coefficients, stretch }
+        Self { coefficients, stretch }
     }
 
     /// The polynomial with these values at the nodes.
@@ -197,7 +176,15 @@ mod tests {
 
     fn through(f: impl Fn(f64) -> f64) -> Polynomial {
         let interpolation = Interpolation::new();
-        interpolation.through(&interpolation.nodes.map(f))
+        interpolation.through(&SHARES.map(f))
+    }
+
+    #[test]
+    fn values_are_taken_at_chebyshev_lobatto_points() {
+        for (k, share) in SHARES.into_iter().enumerate() {
+            let angle = std::f64::consts::PI * k as f64 / 14.0;
+            assert!((share - angle.sin().powi(2)).abs() < f64::EPSILON);
+        }
     }
 
     #[test]
@@ -207,9 +194,6 @@ mod tests {
         for k in 0..=100 {
             let s = f64::from(k) / 100.0;
             assert!((p.at(s) - f(s)).abs() < 1e-14, "{s}");
-            // Its slope: central differences, whose error is 1e-10 times third derivatives.
-            let difference = (f(s + 1e-5) - f(s - 1e-5)) / 2e-5;
-            assert!((p.slope(s) - difference).abs() < 1e-7, "{s}");
         }
     }
 
@@ -262,11 +246,5 @@ mod tests {
             }
         }
         assert!((200..1900).contains(&certified), "{certified}");
-    }
-
-    #[test]
-    fn the_largest_value_is_found_inside() {
-        let p = through(|s| s * (1.0 - s) * (1.0 - s));
-        assert!((p.largest() - 4.0 / 27.0).abs() < 1e-9);
     }
 }

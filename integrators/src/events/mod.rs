@@ -29,7 +29,7 @@ pub(crate) mod root;
 pub(crate) mod sides;
 mod watch;
 
-pub use bernstein::Polynomial;
+pub use bernstein::{NODES, SHARES};
 pub use curve::Curve;
 pub use linear_path::LinearPath;
 pub use watch::{Listener, Part, Watch};

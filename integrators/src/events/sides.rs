@@ -1,6 +1,6 @@
 //! The sides of event functions, and the search of one step for changes of side.
 
-use super::bernstein::{Interpolation, NODES, Polynomial};
+use super::bernstein::{Interpolation, NODES, Polynomial, SHARES};
 use crate::real::Real;
 
 /// Relative accuracy of the polynomial over a step, in units of the largest value.
@@ -41,11 +41,6 @@ impl Sides {
             band: 0.0,
             interpolation: Interpolation::new(),
         }
-    }
-
-    /// The shares of a step at which values are needed.
-    pub(crate) fn nodes(&self) -> [f64; NODES] {
-        self.interpolation.nodes
     }
 
     /// Stores the values at node `k`.
@@ -94,6 +89,15 @@ impl Sides {
     /// The polynomial of a function over the step.
     pub(crate) fn polynomial(&self, index: usize) -> Polynomial {
         self.interpolation.through(&self.values[index])
+    }
+
+    /// The values of the polynomial of a function at the nodes of a part of the step.
+    pub(crate) fn over(&self, index: usize, (start, end): (f64, f64)) -> [f64; NODES] {
+        if (start, end) == (0.0, 1.0) {
+            return self.values[index];
+        }
+        let polynomial = self.polynomial(index);
+        SHARES.map(|share| polynomial.at(start + (end - start) * share))
     }
 
     /// Changes the side of a function before its values do.

@@ -2,7 +2,7 @@
 
 use super::{
     Curve, Event, EventFunctions,
-    bernstein::{NODES, Polynomial},
+    bernstein::{NODES, SHARES},
     root::bracketed,
     sides::{Crossing, Sides},
 };
@@ -27,16 +27,16 @@ pub struct Part<R> {
     pub index: usize,
     /// Start and end time.
     pub span: (R, R),
-    /// The function over the span, as a polynomial on `[0, 1]`.
-    pub polynomial: Polynomial,
+    /// The function at [`SHARES`] of the span; over the span it is the polynomial through these
+    /// values.
+    pub values: [f64; NODES],
 }
 
 impl<R: Real> Part<R> {
     /// The function over the span, to be kept.
     pub fn curve(&self) -> Curve {
         let span = (self.span.0.f64(), self.span.1.f64());
-        let x = |k: usize| k as f64 / (NODES - 1) as f64;
-        Curve::over(span, (0..NODES).map(|k| (x(k), self.polynomial.at(x(k)))))
+        Curve::over(span, SHARES.into_iter().zip(self.values))
     }
 }
 
@@ -100,9 +100,8 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
     fn report_part(&mut self, index: usize, end: f64, (from, to): (R, R)) {
         let at = |share: f64| from + (to - from) * R::of(share);
         let start = std::mem::replace(&mut self.since[index], 0.0);
-        let share = if start < 1.0 { (end - start) / (1.0 - start) } else { 1.0 };
-        let polynomial = self.sides.polynomial(index).split(start).1.split(share).0;
-        self.listener.positive(&Part { index, span: (at(start), at(end)), polynomial });
+        let values = self.sides.over(index, (start, end));
+        self.listener.positive(&Part { index, span: (at(start), at(end)), values });
     }
 
     /// The time of a crossing: a root of the sampled solution near the root of the polynomial.
@@ -138,7 +137,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
     fn search(&mut self, from: R) {
         let to = self.stepper.time();
         self.sides.carry();
-        for (k, share) in self.sides.nodes().into_iter().enumerate().skip(1) {
+        for (k, share) in SHARES.into_iter().enumerate().skip(1) {
             let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
             self.values_at(t);
             self.sides.put(k, &self.g);

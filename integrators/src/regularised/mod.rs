@@ -39,7 +39,7 @@ use crate::{
     drive::Stepper,
     error::Error,
     events::{
-        Event, EventFunctions,
+        Event, EventFunctions, SHARES,
         sides::{Crossing, Sides},
     },
     real::Real,
@@ -253,13 +253,12 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
 
     /// Evaluates the functions at the nodes of the trial. The dense output must be prepared.
     fn look(&mut self, leg: &Leg<R>, leap: Leap<R>) {
-        let nodes = self.sides.nodes();
-        for (k, share) in nodes.into_iter().enumerate() {
+        for (k, share) in SHARES.into_iter().enumerate() {
             let sigma = leap.from.value() + leap.h * R::of(share);
             let t = leg.time(sigma).value();
             let y = match k {
                 0 => self.step.before(),
-                _ if k + 1 == nodes.len() => self.step.state(),
+                _ if k + 1 == SHARES.len() => self.step.state(),
                 _ => {
                     self.dense.eval(self.step.before(), R::of(share), &mut self.y);
                     &self.y

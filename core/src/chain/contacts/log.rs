@@ -1,24 +1,18 @@
 //! The listener that turns events into contacts.
 
 use super::{
-    super::{
-        Chain,
-        gauss::{self, gauss},
-    },
-    Contact, Overlaps, ROUNDING, in_order,
+    super::{Chain, gauss},
+    Contact, Overlaps, ROUNDING,
+    impulse::Quadrature,
+    in_order,
     pending::Pending,
 };
 use hertzchain_integrators::{
     Event, EventFunctions,
     collocation::Piece,
     events::{Curve, Listener, Part},
-    regularised::TimeMap,
 };
 use std::ops::ControlFlow;
-
-/// A part whose overlap at an end is below this share of its largest one ends with an event.
-/// Chosen, not measured.
-const SINGULAR: f64 = 1e-6;
 
 /// The contacts of a run so far: those that have ended, and those under way, with the data that a
 /// later leg of the run needs to continue them.
@@ -64,7 +58,7 @@ impl Contacts {
 pub struct ContactLog {
     chain: Chain<f64>,
     overlaps: Overlaps<f64>,
-    q: u32,
+    quadrature: Quadrature,
     rates: Vec<f64>,
     /// The contact under way in each bond that can touch.
     open: Vec<Option<Pending>>,
@@ -76,10 +70,18 @@ pub struct ContactLog {
 impl ContactLog {
     /// An empty log of a chain.
     pub fn new(chain: Chain<f64>) -> Self {
-        let q = chain.powers_at_events(gauss::ORDER).1;
+        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1);
         let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
-        Self { chain, overlaps, q, rates: vec![0.0; count], open: vec![None; count], ended: Vec::new(), leg: None }
+        Self {
+            chain,
+            overlaps,
+            quadrature,
+            rates: vec![0.0; count],
+            open: vec![None; count],
+            ended: Vec::new(),
+            leg: None,
+        }
     }
 
     /// The log of a leg that starts at time `t`; `contacts` are those of the legs before.
@@ -154,32 +156,13 @@ impl ContactLog {
             self.ended.push(contact.finish(Some(zero)));
         }
     }
-
-    /// `int f dt` over a part, in a variable in which it is smooth at an end where `g`
-    /// vanishes.
-    fn impulse(&self, part: &Part<f64>, largest: f64) -> f64 {
-        let (polynomial, small) = (&part.polynomial, SINGULAR * largest);
-        let end = |s: f64| if polynomial.at(s) <= small { self.q } else { 1 };
-        let share = TimeMap::new(1.0, end(0.0), end(1.0));
-        let (duration, bond) = (part.span.1 - part.span.0, self.overlaps.bond(part.index));
-        if duration == 0.0 {
-            // A rate of the overlap would be no number.
-            return 0.0;
-        }
-        let force = |s: f64| {
-            let at = share.at(s);
-            share.rate(s) * self.chain.bond_force(bond, polynomial.at(at), polynomial.slope(at) / duration)
-        };
-        let [mean] = gauss(|s| [force(s)], 0.0, 1.0);
-        mean * duration
-    }
 }
 
 impl Listener<f64> for ContactLog {
     fn positive(&mut self, part: &Part<f64>) {
-        let curve = part.curve();
-        let impulse = self.impulse(part, curve.range().1);
-        self.press(part.index, &curve, impulse);
+        let bond = self.overlaps.bond(part.index);
+        let impulse = self.quadrature.integral(part, |g, rate| self.chain.bond_force(bond, g, rate));
+        self.press(part.index, &part.curve(), impulse);
     }
 
     fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {

@@ -13,6 +13,7 @@
 //! the overlap only where it comes through zero. Elsewhere they are crossings of a share of `G`,
 //! which are the same for every method that is more accurate than that share.
 
+mod impulse;
 mod log;
 mod pending;
 
