@@ -70,7 +70,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "tw-breakdown",
         source: "Sec. 4.1, fig:tw_r03_breakdown",
-        title: "Where the ansatz fails",
+        title: "Waves that depart from their ansatz",
         claim: "The long wave, nine times as high as in tw-q15, has left its ansatz after ten periods; the short one departs from its own within a hundred, though it is lower \
                 than the long one of tw-q15.",
         recipe: Recipe::Waves {
@@ -142,7 +142,7 @@ pub const FIGURES: &[Figure] = &[
         name: "lifetime-map",
         source: "Sec. 5, which has no such figure",
         title: "How long bright breathers live, over their size and the mass ratio",
-        claim: "Above x = 1, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they are gone before, or come apart into beads that swing alone.",
+        claim: "Above x = 1, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they decay earlier, or split into single beads that oscillate on their own.",
         recipe: Recipe::Lifetimes {
             epsilons: &[1e-3, 3e-3, 1e-2, 3e-2, 1e-1],
             rhos: &[1e1, 1e2, 1e3, 1e4],
@@ -180,8 +180,8 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "site-error",
         source: "Sec. 7, fig:r03sc_relerr",
-        title: "When site-centred dark breathers begin to leave themselves: ρ = 1/3",
-        claim: "The return error after 1200 units of time is a rounding that has grown a little, up to where the strong quartet is born; there it jumps to the size of the orbit.",
+        title: "Return errors of site-centred dark breathers after 1200 units of time: ρ = 1/3",
+        claim: "The error stays below 1e-10 up to the frequency at which the strong quartet appears; there it jumps to the size of the orbit.",
         recipe: Recipe::Orbits(OrbitRecipe::ReturnErrors { omega_b: [2.003, 2.083], points: 80, until: 1200.0 }),
     },
     Figure {
@@ -238,7 +238,7 @@ pub const FIGURES: &[Figure] = &[
         name: "rho3-evolution",
         source: "Sec. 7, fig:r3evol",
         title: "Dark breathers with heavier resonators: ρ = 3, ω_b = 1.2547",
-        claim: "The site-centred breather is still there at the end, the bond-centred one has set out.",
+        claim: "At the end the site-centred breather has kept its shape and place; the bond-centred one has begun to move.",
         recipe: Recipe::Orbits(OrbitRecipe::Evolutions {
             rho: 3.0,
             runs: &[let_go(Center::Site, 1.2547, 1500.0), let_go(Center::Bond, 1.2547, 1500.0)],

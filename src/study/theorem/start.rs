@@ -193,7 +193,6 @@ mod tests {
             let mut solved = Start { omega_0: None, ..start }.solution(alpha, 20.0).unwrap();
             let (one, other) = (closed.at(19.0).unwrap(), solved.at(19.0).unwrap());
             let apart = one.iter().zip(&other).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            // Measured: 2e-15 and 1e-14.
             // Measured: 1.3e-12 and 1.5e-11.
             assert!(apart < 3e-11, "{alpha} {initial:?}: {apart:e}");
         }
