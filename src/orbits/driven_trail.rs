@@ -134,10 +134,7 @@ impl DrivenBranch {
     /// period of more than 64 periods of the drive; no direction in which a branch leaves, or no
     /// orbit on it.
     pub fn switched(&self, k: usize) -> Result<DrivenTrail> {
-        let Some(birth) = self.bifurcations.get(k) else {
-            let value = format!("{} of {}", k.saturating_add(1), self.bifurcations.len());
-            return Err(Error::parameter("switch", value, "bifurcations of the branch are numbered from 1"));
-        };
+        let birth = switching::numbered(&self.bifurcations, k)?;
         let refused =
             |what: &str, rule: &'static str| Err(Error::parameter("switch", format!("{}, {what}", k + 1), rule));
         let setting = match birth.kind {

@@ -64,10 +64,7 @@ impl ModeBranch {
     /// No such bifurcation; one at which no other branch crosses, or whose orbits are not at rest
     /// twice in a period; no orbit on it; multipliers that cannot be computed; a signal.
     pub fn switched(&self, modes: &NormalModes, k: usize, mut seen: impl FnMut(&ModePoint)) -> Result<Self> {
-        let Some(birth) = self.bifurcations.get(k) else {
-            let value = format!("{} of {}", k.saturating_add(1), self.bifurcations.len());
-            return Err(Error::parameter("switch", value, "bifurcations of the branch are numbered from 1"));
-        };
+        let birth = switching::numbered(&self.bifurcations, k)?;
         let continuation = self.continuation;
         let ModeContinuation { to, step, most_points, .. } = continuation;
         let family = ModeFamily::new(modes, &continuation);

@@ -24,6 +24,16 @@ const FARTHEST: f64 = 4.0;
 /// Two branches cross if the least singular value of `(F_X, t)` is at most this share of the next.
 const SINGULAR: f64 = 1e-2;
 
+/// Bifurcation `k` of a branch, from 0; in messages they are numbered from 1.
+pub(super) fn numbered<T>(bifurcations: &[T], k: usize) -> Result<&T> {
+    let rule = match bifurcations.len() {
+        0 => "the branch has no bifurcation",
+        _ => "bifurcations of the branch are numbered from 1",
+    };
+    let value = || format!("{} of {}", k.saturating_add(1), bifurcations.len());
+    bifurcations.get(k).ok_or_else(|| Error::parameter("switch", value(), rule))
+}
+
 /// The vector `v` at a solution, with its largest entry positive; `along` is `t`. `None` if no
 /// other branch crosses there, or more than one.
 pub(super) fn crossing(

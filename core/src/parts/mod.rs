@@ -232,6 +232,6 @@ impl Parts {
 
 /// The rule for chains with [`Details`](crate::chain::Details), for errors.
 pub(crate) const ONE_PART: &str =
-    "beads that differ, are damped or driven run in one part: leave threads and ranks out";
+    "beads that differ, are damped or driven run in one part: leave --threads, ranks and --by-part out";
 /// Most threads. Chosen: more than any machine has cores for.
 const MOST_THREADS: usize = 1024;

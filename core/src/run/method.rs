@@ -131,7 +131,7 @@ pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --step
 
 /// Rule in the error for parts asked of a method that cannot run in parts.
 const NOT_DIVISIBLE: &str = "only splitting schemes and collocation run in parts, as --integrator strang-linear: \
-                                 leave threads and ranks out, or take one";
+                                 leave --threads, ranks and --by-part out, or take one";
 
 /// Smallest tolerance that collocation accepts.
 const LEAST_TOLERANCE: f64 = 1e-15;
