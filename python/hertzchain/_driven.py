@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from typing import Any
 
 import numpy as np
@@ -82,16 +83,16 @@ class DrivenBranch:
     end : str
         Why the branch ended.
     switched : DrivenBranch or None
-        The branch that crosses at the bifurcation that was asked for.
+        The branch that crosses at the bifurcation that was asked for; ``None``, with a warning that
+        says why, if none was followed.
     record : dict
         All that ``hertzchain orbit continue --json`` prints.
     """
 
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
-        shared = {name: value for name, value in record.items() if name != "switched"}
-        other = record.get("switched")
-        self.switched: DrivenBranch | None = None if other is None else DrivenBranch({**shared, **other})
+        other = crossing(record)
+        self.switched: DrivenBranch | None = None if other is None else DrivenBranch(other)
         points = self.record["points"]
         self.parameter: str = self.record["parameter"]
         self.end: str = self.record["end"]
@@ -181,6 +182,17 @@ def driven_orbit(
     with shown(progress, "orbit") as tell:
         text = _native.driven_orbit(scene._scene, turns=turns, settle=settle, progress=tell)
     return DrivenOrbit(scene, turns, settle, json.loads(text))
+
+
+def crossing(record: dict[str, Any]) -> dict[str, Any] | None:
+    """The record of the branch that crosses; ``None``, with a warning if one was asked for, without it."""
+    other = record.get("switched")
+    if other is None:
+        return None
+    if "failure" in other:
+        warnings.warn(f"no branch was followed at the bifurcation: {other['failure']}", RuntimeWarning, stacklevel=4)
+        return None
+    return {**{name: value for name, value in record.items() if name != "switched"}, **other}
 
 
 def continue_driven(

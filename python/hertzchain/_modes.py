@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import _native
 from ._arrays import Vector, number, optional, whole
 from ._chain import Chain, Scene
-from ._driven import stretches
+from ._driven import crossing, stretches
 from ._progress import Progress, shown
 from ._run import scene_of
 
@@ -43,7 +43,8 @@ class NormalMode:
     end : str
         Why the branch ended.
     switched : NormalMode or None
-        The branch that crosses at the bifurcation that was asked for.
+        The branch that crosses at the bifurcation that was asked for; ``None``, with a warning that
+        says why, if none was followed.
     record : dict
         All that ``hertzchain orbit mode --json`` prints.
     """
@@ -51,9 +52,8 @@ class NormalMode:
     def __init__(self, record: dict[str, Any]) -> None:
         self.record = record
         # What belongs to the chain is said once.
-        shared = {name: value for name, value in record.items() if name != "switched"}
-        other = record.get("switched")
-        self.switched: NormalMode | None = None if other is None else NormalMode({**shared, **other})
+        other = crossing(record)
+        self.switched: NormalMode | None = None if other is None else NormalMode(other)
         points, last = self.record["points"], self.record["last"]
         kinds = [("omega", np.float64), ("participation", np.float64), ("site", np.int64), ("resonator", np.bool_)]
         rows = [tuple(one[name] for name, _ in kinds) for one in self.record["linear"]]

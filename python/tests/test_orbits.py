@@ -251,6 +251,9 @@ def test_normal_modes_are_those_of_chains_that_contacts_hold() -> None:
     held = hc.Chain(sites=2, boundary="fixed", precompression=1.0)
     mode = hc.normal_mode(held, to=0.02, mode=2, step=0.01)
     assert np.allclose(mode.linear["omega"] ** 2, [1.5, 4.5], rtol=1e-14, atol=0)
+    with pytest.warns(RuntimeWarning, match="no bifurcation"):
+        alone = hc.normal_mode(held, to=0.02, mode=2, step=0.01, switch=1)
+    assert alone.switched is None and np.array_equal(alone.omega, mode.omega)
     with pytest.raises(hc.ParameterError, match="held"):
         hc.normal_mode(hc.Chain(sites=2), to=0.1)
     with pytest.raises(hc.ParameterError, match="numbered from 1"):

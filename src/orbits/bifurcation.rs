@@ -42,6 +42,20 @@ pub enum BifurcationKind {
     Torus,
 }
 
+impl BifurcationKind {
+    /// The kind in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::PeriodDoubling => "a period doubling",
+            Self::PlusOne => "a branch point",
+            Self::KreinCollision => "a Krein collision",
+            Self::RealCollision => "a collision on the real axis",
+            Self::Fold => "a fold",
+            Self::Torus => "a torus bifurcation",
+        }
+    }
+}
+
 /// A bifurcation point of a branch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bifurcation {

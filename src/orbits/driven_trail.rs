@@ -136,17 +136,14 @@ impl DrivenBranch {
     pub fn switched(&self, k: usize) -> Result<DrivenTrail> {
         let birth = switching::numbered(&self.bifurcations, k)?;
         let refused =
-            |what: &str, rule: &'static str| Err(Error::parameter("switch", format!("{}, {what}", k + 1), rule));
+            |rule: &'static str| Err(Error::parameter("switch", format!("{}, {}", k + 1, birth.kind.words()), rule));
         let setting = match birth.kind {
             BifurcationKind::PeriodDoubling => birth.point.orbit.setting.doubled()?,
             BifurcationKind::PlusOne => birth.point.orbit.setting.clone(),
             BifurcationKind::Torus => {
-                return refused(
-                    "a torus bifurcation",
-                    "the orbits that begin there are not periodic: none is followed",
-                );
+                return refused("the orbits that begin there are not periodic: none is followed");
             }
-            _ => return refused("a fold", "a branch turns there, and no other one crosses it"),
+            _ => return refused("a branch turns there, and no other one crosses it"),
         };
         let continuation = self.continuation;
         let family =
@@ -157,7 +154,7 @@ impl DrivenBranch {
         let [a, b] = [0, 1].map(|j| continuation.place(&self.points[birth.after + j].orbit));
         let along = scales.chord(a, b).normalize();
         let Some(v) = switching::crossing(&family, place, scales, &along)? else {
-            return refused("a branch point", "not exactly one other branch crosses there");
+            return refused("not exactly one other branch crosses there");
         };
         let (solution, ds) = switching::first(&family, place, scales, &v)?;
         let start = DrivenOrbit { setting: setting.clone(), ..birth.point.orbit.clone() };

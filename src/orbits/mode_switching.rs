@@ -71,7 +71,7 @@ impl ModeBranch {
         let Some(((z, a), scales, v)) = self.crossing(&family, birth)? else {
             let rule =
                 "a period doubling or a branch point where one other branch crosses, of orbits at rest twice a period";
-            return Err(Error::parameter("switch", format!("{}, {:?}", k + 1, birth.kind), rule));
+            return Err(Error::parameter("switch", format!("{}, {}", k + 1, birth.kind.words()), rule));
         };
         let (first, ds) = switching::first(&family, (&z, a), scales, &v)?;
         let direction = a.signum();

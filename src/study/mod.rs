@@ -184,6 +184,15 @@ fn check_switch(number: Option<usize>) -> Result<()> {
     if number == Some(0) { Err(Error::parameter("switch", 0, rule)) } else { Ok(()) }
 }
 
+/// The branch that crosses another one at its bifurcation `number`. Without such a branch, the
+/// reason in words: the branch that is known is a result all the same.
+fn crossing<B>(number: usize, found: Result<B>) -> Result<Option<(usize, std::result::Result<B, String>)>> {
+    match found {
+        Err(stopped @ Error::Stopped { .. }) => Err(stopped),
+        found => Ok(Some((number, found.map_err(|error| error.to_string())))),
+    }
+}
+
 /// Names for files and pictures.
 fn named<T, const N: usize>(files: [(&str, T); N]) -> Vec<(String, T)> {
     files.map(|(name, file)| (name.to_owned(), file)).into()

@@ -653,3 +653,23 @@ fn a_search_for_an_exact_wave_that_stalls_keeps_its_best_iterate() {
         serde_json::from_slice(&std::fs::read(folder.path().join("stalled.json")).unwrap()).unwrap();
     assert!(kept["residual"].as_f64().unwrap() > 1e-12 && kept["x"].as_array().unwrap().len() == 10, "{kept}");
 }
+
+#[test]
+fn a_branch_is_kept_if_no_other_one_crosses_where_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mode = ["orbit", "mode", "defect", "--to", "0.2", "--step", "0.1", "--switch", "99"];
+    let driven = ["orbit", "continue", "--to", "2e-6", "--settle", "20", "--max-points", "3", "--switch", "99"];
+    for (args, table, whole) in
+        [(&mode[..], "mode-branch.csv", "mode.json"), (&driven[..], "driven-branch.csv", "driven-branch.json")]
+    {
+        let output = hertzchain(&[args, &["--json", "--out", out.to_str().unwrap()]].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.starts_with("error: switch = 99 of 0 is not valid: the branch has no bifurcation"), "{error}");
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(result["points"].as_array().unwrap().len() > 1);
+        assert!(result["switched"]["at"] == 99 && error.contains(result["switched"]["failure"].as_str().unwrap()));
+        assert!(out.join(table).exists() && out.join(whole).exists() && !out.join("switched-branch.csv").exists());
+    }
+}

@@ -4,7 +4,7 @@
 mod file;
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, keeper::Keeper};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -203,8 +203,9 @@ pub struct DrivenBranchStudy {
     pub scene: Scene,
     /// The branch.
     pub branch: DrivenBranch,
-    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there.
-    pub switched: Option<(usize, DrivenBranch)>,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
+    /// words, why none was followed.
+    pub switched: Option<(usize, std::result::Result<DrivenBranch, String>)>,
 }
 
 /// Names of the files in which branches are kept, and from which they are continued.
@@ -268,8 +269,8 @@ const ORBITS: f64 = 0.6;
 /// `progress` is told the share done.
 ///
 /// # Errors
-/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; no
-/// branch to switch to; a signal.
+/// A scene without a periodic drive; a number outside its rule; a first orbit that is not found; a
+/// signal.
 pub fn driven_branch(
     scene: Scene,
     search: &DrivenSearch,
@@ -301,10 +302,10 @@ fn followed(
     let keeper = Keeper::new(folder, BRANCH_FILE, stale);
     let branch = go_on(&scene, trail, keeper, &|share, what| progress(whole * share, what))?;
     let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None }) };
-    let other = branch.switched(number.wrapping_sub(1))?;
     let keeper = Keeper::new(folder, SWITCHED_FILE, &[]);
-    let other = go_on(&scene, other, keeper, &|share, what| progress(0.5 + 0.5 * share, what))?;
-    Ok(DrivenBranchStudy { scene, branch, switched: Some((number, other)) })
+    let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
+    let other = branch.switched(number.wrapping_sub(1)).and_then(|other| go_on(&scene, other, keeper, &progress));
+    Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch })
 }
 
 /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.

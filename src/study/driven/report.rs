@@ -177,9 +177,15 @@ fn branch_csv(branch: &DrivenBranch) -> Vec<u8> {
 }
 
 impl DrivenBranchStudy {
+    /// The branch that crosses, if one was followed, and the number of its bifurcation.
+    fn crossing(&self) -> Option<(usize, &DrivenBranch)> {
+        let (number, other) = self.switched.as_ref()?;
+        Some((*number, other.as_ref().ok()?))
+    }
+
     /// The branch and, if it was followed, the one that crosses it.
     fn branches(&self) -> impl Iterator<Item = &DrivenBranch> {
-        std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
+        std::iter::once(&self.branch).chain(self.crossing().map(|(_, other)| other))
     }
 }
 
@@ -190,7 +196,10 @@ impl Report for DrivenBranchStudy {
         value["scene"] = json!(scene.name());
         value["parameter"] = json!(branch.continuation.parameter.name());
         if let Some((number, other)) = switched {
-            value["switched"] = branch_json(other);
+            match other {
+                Ok(other) => value["switched"] = branch_json(other),
+                Err(why) => value["switched"]["failure"] = json!(why),
+            }
             value["switched"]["at"] = json!(number);
         }
         value["integrator"] = json!(METHOD);
@@ -200,7 +209,7 @@ impl Report for DrivenBranchStudy {
     }
 
     fn text(&self) -> String {
-        let other = self.switched.as_ref().map_or(String::new(), |(number, other)| {
+        let other = self.crossing().map_or(String::new(), |(number, other)| {
             let turns = other.points.first().map_or(1, |point| point.orbit.setting.turns());
             let periods = if turns == 1 { "the period".to_owned() } else { format!("{turns} periods") };
             format!(
@@ -214,13 +223,13 @@ impl Report for DrivenBranchStudy {
     }
 
     fn files(&self, json: &str) -> Result<Vec<File>> {
-        let Self { scene, branch, switched } = self;
+        let Self { scene, branch, .. } = self;
         let mut files = named([
             ("driven-branch.csv", branch_csv(branch)),
             ("driven-branch.json", format!("{json}\n").into()),
             (BRANCH_FILE, npz(scene, &branch.trail)?),
         ]);
-        if let Some((_, other)) = switched {
+        if let Some((_, other)) = self.crossing() {
             files.extend(named([(SWITCHED_TABLE, branch_csv(other)), (SWITCHED_FILE, npz(scene, &other.trail)?)]));
         }
         Ok(files)
@@ -232,6 +241,9 @@ impl Report for DrivenBranchStudy {
     }
 
     fn remark(&self) -> Option<String> {
+        if let Some((_, Err(why))) = &self.switched {
+            return Some(format!("error: {why}"));
+        }
         let short = self.branches().find(|branch| !branch.end.answers())?;
         Some(format!("error: the branch ended: {}", short.end.words()))
     }
@@ -239,7 +251,7 @@ impl Report for DrivenBranchStudy {
     /// A branch succeeds if it reached its end or turned back, or if it came back to the branch of
     /// half its period.
     fn succeeded(&self) -> bool {
-        self.branches().all(|branch| branch.end.answers())
+        !matches!(self.switched, Some((_, Err(_)))) && self.branches().all(|branch| branch.end.answers())
     }
 }
 
@@ -300,7 +312,7 @@ fn orbit_picture(study: &DrivenStudy) -> Result<crate::figures::Picture> {
 #[cfg(feature = "plot")]
 fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> {
     use crate::figures::{Kind, Line, Panel, Panels, panels};
-    let DrivenBranchStudy { scene, branch, switched } = study;
+    let DrivenBranchStudy { scene, branch, .. } = study;
     let parameter = branch.continuation.parameter;
     let place = |point: &DrivenPoint| point.orbit.setting.get(parameter);
     let responses = |branch: &DrivenBranch| {
@@ -314,7 +326,7 @@ fn branch_picture(study: &DrivenBranchStudy) -> Result<crate::figures::Picture> 
     };
     let mut largest = vec![moduli("largest |λ|", branch)];
     let mut how = format!("{} orbits; {}.", branch.points.len(), branch.end.words());
-    if let Some((number, other)) = switched {
+    if let Some((number, other)) = study.crossing() {
         let names = ["stable, switched", "unstable, switched"];
         lines
             .extend(responses(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));

@@ -3,7 +3,7 @@
 
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch};
+use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing};
 use crate::{
     error::{Error, Result},
     orbits::{ModeBranch, ModeContinuation, ModePoint, NormalModes},
@@ -69,8 +69,9 @@ pub struct ModeStudy {
     pub modes: NormalModes,
     /// The branch.
     pub branch: ModeBranch,
-    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there.
-    pub switched: Option<(usize, ModeBranch)>,
+    /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
+    /// words, why none was followed.
+    pub switched: Option<(usize, std::result::Result<ModeBranch, String>)>,
 }
 
 impl ModeWay {
@@ -138,6 +139,6 @@ fn followed(
         return Ok(ModeStudy { scene, modes, branch, switched: None });
     };
     let branch = continuation.follow(&modes, tell(0.0, 0.5))?;
-    let other = branch.switched(&modes, number.wrapping_sub(1), tell(0.5, 0.5))?;
-    Ok(ModeStudy { scene, modes, branch, switched: Some((number, other)) })
+    let other = branch.switched(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
+    Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch })
 }

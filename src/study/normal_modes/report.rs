@@ -38,9 +38,15 @@ impl ModeStudy {
         both
     }
 
+    /// The branch that crosses, if one was followed, and the number of its bifurcation.
+    fn crossing(&self) -> Option<(usize, &ModeBranch)> {
+        let (number, other) = self.switched.as_ref()?;
+        Some((*number, other.as_ref().ok()?))
+    }
+
     /// The branch and, if it was followed, the one that crosses it.
     fn branches(&self) -> impl Iterator<Item = &ModeBranch> {
-        std::iter::once(&self.branch).chain(self.switched.iter().map(|(_, other)| other))
+        std::iter::once(&self.branch).chain(self.crossing().map(|(_, other)| other))
     }
 
     /// The bifurcations of a branch as a table.
@@ -151,7 +157,10 @@ impl Report for ModeStudy {
         value["mode"] = json!(branch.continuation.mode + 1);
         value["linear"] = modes.linear().iter().map(|mode| self.linear_json(mode)).collect();
         if let Some((number, other)) = switched {
-            value["switched"] = self.branch_json(other);
+            match other {
+                Ok(other) => value["switched"] = self.branch_json(other),
+                Err(why) => value["switched"]["failure"] = json!(why),
+            }
             value["switched"]["at"] = json!(number);
         }
         value["scene_file"] = scene_json(scene);
@@ -178,7 +187,7 @@ impl Report for ModeStudy {
                 ]
             })
             .collect();
-        let other = self.switched.as_ref().map_or(String::new(), |(number, other)| {
+        let other = self.crossing().map_or(String::new(), |(number, other)| {
             format!("\nThe branch that crosses at bifurcation {number}:\n\n{}", Self::branch_text(other))
         });
         format!(
@@ -200,7 +209,7 @@ impl Report for ModeStudy {
             ("linear-modes.csv", linear),
             ("mode.json", format!("{json}\n").into()),
         ]);
-        files.extend(self.switched.iter().map(|(_, other)| (SWITCHED_TABLE.to_owned(), Self::branch_csv(other))));
+        files.extend(self.crossing().map(|(_, other)| (SWITCHED_TABLE.to_owned(), Self::branch_csv(other))));
         Ok(files)
     }
 
@@ -210,12 +219,15 @@ impl Report for ModeStudy {
     }
 
     fn remark(&self) -> Option<String> {
+        if let Some((_, Err(why))) = &self.switched {
+            return Some(format!("error: {why}"));
+        }
         let short = self.branches().find(|branch| !branch.end.answers())?;
         Some(format!("error: the branch ended: {}", short.end.words()))
     }
 
     fn succeeded(&self) -> bool {
-        self.branches().all(|branch| branch.end.answers())
+        !matches!(self.switched, Some((_, Err(_)))) && self.branches().all(|branch| branch.end.answers())
     }
 }
 
@@ -235,7 +247,7 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
     lines.push(Line::new("linear modes", near));
     let place = |one: &ModeBifurcation| (one.point.orbit.amplitude.abs(), one.point.orbit.omega);
     lines.push(Line::new("bifurcation", study.branches().flat_map(|branch| &branch.bifurcations).map(place)));
-    if let Some((_, other)) = &study.switched {
+    if let Some((_, other)) = study.crossing() {
         let names = ["stable, switched", "unstable, switched"];
         lines.extend(points(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
     }
