@@ -259,10 +259,11 @@ fn infinite(value: &mut Value) {
 fn provenance(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let details = scene.details_in_words().map(|words| format!(" Beads differ: {words}.")).unwrap_or_default();
+    let summary = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
     format!(
-        "Scene {}: {}. N = {}, {}.{details} {how} hertzchain {}.",
+        "Scene {}{}. N = {}, {}.{details} {how} hertzchain {}.",
         scene.name(),
-        scene.file().summary,
+        summary.map_or(String::new(), |summary| format!(": {summary}")),
         scene.chain().sites(),
         params_words(params),
         env!("CARGO_PKG_VERSION")

@@ -251,7 +251,13 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
         let names = ["stable, switched", "unstable, switched"];
         lines.extend(points(other).into_iter().zip(names).map(|(line, name)| Line { name: name.to_owned(), ..line }));
     }
-    let share = branch.points.iter().map(|point| (point.orbit.amplitude, point.participation));
+    let share = |branch: &ModeBranch| {
+        branch.points.iter().map(|point| (point.orbit.amplitude.abs(), point.participation)).collect::<Vec<_>>()
+    };
+    let mut shares = vec![Line::new("orbits", share(branch))];
+    if let Some((_, other)) = study.crossing() {
+        shares.push(Line::new("switched", share(other)));
+    }
     let [u, v] = study.displacements(last);
     let sites =
         |name: &str, values: &[f64]| Line::new(name, values.iter().enumerate().map(|(i, value)| (i as f64, *value)));
@@ -263,13 +269,13 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
     let multipliers = Line::new("multipliers", last.spectrum.multipliers.iter().map(at));
     let left = vec![
         Panel::new(Kind::Cloud, ["amplitude a", "frequency ω"], lines),
-        Panel::new(Kind::Cloud, ["amplitude a", "participation number"], vec![Line::new("orbits", share)]),
+        Panel::new(Kind::Cloud, ["amplitude a", "participation number"], shares),
     ];
     let right = vec![
         Panel::new(Kind::Sites, ["site n", "displacement at a"], profile),
         Panel::new(Kind::Plane, ["Re λ", "Im λ"], vec![multipliers]),
     ];
-    let how = format!(
+    let mut how = format!(
         "{} orbits; mode {} of {}, ω₀ = {:.6}; on the right a = {}, residual {:.1e}.",
         branch.points.len(),
         branch.continuation.mode + 1,
@@ -278,6 +284,9 @@ fn picture(study: &ModeStudy) -> Result<crate::figures::Picture> {
         last.orbit.amplitude,
         last.orbit.residual
     );
+    if let Some((number, other)) = study.crossing() {
+        how += &format!(" From bifurcation {number}: {} orbits; {}.", other.points.len(), other.end.words());
+    }
     let title = format!("A nonlinear normal mode of {}", study.scene.name());
     let columns = vec![Column::new("", left), Column::new("", right)];
     Ok(panels(&Panels { title, columns, caption: crate::study::provenance(&study.scene, &how) })?)
