@@ -3,7 +3,7 @@
 #![cfg(feature = "cli")]
 
 use hertzchain::{
-    output::Folder,
+    output::{Archive, Array, Folder, npz, npz_with},
     parts::Parts,
     run::method::{Method, Setting},
     scene::Scene,
@@ -173,15 +173,20 @@ fn a_run_by_part_goes_on_in_another_number_of_parts() {
     goes_on_by_part(|parts, by_part| long(impact(), "collocation", Setting::Tolerance(1e-6), parts, by_part));
 }
 
+/// What going on says of a folder that is refused, in one process and by part.
+fn refusals(folder: &Path) -> [String; 2] {
+    [&[][..], &["--by-part", "--threads", "2"]].map(|more| {
+        let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder).args(more).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(!ended.status.success() && !said.contains("panicked"), "{said}");
+        said
+    })
+}
+
 #[test]
 fn what_is_not_whole_of_what_parts_keep_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     assert!(output(BY_PART[0], folder.path(), &["--threads", "3", "--by-part"]).status.success());
-    let refused = |more: &[&str]| {
-        let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder.path()).args(more).output().unwrap();
-        assert!(!ended.status.success());
-        String::from_utf8(ended.stderr).unwrap()
-    };
     let names = pieces(folder.path());
     let damaged = |prefix: &str, change: &dyn Fn(&mut Vec<u8>)| {
         let name = names.iter().find(|name| name.starts_with(prefix) && name.contains("-1-of-3")).unwrap();
@@ -194,7 +199,7 @@ fn what_is_not_whole_of_what_parts_keep_is_refused() {
         } else {
             fs::write(&path, &bytes).unwrap()
         }
-        let said = [refused(&[]), refused(&["--by-part", "--threads", "2"])];
+        let said = refusals(folder.path());
         fs::write(&path, &good).unwrap();
         (name.clone(), said)
     };
@@ -210,6 +215,86 @@ fn what_is_not_whole_of_what_parts_keep_is_refused() {
     let (_, said) = damaged("state-", &|bytes| bytes.clone_from(&other));
     assert!(said.iter().all(|said| said.contains("this one begins at site 333")), "{said:?}");
     join(folder.path());
+}
+
+#[test]
+fn parts_that_end_early_or_are_not_finite_are_refused() {
+    // Of 999 sites in three parts the last part begins where that of 1000 does, at site 666.
+    let [folder, shorter] = ["1000", "999"].map(|sites| {
+        let (folder, line) = (tempfile::tempdir().unwrap(), BY_PART[0].replace("1000", sites));
+        assert!(output(&line, folder.path(), &["--threads", "3", "--by-part"]).status.success());
+        folder
+    });
+    let state = |folder: &Path, part: usize| {
+        let end = format!("-{part}-of-3.npz");
+        let names = pieces(folder);
+        let name = names.iter().find(|name| name.starts_with("state-") && name.ends_with(&end)).unwrap();
+        folder.join("parts").join(name)
+    };
+    let last = state(folder.path(), 2);
+    let good = fs::read(&last).unwrap();
+    fs::copy(state(shorter.path(), 2), &last).unwrap();
+    let said = refusals(folder.path());
+    assert!(said.iter().all(|said| said.contains("the parts end at site 999 of 1000")), "{said:?}");
+    fs::write(&last, good).unwrap();
+    let middle = state(folder.path(), 1);
+    let file = Archive::read(&middle).unwrap();
+    let arrays = [("sites", 2), ("u", 333), ("u_dot", 333)].map(|(name, count)| {
+        let mut values = file.array(name, &[count]).unwrap();
+        if name == "u_dot" {
+            values[7] = f64::NAN;
+        }
+        Array::vector(name, values)
+    });
+    fs::write(&middle, npz(&arrays).unwrap()).unwrap();
+    let said = refusals(folder.path());
+    assert!(said.iter().all(|said| said.contains("u_dot: NaN at entry 7: all are finite")), "{said:?}");
+}
+
+#[test]
+fn legs_of_parts_that_cannot_be_are_refused_by_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(output(BY_PART[0], folder.path(), &["--threads", "3", "--by-part"]).status.success());
+    let path = folder.path().join("checkpoint.npz");
+    let text = Archive::read(&path).unwrap().text("settings.json").unwrap().to_owned();
+    let settings: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let legs = &settings["by_part"];
+    let last = legs.as_array().unwrap().len() - 1;
+    let with = |key: &str, number: u64| {
+        let mut legs = legs.clone();
+        legs[last][key] = number.into();
+        legs
+    };
+    let profiles = legs[last]["profiles"].as_u64().unwrap();
+    for (legs, rule) in [
+        (serde_json::json!([]), "no leg"),
+        (with("parts", 0), "0 parts of 1000 sites"),
+        (with("parts", 1001), "1001 parts of 1000 sites"),
+        (with("profiles", profiles + 1), "other numbers of its legs"),
+        (with("profiles", u64::MAX), "other numbers of its legs"),
+    ] {
+        let altered = serde_json::Value::Object(
+            settings.as_object().unwrap().clone().into_iter().chain([("by_part".to_owned(), legs)]).collect(),
+        );
+        fs::write(&path, npz_with("settings.json", &altered.to_string(), &[]).unwrap()).unwrap();
+        let said = refusals(folder.path());
+        assert!(said.iter().all(|said| said.contains("settings.json, by_part: ") && said.contains(rule)), "{said:?}");
+    }
+}
+
+#[test]
+fn files_of_a_run_that_ended_early_are_not_those_of_the_run_before_it() {
+    // The second run writes leg 1 over that of the first, and ends before its checkpoint.
+    let folder = tempfile::tempdir().unwrap();
+    let line = |until: u32| format!("run impact --integrator verlet --until {until} --samples 7 --checkpoint {until}");
+    assert!(output(&line(20), folder.path(), &["--threads", "3", "--by-part"]).status.success());
+    let middle = folder.path().join("parts/state-1-1-of-3.npz");
+    fs::remove_file(&middle).unwrap();
+    fs::create_dir(&middle).unwrap();
+    let ended = output(&line(10), folder.path(), &["--threads", "3", "--by-part"]);
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert!(ended.status.code() == Some(1) && said.contains("part 1: "), "{said}");
+    assert!(!folder.path().join("checkpoint.npz").exists(), "no checkpoint names files of another run");
 }
 
 #[test]

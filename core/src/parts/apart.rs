@@ -322,6 +322,23 @@ mod tests {
             holds(&collocation(boundary, (1.5, 0.0), 700, Some(255)), 2);
         }
         holds(&run(Boundary::Ring, (1.5, 1.0), 1, "verlet"), 1);
+        // More sites in a part than in a message.
+        holds(&run(Boundary::Ring, (1.5, 1.0 / 3.0), 140_000, "verlet"), 2);
+    }
+
+    #[test]
+    fn a_state_that_is_lost_is_lost_in_all_parts() {
+        let run = run(Boundary::Ring, (1.5, 1.0), 30, "verlet");
+        let (motion, memory) = (Method::named("verlet").unwrap().motion().unwrap(), Arc::new(Memory::default()));
+        let initial: Initial = run.initial().clone().into();
+        let apart = Apart::new(run.chain(), motion, &Parts::Threads(3), memory, &initial).unwrap();
+        apart.lose();
+        let mut seen = 0;
+        apart.each(&mut |first, arrays| {
+            assert!(first == seen && arrays.into_iter().flatten().all(|value| value.is_nan()), "{first}");
+            seen += arrays[0].len();
+        });
+        assert_eq!(seen, 30);
     }
 
     #[test]

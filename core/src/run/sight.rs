@@ -82,3 +82,51 @@ impl Sight<'_> {
         Profile { t, x: self.chain.strains(self.y), state: self.y.to_vec() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        Boundary, Chain, Method, Params, Run, State,
+        parts::{Apart, Files, Own, Parts},
+        run::Initial,
+    };
+    use std::{path::Path, sync::Arc};
+
+    /// Files that nobody writes.
+    #[derive(Debug)]
+    struct Nothing;
+
+    impl Files for Nothing {
+        fn write(&self, _: &Path, _: u64, _: &Own) -> Result<(), String> {
+            Ok(())
+        }
+    }
+
+    /// The states of a chain in which some entries are changed: in memory, and in three parts.
+    fn both(changes: &[(usize, f64)]) -> [Run; 2] {
+        let chain = Chain::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Ring, 30).unwrap();
+        let mut state = State::rest(&chain);
+        state.as_mut_slice().iter_mut().enumerate().for_each(|(i, y)| *y = 0.1 * (i as f64).sin());
+        changes.iter().for_each(|&(i, value)| state.as_mut_slice()[i] = value);
+        let motion = Method::named("verlet").unwrap().motion().unwrap();
+        let initial: Initial = state.clone().into();
+        let apart = Apart::new(&chain, motion, &Parts::Threads(3), Arc::new(Nothing), &initial).unwrap();
+        let run = Run::new(chain, state).until(1.0).unwrap().method(Method::named("verlet").unwrap());
+        [run.clone(), run.in_parts(Parts::Apart(Arc::new(apart))).unwrap()]
+    }
+
+    #[test]
+    fn parts_see_what_one_process_sees() {
+        // Truth: the entry that was changed. Entries are those of the whole state [u, v, u', v'] of
+        // 30 sites, so that the first one may be of a later part than others.
+        for run in both(&[(70, f64::INFINITY), (25, f64::NAN), (115, f64::NAN)]) {
+            assert_eq!(run.sight(run.initial().as_slice()).lost(), Some(25));
+        }
+        for run in both(&[(3, -7.0), (59, 7.0), (100, 0.5)]) {
+            let sight = run.sight(run.initial().as_slice());
+            assert_eq!((sight.lost(), sight.size(), sight.largest()), (None, 7.0, (59, 7.0)));
+        }
+        let [whole, parts] = both(&[]).map(|run| run.sight(run.initial().as_slice()).energy());
+        assert!(whole == parts && whole.total() > 0.0, "{whole:?} {parts:?}");
+    }
+}
