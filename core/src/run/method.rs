@@ -486,7 +486,6 @@ fn dop853(
     tol: f64,
 ) -> Result<Box<dyn Stepper<f64> + Send>> {
     let chain = run.chain().clone();
-    let field = Field::new(chain.clone());
     // The unit of the absolute tolerance is the largest entry of the initial state, so that waves
     // of small amplitude are integrated with the same relative accuracy. For a chain that drives
     // take from rest, the unit is the size of the drives.
@@ -498,10 +497,11 @@ fn dop853(
     let options = Options { atol, ..Options::new(tol) };
     let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).order());
     let q = match contacts {
-        Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
+        Contacts::Crossed => return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?)),
         Contacts::Landed => 1,
         Contacts::Regularised => power,
     };
+    let field = Field::from_event_to_event(chain.clone());
     Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
 }
 
