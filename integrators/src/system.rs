@@ -8,6 +8,15 @@ pub trait VectorField<R: Real> {
     fn dim(&self) -> usize;
     /// Writes `f(t, y)` into `dy`; both slices have [`dim`](Self::dim) entries.
     fn eval(&mut self, t: R, y: &[R], dy: &mut [R]);
+    /// Learns from a method that stops at events that event function `index` is positive from here
+    /// on, or no longer. At the start of a run all functions that are positive are told, in the
+    /// order of their indices. Returns whether field or state have changed; `y` may change.
+    ///
+    /// A field that jumps at an event decides by what it was told, not by the sign of a value that
+    /// is zero up to rounding: then it is smooth from event to event, ends of steps included.
+    fn turn(&mut self, _index: usize, _positive: bool, _y: &mut [R]) -> bool {
+        false
+    }
 }
 
 /// A system split into two exactly solvable flows. It holds its state in variables of its own

@@ -381,7 +381,8 @@ def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = Non
     Raises
     ------
     ParameterError
-        For contacts that dissipate, or a chain of more than 256 bonds.
+        For contacts that dissipate (`driven_orbit` has their multipliers), or a chain of more than
+        256 bonds.
 
     Examples
     --------

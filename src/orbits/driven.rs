@@ -8,10 +8,12 @@
 //! | `q` | displacements of beads that no drive moves, and of resonators |
 //! | `z = (q, q'/omega)` | unknowns, at `t = 0` |
 //! | `M` | derivative of `P^m` at the orbit; its eigenvalues `lambda` are the multipliers |
-//! | `gamma` | minus the divergence of the vector field, `sum (c_n + d_n)/m_n + d_n/(rho_n m_n)` |
+//! | `gamma` | the part of drag and dashpots of resonators in minus the divergence of the vector field, `sum (c_n + d_n)/m_n + d_n/(rho_n m_n)` |
+//! | `Gamma` | the part of contacts that dissipate, integrated over the orbit |
 //!
-//! The equations are `P^m(z) - z = 0`. There is no free phase: the drive has one. Drag and dashpots
-//! make the divergence constant, so that `det M = exp(-gamma m T)` (Liouville).
+//! The equations are `P^m(z) - z = 0`. There is no free phase: the drive has one. By Liouville
+//! `det M = exp(-gamma m T - Gamma)`. The tangent map is that of contact collocation, or of
+//! [`Variations`] where contacts dissipate.
 
 use super::{
     arclength::{Family, MOST_CORRECTIONS, Solution},
@@ -39,7 +41,7 @@ pub enum DriveParameter {
     Amplitude,
     /// Fundamental frequency; all harmonics keep their ratio to it.
     Omega,
-    /// Common factor of all drags and dashpots.
+    /// Common factor of all drags and dashpots, and of the dissipation constants of contacts.
     Damping,
 }
 
@@ -125,8 +127,8 @@ impl DrivenSetting {
     ///
     /// # Errors
     /// A chain without a drive, or whose drives are bursts, or have frequencies that are no
-    /// multiples of one; a strain ring; contacts that dissipate; `alpha <= 1`; more than 256
-    /// contacts; `turns` outside 1 to 64.
+    /// multiples of one; a strain ring; `alpha <= 1`; more than 256 contacts; `turns` outside 1 to
+    /// 64.
     pub fn new(chain: &Chain<f64>, turns: u32) -> Result<Self> {
         let refused = |value: &str| Error::parameter("drive", value, "an orbit needs a periodic drive");
         let Some(details) = chain.details().filter(|details| !details.drives.is_empty()) else {
@@ -188,7 +190,8 @@ impl DrivenSetting {
             harmonic.amplitude *= amplitude;
             harmonic.omega *= omega;
         }
-        for loss in details.drag.iter_mut().chain(&mut details.dashpot) {
+        let contacts = details.dissipation.iter_mut().flat_map(|loss| &mut loss.strength);
+        for loss in details.drag.iter_mut().chain(&mut details.dashpot).chain(contacts) {
             *loss *= self.values[2];
         }
         self.bare.clone().with(&details)
@@ -249,7 +252,7 @@ impl DrivenSetting {
         self.free.iter().copied().take_while(|&i| i < self.bare.sites())
     }
 
-    /// `gamma`, minus the divergence of the vector field.
+    /// `gamma`, minus the divergence of the vector field without contacts.
     ///
     /// # Errors
     /// A parameter outside its rule.
@@ -311,8 +314,8 @@ impl DrivenSetting {
 pub struct DrivenShooting {
     /// Tolerance of a step of the flow.
     pub tol: f64,
-    /// Tolerance of the run by contact collocation that the tangent map follows, and of a step of
-    /// [samples](DrivenOrbit::samples).
+    /// Tolerance of the run by contact collocation that the tangent map follows, of a step of the
+    /// tangent map where contacts dissipate, and of a step of [samples](DrivenOrbit::samples).
     pub tangent_tol: f64,
     /// Largest number of steps of Newton's method.
     pub most_steps: usize,
@@ -369,30 +372,43 @@ impl DrivenShooting {
         let residual = setting.unknowns_of(&chain, &end.state) - DVector::from_column_slice(z);
         let unknowns = setting.unknowns();
         let jacobian = if derivative {
-            self.monodromy(setting, z)? - DMatrix::identity(unknowns, unknowns)
+            self.monodromy(setting, z)?.0 - DMatrix::identity(unknowns, unknowns)
         } else {
             DMatrix::zeros(unknowns, 0)
         };
         Ok(Equations { residual, jacobian })
     }
 
-    /// `M`, the derivative of `P^m` by `z`.
-    fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<DMatrix<f64>> {
+    /// `M`, the derivative of `P^m` by `z`, and `Gamma`.
+    fn monodromy(&self, setting: &DrivenSetting, z: &[f64]) -> Result<(DMatrix<f64>, f64)> {
         let chain = setting.chain()?;
         let (half, omega, m) = (chain.layout().half(), setting.omega(), setting.free.len());
         let (start, dim) = (setting.start(&chain, z), chain.layout().dim());
         let span = (0.0, setting.period());
-        let columns = chain.monodromy(&start, span, Pace::Tolerance(self.tangent_tol))?;
         // Unknown `k` is the displacement `free[k]`; unknown `m + k` its velocity over omega.
         let place = |k: usize| match k.checked_sub(m) {
             None => (setting.free[k], 1.0),
             Some(k) => (half + setting.free[k], omega),
         };
+        if chain.dissipative_contacts() {
+            let mut unit = vec![0.0; 2 * half * 2 * m];
+            for j in 0..2 * m {
+                let (row, per) = place(j);
+                unit[row * 2 * m + j] = per;
+            }
+            let end = Variations::flow(&chain, &start, span, &unit, self.tangent_tol)?;
+            let entry = |k: usize, j: usize| {
+                let (row, unit) = place(k);
+                end.columns[row * 2 * m + j] / unit
+            };
+            return Ok((DMatrix::from_fn(2 * m, 2 * m, entry), end.contraction));
+        }
+        let columns = chain.monodromy(&start, span, Pace::Tolerance(self.tangent_tol))?;
         let entry = |k: usize, j: usize| {
             let ((row, unit), (column, per)) = (place(k), place(j));
             columns[column * dim + row] * per / unit
         };
-        Ok(DMatrix::from_fn(2 * m, 2 * m, entry))
+        Ok((DMatrix::from_fn(2 * m, 2 * m, entry), 0.0))
     }
 
     /// The unknowns after a run of `chain`, with its ramps, from `state` at `t = 0`. The run takes
@@ -508,7 +524,7 @@ pub struct DrivenMultiplier {
 pub struct DrivenSpectrum {
     /// All of them, the largest modulus first, with conjugates next to each other.
     pub multipliers: Vec<DrivenMultiplier>,
-    /// `|ln |det M| + gamma m T|`, the error of Liouville's formula: zero in theory.
+    /// `|ln |det M| + gamma m T + Gamma|`, the error of Liouville's formula: zero in theory.
     pub liouville: f64,
 }
 
@@ -555,8 +571,8 @@ impl DrivenOrbit {
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.
     pub fn spectrum(&self, shooting: &DrivenShooting) -> Result<DrivenSpectrum> {
-        let monodromy = shooting.monodromy(&self.setting, &self.z)?;
-        let exponent = self.setting.contraction()? * self.setting.period();
+        let (monodromy, contacts) = shooting.monodromy(&self.setting, &self.z)?;
+        let exponent = self.setting.contraction()? * self.setting.period() + contacts;
         DrivenSpectrum::new(&monodromy, exponent).ok_or_else(|| {
             let rule = "no multipliers: the eigenvalues did not converge";
             Error::parameter("omega", self.setting.omega(), rule)

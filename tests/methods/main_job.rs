@@ -222,6 +222,41 @@ fn a_scene_without_a_stored_reference_has_one_computed() {
 }
 
 #[test]
+fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them() {
+    // Truth: the two runs of the reference, by methods of two families. A row of collocation is
+    // compared with DOP853. Each displacement and velocity keeps the tolerance of the run in units
+    // of the initial velocity, 1, down to 1e-10, with dashpots three of it down to 1e-8 (lossy.rs).
+    // A strain is the difference of two displacements.
+    let can = ["dop853", "dop853-landed", "dop853-regularised", "collocation"];
+    for (loss, sites, estimate, tolerances, rungs) in
+        [("viscoelastic", 40, 1e-12, 1.0, 8), ("viscoelastic", 120, 1e-12, 1.0, 8), ("dashpot", 40, 1e-9, 3.0, 6)]
+    {
+        let changes = [format!("chain.sites={sites}"), "span.until=4".into(), format!("bonds.{loss}=0.1")];
+        let scene = Scene::load_with("impact", &changes).unwrap();
+        let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: 5.0 };
+        let comparison = compare(&scene, &options, &|_, _| ()).unwrap();
+        let reference = &comparison.reference;
+        println!("{loss} {sites}: {reference:?}");
+        let words = "collocation at tol 1e-14, checked by dop853-regularised";
+        assert!(reference.method.starts_with(words), "{reference:?}");
+        assert!(reference.error_estimate < estimate, "{loss} {sites}: {reference:?}");
+        let mut names: Vec<_> = comparison.entrants().iter().map(Entrant::name).collect();
+        names.sort();
+        let mut expected = can.to_vec();
+        expected.sort();
+        assert_eq!(names, expected);
+        assert_eq!(comparison.left_out.len() + can.len(), Method::all().len());
+        let rows = comparison.rows_of(&Entrant::Method(Method::Collocation));
+        // Of a ladder that --max-time ends, less.
+        assert!(rows.len() >= 4, "{}", rows.len());
+        for (k, row) in rows.into_iter().enumerate().take(rungs) {
+            let kept = 2.0 * tolerances * 10f64.powi(-3 - k as i32) / comparison.amplitude;
+            assert!(row.error.unwrap() < kept + reference.error_estimate, "{row:?}");
+        }
+    }
+}
+
+#[test]
 fn a_scene_leaves_out_what_it_does_not_need() {
     for (name, words, numbers) in [
         ("tw-q15", "4 numbers a site", 200),

@@ -3,7 +3,7 @@
 use super::{
     Chain,
     aligned::Aligned,
-    details,
+    details::{self, Pushing, Turned},
     sweep::{Sites, sweep},
 };
 use hertzchain_integrators::{Column, Real, Twofold, Vector, VectorField};
@@ -13,12 +13,31 @@ pub struct Field<R> {
     chain: Chain<R>,
     /// Positions of beads and contact forces on them.
     contacts: [Aligned<R>; 2],
+    /// The contacts that dissipate and push, if the method tells.
+    pushing: Option<Pushing>,
 }
 
 impl<R: Real> Field<R> {
     /// The field of a chain.
     pub fn new(chain: Chain<R>) -> Self {
-        Self { contacts: Aligned::together(chain.sites()), chain }
+        Self { contacts: Aligned::together(chain.sites()), chain, pushing: None }
+    }
+
+    /// The field for a method that stops at the events of [`Turns`](super::Turns) and tells the
+    /// field: the forces of contacts that dissipate are smooth from event to event.
+    pub fn from_event_to_event(chain: Chain<R>) -> Self {
+        let pushing = chain.dissipative_contacts().then(|| Pushing::new(&chain));
+        Self { pushing, ..Self::new(chain) }
+    }
+
+    /// The contacts that dissipate and push, if the method tells.
+    pub(super) fn pushing(&self) -> Option<&Pushing> {
+        self.pushing.as_ref()
+    }
+
+    /// Takes the sign of a function of [`Turns`](super::Turns).
+    pub(super) fn told(&mut self, index: usize, positive: bool) -> Option<Turned> {
+        self.pushing.as_mut()?.turn(index, positive)
     }
 }
 
@@ -28,9 +47,9 @@ impl<R: Real> VectorField<R> for Field<R> {
     }
 
     fn eval(&mut self, t: R, y: &[R], dy: &mut [R]) {
-        let Self { chain, contacts: [u, force] } = self;
+        let Self { chain, contacts: [u, force], pushing } = self;
         if let Some(parts) = chain.parts() {
-            return details::rates(chain, parts, t, y, dy, force);
+            return details::rates((chain, parts), pushing.as_ref(), t, y, dy, force);
         }
         let (n, half, params) = (chain.sites(), chain.layout().half(), chain.params());
         let (q_dot, q_ddot) = dy.split_at_mut(half);
@@ -58,6 +77,10 @@ impl<R: Real> VectorField<R> for Field<R> {
             }
             _ => {}
         }
+    }
+
+    fn turn(&mut self, index: usize, positive: bool, _y: &mut [R]) -> bool {
+        self.told(index, positive).is_some()
     }
 }
 

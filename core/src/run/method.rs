@@ -303,27 +303,30 @@ impl Method {
         }
     }
 
-    /// Whether the method can run a chain: those that can run one with [`Details`] are DOP853 and
-    /// collocation, and splittings unless contacts dissipate.
+    /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
+    /// DOP853 and collocation, and splittings unless contacts dissipate.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
     pub fn runs(&self, chain: &Chain<f64>) -> Result<()> {
-        if chain.details().is_none() {
-            return Ok(());
+        match self.lacks(chain) {
+            Some(rule) => Err(Error::parameter("integrator", self.name(), rule)),
+            None => Ok(()),
         }
+    }
+
+    /// Why the method cannot run a chain, and a method that can; `None` if it can.
+    pub fn lacks(&self, chain: &Chain<f64>) -> Option<&'static str> {
+        chain.details()?;
         match self {
-            Self::Dop853(_) | Self::Collocation => Ok(()),
-            Self::Splitting(..) | Self::Landed(_) if !chain.dissipative_contacts() => Ok(()),
-            Self::Splitting(..) | Self::Landed(_) => {
-                let rule = "its kicks know no velocities, and contacts here dissipate: take dop853-regularised";
-                Err(Error::parameter("integrator", self.name(), rule))
-            }
-            Self::Corrected(..) | Self::Conserving(_) => {
-                let rule = "it needs equal beads, without damping or drives: take dop853-regularised, or \
-                            strang-linear for equal steps";
-                Err(Error::parameter("integrator", self.name(), rule))
-            }
+            Self::Dop853(_) | Self::Collocation => None,
+            Self::Splitting(..) | Self::Landed(_) => chain
+                .dissipative_contacts()
+                .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
+            Self::Corrected(..) | Self::Conserving(_) => Some(
+                "it needs equal beads, without damping or drives: take dop853-regularised, or strang-linear for \
+                 equal steps",
+            ),
         }
     }
 
@@ -483,7 +486,6 @@ fn dop853(
     tol: f64,
 ) -> Result<Box<dyn Stepper<f64> + Send>> {
     let chain = run.chain().clone();
-    let field = Field::new(chain.clone());
     // The unit of the absolute tolerance is the largest entry of the initial state, so that waves
     // of small amplitude are integrated with the same relative accuracy. For a chain that drives
     // take from rest, the unit is the size of the drives.
@@ -495,10 +497,11 @@ fn dop853(
     let options = Options { atol, ..Options::new(tol) };
     let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).order());
     let q = match contacts {
-        Contacts::Crossed => return Ok(Box::new(Dop853::new(field, y, span, options)?)),
+        Contacts::Crossed => return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?)),
         Contacts::Landed => 1,
         Contacts::Regularised => power,
     };
+    let field = Field::from_event_to_event(chain.clone());
     Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
 }
 

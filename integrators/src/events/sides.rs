@@ -140,13 +140,18 @@ impl Sides {
 
     /// At the end of a step: marks late functions that have reached their side. One that does not
     /// reach it in time gets the side of its value.
-    pub(crate) fn settle(&mut self) {
+    pub(crate) fn settle(&mut self, turned: &mut Vec<usize>) {
+        turned.clear();
         for index in 0..self.values.len() {
             if self.late(index) {
                 let arrived = self.polynomial(index).visits(self.positive[index], self.band);
                 self.late[index] = if arrived { 0 } else { self.late[index] - 1 };
                 if self.late[index] == 0 && !arrived {
-                    self.positive[index] = self.values[index][NODES - 1] > self.band;
+                    let positive = self.values[index][NODES - 1] > self.band;
+                    if self.positive[index] != positive {
+                        turned.push(index);
+                    }
+                    self.positive[index] = positive;
                 }
             }
         }

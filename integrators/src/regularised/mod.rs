@@ -108,6 +108,8 @@ pub struct Regularised<R, F, E> {
     events: Vec<Event<R>>,
     /// Events that happen at the present position.
     pending: Vec<Event<R>>,
+    /// Functions that the last step gave another side without an event.
+    settled: Vec<usize>,
     y: Vec<R>,
     dy: Vec<R>,
     g: Vec<R>,
@@ -185,6 +187,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             crossings: Vec::new(),
             events: Vec::new(),
             pending: Vec::new(),
+            settled: Vec::new(),
             y: y0.to_vec(),
             dy: y0.to_vec(),
             g: vec![R::zero(); count],
@@ -203,12 +206,32 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         regularised.sides.put(0, &regularised.g);
         regularised.sides.set_band(regularised.functions.band(y0).f64());
         regularised.sides.begin();
+        for index in 0..count {
+            if regularised.sides.positive(index) {
+                regularised.tell(index);
+            }
+        }
         Ok(regularised)
+    }
+
+    /// Tells the field the side of a function. Returns whether field or state have changed.
+    fn tell(&mut self, index: usize) -> bool {
+        self.y.copy_from_slice(self.step.state());
+        let changed = self.field.turn(index, self.sides.positive(index), &mut self.y);
+        if changed {
+            self.step.load(&self.y);
+        }
+        changed
     }
 
     /// The events of the last step, in the order in which they were found.
     pub fn events(&self) -> &[Event<R>] {
         &self.events
+    }
+
+    /// The field.
+    pub fn field_mut(&mut self) -> &mut F {
+        &mut self.field
     }
 
     fn not_finite(&self, index: usize) -> Error {
@@ -419,8 +442,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         }
         let before = if self.leg.sigma == R::zero() { self.leg.map.powers().0 } else { 1 };
         let a = if self.pending.iter().any(|event| event.rising) { self.q } else { before };
-        for event in &self.pending {
-            self.sides.fire(event.index);
+        for k in 0..self.pending.len() {
+            let index = self.pending[k].index;
+            self.sides.fire(index);
+            self.tell(index);
         }
         self.events.append(&mut self.pending);
         self.set_out(origin, a)
@@ -486,7 +511,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let unbounded = next > R::of(5.9) * (to - leg.sigma);
         *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
-        self.sides.settle();
+        self.sides.settle(&mut self.settled);
+        let changed = (0..self.settled.len()).fold(false, |changed, k| self.tell(self.settled[k]) || changed);
         self.leg.sigma = to;
         self.fired_here = 0;
         let arrived = to == R::one();
@@ -501,6 +527,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             None if leg.target.is_none() && self.leg.tau() > R::of(FAR) * pace.tau => {
                 self.set_out(self.leg.time(to), 1)
             }
+            None if changed => self.slope(),
             None => {
                 self.step.advance();
                 Ok(())

@@ -77,19 +77,21 @@ fn integrators_help() -> String {
 }
 
 impl CompareOptions {
-    /// The methods. Those that are named must be able to run the scene; of `all` and of the default
-    /// those that can are taken.
-    fn methods(&self, scene: &Scene) -> Result<Vec<Method>> {
-        let mut methods = methods(&self.integrators, Method::telling)?;
+    /// The methods that can run the scene, and those that cannot, with the reason. All that are
+    /// named must be able to run it.
+    fn methods(&self, scene: &Scene) -> Result<(Vec<Method>, Vec<(Method, &'static str)>)> {
+        let methods = methods(&self.integrators, Method::telling)?;
         if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
             methods.iter().try_for_each(|method| method.runs(scene.chain()))?;
         }
-        methods.retain(|method| method.runs(scene.chain()).is_ok());
-        Ok(methods)
+        let (can, cannot): (Vec<_>, Vec<_>) =
+            methods.into_iter().partition(|method| method.lacks(scene.chain()).is_none());
+        let why = |method: Method| Some((method, method.lacks(scene.chain())?));
+        Ok((can, cannot.into_iter().filter_map(why).collect()))
     }
 
-    /// The methods, then the plain loops.
-    fn entrants(&self, scene: &Scene) -> Result<Vec<Entrant>> {
+    /// The methods that can run the scene, then the plain loops that can.
+    fn entrants(methods: Vec<Method>, scene: &Scene) -> Vec<Entrant> {
         // Plain loops exist for uniform chains only. Without resonators nothing rotates, and both
         // loops are the same.
         let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
@@ -98,7 +100,7 @@ impl CompareOptions {
             (None, _) => 2,
         };
         let loops = [Loop::VERLET, Loop::ROTATION].into_iter().take(loops);
-        Ok(self.methods(scene)?.into_iter().map(Entrant::Method).chain(loops.map(Entrant::Plain)).collect())
+        methods.into_iter().map(Entrant::Method).chain(loops.map(Entrant::Plain)).collect()
     }
 }
 
@@ -108,10 +110,6 @@ impl Study for Compare {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.set.set)?;
-        if scene.chain().dissipative_contacts() {
-            let rule = "comparisons are of chains whose contacts do not dissipate";
-            return Err(Error::parameter("scene", &self.scene, rule));
-        }
         self.options.methods(&scene)?;
         Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?))))
     }
@@ -213,6 +211,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// Methods and loops whose ladders ended before the last rung, and why.
     pub stopped: Vec<(Entrant, String)>,
+    /// Methods that cannot run the scene, and why. They have no rows.
+    pub left_out: Vec<(Method, &'static str)>,
 }
 
 impl Comparison {
@@ -287,7 +287,8 @@ impl Comparison {
 /// # Errors
 /// A budget outside its rule, no method, or references that cannot be computed.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
-    let entrants = options.entrants(scene)?;
+    let (methods, left_out) = options.methods(scene)?;
+    let entrants = CompareOptions::entrants(methods, scene);
     let budget = options.max_time;
     if !(budget.is_finite() && budget > 0.0) {
         return Err(Error::parameter("max-time", budget, "a finite number of seconds, above zero"));
@@ -302,5 +303,6 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
         reference: Reference { method: truth.method, error_estimate: truth.error_estimate },
         rows,
         stopped,
+        left_out,
     })
 }

@@ -32,7 +32,12 @@ const FEW_SITES: usize = 100;
 /// Methods with fixed steps for longer chains: the first that can run checks a reference. If
 /// collocation cannot run, the first two that can are the reference and its check.
 const STEPPED: [&str; 3] = ["corrected", "aba1064-linear", "srkn11-6-linear"];
-/// Kicks a period of these: of a trial, at least and at most.
+/// Methods for chains whose contacts dissipate, which no method with fixed steps can run: the first
+/// two that can run are the reference and its check.
+const TOLERANT: [&str; 3] = ["collocation", "dop853-regularised", "dop853"];
+/// Tolerances of these: the finest that fits the budget, or else the last one.
+const TOLERANCES: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
+/// Kicks a period of the methods with fixed steps: of a trial, at least and at most.
 const TRIAL_KICKS: f64 = 256.0;
 const FEWEST_KICKS: f64 = 64.0;
 const MOST_KICKS: f64 = 131_072.0;
@@ -182,6 +187,9 @@ fn computed(scene: &Scene, budget: f64) -> Result<Vec<End>> {
     if ends.len() == 2 {
         return Ok(ends);
     }
+    if scene.chain().dissipative_contacts() {
+        return by_tolerances(scene, budget);
+    }
     let stepped = by_steps(scene, 2 - ends.len(), budget)?;
     Ok(ends.into_iter().chain(stepped).collect())
 }
@@ -195,6 +203,26 @@ fn affordable(scene: &Scene, (method, tolerance): (&str, f64), budget: f64) -> b
         run.method(Method::named(method)?).setting(Setting::Tolerance(tolerance)).records(Records::End).start()
     };
     trial().is_ok_and(|trial| trial.failure.is_none() && trial.wall.as_secs_f64() <= TRIAL_SHARE * budget)
+}
+
+/// Runs by the first two of [`TOLERANT`] that can, as fine as the budget allows.
+fn by_tolerances(scene: &Scene, budget: f64) -> Result<Vec<End>> {
+    let finest = |name: &'static str| {
+        let fits = |tolerance: &f64| affordable(scene, (name, *tolerance), budget);
+        let tolerance = TOLERANCES.into_iter().find(fits).unwrap_or(TOLERANCES[TOLERANCES.len() - 1]);
+        End::by_tolerance(scene, (name, tolerance))
+    };
+    let (mut ends, mut why) = (Vec::new(), None);
+    for name in TOLERANT {
+        match finest(name) {
+            Ok(end) => ends.push(end),
+            Err(error) => why = Some(error),
+        }
+        if ends.len() == 2 {
+            return Ok(ends);
+        }
+    }
+    Err(why.expect("of three methods two or more failed"))
 }
 
 /// `count` runs with fixed steps, by the first methods that can run, with as many kicks as fit the

@@ -28,6 +28,8 @@ impl Report for Comparison {
             self.entrants().iter().map(|entrant| (entrant.name(), json!(self.slope(entrant)))).collect();
         let stopped: serde_json::Map<String, Value> =
             self.stopped.iter().map(|(entrant, why)| (entrant.name(), json!(why))).collect();
+        let left_out: serde_json::Map<String, Value> =
+            self.left_out.iter().map(|(method, why)| (method.name(), json!(why))).collect();
         json!({
             "scene": self.scene.name(),
             "period": self.scene.period(),
@@ -39,13 +41,14 @@ impl Report for Comparison {
             "rows": rows(self),
             "slopes": slopes,
             "stopped": stopped,
+            "left_out": left_out,
             "scene_file": scene_json(&self.scene),
             "machine": machine_json(),
             "version": env!("CARGO_PKG_VERSION"),
         })
     }
 
-    /// All rows, why ladders ended, and the fastest method for each of a few errors.
+    /// All rows, why ladders ended, the methods that were left out, and the fastest method for each of a few errors.
     fn text(&self) -> String {
         let Comparison { scene, amplitude, reference, .. } = self;
         let mut text = listed(self);
@@ -67,6 +70,9 @@ impl Report for Comparison {
             let rows: Vec<_> = self.stopped.iter().map(|(entrant, why)| vec![entrant.name(), why.clone()]).collect();
             text += &table(&["integrator", "why"], &rows);
         }
+        for (why, names) in left_out(self) {
+            text += &format!("\nleft out, {why}:\n{}\n", names.join(", "));
+        }
         text += "\nfastest to reach an error (its own and that of the reference together):\n";
         text += &fastest(self);
         text
@@ -80,6 +86,18 @@ impl Report for Comparison {
     fn pictures(&self) -> Result<Vec<crate::study::Drawing>> {
         Ok(named([("compare.png", picture(self)?)]))
     }
+}
+
+/// The names of the methods that were left out, by the reason.
+fn left_out(comparison: &Comparison) -> Vec<(&'static str, Vec<String>)> {
+    let mut reasons: Vec<(&'static str, Vec<String>)> = Vec::new();
+    for (method, why) in &comparison.left_out {
+        match reasons.iter_mut().find(|(reason, _)| reason == why) {
+            Some((_, names)) => names.push(method.name()),
+            None => reasons.push((why, vec![method.name()])),
+        }
+    }
+    reasons
 }
 
 fn rows(comparison: &Comparison) -> Vec<Value> {

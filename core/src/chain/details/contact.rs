@@ -79,14 +79,22 @@ impl<R: Real> Contact<R> {
         if self.loss.is_none() || g <= R::zero() {
             return elastic;
         }
-        (elastic + self.drag(g, rate)).max(R::zero())
+        self.push(g, rate).max(R::zero())
     }
 
-    /// The dissipative part of the force of a closed contact: `c(g) g'`.
-    fn drag(&self, g: R, rate: R) -> R {
+    /// The force of a contact that is known to push: smooth through its onset and its end.
+    #[inline]
+    pub(crate) fn push(&self, g: R, rate: R) -> R {
+        self.elastic(g) + self.resistance(g) * rate
+    }
+
+    /// `c(g)`, the dissipative part `c(g) g'` of the force of a contact that pushes over the rate
+    /// of its overlap.
+    #[inline]
+    pub(crate) fn resistance(&self, g: R) -> R {
         match self.loss {
-            Some((Kind::Viscoelastic, gamma)) => self.constant * self.law.stiffness(g) * gamma * rate,
-            Some((Kind::Dashpot, gamma)) => gamma * rate,
+            Some((Kind::Viscoelastic, gamma)) => self.constant * self.law.stiffness(g) * gamma,
+            Some((Kind::Dashpot, gamma)) => gamma,
             None => R::zero(),
         }
     }
@@ -115,12 +123,24 @@ impl<R: Real> Contact<R> {
 
     /// The powers of time with which the force begins or ends.
     pub(crate) fn powers(&self) -> impl Iterator<Item = f64> {
-        let alpha = self.law.alpha().f64();
-        let loss = self.loss.map(|(kind, _)| match kind {
-            Kind::Viscoelastic => alpha - 1.0,
+        self.elastic_power().into_iter().chain(self.power_of_resistance())
+    }
+
+    /// The powers of time with which stiffness and resistance begin or end.
+    pub(crate) fn powers_of_columns(&self) -> impl Iterator<Item = f64> {
+        let stiffness = self.elastic_power().map(|alpha| alpha - 1.0);
+        stiffness.into_iter().chain(self.power_of_resistance())
+    }
+
+    /// The exponent, if beads can touch.
+    pub(crate) fn elastic_power(&self) -> Option<f64> {
+        (self.constant > R::zero()).then(|| self.law.alpha().f64())
+    }
+
+    fn power_of_resistance(&self) -> Option<f64> {
+        self.loss.map(|(kind, _)| match kind {
+            Kind::Viscoelastic => self.law.alpha().f64() - 1.0,
             Kind::Dashpot => 0.0,
-        });
-        let own = (self.constant > R::zero()).then_some(alpha);
-        own.into_iter().chain(loss)
+        })
     }
 }

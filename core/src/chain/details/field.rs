@@ -2,15 +2,23 @@
 
 use super::{
     super::{Chain, Resonators},
-    Ledger, Means, Parts,
+    Ledger, Means, Parts, Pushing,
 };
 use hertzchain_integrators::Real;
 
-/// Writes the derivative of a state, entry by entry.
-pub(crate) fn rates<R: Real>(chain: &Chain<R>, parts: &Parts<R>, t: R, y: &[R], dy: &mut [R], force: &mut [R]) {
+/// Writes the derivative of a state, entry by entry. Without `pushing` contacts that dissipate push
+/// where the signs of their overlap and of their force say so.
+pub(crate) fn rates<R: Real>(
+    (chain, parts): (&Chain<R>, &Parts<R>),
+    pushing: Option<&Pushing>,
+    t: R,
+    y: &[R],
+    dy: &mut [R],
+    force: &mut [R],
+) {
     let (layout, n, half) = (chain.layout(), chain.sites(), chain.layout().half());
     let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-    let mut ledger = contacts(chain, parts, u, u_dot, force);
+    let mut ledger = contacts((chain, parts), pushing, u, u_dot, force);
     dy[..half].copy_from_slice(&y[half..2 * half]);
     for (i, site) in parts.sites.iter().enumerate() {
         let (v, v_dot) = match (layout.v(y), layout.v_dot(y)) {
@@ -49,17 +57,29 @@ pub(crate) fn rates<R: Real>(chain: &Chain<R>, parts: &Parts<R>, t: R, y: &[R], 
 }
 
 /// Writes the contact forces on sites into `force`; returns the power that contacts dissipate.
-fn contacts<R: Real>(chain: &Chain<R>, parts: &Parts<R>, u: &[R], u_dot: &[R], force: &mut [R]) -> Ledger<R> {
-    let mut lost = R::zero();
-    force.fill(R::zero());
+fn contacts<R: Real>(
+    (chain, parts): (&Chain<R>, &Parts<R>),
+    pushing: Option<&Pushing>,
+    u: &[R],
+    u_dot: &[R],
+    force: &mut [R],
+) -> Ledger<R> {
+    let zero = R::zero();
+    let mut lost = zero;
+    force.fill(zero);
     for bond in chain.touching() {
         let contact = &parts.bonds[bond];
+        let told = pushing.filter(|_| contact.dissipates()).map(|pushing| pushing.pushes(bond));
         let g = contact.rest + chain.across(bond, |i| u[i]);
-        if g <= R::zero() {
+        if g <= zero && told != Some(true) {
             continue;
         }
-        let rate = if contact.dissipates() { chain.across(bond, |i| u_dot[i]) } else { R::zero() };
-        let f = contact.force(g, rate);
+        let rate = if contact.dissipates() { chain.across(bond, |i| u_dot[i]) } else { zero };
+        let f = match told {
+            None => contact.force(g, rate),
+            Some(true) => contact.push(g, rate),
+            Some(false) => zero,
+        };
         if contact.dissipates() {
             lost += (f - contact.elastic(g)) * rate;
         }
@@ -67,6 +87,5 @@ fn contacts<R: Real>(chain: &Chain<R>, parts: &Parts<R>, u: &[R], u_dot: &[R], f
             force[site] += R::of(weight) * f;
         }
     }
-    let zero = R::zero();
     Ledger { drag: zero, dashpots: zero, contacts: lost, driven: zero }
 }

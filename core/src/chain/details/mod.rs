@@ -25,6 +25,7 @@ mod field;
 mod flow;
 mod ledger;
 mod propagator;
+mod pushing;
 mod stretches;
 mod turns;
 mod variations;
@@ -39,6 +40,7 @@ pub use variations::{Variations, Varied};
 
 pub(super) use field::rates;
 pub(super) use ledger::LEDGER;
+pub(super) use pushing::{Pushing, Turned};
 
 use super::{Boundary, Chain, Layout, Params, Resonators};
 use crate::error::{Error, Result};
@@ -136,6 +138,11 @@ impl<R: Real> Parts<R> {
         self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64().abs()))
     }
 
+    /// The exponents of contacts.
+    fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
+        self.bonds.iter().filter_map(Contact::elastic_power)
+    }
+
     /// The powers of time with which forces begin and end at events, each once.
     fn powers(&self) -> Vec<f64> {
         let mut powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers).collect();
@@ -147,11 +154,26 @@ impl<R: Real> Parts<R> {
     /// For DOP853 of order `p` from event to event: the smallest power of time with which the field
     /// begins at an event, and the power of the map that is used for all events.
     pub(crate) fn map(&self, p: u32) -> (f64, u32) {
-        let powers = self.powers();
-        let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
-        let smooth: Vec<f64> = powers.into_iter().filter(|&power| power > 0.0).collect();
-        (if least.is_finite() { least.max(LEAST_POWER) } else { 1.0 }, common_power(&smooth, p))
+        map(&self.powers(), p)
     }
+
+    /// [`map`](Self::map) of the linearised field.
+    pub(crate) fn map_of_columns(&self, p: u32) -> (f64, u32) {
+        let powers: Vec<f64> = self.bonds.iter().flat_map(Contact::powers_of_columns).collect();
+        map(&powers, p)
+    }
+}
+
+/// The least power, and the power of the map that suits all. Jumps need no map.
+fn map(powers: &[f64], p: u32) -> (f64, u32) {
+    let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
+    let smooth: Vec<f64> = powers.iter().copied().filter(|&power| power > 0.0).collect();
+    let least = match least {
+        0.0 => LEAST_POWER,
+        least if least.is_finite() => least,
+        _ => 1.0,
+    };
+    (least, common_power(&smooth, p))
 }
 
 /// Power of time that stands for a force that jumps, in the estimate of the error by a moved event.
@@ -313,6 +335,14 @@ impl<R: Real> Chain<R> {
     /// Whether energy is dissipated or driven, so that the state has a [`Ledger`].
     pub fn open(&self) -> bool {
         self.details.as_deref().is_some_and(Parts::open)
+    }
+
+    /// Bonds whose contacts dissipate.
+    pub(crate) fn lossy(&self) -> Vec<usize> {
+        match self.parts() {
+            Some(parts) => self.touching().filter(|&bond| parts.bonds[bond].dissipates()).collect(),
+            None => Vec::new(),
+        }
     }
 
     /// Whether contacts dissipate.

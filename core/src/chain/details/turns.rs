@@ -17,11 +17,7 @@ pub struct Turns<R> {
 impl<R: Real> Turns<R> {
     /// The events of a chain.
     pub fn new(chain: Chain<R>) -> Self {
-        let lossy = match chain.parts() {
-            Some(parts) => chain.touching().filter(|&bond| parts.bonds[bond].dissipates()).collect(),
-            None => Vec::new(),
-        };
-        Self { overlaps: Overlaps::new(chain.clone()), chain, lossy }
+        Self { overlaps: Overlaps::new(chain.clone()), lossy: chain.lossy(), chain }
     }
 }
 

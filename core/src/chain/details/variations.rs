@@ -11,26 +11,64 @@
 //! rho_n m_n dv_n'' = kappa_n (du_n - dv_n) + d_n (du_n' - dv_n'),     dg_b = du_{b-1} - du_b
 //! ```
 //!
-//! The force is continuous where a contact begins or ends, so `W` is continuous there: no jump
-//! matrix is needed. The stiffness begins like `t^{alpha-1}`, one power of time below the force.
+//! The force of a contact that does not dissipate is continuous where it begins or ends, so `W` is
+//! continuous there: no jump matrix is needed. The stiffness begins like `t^{alpha-1}`, one power
+//! of time below the force.
+//!
+//! # Contacts that dissipate
+//!
+//! A contact that pushes has the force `f = F(g) + c(g) g'`, with `F = A g^alpha` and `c = gamma
+//! F'(g)` (viscoelastic) or `c = gamma` (dashpot). Its derivative `F' dg + c' g' dg + c dg'` has
+//! two difficulties where beads meet. With a dashpot `f` jumps from 0 to `gamma g'`. With a
+//! viscoelastic contact `f` is continuous, but `c' g'` begins like `t^{alpha-2}`. Both disappear
+//! with other variables for velocities of beads: `w_nb` is the weight of contact `b` in the force
+//! on bead `n` (1 or -1), and the sum is over contacts that push.
+//!
+//! ```text
+//! dp_n = du_n' - (1/m_n) sum_b w_nb c(g_b) dg_b
+//! ```
+//!
+//! As `d/dt (c dg) = c' g' dg + c dg'`, only `w_nb F'(g_b) dg_b / m_n` is left of the contact in
+//! `dp_n'`. At an event, with `h` the function that vanishes and `f_-, f_+` the vector fields before
+//! and after it, the jump (saltation) matrix is
+//!
+//! ```text
+//! dz_+ = (I + (f_+ - f_-) grad(h)^T / (grad(h)^T f_-)) dz_-
+//! ```
+//!
+//! - *Beads meet*: `h = g_b`. For a dashpot the accelerations jump by `w_nb gamma g_b' / m_n`, and
+//!   `grad(h)^T f_- = g_b'`, so that `du_n'` jumps by `w_nb gamma dg_b / m_n`. The speed of approach
+//!   cancels. This is the jump of the sum above: `dp_n` is continuous. For a viscoelastic contact
+//!   `f_+ = f_-`, so that `du_n'` is continuous; `dp_n` is too, as `c(0) = 0`.
+//! - *Beads let go*: `h = f` reaches zero at a positive overlap. Both laws are continuous there,
+//!   `f_+ = f_-`, and only the derivative of the force jumps. So `du_n'` is continuous, and the term
+//!   of the contact is added to `dp_n`. It is subtracted again where `f` rises through zero while
+//!   beads overlap.
+//!
+//! Both kinds of jumps have the determinant 1, as they add positions to velocities. So by Liouville
+//! contacts contribute the factor `exp(-int sum_b c(g_b) sum_n w_nb^2/m_n dt)` to `det dz(t)/dz(0)`,
+//! the sums over contacts that push and beads that no drive moves.
 
 use super::{
     super::{Chain, Field, Resonators},
-    Parts, Turns,
+    Parts, Pushing, Turned, Turns,
 };
 use crate::error::{Error, Result};
-use hertzchain_integrators::{
-    EventFunctions, Kernel, Real, Regularised, Stepper, VectorField, dop853::Options, regularised::common_power,
-};
+use hertzchain_integrators::{EventFunctions, Kernel, Real, Regularised, Stepper, VectorField, dop853::Options};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
-/// then `W` row by row.
+/// then `W` row by row. If contacts dissipate, the last entry is
+/// [`contraction`](Varied::contraction), and rows of velocities of beads are `dp`. The field must
+/// then be told the signs of the functions of [`Turns`], as [`Regularised`] does; it begins with
+/// contacts that do not push, where `dp` is `du'`.
 pub struct Variations<R> {
     chain: Chain<R>,
     field: Field<R>,
     columns: usize,
     /// Change of the overlap of a bond in every column.
     change: Vec<R>,
+    /// Rows `du'` of beads, if contacts dissipate.
+    velocities: Vec<R>,
 }
 
 /// A state and columns `W` at the end of a flow.
@@ -40,28 +78,33 @@ pub struct Varied<R> {
     pub state: Vec<R>,
     /// `W`, row by row; a row for each position, then for each velocity.
     pub columns: Vec<R>,
+    /// What contacts that dissipate contribute to `-ln det dz(t)/dz(0)`, for beads that no drive
+    /// moves; drag and dashpots of resonators contribute the time times a constant.
+    pub contraction: R,
 }
 
 impl<R: Real> Variations<R> {
     /// The field of a chain and of `columns` columns. A uniform chain counts as one with details.
     ///
     /// # Errors
-    /// A strain ring; contacts that dissipate, or have an exponent of 1 or less: the force or its
-    /// derivative jumps there.
+    /// A strain ring; contacts with an exponent of 1 or less: the derivative of the force jumps.
     pub fn new(chain: &Chain<R>, columns: usize) -> Result<Self> {
         let chain = match chain.parts() {
             Some(_) => chain.clone(),
             None => chain.clone().with(&super::Details::default())?,
         };
-        if chain.dissipative_contacts() {
-            let rule = "a tangent map needs contacts that do not dissipate: take drag or dashpots of resonators";
-            return Err(Error::parameter("dissipation", "given", rule));
-        }
         let parts = parts(&chain);
-        if let Some(alpha) = parts.powers().into_iter().find(|alpha| *alpha <= 1.0) {
+        if let Some(alpha) = parts.exponents().find(|alpha| *alpha <= 1.0) {
             return Err(Error::parameter("alpha", alpha, "tangent maps need alpha > 1"));
         }
-        Ok(Self { field: Field::new(chain.clone()), change: vec![R::zero(); columns], columns, chain })
+        let rows = if chain.dissipative_contacts() { chain.sites() } else { 0 };
+        Ok(Self {
+            field: Field::from_event_to_event(chain.clone()),
+            change: vec![R::zero(); columns],
+            velocities: vec![R::zero(); rows * columns],
+            columns,
+            chain,
+        })
     }
 
     /// Number of rows of `W`: positions and velocities.
@@ -102,7 +145,8 @@ impl<R: Real> Variations<R> {
         if start.len() != dim {
             return Err(Error::parameter("state", format!("{} entries", start.len()), "a state of the chain"));
         }
-        let y: Vec<R> = start.iter().chain(columns).copied().collect();
+        let mut y: Vec<R> = start.iter().chain(columns).copied().collect();
+        y.resize(field.dim(), R::zero());
         let largest = start.iter().fold(R::zero(), |largest: R, y| largest.max(y.abs()));
         let size = largest.max(R::of(chain.details().map_or(0.0, super::Details::scale)));
         let atol = if size > R::zero() { tol * size } else { tol };
@@ -110,21 +154,75 @@ impl<R: Real> Variations<R> {
         let overlaps = chain.overlaps(&vec![R::zero(); chain.sites()]);
         let overlap = overlaps.into_iter().fold(R::zero(), |largest: R, overlap| largest.max(overlap));
         let options = Options { atol: atol.max(R::epsilon() * overlap), ..Options::new(tol) };
-        let powers = parts(&chain).powers();
-        // With columns the stiffness matters, one power of time below the force.
-        let down = if columns.is_empty() { 0.0 } else { 1.0 };
-        let powers: Vec<f64> = powers.into_iter().map(|alpha| alpha - down).collect();
-        let least = powers.iter().copied().fold(f64::INFINITY, f64::min);
-        let least = if least.is_finite() { least } else { 1.0 };
+        let map = match columns.is_empty() {
+            true => parts(&chain).map(ORDER),
+            false => parts(&chain).map_of_columns(ORDER),
+        };
         let events = OfState { turns: Turns::new(chain), dim };
-        let mut run = Regularised::new(field, events, (least, common_power(&powers, ORDER)), &y, span, options)?;
+        let mut run = Regularised::new(field, events, map, &y, span, options)?;
         while !run.done() {
             run.step()?;
         }
         let mut end = y;
         run.sample(span.1, &mut end);
-        let columns = end.split_off(dim);
-        Ok(Varied { state: end, columns })
+        run.field_mut().release(&mut end);
+        let mut columns = end.split_off(dim);
+        let contraction = columns.split_off(rows * (columns.len() / rows)).first().copied().unwrap_or(R::zero());
+        Ok(Varied { state: end, columns, contraction })
+    }
+
+    /// Turns `dp` at the end of a run into `du'`.
+    fn release(&mut self, y: &mut [R]) {
+        if self.columns == 0 {
+            return;
+        }
+        let pushing: Vec<usize> = self.field.pushing().map_or(Vec::new(), |pushing| pushing.bonds().collect());
+        for bond in pushing {
+            self.shift(bond, R::one(), y);
+        }
+    }
+
+    /// Adds `sign w_n c(g) dg / m_n` of a contact to the rows of velocities.
+    fn shift(&mut self, bond: usize, sign: R, y: &mut [R]) {
+        let (dim, half, k) = (self.chain.layout().dim(), self.chain.layout().half(), self.columns);
+        let (state, w) = y.split_at_mut(dim);
+        let (parts, contact) = (parts(&self.chain), &parts(&self.chain).bonds[bond]);
+        let g = contact.rest + self.chain.across(bond, |i| state[i]);
+        let (positions, velocities) = w.split_at_mut(half * k);
+        let resistance = sign * contact.resistance(g);
+        resist(&self.chain, parts, bond, resistance, &mut self.change, positions, velocities);
+    }
+}
+
+/// The change of the overlap of a bond in every column, from the rows of positions.
+#[inline(always)]
+fn overlap_change<R: Real>(chain: &Chain<R>, bond: usize, positions: &[R], change: &mut [R]) {
+    let k = change.len();
+    change.fill(R::zero());
+    // Displacements are in the overlap with minus the weights of the forces on beads.
+    for &(site, weight) in chain.topology().pushed(bond).iter() {
+        accumulate(change, -R::of(weight), &positions[site * k..(site + 1) * k]);
+    }
+}
+
+/// Adds `w_n c dg / m_n` of a bond to rows of velocities of beads that no drive moves.
+#[inline(always)]
+fn resist<R: Real>(
+    chain: &Chain<R>,
+    parts: &Parts<R>,
+    bond: usize,
+    resistance: R,
+    change: &mut [R],
+    positions: &[R],
+    velocities: &mut [R],
+) {
+    let k = change.len();
+    overlap_change(chain, bond, positions, change);
+    for &(site, weight) in chain.topology().pushed(bond).iter() {
+        let own = &parts.sites[site];
+        if !own.moved {
+            accumulate(&mut velocities[site * k..(site + 1) * k], R::of(weight) * resistance / own.mass, change);
+        }
     }
 }
 
@@ -161,26 +259,57 @@ impl<R: Real> EventFunctions<R> for OfState<R> {
 
 impl<R: Real> VectorField<R> for Variations<R> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim() + self.rows() * self.columns
+        let contraction = usize::from(self.field.pushing().is_some());
+        self.chain.layout().dim() + self.rows() * self.columns + contraction
     }
 
     fn eval(&mut self, t: R, y: &[R], dy: &mut [R]) {
-        let dim = self.chain.layout().dim();
+        let (dim, entries) = (self.chain.layout().dim(), self.rows() * self.columns);
         let ((state, w), (rates, dw)) = (y.split_at(dim), dy.split_at_mut(dim));
         self.field.eval(t, state, rates);
+        let ((w, _), (dw, contraction)) = (w.split_at(entries), dw.split_at_mut(entries));
+        let Self { chain, field, change, velocities, .. } = self;
+        if let (Some(pushing), [contraction]) = (field.pushing(), contraction) {
+            *contraction = resisted(chain, pushing, state);
+        }
         if self.columns > 0 {
-            R::run(Linearised { chain: &self.chain, state, w, dw, change: &mut self.change });
+            R::run(Linearised { chain, pushing: field.pushing(), state, w, dw, change, velocities });
         }
     }
+
+    fn turn(&mut self, index: usize, positive: bool, y: &mut [R]) -> bool {
+        let Some(Turned { bond, pushes, meeting }) = self.field.told(index, positive) else { return false };
+        if !meeting && self.columns > 0 {
+            self.shift(bond, if pushes { -R::one() } else { R::one() }, y);
+        }
+        true
+    }
+}
+
+/// `sum_b c(g_b) sum_n w_nb^2/m_n` over contacts that push and beads that no drive moves.
+fn resisted<R: Real>(chain: &Chain<R>, pushing: &Pushing, state: &[R]) -> R {
+    let parts = parts(chain);
+    let of = |bond: usize| {
+        let contact = &parts.bonds[bond];
+        let g = contact.rest + chain.across(bond, |i| state[i]);
+        let pushed = chain.topology().pushed(bond);
+        let free = pushed.iter().filter(|(site, _)| !parts.sites[*site].moved);
+        let per_mass =
+            free.fold(R::zero(), |sum, &(site, weight)| sum + R::of(weight * weight) / parts.sites[site].mass);
+        contact.resistance(g) * per_mass
+    };
+    pushing.bonds().fold(R::zero(), |sum, bond| sum + of(bond))
 }
 
 /// `W'` at a state.
 struct Linearised<'a, R> {
     chain: &'a Chain<R>,
+    pushing: Option<&'a Pushing>,
     state: &'a [R],
     w: &'a [R],
     dw: &'a mut [R],
     change: &'a mut [R],
+    velocities: &'a mut [R],
 }
 
 impl<R: Real> Kernel for Linearised<'_, R> {
@@ -188,14 +317,24 @@ impl<R: Real> Kernel for Linearised<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { chain, state, w, dw, change } = self;
+        let Self { chain, pushing, state, w, dw, change, velocities } = self;
         let (parts, layout, k) = (parts(chain), chain.layout(), change.len());
         let (n, half) = (chain.sites(), layout.half());
         dw[..half * k].copy_from_slice(&w[half * k..]);
         dw[half * k..].fill(R::zero());
         let row = |i: usize| &w[i * k..(i + 1) * k];
+        if let Some(pushing) = pushing {
+            velocities.copy_from_slice(&w[half * k..(half + n) * k]);
+            for bond in pushing.bonds() {
+                let contact = &parts.bonds[bond];
+                let g = contact.rest + chain.across(bond, |i| state[i]);
+                resist(chain, parts, bond, contact.resistance(g), change, w, velocities);
+            }
+            dw[..n * k].copy_from_slice(velocities);
+        }
+        let velocities = if pushing.is_some() { &*velocities } else { &w[half * k..] };
         for (i, site) in parts.sites.iter().enumerate() {
-            let (u, u_dot) = (row(i), row(half + i));
+            let (u, u_dot) = (row(i), &velocities[i * k..(i + 1) * k]);
             let (bead, resonator) = dw[(half + i) * k..].split_at_mut(k);
             accumulate(bead, -site.drag / site.mass, u_dot);
             if site.resonators == Resonators::None {
@@ -221,17 +360,13 @@ impl<R: Real> Kernel for Linearised<'_, R> {
         for bond in chain.touching() {
             let contact = &parts.bonds[bond];
             let g = contact.rest + chain.across(bond, |i| u[i]);
-            if g <= R::zero() {
+            let told = pushing.filter(|_| contact.dissipates());
+            if g <= R::zero() || told.is_some_and(|pushing| !pushing.pushes(bond)) {
                 continue;
             }
             let stiffness = contact.stiffness(g);
-            let pushed = chain.topology().pushed(bond);
-            change.fill(R::zero());
-            // Displacements are in the overlap with minus the weights of the forces on beads.
-            for &(site, weight) in pushed.iter() {
-                accumulate(change, -R::of(weight), row(site));
-            }
-            for &(site, weight) in pushed.iter() {
+            overlap_change(chain, bond, w, change);
+            for &(site, weight) in chain.topology().pushed(bond).iter() {
                 let by = R::of(weight) * stiffness / parts.sites[site].mass;
                 accumulate(&mut dw[(half + site) * k..(half + site + 1) * k], by, change);
             }

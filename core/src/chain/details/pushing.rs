@@ -1,0 +1,61 @@
+//! Which contacts that dissipate push, as told by a method that stops at events.
+
+use super::super::Chain;
+use hertzchain_integrators::Real;
+
+/// The contacts that dissipate and push, told by the signs of the functions of
+/// [`Turns`](super::Turns).
+///
+/// A contact pushes where both its overlap and the function that is positive where it pushes are
+/// positive. Signs that are told, and not computed, keep the force smooth up to an event and from
+/// there on: at the event itself the value is zero up to rounding, of either sign.
+#[derive(Clone, Debug)]
+pub(crate) struct Pushing {
+    /// The first bond that can touch, and the number of these.
+    first: usize,
+    count: usize,
+    /// Bonds that dissipate, in the order of their functions.
+    lossy: Vec<usize>,
+    /// For each bond: whether the overlap is positive, and the other function.
+    signs: Vec<[bool; 2]>,
+}
+
+/// A contact that dissipates and begins or ceases to push.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turned {
+    pub(crate) bond: usize,
+    /// Whether it pushes from here on.
+    pub(crate) pushes: bool,
+    /// Whether beads meet or part, so that the overlap is zero.
+    pub(crate) meeting: bool,
+}
+
+impl Pushing {
+    /// Of no contact, until it is told.
+    pub(crate) fn new<R: Real>(chain: &Chain<R>) -> Self {
+        let bonds = chain.touching();
+        Self { first: bonds.start, count: bonds.len(), lossy: chain.lossy(), signs: vec![[false; 2]; bonds.end] }
+    }
+
+    /// Whether the contact of a bond that dissipates pushes.
+    pub(crate) fn pushes(&self, bond: usize) -> bool {
+        self.signs[bond] == [true; 2]
+    }
+
+    /// Bonds that dissipate and push.
+    pub(crate) fn bonds(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lossy.iter().copied().filter(|&bond| self.pushes(bond))
+    }
+
+    /// Takes the sign of function `index`. `None` if no contact begins or ceases to push by it.
+    pub(crate) fn turn(&mut self, index: usize, positive: bool) -> Option<Turned> {
+        let (bond, which) = match index.checked_sub(self.count) {
+            None => (self.first + index, 0),
+            Some(k) => (self.lossy[k], 1),
+        };
+        let before = self.pushes(bond);
+        self.signs[bond][which] = positive;
+        let pushes = self.pushes(bond);
+        (pushes != before).then_some(Turned { bond, pushes, meeting: which == 0 })
+    }
+}
