@@ -42,7 +42,7 @@ pub use charts::{
     Struck, StruckPoint, StruckRun, StruckRuns, Trial, Variant, Verdict as ChartVerdict, charts, deviation, kick_sum,
     resonance,
 };
-pub use compare::{Compare, CompareOptions, Comparison, Entrant, Reference, Row, compare};
+pub use compare::{Compare, CompareOptions, Comparison, Entrant, LeftOut, Reference, Row, compare};
 pub use dps::*;
 pub(crate) use dps::{center_word, of_sites};
 pub use drift::*;

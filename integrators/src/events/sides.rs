@@ -139,7 +139,7 @@ impl Sides {
     }
 
     /// At the end of a step: marks late functions that have reached their side. One that does not
-    /// reach it in time gets the side of its value.
+    /// reach it in time gets the side of its value; if that is another one, it is in `turned`.
     pub(crate) fn settle(&mut self, turned: &mut Vec<usize>) {
         turned.clear();
         for index in 0..self.values.len() {

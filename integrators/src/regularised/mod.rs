@@ -512,7 +512,10 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
         self.sides.settle(&mut self.settled);
-        let changed = (0..self.settled.len()).fold(false, |changed, k| self.tell(self.settled[k]) || changed);
+        let mut changed = false;
+        for k in 0..self.settled.len() {
+            changed |= self.tell(self.settled[k]);
+        }
         self.leg.sigma = to;
         self.fired_here = 0;
         let arrived = to == R::one();

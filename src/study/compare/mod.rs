@@ -79,7 +79,7 @@ fn integrators_help() -> String {
 impl CompareOptions {
     /// The methods that can run the scene, and those that cannot, with the reason. All that are
     /// named must be able to run it.
-    fn methods(&self, scene: &Scene) -> Result<(Vec<Method>, Vec<(Method, &'static str)>)> {
+    fn methods(&self, scene: &Scene) -> Result<(Vec<Method>, Vec<LeftOut>)> {
         let methods = methods(&self.integrators, Method::telling)?;
         if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
             methods.iter().try_for_each(|method| method.runs(scene.chain()))?;
@@ -114,6 +114,9 @@ impl Study for Compare {
         Ok(Box::new(move |_, progress| Ok(Box::new(compare(&scene, &self.options, progress)?))))
     }
 }
+
+/// A method that cannot run the scene, and why.
+pub type LeftOut = (Method, &'static str);
 
 /// The reference that errors are measured against.
 #[derive(Clone, Debug, PartialEq)]
@@ -211,8 +214,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// Methods and loops whose ladders ended before the last rung, and why.
     pub stopped: Vec<(Entrant, String)>,
-    /// Methods that cannot run the scene, and why. They have no rows.
-    pub left_out: Vec<(Method, &'static str)>,
+    /// Methods that cannot run the scene. They have no rows.
+    pub left_out: Vec<LeftOut>,
 }
 
 impl Comparison {
