@@ -245,10 +245,10 @@ fn contacts_that_dissipate_next_to_nothing_are_those_of_the_elastic_chain() {
     // Truth: the elastic chain. Beads cease to push where their overlap is rounding, so that the
     // force and the overlap end together.
     let (lossy, y0) = varied(4, Boundary::Fixed, 12, (Kind::Viscoelastic, 0.3), false);
-    let run = |gamma: Option<f64>| {
+    let run = |loss: Option<(Kind, f64)>| {
         let mut details = lossy.details().unwrap().clone();
         let strength = |gamma| vec![gamma; details.contact.len()];
-        details.dissipation = gamma.map(|gamma| Dissipation { kind: Kind::Viscoelastic, strength: strength(gamma) });
+        details.dissipation = loss.map(|(kind, gamma)| Dissipation { kind, strength: strength(gamma) });
         let bare = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 12).unwrap();
         let chain = bare.with(&details).unwrap();
         let run = of(&chain, &y0[..chain.layout().dim()], 12.0).tolerance(1e-12).unwrap().contacts();
@@ -256,13 +256,17 @@ fn contacts_that_dissipate_next_to_nothing_are_those_of_the_elastic_chain() {
         (end.state, end.contacts.unwrap())
     };
     let (state, expected) = run(None);
-    for gamma in [1e-16, 1e-20, 1e-200] {
-        let (got, found) = run(Some(gamma));
-        let (error, [onsets, releases, impulses]) = (distance(&got[..state.len()], &state), apart(&found, &expected));
-        println!("{gamma:e}: {error:e}, {} contacts: {onsets:e} {releases:e} {impulses:e}", found.len());
-        // Measured: 5.6e-16, and 2.9e-12, 1.2e-14 and 6.7e-16.
-        assert!(found.len() > 20 && error < 1e-12, "{gamma:e}: {error:e}");
-        assert!(onsets < 6e-12 && releases < 6e-12 && impulses < 1e-12, "{onsets:e} {releases:e} {impulses:e}");
+    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
+        for gamma in [1e-16, 1e-20, 1e-200] {
+            let (got, found) = run(Some((kind, gamma)));
+            let (error, [onsets, releases, impulses]) =
+                (distance(&got[..state.len()], &state), apart(&found, &expected));
+            println!("{kind:?} {gamma:e}: {error:e}, {} contacts: {onsets:e} {releases:e} {impulses:e}", found.len());
+            // Asked: the tolerance. Measured: 5.6e-16 and 2.1e-13; times of slow onsets 2.9e-12 and
+            // 1.2e-11.
+            assert!(found.len() > 20 && error < 1e-12, "{kind:?} {gamma:e}: {error:e}");
+            assert!(onsets < 2.4e-11 && releases < 1e-11 && impulses < 1e-12, "{onsets:e} {releases:e} {impulses:e}");
+        }
     }
 }
 

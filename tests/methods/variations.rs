@@ -123,11 +123,18 @@ fn that_of_collocation_agrees_with_both() {
     let (chain, t) = (chain::<f64>(), 9.0);
     let (y, w) = (start(&chain), direction(free(&chain).len(), 0));
     let got = collocated(&chain, &y, t, 720);
-    let (other, truth) = (monodromy(&chain, &y, t, 1e-14), difference(&self::chain(), &w, t, (1e-9, 1e-23)));
-    let (off, apart) = (error(&applied(&got, &w), &truth), (&got - &other).amax() / other.amax());
-    println!("differences {off:e}, DOP853 {apart:e}");
-    // Measured: 1.2e-14, 1.0e-13.
-    assert!(off < 3e-14 && apart < 2e-13, "{off:e} {apart:e}");
+    let off = error(&applied(&got, &w), &difference(&self::chain(), &w, t, (1e-9, 1e-23)));
+    println!("differences {off:e}");
+    // Measured: 1.2e-14.
+    assert!(off < 3e-14, "{off:e}");
+    for tol in [1e-12, 1e-13, 1e-14, 1e-15] {
+        let other = monodromy(&chain, &y, t, tol);
+        let apart = (&got - &other).amax() / other.amax();
+        println!("DOP853 {tol:e}: {apart:e}");
+        // Measured: 5.8e-12, 7.6e-13, 1.2e-13 and 2.5e-14. With the stiffness of an overlap that is
+        // a rounding after a release: up to 2.5e-11 with each of them.
+        assert!(apart < 15.0 * tol + 5e-14, "{tol:e}: {apart:e}");
+    }
 }
 
 #[test]

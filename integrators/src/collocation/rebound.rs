@@ -219,8 +219,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 _ if (before > 0.0) == (now > 0.0) => last.0,
                 _ => bracketed(|t| least(at(t)), (last.0, before), (t, now)),
             };
-            let [g, pushes] = at(event);
-            let pressed = g > pushes;
+            // `P` vanishes there, and not the overlap.
+            let pressed = at(event)[0] > band;
             match open.take() {
                 None => {
                     let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event).1 };
