@@ -130,14 +130,18 @@ impl Curve {
         (self.time(x), rule.at(values, x).max(here.1))
     }
 
-    /// Time at which the curve first rises through `level`, and its rate there. Without such a
-    /// crossing: the start if the first value is at least `level`, else `None`.
-    pub fn rises_to(&self, level: f64) -> Option<(f64, f64)> {
+    /// Time at which the curve first rises through `level`, not before the time `from`, and its rate
+    /// there. Without such a crossing: the start if it is not before `from` and the first value is
+    /// at least `level`, else `None`.
+    pub fn rises_to(&self, level: f64, from: f64) -> Option<(f64, f64)> {
         let values = self.values();
-        match values.windows(2).position(|pair| pair[0] < level && pair[1] >= level) {
-            Some(k) => Some(self.crossing(level, k, k + 1)),
-            None => (values[0] >= level).then(|| self.crossing(level, 0, 0)),
+        let rises = |k: &usize| self.time(self.x[k + 1]) > from && values[*k] < level && values[k + 1] >= level;
+        if let Some(k) = (0..self.count - 1).find(rises) {
+            return Some(self.crossing(level, k, k + 1));
         }
+        // The start may be before `from` by a rounding.
+        let whole = from <= 0.5 * (self.start() + self.time(self.x[1]));
+        (whole && values[0] >= level).then(|| self.crossing(level, 0, 0))
     }
 
     /// Time at which the curve last falls below `level`, and its rate there; `None` if it does not
@@ -149,6 +153,13 @@ impl Curve {
         }
         let k = values.windows(2).rposition(|pair| pair[0] >= level && pair[1] < level)?;
         Some(self.crossing(level, k, k + 1))
+    }
+
+    /// Time and value at the node with the least value.
+    pub fn least(&self) -> (f64, f64) {
+        let values = self.values();
+        let k = (0..values.len()).min_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
+        (self.time(self.x[k]), values[k])
     }
 
     /// Time of the start.
@@ -267,11 +278,11 @@ mod tests {
             let c = curve(|t| t * (2.0 - t), (0.25, 1.9), q, count);
             let (t, g) = c.largest();
             assert!((t - 1.0).abs() < 3e-14 && (g - 1.0).abs() < 2e-15, "{q} {count}: {t} {g}");
-            let (t, rate) = c.rises_to(0.75).unwrap();
+            let (t, rate) = c.rises_to(0.75, 0.25).unwrap();
             assert!((t - 0.5).abs() < 3e-15 && (rate - 1.0).abs() < 3e-14, "{q} {count}: {t} {rate}");
             let (t, rate) = c.falls_to(0.75).unwrap();
             assert!((t - 1.5).abs() < 3e-15 && (rate + 1.0).abs() < 3e-14, "{q} {count}: {t} {rate}");
-            assert!(c.falls_to(0.1).is_none() && c.rises_to(1.5).is_none());
+            assert!(c.falls_to(0.1).is_none() && c.rises_to(1.5, 0.25).is_none());
             assert!((c.start() - 0.25).abs() < 1e-15 && (c.end()[0] - 1.9).abs() < 1e-15 && c.end()[2] < -1.0);
             assert_eq!(Curve::of_numbers(&c.numbers()), Some(c));
         }
@@ -284,13 +295,14 @@ mod tests {
         // A function that only falls, and one that only rises.
         let falls = curve(|t| 2.0 - t, (0.0, 1.0), 1, 6);
         assert_eq!(falls.largest(), (0.0, 2.0));
-        assert_eq!(falls.rises_to(1.5).unwrap().0, 0.0);
+        assert_eq!(falls.rises_to(1.5, 0.0).unwrap().0, 0.0);
+        assert!(falls.rises_to(1.5, 0.5).is_none() && falls.least() == (1.0, 1.0));
         let rises = curve(|t| t * t, (0.0, 1.0), 1, 6);
         assert_eq!(rises.largest(), (1.0, 1.0));
         assert!(rises.falls_to(0.5).is_none());
         // At the origin of a map time does not move, and the rate is that of a chord.
         let root = curve(|t| t, (0.0, 1.0), 2, 6);
-        assert!((root.rises_to(0.0).unwrap().1 - 1.0).abs() < 1e-15);
+        assert!((root.rises_to(0.0, 0.0).unwrap().1 - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl Pending {
     /// The contact that may follow a stretch in which the overlap had its least value.
     fn rising(bond: usize, curve: &Curve) -> Self {
         let [t, overlap, _] = curve.end();
-        Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((t, 0.0))) }
+        Self { largest: (t, overlap), rise: vec![*curve], ..Self::new(bond, Some((curve.least().0, 0.0))) }
     }
 
     /// Sets the zero at which the contact began.
@@ -141,7 +141,7 @@ impl Pending {
     pub(super) fn finish(&self, zero: Option<Instant>) -> Contact {
         let level = TOUCH * self.largest.1;
         let onset = self.began.map(|zero| {
-            let pressed = self.rise.iter().find_map(|curve| curve.rises_to(level));
+            let pressed = self.rise.iter().find_map(|curve| curve.rises_to(level, zero.0));
             match pressed {
                 Some((t, rate)) if !through(zero, t, level) => [t, rate, level],
                 _ => [zero.0, zero.1, 0.0],
@@ -294,6 +294,16 @@ mod tests {
                 assert!(mirror(first.release, second.onset) < 1e-11, "{got:?}");
                 assert!((first.t_largest + second.t_largest - 8.0).abs() < 1e-12);
             }
+        }
+        // A low contact after a high one: the stretch in which the first ends begins above the level
+        // at which the second does, and the second must not begin there.
+        let low = |t: f64| f64::exp(-t.cosh()) + 0.02 * f64::exp(-(t - 6.6).cosh());
+        let apart = (1.0 - TOUCH.ln()).acosh();
+        for h in [0.1, 0.5, 0.8] {
+            let [first, second] = contacts(low, (-4.0, 12.0), [Some(0.0), Some(0.0)], h)[..] else { panic!("{h}") };
+            let (release, onset) = (first.release.unwrap(), second.onset.unwrap());
+            println!("{h}: {:e} {:e}", release - apart, onset - 6.6 + apart);
+            assert!(release < onset && (release - apart).abs() < 1e-2 && (onset - 6.6 + apart).abs() < 1e-2);
         }
         // A ripple whose overlap stays above `TOUCH` of its own largest value is no contact.
         let ripple = |t: f64| f64::exp(-t.cosh()) + 1e-5 * (1.2 + (9.0 * t).cos());
