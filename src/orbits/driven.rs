@@ -8,8 +8,8 @@
 //! | `q` | displacements of beads that no drive moves, and of resonators |
 //! | `z = (q, q'/omega)` | unknowns, at `t = 0` |
 //! | `M` | derivative of `P^m` at the orbit; its eigenvalues `lambda` are the multipliers |
-//! | `gamma` | the part of drag and dashpots of resonators in minus the divergence of the vector field, `sum (c_n + d_n)/m_n + d_n/(rho_n m_n)` |
-//! | `Gamma` | the part of contacts that dissipate, integrated over the orbit |
+//! | `gamma` | `sum (c_n + d_n)/m_n + d_n/(rho_n m_n)`, of drag and dashpots of resonators |
+//! | `Gamma` | integral of `sum_b c(g_b) sum_n 1/m_n` over the orbit, contacts that dissipate |
 //!
 //! The equations are `P^m(z) - z = 0`. There is no free phase: the drive has one. By Liouville
 //! `det M = exp(-gamma m T - Gamma)`. The tangent map is that of contact collocation, or of

@@ -67,8 +67,8 @@ fn a_weak_drive_gives_the_linear_response_and_its_multipliers() {
     assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0);
 }
 
-/// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in units
-/// of that.
+/// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in
+/// units of that.
 fn from_linear_response(orbit: &DrivenOrbit, c: f64, a: f64, omega: f64) -> f64 {
     let response = Complex::new(a, 0.0) / Complex::new(3.0 - omega * omega, c * omega);
     let want = [response.im, response.re];

@@ -264,9 +264,9 @@ fn beads_with_dashpots_rebound_as_published() {
     // Truth: Schwager & Poeschel 2007, Granular Matter 9, 465: for alpha = 1, with beta = gamma/(2
     // m_eff), omega_0^2 = A/m_eff, omega^2 = omega_0^2 - beta^2 and beta < omega_0/sqrt 2, beads
     // that never pull have e = exp(-beta/omega (pi - arctan(2 beta omega/(omega^2 - beta^2)))).
-    // The force jumps where the beads meet. DOP853 stops there; its error is that of some 50 steps
-    // under the tolerance 1e-13, in the balance up to 5e-13.
-    let bounds = METHODS.into_iter().zip([5e-12, 1e-15]);
+    // The force jumps where the beads meet: the error control of DOP853 crosses that, contact
+    // collocation does not.
+    let bounds = METHODS.into_iter().zip([2e-10, 1e-15]);
     for ((method, bound), gamma) in bounds.flat_map(|one| [0.1, 0.5, 0.9].map(|gamma| (one, gamma))) {
         let (beta, square) = (gamma, 2.0f64);
         let omega = (square - beta * beta).sqrt();

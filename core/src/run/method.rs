@@ -501,7 +501,7 @@ fn dop853(
         Contacts::Landed => 1,
         Contacts::Regularised => power,
     };
-    let field = Field::from_event_to_event(chain.clone());
+    let field = Field::new(chain.clone());
     Ok(Box::new(Regularised::new(field, Turns::new(chain), (alpha, q), y, span, options)?))
 }
 

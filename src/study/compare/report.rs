@@ -48,7 +48,8 @@ impl Report for Comparison {
         })
     }
 
-    /// All rows, why ladders ended, the methods that were left out, and the fastest method for each of a few errors.
+    /// All rows, why ladders ended, the methods that were left out, and the fastest method for each
+    /// of a few errors.
     fn text(&self) -> String {
         let Comparison { scene, amplitude, reference, .. } = self;
         let mut text = listed(self);

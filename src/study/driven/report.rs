@@ -66,7 +66,7 @@ impl Report for DrivenStudy {
             ("driven, dissipated over the orbit", format!("{driven:.9e}, {dissipated:.9e}")),
             ("residual of P(z) = z", format!("{:.1e}", point.orbit.residual)),
             ("steps of Newton's method", point.orbit.newton.len().to_string()),
-            ("|ln |det M| + gamma T|", format!("{:.1e}", point.spectrum.liouville)),
+            ("error of ln |det M| by Liouville", format!("{:.1e}", point.spectrum.liouville)),
             ("multipliers outside the circle", point.spectrum.unstable().to_string()),
         ];
         let rows: Vec<_> = numbers.map(|(name, value)| vec![name.to_owned(), value]).to_vec();

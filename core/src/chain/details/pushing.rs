@@ -42,6 +42,11 @@ impl Pushing {
         self.signs[bond] == [true; 2]
     }
 
+    /// Bonds that dissipate.
+    pub(crate) fn lossy(&self) -> &[usize] {
+        &self.lossy
+    }
+
     /// Bonds that dissipate and push.
     pub(crate) fn bonds(&self) -> impl Iterator<Item = usize> + '_ {
         self.lossy.iter().copied().filter(|&bond| self.pushes(bond))

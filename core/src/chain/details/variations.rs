@@ -29,24 +29,24 @@
 //! ```
 //!
 //! As `d/dt (c dg) = c' g' dg + c dg'`, only `w_nb F'(g_b) dg_b / m_n` is left of the contact in
-//! `dp_n'`. At an event, with `h` the function that vanishes and `f_-, f_+` the vector fields before
-//! and after it, the jump (saltation) matrix is
+//! `dp_n'`. At an event, with `h` the function that vanishes and `f_-, f_+` the vector fields
+//! before and after it, the jump (saltation) matrix is
 //!
 //! ```text
 //! dz_+ = (I + (f_+ - f_-) grad(h)^T / (grad(h)^T f_-)) dz_-
 //! ```
 //!
 //! - *Beads meet*: `h = g_b`. For a dashpot the accelerations jump by `w_nb gamma g_b' / m_n`, and
-//!   `grad(h)^T f_- = g_b'`, so that `du_n'` jumps by `w_nb gamma dg_b / m_n`. The speed of approach
-//!   cancels. This is the jump of the sum above: `dp_n` is continuous. For a viscoelastic contact
-//!   `f_+ = f_-`, so that `du_n'` is continuous; `dp_n` is too, as `c(0) = 0`.
+//!   `grad(h)^T f_- = g_b'`, so that `du_n'` jumps by `w_nb gamma dg_b / m_n`. The speed of
+//!   approach cancels. This is the jump of the sum above: `dp_n` is continuous. For a viscoelastic
+//!   contact `f_+ = f_-`, so that `du_n'` is continuous; `dp_n` is too, as `c(0) = 0`.
 //! - *Beads let go*: `h = f` reaches zero at a positive overlap. Both laws are continuous there,
-//!   `f_+ = f_-`, and only the derivative of the force jumps. So `du_n'` is continuous, and the term
-//!   of the contact is added to `dp_n`. It is subtracted again where `f` rises through zero while
-//!   beads overlap.
+//!   `f_+ = f_-`, and only the derivative of the force jumps. So `du_n'` is continuous, and the
+//!   term of the contact is added to `dp_n`. It is subtracted again where `f` rises through zero
+//!   while beads overlap.
 //!
 //! Both kinds of jumps have the determinant 1, as they add positions to velocities. So by Liouville
-//! contacts contribute the factor `exp(-int sum_b c(g_b) sum_n w_nb^2/m_n dt)` to `det dz(t)/dz(0)`,
+//! contacts contribute the factor `exp(-int sum_b c(g_b) sum_n w_nb^2/m_n dt)` to the determinant,
 //! the sums over contacts that push and beads that no drive moves.
 
 use super::{
@@ -137,7 +137,8 @@ impl<R: Real> Variations<R> {
     ///
     /// # Errors
     /// As [`new`](Self::new); columns whose number of entries is no multiple of the rows; a state
-    /// of another length; an integration that fails.
+    /// of another length; an integration that fails, or a contact that dissipates whose onset or
+    /// release the search for events has not found, as may happen where beads at rest just touch.
     pub fn flow(chain: &Chain<R>, start: &[R], span: (R, R), columns: &[R], tol: R) -> Result<Varied<R>> {
         let rows = 2 * chain.layout().half();
         if !columns.len().is_multiple_of(rows) {
@@ -166,15 +167,37 @@ impl<R: Real> Variations<R> {
         };
         let events = OfState { turns: Turns::new(chain), dim };
         let mut run = Regularised::new(field, events, map, &y, span, options)?;
+        let mut end = y;
+        let margin = tol.sqrt() * size;
         while !run.done() {
             run.step()?;
+            let t = run.time();
+            run.sample(t, &mut end);
+            if let Some(bond) = run.field_mut().astray(&end, margin) {
+                let (value, rule) =
+                    (format!("of bond {bond} at t = {}", t.f64()), "its onset or release was not found");
+                return Err(Error::parameter("dissipation", value, rule));
+            }
         }
-        let mut end = y;
         run.sample(span.1, &mut end);
         run.field_mut().release(&mut end);
         let mut columns = end.split_off(dim);
         let contraction = columns.split_off(rows * (columns.len() / rows)).first().copied().unwrap_or(R::zero());
         Ok(Varied { state: end, columns, contraction })
+    }
+
+    /// A contact that pushes although the signs of its overlap and force say otherwise by more than
+    /// `margin`, or the reverse. The search for events may give up an event where many contacts are
+    /// all but at rest.
+    fn astray(&self, y: &[R], margin: R) -> Option<usize> {
+        let (pushing, parts, layout) = (self.field.pushing()?, parts(&self.chain), self.chain.layout());
+        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        pushing.lossy().iter().copied().find(|&bond| {
+            let contact = &parts.bonds[bond];
+            let (g, rate) = (contact.rest + self.chain.across(bond, |i| u[i]), self.chain.across(bond, |i| u_dot[i]));
+            let least = contact.pushes(g, rate).map_or(g, |force| g.min(force));
+            if pushing.pushes(bond) { least < -margin } else { least > margin }
+        })
     }
 
     /// Turns `dp` at the end of a run into `du'`.
