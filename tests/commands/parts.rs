@@ -173,14 +173,16 @@ fn a_run_by_part_goes_on_in_another_number_of_parts() {
     goes_on_by_part(|parts, by_part| long(impact(), "collocation", Setting::Tolerance(1e-6), parts, by_part));
 }
 
-/// What going on says of a folder that is refused, in one process and by part.
-fn refusals(folder: &Path) -> [String; 2] {
-    [&[][..], &["--by-part", "--threads", "2"]].map(|more| {
-        let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder).args(more).output().unwrap();
+/// What going on says of a folder that is refused: in one process and, if `count` is 2, by part.
+fn refusals(folder: &Path, count: usize) -> Vec<String> {
+    let ways = [&[][..], &["--by-part", "--threads", "2"]];
+    let said = |more: &&[&str]| {
+        let ended = Command::new(PROGRAM).args(["run", "--resume"]).arg(folder).args(*more).output().unwrap();
         let said = String::from_utf8(ended.stderr).unwrap();
         assert!(!ended.status.success() && !said.contains("panicked"), "{said}");
         said
-    })
+    };
+    ways[..count].iter().map(said).collect()
 }
 
 #[test]
@@ -199,7 +201,7 @@ fn what_is_not_whole_of_what_parts_keep_is_refused() {
         } else {
             fs::write(&path, &bytes).unwrap()
         }
-        let said = refusals(folder.path());
+        let said = refusals(folder.path(), 2);
         fs::write(&path, &good).unwrap();
         (name.clone(), said)
     };
@@ -234,21 +236,35 @@ fn parts_that_end_early_or_are_not_finite_are_refused() {
     let last = state(folder.path(), 2);
     let good = fs::read(&last).unwrap();
     fs::copy(state(shorter.path(), 2), &last).unwrap();
-    let said = refusals(folder.path());
+    let said = refusals(folder.path(), 2);
     assert!(said.iter().all(|said| said.contains("the parts end at site 999 of 1000")), "{said:?}");
     fs::write(&last, good).unwrap();
-    let middle = state(folder.path(), 1);
-    let file = Archive::read(&middle).unwrap();
-    let arrays = [("sites", 2), ("u", 333), ("u_dot", 333)].map(|(name, count)| {
-        let mut values = file.array(name, &[count]).unwrap();
-        if name == "u_dot" {
-            values[7] = f64::NAN;
-        }
-        Array::vector(name, values)
-    });
-    fs::write(&middle, npz(&arrays).unwrap()).unwrap();
-    let said = refusals(folder.path());
-    assert!(said.iter().all(|said| said.contains("u_dot: NaN at entry 7: all are finite")), "{said:?}");
+    let names = pieces(folder.path());
+    for (kind, refusing) in [("profiles-", 1), ("state-", 2)] {
+        let name = names.iter().rfind(|name| name.starts_with(kind) && name.ends_with("-1-of-3.npz")).unwrap();
+        let path = folder.path().join("parts").join(name);
+        let file = Archive::read(&path).unwrap();
+        let rows = (1..99).find(|rows| file.array("u", &[*rows, 333]).is_ok());
+        let shape = rows.map_or(vec![333], |rows| vec![rows, 333]);
+        let sites = Array::vector("sites", file.array("sites", &[2]).unwrap());
+        let arrays = ["u", "u_dot"].map(|name| {
+            let mut values = file.array(name, &shape).unwrap();
+            if name == "u_dot" {
+                values[7] = f64::NAN;
+            }
+            let rows: Vec<f64> = values;
+            match shape.len() {
+                1 => Array::vector(name, rows),
+                _ => Array::matrix(name, rows.chunks_exact(333)),
+            }
+        });
+        let good = fs::read(&path).unwrap();
+        fs::write(&path, npz(&[sites].into_iter().chain(arrays).collect::<Vec<_>>()).unwrap()).unwrap();
+        // Parts that go on need no profiles.
+        let said = &refusals(folder.path(), refusing);
+        assert!(said.iter().all(|said| said.contains("u_dot: NaN at entry 7: all are finite")), "{said:?}");
+        fs::write(&path, good).unwrap();
+    }
 }
 
 #[test]
@@ -277,7 +293,7 @@ fn legs_of_parts_that_cannot_be_are_refused_by_rule() {
             settings.as_object().unwrap().clone().into_iter().chain([("by_part".to_owned(), legs)]).collect(),
         );
         fs::write(&path, npz_with("settings.json", &altered.to_string(), &[]).unwrap()).unwrap();
-        let said = refusals(folder.path());
+        let said = refusals(folder.path(), 2);
         assert!(said.iter().all(|said| said.contains("settings.json, by_part: ") && said.contains(rule)), "{said:?}");
     }
 }

@@ -156,6 +156,9 @@ impl Legs {
                 let end = end_of(&path, next, layout, &file.array("sites", &[2])?)?;
                 for (k, name) in names(layout.dim() / layout.sites()).into_iter().enumerate() {
                     let values = file.array(name, &[leg.profiles as u64, (end - next) as u64])?;
+                    if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+                        return Err(file.refused(name, format!("{} at entry {at}: all are finite", values[at])));
+                    }
                     for (row, values) in rows.iter_mut().zip(values.chunks_exact(end - next)) {
                         row[k * layout.sites()..][next..end].copy_from_slice(values);
                     }

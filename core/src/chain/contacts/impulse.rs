@@ -89,16 +89,17 @@ mod tests {
 
     #[test]
     fn powers_of_stretches_that_vanish_at_their_ends_or_do_not() {
+        type Path = fn(f64) -> f64;
         // Closed forms: int g^{3/2} and int g^{1/2} g' dt over [0, 2] for paths without an end at
         // zero, with one, and with two.
-        let over = |g: fn(f64) -> f64, f: fn(f64, f64) -> f64| {
+        let over = |g: Path, f: fn(f64, f64) -> f64| {
             let part = Part { index: 0, span: (3.0, 5.0), values: SHARES.map(|s| g(2.0 * s)) };
             Quadrature::new(2).integral(&part, f)
         };
         let force = |g: f64, _: f64| g.max(0.0) * g.max(0.0).sqrt();
         let loss = |g: f64, rate: f64| g.max(0.0).sqrt() * rate;
         let fifth = |x: f64| x.powi(5).sqrt();
-        let cases: [(fn(f64) -> f64, f64, f64); 4] = [
+        let cases: [(Path, f64, f64); 4] = [
             (|t| 8.0 - t, 0.4 * (fifth(8.0) - fifth(6.0)), -2.0 / 3.0 * (8f64.powf(1.5) - 6f64.powf(1.5))),
             (|t| 2.0 - t, 0.4 * fifth(2.0), -2.0 / 3.0 * 2f64.powf(1.5)),
             (|t| t, 0.4 * fifth(2.0), 2.0 / 3.0 * 2f64.powf(1.5)),
