@@ -219,8 +219,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 _ if (before > 0.0) == (now > 0.0) => last.0,
                 _ => bracketed(|t| least(at(t)), (last.0, before), (t, now)),
             };
-            // `P` vanishes there, and not the overlap.
-            let pressed = at(event)[0] > band;
+            let [g, pushes] = at(event);
+            // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
+            let pressed = g > 0.0 && pushes < 0.5 * link.pushes(g, 0.0);
             match open.take() {
                 None => {
                     let slope = if pressed { slope(|t| at(t)[1], event, h) } else { look(event).1 };
