@@ -107,10 +107,9 @@ fn orbits_of_the_defect_come_back_also_where_contacts_open() {
         // Measured: 5.0e-13 and 1.5e-15.
         assert!(apart < 1e-12 && point.orbit.residual < 1e-14, "{apart:e} {:e}", point.orbit.residual);
         let quality = point.spectrum.quality;
-        println!("{quality:?}");
-        // Asked: ten times the tolerance of a step, 1e-12; a double multiplier errs by more.
-        // Measured: 3.0e-12, and 2.6e-11 at the largest amplitude.
-        assert!(quality.symplectic_defect < 1e-11 && quality.trivial[0] < 5e-11, "{quality:?}");
+        // The tolerance of a step is 1e-12; a double multiplier errs by more. Measured: 3.0e-12,
+        // and 2.6e-11 at the largest amplitude.
+        assert!(quality.symplectic_defect < 6e-12 && quality.trivial[0] < 5e-11, "{quality:?}");
     }
 }
 

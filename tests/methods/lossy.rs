@@ -263,9 +263,9 @@ fn contacts_that_dissipate_next_to_nothing_are_those_of_the_elastic_chain() {
                 (distance(&got[..state.len()], &state), apart(&found, &expected));
             println!("{kind:?} {gamma:e}: {error:e}, {} contacts: {onsets:e} {releases:e} {impulses:e}", found.len());
             // Asked: the tolerance. Measured: 5.6e-16 and 2.1e-13; times of slow onsets 2.9e-12 and
-            // 1.2e-11.
+            // 1.2e-11, of releases 3.5e-12.
             assert!(found.len() > 20 && error < 1e-12, "{kind:?} {gamma:e}: {error:e}");
-            assert!(onsets < 2.4e-11 && releases < 1e-11 && impulses < 1e-12, "{onsets:e} {releases:e} {impulses:e}");
+            assert!(onsets < 2.4e-11 && releases < 7e-12 && impulses < 1e-12, "{onsets:e} {releases:e} {impulses:e}");
         }
     }
 }

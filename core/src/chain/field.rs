@@ -13,7 +13,7 @@ pub struct Field<R> {
     chain: Chain<R>,
     /// Positions of beads and contact forces on them.
     contacts: [Aligned<R>; 2],
-    /// The contacts that dissipate and push, if the method tells.
+    /// The contacts that push, if the method tells.
     pushing: Option<Pushing>,
 }
 
@@ -25,12 +25,11 @@ impl<R: Real> Field<R> {
 
     /// The field for a method that stops at the events of [`Turns`](super::Turns) and tells the
     /// field: the forces of contacts that dissipate are smooth from event to event.
-    pub fn from_event_to_event(chain: Chain<R>) -> Self {
-        let pushing = chain.dissipative_contacts().then(|| Pushing::new(&chain));
-        Self { pushing, ..Self::new(chain) }
+    pub(super) fn from_event_to_event(chain: Chain<R>) -> Self {
+        Self { pushing: Some(Pushing::new(&chain)), ..Self::new(chain) }
     }
 
-    /// The contacts that dissipate and push, if the method tells.
+    /// The contacts that push, if the method tells.
     pub(super) fn pushing(&self) -> Option<&Pushing> {
         self.pushing.as_ref()
     }
@@ -77,10 +76,6 @@ impl<R: Real> VectorField<R> for Field<R> {
             }
             _ => {}
         }
-    }
-
-    fn turn(&mut self, index: usize, positive: bool, _y: &mut [R]) -> bool {
-        self.told(index, positive).is_some()
     }
 }
 

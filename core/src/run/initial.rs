@@ -153,9 +153,9 @@ mod tests {
 
     #[test]
     fn a_state_of_several_blocks_is_the_state_in_memory() {
-        // Truth: the same function, and the state in memory. On the strain ring all sums are zero up
-        // to round-off, so that the whole state has an energy, and one of its three blocks has none.
-        // The largest values are not in the last block.
+        // Truth: the same function, and the state in memory. On the strain ring all sums are zero
+        // up to round-off, so that the whole state has an energy, and one of its three blocks has
+        // none. The largest values are not in the last block.
         let n = 2 * BLOCK + 1000;
         for (boundary, rho) in [(Boundary::Free, 0.0), (Boundary::Ring, 0.5), (Boundary::StrainRing, 0.5)] {
             let chain = Chain::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();

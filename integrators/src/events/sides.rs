@@ -139,9 +139,10 @@ impl Sides {
     }
 
     /// At the end of a step: marks late functions that have reached their side. One that does not
-    /// reach it in time gets the side of its value; if that is another one, it is in `turned`.
-    pub(crate) fn settle(&mut self, turned: &mut Vec<usize>) {
-        turned.clear();
+    /// reach it in time gets the side of its value. Returns those whose side has changed by this;
+    /// mostly there are none, and nothing is allocated.
+    pub(crate) fn settle(&mut self) -> Vec<usize> {
+        let mut turned = Vec::new();
         for index in 0..self.values.len() {
             if self.late(index) {
                 let arrived = self.polynomial(index).visits(self.positive[index], self.band);
@@ -155,5 +156,6 @@ impl Sides {
                 }
             }
         }
+        turned
     }
 }

@@ -108,8 +108,6 @@ pub struct Regularised<R, F, E> {
     events: Vec<Event<R>>,
     /// Events that happen at the present position.
     pending: Vec<Event<R>>,
-    /// Functions that the last step gave another side without an event.
-    settled: Vec<usize>,
     y: Vec<R>,
     dy: Vec<R>,
     g: Vec<R>,
@@ -187,7 +185,6 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             crossings: Vec::new(),
             events: Vec::new(),
             pending: Vec::new(),
-            settled: Vec::new(),
             y: y0.to_vec(),
             dy: y0.to_vec(),
             g: vec![R::zero(); count],
@@ -206,18 +203,21 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         regularised.sides.put(0, &regularised.g);
         regularised.sides.set_band(regularised.functions.band(y0).f64());
         regularised.sides.begin();
-        for index in 0..count {
-            if regularised.sides.positive(index) {
-                regularised.tell(index);
-            }
-        }
+        let positive: Vec<usize> = (0..count).filter(|&index| regularised.sides.positive(index)).collect();
+        regularised.tell(&positive);
         Ok(regularised)
     }
 
-    /// Tells the field the side of a function. Returns whether field or state have changed.
-    fn tell(&mut self, index: usize) -> bool {
+    /// Tells the field the sides of some functions. Returns whether field or state have changed.
+    fn tell(&mut self, indices: &[usize]) -> bool {
+        if indices.is_empty() {
+            return false;
+        }
         self.y.copy_from_slice(self.step.state());
-        let changed = self.field.turn(index, self.sides.positive(index), &mut self.y);
+        let mut changed = false;
+        for &index in indices {
+            changed |= self.field.turn(index, self.sides.positive(index), &mut self.y);
+        }
         if changed {
             self.step.load(&self.y);
         }
@@ -442,11 +442,9 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         }
         let before = if self.leg.sigma == R::zero() { self.leg.map.powers().0 } else { 1 };
         let a = if self.pending.iter().any(|event| event.rising) { self.q } else { before };
-        for k in 0..self.pending.len() {
-            let index = self.pending[k].index;
-            self.sides.fire(index);
-            self.tell(index);
-        }
+        let fired: Vec<usize> = self.pending.iter().map(|event| event.index).collect();
+        fired.iter().for_each(|&index| self.sides.fire(index));
+        self.tell(&fired);
         self.events.append(&mut self.pending);
         self.set_out(origin, a)
     }
@@ -511,11 +509,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let unbounded = next > R::of(5.9) * (to - leg.sigma);
         *pace.of(&leg) = if unbounded { allowed.max(tried) } else { allowed };
         self.stats.steps += 1;
-        self.sides.settle(&mut self.settled);
-        let mut changed = false;
-        for k in 0..self.settled.len() {
-            changed |= self.tell(self.settled[k]);
-        }
+        let turned = self.sides.settle();
+        let changed = self.tell(&turned);
         self.leg.sigma = to;
         self.fired_here = 0;
         let arrived = to == R::one();

@@ -17,6 +17,8 @@ pub(super) struct Quadrature {
     /// The rules for stretches whose overlap vanishes at neither end, at the end, at the start, at
     /// both.
     rules: [Rule; 4],
+    /// Whether functions depend on the rate.
+    rated: bool,
 }
 
 /// The rule for one kind of stretch. Matrices have a row for each node of a stretch and a column
@@ -32,13 +34,15 @@ struct Rule {
 
 impl Quadrature {
     /// The quadrature of functions that are smooth in `t^{1/q}`, where `t` is the time since the
-    /// overlap was zero.
-    pub(super) fn new(q: u32) -> Self {
+    /// overlap was zero. `rated`: whether they depend on the rate.
+    pub(super) fn new(q: u32, rated: bool) -> Self {
         let power = |singular: bool| if singular { q } else { 1 };
-        Self { rules: std::array::from_fn(|ends| Rule::new(TimeMap::new(1.0, power(ends > 1), power(ends % 2 > 0)))) }
+        let rule = |ends| Rule::new(TimeMap::new(1.0, power(ends > 1), power(ends % 2 > 0)));
+        Self { rules: std::array::from_fn(rule), rated }
     }
 
-    /// `int f dt`; `f` gets the overlap and its rate.
+    /// `int f dt`; `f` gets the overlap and its rate, which is zero if functions do not depend on
+    /// it.
     pub(super) fn integral(&self, part: &Part<f64>, f: impl Fn(f64, f64) -> f64) -> f64 {
         let duration = part.span.1 - part.span.0;
         if duration == 0.0 {
@@ -48,7 +52,8 @@ impl Quadrature {
         let small = SINGULAR * part.values.iter().fold(0.0, |largest, &g| f64::max(largest, g));
         let [start, end] = [part.values[0], part.values[NODES - 1]].map(|g| usize::from(g <= small));
         let Rule { weights, values, slopes } = &self.rules[2 * start + end];
-        let [g, slope] = [values, slopes].map(|rows| at_points(rows, &part.values));
+        let g = at_points(values, &part.values);
+        let slope = if self.rated { at_points(slopes, &part.values) } else { [0.0; POINTS] };
         duration * (0..POINTS).map(|k| weights[k] * f(g[k], slope[k] / duration)).sum::<f64>()
     }
 }
@@ -94,7 +99,7 @@ mod tests {
         // zero, with one, and with two.
         let over = |g: Path, f: fn(f64, f64) -> f64| {
             let part = Part { index: 0, span: (3.0, 5.0), values: SHARES.map(|s| g(2.0 * s)) };
-            Quadrature::new(2).integral(&part, f)
+            Quadrature::new(2, true).integral(&part, f)
         };
         let force = |g: f64, _: f64| g.max(0.0) * g.max(0.0).sqrt();
         let loss = |g: f64, rate: f64| g.max(0.0).sqrt() * rate;

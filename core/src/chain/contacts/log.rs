@@ -70,7 +70,7 @@ pub struct ContactLog {
 impl ContactLog {
     /// An empty log of a chain.
     pub fn new(chain: Chain<f64>) -> Self {
-        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1);
+        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, chain.dissipative_contacts());
         let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
         Self {

@@ -1,14 +1,15 @@
-//! Which contacts that dissipate push, as told by a method that stops at events.
+//! Which contacts push, as told by a method that stops at events.
 
 use super::super::Chain;
 use hertzchain_integrators::Real;
 
-/// The contacts that dissipate and push, told by the signs of the functions of
-/// [`Turns`](super::Turns).
+/// The contacts that push, told by the signs of the functions of [`Turns`](super::Turns).
 ///
-/// A contact pushes where both its overlap and the function that is positive where it pushes are
-/// positive. Signs that are told, and not computed, keep the force smooth up to an event and from
-/// there on: at the event itself the value is zero up to rounding, of either sign.
+/// A contact pushes where its overlap is positive and, if it dissipates, the function that is
+/// positive where it pushes is positive, too. Signs that are told, and not computed, keep force and
+/// stiffness smooth up to an event and from there on: at the event itself the value is zero up to
+/// rounding, of either sign. The stiffness of an overlap of 1e-17 is no rounding: after a release
+/// it would carry 1e-11 of the first stage of a step into columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Pushing {
     /// The first bond that can touch, and the number of these.
@@ -16,11 +17,12 @@ pub(crate) struct Pushing {
     count: usize,
     /// Bonds that dissipate, in the order of their functions.
     lossy: Vec<usize>,
-    /// For each bond: whether the overlap is positive, and the other function.
+    /// For each bond: whether the overlap is positive, and the other function; bonds that do not
+    /// dissipate have none, which counts as positive.
     signs: Vec<[bool; 2]>,
 }
 
-/// A contact that dissipates and begins or ceases to push.
+/// A contact that begins or ceases to push.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turned {
     pub(crate) bond: usize,
@@ -33,11 +35,13 @@ pub(crate) struct Turned {
 impl Pushing {
     /// Of no contact, until it is told.
     pub(crate) fn new<R: Real>(chain: &Chain<R>) -> Self {
-        let bonds = chain.touching();
-        Self { first: bonds.start, count: bonds.len(), lossy: chain.lossy(), signs: vec![[false; 2]; bonds.end] }
+        let (bonds, lossy) = (chain.touching(), chain.lossy());
+        let mut signs = vec![[false, true]; bonds.end];
+        lossy.iter().for_each(|&bond| signs[bond] = [false; 2]);
+        Self { first: bonds.start, count: bonds.len(), lossy, signs }
     }
 
-    /// Whether the contact of a bond that dissipates pushes.
+    /// Whether the contact of a bond pushes.
     pub(crate) fn pushes(&self, bond: usize) -> bool {
         self.signs[bond] == [true; 2]
     }

@@ -69,10 +69,6 @@ pub struct Variations<R> {
     change: Vec<R>,
     /// Rows `du'` of beads, if contacts dissipate.
     velocities: Vec<R>,
-    /// For each bond, whether it is closed, if a method that stops at events tells. At a release the
-    /// overlap is zero up to rounding, and the stiffness of an overlap of 1e-17 is no rounding: the
-    /// first stage of the next step would carry 1e-11 of it into the columns.
-    closed: Option<Vec<bool>>,
 }
 
 /// A state and columns `W` at the end of a flow.
@@ -101,12 +97,14 @@ impl<R: Real> Variations<R> {
         if let Some(alpha) = parts.exponents().find(|alpha| *alpha <= 1.0) {
             return Err(Error::parameter("alpha", alpha, "tangent maps need alpha > 1"));
         }
-        let rows = if chain.dissipative_contacts() { chain.sites() } else { 0 };
+        let (field, rows) = match chain.dissipative_contacts() {
+            true => (Field::from_event_to_event(chain.clone()), chain.sites()),
+            false => (Field::new(chain.clone()), 0),
+        };
         Ok(Self {
-            field: Field::from_event_to_event(chain.clone()),
+            field,
             change: vec![R::zero(); columns],
             velocities: vec![R::zero(); rows * columns],
-            closed: None,
             columns,
             chain,
         })
@@ -147,7 +145,7 @@ impl<R: Real> Variations<R> {
         }
         let mut field = Self::new(chain, columns.len() / rows)?;
         let chain = field.chain.clone();
-        field.closed = Some(vec![false; chain.touching().end]);
+        field.field = Field::from_event_to_event(chain.clone());
         let dim = chain.layout().dim();
         if start.len() != dim {
             return Err(Error::parameter("state", format!("{} entries", start.len()), "a state of the chain"));
@@ -168,9 +166,12 @@ impl<R: Real> Variations<R> {
         let events = OfState { turns: Turns::new(chain), dim };
         let mut run = Regularised::new(field, events, map, &y, span, options)?;
         let mut end = y;
-        let margin = tol.sqrt() * size;
+        let (margin, lossy) = (tol.sqrt() * size, run.field_mut().chain.dissipative_contacts());
         while !run.done() {
             run.step()?;
+            if !lossy {
+                continue;
+            }
             let t = run.time();
             run.sample(t, &mut end);
             if let Some(bond) = run.field_mut().astray(&end, margin) {
@@ -288,7 +289,7 @@ impl<R: Real> EventFunctions<R> for OfState<R> {
 
 impl<R: Real> VectorField<R> for Variations<R> {
     fn dim(&self) -> usize {
-        let contraction = usize::from(self.field.pushing().is_some());
+        let contraction = usize::from(self.chain.dissipative_contacts());
         self.chain.layout().dim() + self.rows() * self.columns + contraction
     }
 
@@ -297,21 +298,16 @@ impl<R: Real> VectorField<R> for Variations<R> {
         let ((state, w), (rates, dw)) = (y.split_at(dim), dy.split_at_mut(dim));
         self.field.eval(t, state, rates);
         let ((w, _), (dw, contraction)) = (w.split_at(entries), dw.split_at_mut(entries));
-        let Self { chain, field, change, velocities, closed, .. } = self;
-        let closed = closed.as_deref();
+        let Self { chain, field, change, velocities, .. } = self;
         if let (Some(pushing), [contraction]) = (field.pushing(), contraction) {
             *contraction = resisted(chain, pushing, state);
         }
         if self.columns > 0 {
-            R::run(Linearised { chain, pushing: field.pushing(), closed, state, w, dw, change, velocities });
+            R::run(Linearised { chain, pushing: field.pushing(), state, w, dw, change, velocities });
         }
     }
 
     fn turn(&mut self, index: usize, positive: bool, y: &mut [R]) -> bool {
-        let bond = self.chain.touching().start + index;
-        if let Some(closed) = self.closed.as_mut().and_then(|closed| closed.get_mut(bond)) {
-            *closed = positive;
-        }
         let Some(Turned { bond, pushes, meeting }) = self.field.told(index, positive) else { return false };
         if !meeting && self.columns > 0 {
             self.shift(bond, if pushes { -R::one() } else { R::one() }, y);
@@ -339,7 +335,6 @@ fn resisted<R: Real>(chain: &Chain<R>, pushing: &Pushing, state: &[R]) -> R {
 struct Linearised<'a, R> {
     chain: &'a Chain<R>,
     pushing: Option<&'a Pushing>,
-    closed: Option<&'a [bool]>,
     state: &'a [R],
     w: &'a [R],
     dw: &'a mut [R],
@@ -352,13 +347,14 @@ impl<R: Real> Kernel for Linearised<'_, R> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { chain, pushing, closed, state, w, dw, change, velocities } = self;
+        let Self { chain, pushing, state, w, dw, change, velocities } = self;
         let (parts, layout, k) = (parts(chain), chain.layout(), change.len());
         let (n, half) = (chain.sites(), layout.half());
         dw[..half * k].copy_from_slice(&w[half * k..]);
         dw[half * k..].fill(R::zero());
         let row = |i: usize| &w[i * k..(i + 1) * k];
-        if let Some(pushing) = pushing {
+        let resisted = pushing.filter(|_| chain.dissipative_contacts());
+        if let Some(pushing) = resisted {
             velocities.copy_from_slice(&w[half * k..(half + n) * k]);
             for bond in pushing.bonds() {
                 let contact = &parts.bonds[bond];
@@ -367,7 +363,7 @@ impl<R: Real> Kernel for Linearised<'_, R> {
             }
             dw[..n * k].copy_from_slice(velocities);
         }
-        let velocities = if pushing.is_some() { &*velocities } else { &w[half * k..] };
+        let velocities = if resisted.is_some() { &*velocities } else { &w[half * k..] };
         for (i, site) in parts.sites.iter().enumerate() {
             let (u, u_dot) = (row(i), &velocities[i * k..(i + 1) * k]);
             let (bead, resonator) = dw[(half + i) * k..].split_at_mut(k);
@@ -395,9 +391,7 @@ impl<R: Real> Kernel for Linearised<'_, R> {
         for bond in chain.touching() {
             let contact = &parts.bonds[bond];
             let g = contact.rest + chain.across(bond, |i| u[i]);
-            let told = pushing.filter(|_| contact.dissipates());
-            let acts = told.map_or(closed.is_none_or(|closed| closed[bond]), |pushing| pushing.pushes(bond));
-            if g <= R::zero() || !acts {
+            if g <= R::zero() || pushing.is_some_and(|pushing| !pushing.pushes(bond)) {
                 continue;
             }
             let stiffness = contact.stiffness(g);
