@@ -526,14 +526,15 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 before = panel.integrate(frame);
                 let pushes = if frame.link.lossy() { panel.pushes(frame.link) } else { g };
                 if k == first {
-                    let by = if self.contacts.found[c].pressed { &pushes } else { &g };
-                    let at_start = dot(&frame.rule.ends[0], by);
+                    let pressed = self.contacts.found[c].pressed;
+                    let by = if pressed { &pushes } else { &g };
+                    let at_start = if pressed { panel.pushes_at(frame, by, 0) } else { dot(&frame.rule.ends[0], by) };
                     let slope = panel.chord(by, 0, 1..M);
                     change.moved = change.moved.max(self.shift_onset(frame, c, (at_start, slope)));
                 }
                 if k + 1 == last {
                     let panel = &self.panels.list[k];
-                    let at_end = dot(&frame.rule.ends[1], &pushes);
+                    let at_end = panel.pushes_at(frame, &pushes, 1);
                     let slope = panel.chord(&pushes, M - 1, (0..M - 1).rev());
                     change.moved = change.moved.max(self.shift_release(frame, c, (at_end, slope)));
                 }
@@ -588,6 +589,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         if slope > 0.0 {
             contact.slopes[0] = slope;
         }
+        // At the start the overlap is known without the error of a series.
+        let known = frame.link.lossy() && contact.onset == 0.0 && !contact.pressed;
+        let overlap = if known { self.initial.overlap[0] } else { overlap };
         let by = (-overlap / contact.slopes[0]).max(-contact.onset);
         if frame.cuts.negligible(frame.link, overlap, by, contact.pressed.then_some(self.sweeps.largest)) {
             return 0.0;

@@ -476,6 +476,27 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
+    /// A bound of the second derivative of the overlap by the forces up to a time; those of the bond
+    /// are in `panels`.
+    fn driven_up_to(
+        frame: &Frame<'_, M, S>,
+        beside: [Beside<M, S>; 2],
+        (panels, recoil): (&Panels<M, S>, f64),
+        t: f64,
+    ) -> f64 {
+        // Between nodes a force may be a little larger than at any.
+        let largest = |panels: &Panels<M, S>| 1.2 * panels.largest_force(t);
+        let of = |bond: Beside<M, S>| bond.map_or(0.0, |bond| largest(&bond.panels));
+        Self::driven(frame, of(beside[0]), of(beside[1])).max(recoil * largest(panels))
+    }
+
+    /// Overlaps of at most this value count as zero.
+    pub(super) fn band(&self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2], panels: &Panels<M, S>) -> f64 {
+        let driven = Self::driven_up_to(frame, beside, (panels, self.initial.recoil), frame.h);
+        let rounding = ROUNDING * driven * frame.h * frame.h;
+        frame.cuts.least_overlap.max(rounding).max(self.initial.band)
+    }
+
     /// Finds the contacts of the window from all forces computed so far. Returns whether they
     /// differ from the contacts assumed before; `None` if the search needs too many subdivisions.
     pub(crate) fn verify(&mut self, frame: &Frame<'_, M, S>, beside: [Beside<M, S>; 2]) -> Option<bool> {
@@ -485,12 +506,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         std::mem::swap(&mut self.contacts.found, &mut self.contacts.assumed);
         let panels = std::mem::replace(&mut self.panels, Panels::new());
         let g = |t: f64| overlap_at((&path, known::<S>(&given)), (&panels, own), frame, beside, t);
-        // Between nodes a force may be a little larger than at any.
-        let largest = |panels: &Panels<M, S>, t: f64| 1.2 * panels.largest_force(t);
-        let of = |bond: Beside<M, S>, t: f64| bond.map_or(0.0, |bond| largest(&bond.panels, t));
-        let driven = |t: f64| Self::driven(frame, of(beside[0], t), of(beside[1], t)).max(recoil * largest(&panels, t));
-        let rounding = ROUNDING * driven(frame.h) * frame.h * frame.h;
-        let band = frame.cuts.least_overlap.max(rounding).max(self.initial.band);
+        let driven = |t: f64| Self::driven_up_to(frame, beside, (&panels, recoil), t);
+        let band = self.band(frame, beside, &panels);
         let (sure, on_surface) = if frame.link.lossy() {
             (true, self.search_again(frame, beside, (&panels, band)))
         } else {

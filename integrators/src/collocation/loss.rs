@@ -5,7 +5,7 @@
 //! | `F(g)` | elastic force, `A (g)_+^alpha` |
 //! | `c(g)` | resistance, `gamma F'(g)` or `gamma` |
 //! | `f = (F(g) + c(g) g')_+` | force of a contact: beads never pull |
-//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, or `F + gamma g'` |
+//! | `P(g, g')` | positive where a closed contact pushes: `g + gamma alpha g'`, or `g - F^{-1}(-gamma g')` |
 //! | `K'` | velocity of a site by a unit impulse |
 //!
 //! A panel of such a contact needs `g'` at its nodes, `g_lin'(t) + int K'(t - s) [..] ds`, where
@@ -18,12 +18,15 @@
 //! `g > 0`, and beads overlap without a force until `P` rises through zero or the overlap is zero
 //! (`rebound.rs`). So the force is analytic up to the end. Where beads meet it begins with the
 //! power `alpha - 1` of time (viscoelastic), or with a jump (dashpot).
+//!
+//! `P` is an overlap. For a dashpot the force itself has the same sign, but with a small `gamma` it
+//! ends with next to no slope, and Newton's method for its zero goes astray.
 
 use super::{
     bond::Beside,
     foresee::Turned,
     known::Known,
-    panel::{Frame, Panel, View, product, times, value},
+    panel::{Frame, Panel, View, dot, product, times, value},
     panels::{Panels, Shared},
     rule::Rule,
     system::{Link, Path},
@@ -69,17 +72,35 @@ impl<const S: usize> Link<S> {
     pub(crate) fn pushes(&self, overlap: f64, rate: f64) -> f64 {
         match self.loss {
             Some(Loss::Viscoelastic(gamma)) => overlap + gamma * self.law.alpha() * rate,
-            Some(Loss::Dashpot(gamma)) => self.force(overlap) + gamma * rate,
+            Some(Loss::Dashpot(gamma)) => overlap - self.held(gamma * (-rate).max(0.0)),
             None => overlap,
         }
     }
 
-    /// The derivatives of `P` by the overlap and by its rate.
-    pub(crate) fn pushes_by(&self, overlap: f64) -> [f64; 2] {
+    /// The overlap of an elastic force, `F^{-1}`.
+    fn held(&self, force: f64) -> f64 {
+        (force / self.constant()).powf(1.0 / self.law.alpha())
+    }
+
+    /// A bound of the error of `P` from those of the overlap and of its rate. For a dashpot it is
+    /// reached where the rate is zero.
+    pub(crate) fn pushes_off(&self, [overlap, rate]: [f64; 2]) -> f64 {
+        overlap
+            + match self.loss {
+                Some(Loss::Viscoelastic(gamma)) => gamma * self.law.alpha() * rate,
+                Some(Loss::Dashpot(gamma)) => self.held(gamma * rate),
+                None => 0.0,
+            }
+    }
+
+    /// An error of the overlap, in a window of length `h`, by which `P` is off by no more than
+    /// `value`; the rate is then off by `2/h` times this.
+    pub(crate) fn harmless(&self, value: f64, h: f64) -> f64 {
         match self.loss {
-            Some(Loss::Viscoelastic(gamma)) => [1.0, gamma * self.law.alpha()],
-            Some(Loss::Dashpot(gamma)) => [self.stiffness(overlap), gamma],
-            None => [1.0, 0.0],
+            Some(Loss::Viscoelastic(gamma)) => value / (1.0 + gamma * self.law.alpha() * 2.0 / h),
+            // Half for the overlap, half for its rate.
+            Some(Loss::Dashpot(gamma)) => (0.5 * value).min(0.5 * h * self.force(0.5 * value) / gamma),
+            None => value,
         }
     }
 
@@ -93,7 +114,15 @@ impl<const S: usize> Link<S> {
     pub(crate) fn impulse_besides(&self, value: f64, by: f64, pressed: Option<f64>) -> f64 {
         match pressed {
             None => self.force(value) * by + self.resistance(value) * value,
-            Some(overlap) => self.resistance(overlap) / self.pushes_by(overlap)[1] * value * by,
+            Some(overlap) => self.force_by_pushing(overlap) * value * by,
+        }
+    }
+
+    /// `df/dP` where `P` is zero.
+    fn force_by_pushing(&self, overlap: f64) -> f64 {
+        match self.loss {
+            Some(Loss::Viscoelastic(_)) => self.stiffness(overlap) / self.law.alpha(),
+            _ => self.stiffness(overlap),
         }
     }
 
@@ -299,6 +328,19 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     pub(super) fn pushes(&self, link: &Link<S>) -> [f64; M] {
         let rates = self.rates.as_deref().expect("a panel of a contact that dissipates has rates");
         std::array::from_fn(|j| link.pushes(self.overlap[j], rates.overlap[j]))
+    }
+
+    /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes. That of a
+    /// dashpot has a kink where the rate is zero, so that overlap and rate are extrapolated instead.
+    #[inline(always)]
+    pub(super) fn pushes_at(&self, frame: &Frame<'_, M, S>, pushes: &[f64; M], end: usize) -> f64 {
+        let ends = &frame.rule.ends[end];
+        match (frame.link.loss, &self.rates) {
+            (Some(Loss::Dashpot(_)), Some(rates)) if S != 1 => {
+                frame.link.pushes(dot(ends, &self.overlap), dot(ends, &rates.overlap))
+            }
+            _ => dot(ends, pushes),
+        }
     }
 
     /// The predicted forces at the nodes, from predicted overlaps `g`: these are a path plus a

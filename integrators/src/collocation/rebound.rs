@@ -22,6 +22,8 @@ use crate::events::{Curve, root::bracketed};
 const PARTS: usize = 12;
 /// Number of equal steps in time at which the log gets an overlap without a force. Chosen.
 const FREE: usize = 8;
+/// The largest step that makes an event for the log more exact, as a share of the window. Chosen.
+const REFINED: f64 = 0.01;
 /// Distance of the points of difference quotients of `P`, as a share of the window. Chosen.
 const STEP: f64 = 1e-4;
 
@@ -118,10 +120,20 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         let course = (&self.initial.path, known::<S>(&self.known));
         let overlap = |t: f64| overlap_at(course, (&self.panels, own), frame, beside, t);
         let rate = |t: f64| rate_at(course, (&self.panels, own), frame, beside, t);
+        let by_series = (overlap(0.0) - self.initial.overlap[0]).abs();
+        let band = self.band(frame, beside, &self.panels).max(by_series);
         // The sweeps know an event as well as the force needs it; the log gets it to the last
-        // digit.
+        // digit. Where beads have just begun to move, an overlap is an error of its series: its
+        // zero far from the event is none.
+        let refined = |t: f64| {
+            let by = -overlap(t) / rate(t);
+            if by.abs() < REFINED * h { (t + by).clamp(0.0, h) } else { t }
+        };
         let zero = |t: f64| {
-            let t = (0..2).fold(t, |t, _| (t - overlap(t) / rate(t)).clamp(0.0, h));
+            if t == 0.0 {
+                return (t, self.initial.overlap[1]);
+            }
+            let t = refined(refined(t));
             (t, rate(t))
         };
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
@@ -132,9 +144,10 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let at = |k: usize| from + (to - from) * k as f64 / FREE as f64;
             // The overlap without a force ends at its first zero: beads that have parted do not
             // overlap again without a force.
-            let gone = (0..=FREE).find(|&k| overlap(at(k)) <= self.initial.band);
+            let gone = (0..=FREE).find(|&k| overlap(at(k)) <= band);
             let end = match gone {
                 None => to,
+                Some(0) if from == 0.0 && self.initial.overlap[0] > self.initial.band => 0.0,
                 Some(0) => return,
                 Some(k) => bracketed(overlap, (at(k - 1), overlap(at(k - 1))), (at(k), overlap(at(k)).min(0.0))),
             };
@@ -142,6 +155,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let release = gone.map(|_| zero(end));
             out.push(Piece { release, ..piece(0.0, (end > from).then(|| Curve::over((from, end), points))) });
         };
+        // Beads that did not overlap at the start begin a contact.
+        let (begun, fresh) = (out.len(), self.initial.ongoing.is_none() && self.initial.overlap[0] <= band);
         let mut from = 0.0f64;
         for contact in &self.contacts.found {
             freely(from.max(0.0), contact.onset, out);
@@ -152,11 +167,14 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 out[first].onset = Some(zero(contact.onset));
             }
             from = contact.release;
-            if from <= h && overlap(from) <= self.initial.band {
+            if from <= h && overlap(from) <= band {
                 out.push(Piece { release: Some(zero(from.max(0.0))), ..piece(0.0, None) });
             }
         }
         freely(from.max(0.0), h, out);
+        if let Some(Piece { onset: onset @ None, curve: Some(curve), .. }) = out.get_mut(begun).filter(|_| fresh) {
+            *onset = Some(zero(curve.start()));
+        }
     }
 
     /// Energy dissipated while beads overlap without a force: the decrease of the elastic energy of
@@ -180,27 +198,30 @@ impl<const M: usize, const S: usize> Bond<M, S> {
     /// overlap and rate at a time; overlaps up to `band` count as zero.
     fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> (f64, f64)) {
         let (h, link) = (frame.h, frame.link);
-        let at = |t: f64| {
-            let (g, rate) = look(t);
-            [g, link.pushes(g, rate)]
-        };
-        // `rounding`: values of `P` up to this are rounding. `margin`: the least error of the
-        // overlap, over the window, that changes whether the bond pushes.
+        let of = |(g, rate): (f64, f64)| [g, link.pushes(g, rate)];
+        let at = |t: f64| of(look(t));
+        // Values of `P` up to this are rounding.
         let rounding = {
             let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
             let paths = self.initial.path.iter().zip(&link.sides);
             let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
-            let [by_overlap, by_rate] = link.pushes_by(self.initial.overlap[0].max(0.0));
-            by_overlap * self.initial.band + by_rate * ROUNDING * speed
+            link.pushes_off([self.initial.band, ROUNDING * speed])
         };
-        let margin = |[g, pushes]: [f64; 2]| {
-            let [by_overlap, by_rate] = link.pushes_by(g.max(0.0));
-            least([g.abs(), pushes.abs() / (by_overlap + by_rate * 2.0 / h)])
-        };
+        // At the start both are known, which tells the error of values by series.
+        let (start, by_series) = (of(self.initial.overlap.into()), at(0.0));
+        let band = band.max((by_series[0] - start[0]).abs());
+        let rounding = rounding.max((by_series[1] - start[1]).abs());
+        // A bound of the error of the overlap, over the window, that does not change whether the
+        // bond pushes.
+        let margin = |[g, pushes]: [f64; 2]| g.abs().min(link.harmless(pushes.abs(), h));
         let side = |[g, pushes]: [f64; 2]| {
             if g < -band || pushes < -rounding { Some(false) } else { (g > band && pushes > rounding).then_some(true) }
         };
-        let looks = looks(h, &at);
+        let mut looks = looks(h, &at);
+        looks[0].1 = start;
+        // Beads that touch at the start, and push later, count as pushing from the start: their
+        // overlap may rise so slowly that its first zero in floating point is anywhere.
+        let touching = looks.iter().take_while(|(_, value)| side(*value).is_none()).count();
         let mut open = self.initial.ongoing.map(|contact| Contact { release: f64::INFINITY, ..contact });
         let found = &mut self.contacts.found;
         found.clear();
@@ -216,6 +237,7 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             let (before, now) = (least(last.1), least(value));
             let event = match k {
                 0 => 0.0,
+                _ if k == touching && open.is_none() => 0.0,
                 _ if (before > 0.0) == (now > 0.0) => last.0,
                 _ => bracketed(|t| least(at(t)), (last.0, before), (t, now)),
             };
