@@ -15,7 +15,7 @@ pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct InSi {
-    /// Results in SI units, for scenes with a table [units].
+    /// Results in SI units, for scenes with a table `[units]`.
     ///
     /// All that is printed and written, in metres, seconds, newtons and joules, except files for
     /// --resume and messages of failures; and the values of --to and --step. An amplitude of a drive
