@@ -343,6 +343,33 @@ fn a_branch_begun_in_si_units_goes_on_without_them_and_the_other_way_round() {
 }
 
 #[test]
+fn a_branch_that_crosses_is_in_si_units_too() {
+    // Truth: the dimensionless branch times the units by Hertz's formula; A R^{3/2} is that of force.
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let drive = "[beads]\ndrag = 0.01\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";
+    fs::write(path("pushed.toml"), spheres(2, "fixed", drive)).unwrap();
+    let force = hertz() * RADIUS.powf(1.5);
+    let continued = |name: &str, [to, step]: [f64; 2], si: &[&str]| {
+        let way = [to.to_string(), step.to_string()];
+        let args = ["--to", &way[0], "--step", &way[1], "--switch", "1", "--out", &path(name)];
+        let text = stdout(&[&["orbit", "continue", &path("pushed.toml")], &args[..], si].concat());
+        (text, ["driven-branch.csv", "switched-branch.csv"].map(|file| table(&folder.path().join(name).join(file)).1))
+    };
+    let (text, si) = continued("si", [60.0, 2.0], &["--si"]);
+    let (_, plain) = continued("plain", [60.0, 2.0].map(|newtons| newtons / force), &[]);
+    assert!(text.matches("amplitude (N)  response (m)").count() == 2, "{text}");
+    // The two ways differ by a rounding of `--to`.
+    for (si, plain) in si.iter().flatten().zip(plain.iter().flatten()) {
+        for (k, by) in [(0, force), (1, RADIUS)] {
+            assert!((si[k] / (plain[k] * by) - 1.0).abs() < 1e-9, "{si:?} {plain:?}");
+        }
+        assert_eq!(si[3], plain[3]);
+    }
+    assert!(si.iter().zip(&plain).all(|(si, plain)| si.len() == plain.len() && si.len() > 3));
+}
+
+#[test]
 fn tables_and_pictures_of_driven_orbits_have_their_units() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
