@@ -6,7 +6,7 @@ use crate::{
     output::{Folder, to_json},
     parts::Parts,
     run::{Method, Records, Trajectory},
-    scene::{Scene, SceneFile, Units},
+    scene::{Scene, SceneFile},
     study::{self, Asked, How, LongRun, Ran, folder_of},
 };
 use std::path::Path;
@@ -57,7 +57,7 @@ pub(super) fn main(args: &RunArgs) -> Exit {
         return print(&text).map(|()| DONE);
     }
     how.takes(&scene, &parts)?;
-    si(args, &scene)?;
+    scene.units_if(args.si)?;
     if let Some(interval) = args.checkpoint {
         let long = how.in_legs(scene, args.events, interval, parts, args.by_part)?;
         let folder = Folder::create(args.out.as_deref().unwrap_or(".".as_ref()))?;
@@ -129,14 +129,6 @@ fn asked(args: &RunArgs) -> Asked {
     }
 }
 
-/// The units of the scene, if results in SI units are asked for.
-fn si<'a>(args: &RunArgs, scene: &'a Scene) -> Result<Option<&'a Units>> {
-    match (args.si, scene.units()) {
-        (true, None) => Err(Error::parameter("si", true, "the scene has no table [units]")),
-        (asked, units) => Ok(units.filter(|_| asked)),
-    }
-}
-
 /// Prints and writes the results of a run, also of one that failed.
 fn report(
     args: &RunArgs,
@@ -145,7 +137,7 @@ fn report(
     mut outcome: Trajectory,
     folder: Option<&Folder>,
 ) -> Exit {
-    let si = si(args, scene)?;
+    let si = scene.units_if(args.si)?;
     if let Some(units) = si {
         outcome = study::in_si(outcome, scene.chain().layout(), units);
     }
@@ -183,7 +175,7 @@ fn report(
 /// Goes on from a checkpoint.
 fn resume(args: &RunArgs, path: &Path, parts: Parts) -> Exit {
     let long = LongRun::load_in(path, parts, args.by_part)?;
-    si(args, long.scene())?;
+    long.scene().units_if(args.si)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_part(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.integrator.as_deref().map(Method::named).transpose()?)?;

@@ -210,6 +210,12 @@ impl DrivenSetting {
         setting
     }
 
+    /// What the drive does whose amplitude is the parameter: it moves its bead or pushes it.
+    pub fn means(&self) -> Means {
+        let varies = |drive: &&Drive| drive.signal.harmonics.iter().any(|harmonic| harmonic.omega > 0.0);
+        self.details.drives.iter().find(varies).map_or(Means::Moved, |drive| drive.means)
+    }
+
     /// Periods of the drive in a period of the orbit.
     pub fn turns(&self) -> u32 {
         self.turns

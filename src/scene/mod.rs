@@ -9,7 +9,7 @@ mod values;
 
 pub use details::{BeadsSection, BondsSection, DriveKind, DriveSection};
 pub use file::{ChainSection, Initial, MethodSection, Record, SceneFile, Span, TrivialSection};
-pub use units::{Units, UnitsSection};
+pub use units::{Quantity, Units, UnitsSection};
 pub use values::{Rule, Values};
 
 use crate::{
@@ -318,6 +318,17 @@ impl Scene {
     /// The unit of each dimensionless quantity in SI units, if the scene has `[units]`.
     pub fn units(&self) -> Option<&Units> {
         self.units.as_ref()
+    }
+
+    /// The units for results in SI units, if `si` asks for them; `None` for dimensionless results.
+    ///
+    /// # Errors
+    /// SI units of a scene without `[units]`.
+    pub fn units_if(&self, si: bool) -> Result<Option<&Units>> {
+        match (si, self.units()) {
+            (true, None) => Err(Error::parameter("si", true, "the scene has no table [units]")),
+            (asked, units) => Ok(units.filter(|_| asked)),
+        }
     }
 
     /// The details of the chain besides its three parameters, in words, if it has any.

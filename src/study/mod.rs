@@ -26,6 +26,7 @@ mod plan;
 mod pulses;
 mod run;
 mod scaling;
+mod si;
 mod solitary;
 mod theorem;
 mod wave;
@@ -77,6 +78,7 @@ pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point 
 pub use pulses::*;
 pub use run::*;
 pub use scaling::*;
+pub use si::InSi;
 #[cfg(feature = "plot")]
 pub(crate) use solitary::solitary_columns;
 pub use solitary::*;

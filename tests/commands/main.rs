@@ -16,5 +16,6 @@ mod parts;
 mod provenance;
 mod scenes;
 mod shards;
+mod si;
 mod stored;
 mod studies;

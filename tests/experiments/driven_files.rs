@@ -66,7 +66,8 @@ fn begun(scene: &Scene, most_points: usize) -> DrivenTrail {
 fn saved(folder: &Path, scene: &Scene, trail: &DrivenTrail) -> PathBuf {
     let shooting = trail.continuation.shooting;
     let point = DrivenPoint::new(trail.orbits[0].clone(), &shooting).unwrap();
-    let study = DrivenBranchStudy { scene: scene.clone(), branch: trail.clone().branch(vec![point]), switched: None };
+    let study =
+        DrivenBranchStudy { scene: scene.clone(), branch: trail.clone().branch(vec![point]), switched: None, si: None };
     let (name, bytes) = study.files("").unwrap().into_iter().find(|(name, _)| name == "driven-branch.npz").unwrap();
     let path = folder.join(name);
     fs::write(&path, bytes).unwrap();

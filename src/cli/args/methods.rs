@@ -64,7 +64,7 @@ pub(crate) struct RunArgs {
     /// with --out the contacts are in contacts.csv, contacts.npz and contacts.png.
     #[arg(long)]
     pub(crate) events: bool,
-    /// Results in SI units, for scenes with a table [units].
+    /// Results in SI units, for scenes with a table `[units]`.
     ///
     /// Metres, seconds, kilograms, newtons and joules in all that is printed and written, except
     /// checkpoints and messages of failed runs. Momenta are in kg m/s. Names of fields and columns

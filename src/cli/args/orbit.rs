@@ -23,6 +23,7 @@ pub(crate) enum OrbitAction {
     #[command(after_long_help = "\
 Examples:
   hertzchain orbit driven granular-crystal
+  hertzchain orbit driven granular-crystal --si
   hertzchain orbit driven granular-crystal --turns 2 --json")]
     Driven(Told<Driven>),
     /// Follow the orbit of a driven scene in one parameter.

@@ -4,8 +4,9 @@
 mod file;
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper};
+use super::{Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale};
 use crate::{
+    chain::Means,
     error::{Error, Result},
     interrupt,
     orbits::{
@@ -13,7 +14,7 @@ use crate::{
         DrivenTrail,
     },
     output::Folder,
-    scene::Scene,
+    scene::{Quantity, Scene, Units},
     sweep::map,
 };
 pub use file::load_driven_branch;
@@ -38,6 +39,9 @@ pub struct DrivenScene {
     /// The search.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub search: DrivenSearch,
+    /// The units of options and results.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub si: InSi,
 }
 
 impl DrivenScene {
@@ -96,7 +100,8 @@ pub struct Driven {
     pub told: DrivenScene,
 }
 
-/// An orbit of a driven scene with its multipliers, samples and energy balance.
+/// An orbit of a driven scene with its multipliers, samples and energy balance. All of its numbers
+/// are dimensionless; `si` is for its [`Report`](super::Report).
 #[derive(Clone, Debug)]
 pub struct DrivenStudy {
     /// The scene.
@@ -109,6 +114,8 @@ pub struct DrivenStudy {
     pub driven: f64,
     /// Energy that is dissipated over the orbit.
     pub dissipated: f64,
+    /// The units of the scene, if the report is in SI units.
+    pub si: Option<Units>,
 }
 
 impl Study for Driven {
@@ -117,8 +124,11 @@ impl Study for Driven {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = self.told.load()?;
+        let si = self.told.si.units(&scene)?;
         self.told.search.setting(&scene)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(driven_orbit(scene, &self.told.search, progress)?))))
+        Ok(Box::new(move |_, progress| {
+            Ok(Box::new(DrivenStudy { si, ..driven_orbit(scene, &self.told.search, progress)? }))
+        }))
     }
 }
 
@@ -141,7 +151,7 @@ impl DrivenStudy {
         let samples = orbit.samples(&shooting)?;
         let ledger = samples.last().and_then(|state| orbit.setting.chain().ok()?.layout().ledger(state));
         let (driven, dissipated) = ledger.map_or((0.0, 0.0), |ledger| (ledger.driven, ledger.dissipated()));
-        Ok(Self { point: DrivenPoint::new(orbit, &shooting)?, scene, samples, driven, dissipated })
+        Ok(Self { point: DrivenPoint::new(orbit, &shooting)?, scene, samples, driven, dissipated, si: None })
     }
 }
 
@@ -159,7 +169,8 @@ pub struct DrivenContinue {
     ///
     /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to, by
     /// another --step; multipliers and bifurcations are computed anew. Results of a file
-    /// driven-branch.npz are written beside it unless --out says where.
+    /// driven-branch.npz are written beside it unless --out says where. The file is the same with
+    /// and without --si, and goes on with either.
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "PATH", conflicts_with_all = ["scene", "set", "turns", "settle", "vary"])
@@ -196,7 +207,8 @@ pub struct DrivenWay {
     pub switch: Option<usize>,
 }
 
-/// A branch of a driven scene.
+/// A branch of a driven scene. All of its numbers are dimensionless; `si` is for its
+/// [`Report`](super::Report).
 #[derive(Clone, Debug)]
 pub struct DrivenBranchStudy {
     /// The scene.
@@ -206,6 +218,8 @@ pub struct DrivenBranchStudy {
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
     /// words, why none was followed.
     pub switched: Option<(usize, std::result::Result<DrivenBranch, String>)>,
+    /// The units of the scene, if the report is in SI units.
+    pub si: Option<Units>,
 }
 
 /// Names of the files in which branches are kept, and from which they are continued.
@@ -225,18 +239,27 @@ impl Study for DrivenContinue {
         check_switch(self.way.switch)?;
         let Some(path) = &self.resume else {
             let scene = self.told.load()?;
-            self.way.continuation(&self.told.search.setting(&scene)?)?;
+            let si = self.told.si.units(&scene)?;
+            let setting = self.told.search.setting(&scene)?;
+            let way = self.way.read(Scale(si.as_ref()), self.way.vary, &setting);
+            self.refused_as_given(si, self.way.vary, way.continuation(&setting))?;
             return Ok(Box::new(move |engine, progress| {
                 let settling = |share: f64, what: &str| progress(SETTLING * share, what);
-                let trail = first(&scene, &self.told.search, &self.way, &settling)?;
-                Ok(Box::new(followed(scene, trail, self.way.switch, engine.folder(), progress)?))
+                let trail = first(&scene, &self.told.search, &way, &settling)?;
+                Ok(Box::new(followed(scene, trail, si, way.switch, engine.folder(), progress)?))
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
         let (scene, trail) = load_driven_branch(&file)?;
-        let trail = trail.onward(self.way.to, self.way.step, self.way.max_points)?;
+        let si = self.told.si.units(&scene)?;
+        let parameter = trail.continuation.parameter;
+        let way = match trail.orbits.first() {
+            Some(orbit) => self.way.read(Scale(si.as_ref()), parameter, &orbit.setting),
+            None => self.way,
+        };
+        let trail = self.refused_as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
         Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, trail, self.way.switch, engine.folder(), progress)?))
+            Ok(Box::new(followed(scene, trail, si, way.switch, engine.folder(), progress)?))
         }))
     }
 
@@ -246,7 +269,31 @@ impl Study for DrivenContinue {
     }
 }
 
+impl DrivenContinue {
+    /// A refusal of a number with its value as it was given.
+    fn refused_as_given<T>(&self, si: Option<Units>, parameter: DriveParameter, result: Result<T>) -> Result<T> {
+        let DrivenWay { to, step, .. } = self.way;
+        Scale(si.as_ref()).given(result, &[("to", to), (parameter.name(), to), ("step", step)])
+    }
+}
+
+/// The kind of number that a parameter of a drive is.
+fn quantity(parameter: DriveParameter, setting: &DrivenSetting) -> Quantity {
+    match (parameter, setting.means()) {
+        (DriveParameter::Amplitude, Means::Moved) => Quantity::Length,
+        (DriveParameter::Amplitude, Means::Pushed) => Quantity::Force,
+        (DriveParameter::Omega, _) => Quantity::Omega,
+        (DriveParameter::Damping, _) => Quantity::Number,
+    }
+}
+
 impl DrivenWay {
+    /// The way in the units of the chain, of one that was given for a branch in `parameter`.
+    fn read(&self, scale: Scale<'_>, parameter: DriveParameter, setting: &DrivenSetting) -> Self {
+        let read = |value: f64| scale.read(quantity(parameter, setting), value);
+        Self { to: self.to.map(read), step: self.step.map(read), ..*self }
+    }
+
     /// The continuation from the scene's own value.
     fn continuation(&self, setting: &DrivenSetting) -> Result<DrivenContinuation> {
         let &Self { vary: parameter, to, step, max_points: most_points, .. } = self;
@@ -279,7 +326,7 @@ pub fn driven_branch(
 ) -> Result<DrivenBranchStudy> {
     check_switch(way.switch)?;
     let trail = first(&scene, search, way, &|share, what| progress(SETTLING * share, what))?;
-    followed(scene, trail, way.switch, None, progress)
+    followed(scene, trail, None, way.switch, None, progress)
 }
 
 /// The branch with its first orbit only.
@@ -293,6 +340,7 @@ fn first(scene: &Scene, search: &DrivenSearch, way: &DrivenWay, progress: Progre
 fn followed(
     scene: Scene,
     trail: DrivenTrail,
+    si: Option<Units>,
     switch: Option<usize>,
     folder: Option<&Folder>,
     progress: Progress<'_>,
@@ -300,18 +348,21 @@ fn followed(
     let whole = if switch.is_some() { 0.5 } else { 1.0 };
     let stale = &["driven-branch.json", "driven-branch.csv", "driven-branch.png", SWITCHED_FILE, SWITCHED_TABLE];
     let keeper = Keeper::new(folder, BRANCH_FILE, stale);
-    let branch = go_on(&scene, trail, keeper, &|share, what| progress(whole * share, what))?;
-    let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None }) };
+    let scale = Scale(si.as_ref());
+    let branch = go_on(&scene, trail, scale, keeper, &|share, what| progress(whole * share, what))?;
+    let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None, si }) };
     let keeper = Keeper::new(folder, SWITCHED_FILE, &[]);
     let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-    let other = branch.switched(number.wrapping_sub(1)).and_then(|other| go_on(&scene, other, keeper, &progress));
-    Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch })
+    let other =
+        branch.switched(number.wrapping_sub(1)).and_then(|other| go_on(&scene, other, scale, keeper, &progress));
+    Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch, si })
 }
 
 /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
 fn go_on(
     scene: &Scene,
     mut trail: DrivenTrail,
+    scale: Scale<'_>,
     mut keeper: Keeper<'_>,
     progress: Progress<'_>,
 ) -> Result<DrivenBranch> {
@@ -321,9 +372,11 @@ fn go_on(
         let back = trail.back;
         let extended = trail.extend(|trail| {
             keep(trail);
-            let p = trail.orbits.last().map_or(back, |orbit| orbit.setting.get(parameter));
+            let Some(DrivenOrbit { setting, .. }) = trail.orbits.last() else { return };
+            let p = setting.get(parameter);
             let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
-            let words = format!("point {}, {} = {p:.6}", trail.orbits.len(), parameter.name());
+            let shown = scale.shown(quantity(parameter, setting), p, 6);
+            let words = format!("point {}, {} = {shown}", trail.orbits.len(), parameter.name());
             progress(SETTLING + (ORBITS - SETTLING) * share, &words);
         });
         keep(&trail);

@@ -3,11 +3,11 @@
 
 mod report;
 
-use super::{Changes, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing};
+use super::{Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, si::Scale};
 use crate::{
     error::{Error, Result},
     orbits::{ModeBranch, ModeContinuation, ModePoint, NormalModes},
-    scene::Scene,
+    scene::{Quantity, Scene, Units},
 };
 
 /// A conservative scene, and a mode of it that is followed.
@@ -26,6 +26,9 @@ pub struct FollowMode {
     /// The branch.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub way: ModeWay,
+    /// The units of options and results.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub si: InSi,
 }
 
 /// The branch of a mode.
@@ -60,7 +63,8 @@ pub struct ModeWay {
     pub switch: Option<usize>,
 }
 
-/// The branch of a mode of a scene.
+/// The branch of a mode of a scene. All of its numbers are dimensionless; `si` is for its
+/// [`Report`](super::Report).
 #[derive(Clone, Debug)]
 pub struct ModeStudy {
     /// The scene.
@@ -72,9 +76,17 @@ pub struct ModeStudy {
     /// Number of a bifurcation of the branch, from 1 on, and the branch that crosses there or, in
     /// words, why none was followed.
     pub switched: Option<(usize, std::result::Result<ModeBranch, String>)>,
+    /// The units of the scene, if the report is in SI units.
+    pub si: Option<Units>,
 }
 
 impl ModeWay {
+    /// The way in the units of the chain.
+    fn read(&self, scale: Scale<'_>) -> Self {
+        let read = |amplitude: f64| scale.read(Quantity::Length, amplitude);
+        Self { to: read(self.to), step: self.step.map(read), ..*self }
+    }
+
     fn continuation(&self, modes: &NormalModes) -> Result<ModeContinuation> {
         let &Self { mode, to, step, max_points: most_points, switch } = self;
         check_switch(switch)?;
@@ -101,9 +113,15 @@ impl Study for FollowMode {
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(&self.scene, &self.changes.set)?;
+        let si = self.si.units(&scene)?;
         let modes = NormalModes::new(scene.chain())?;
-        let continuation = self.way.continuation(&modes)?;
-        Ok(Box::new(move |_, progress| Ok(Box::new(followed(scene, modes, &continuation, self.way.switch, progress)?))))
+        let scale = Scale(si.as_ref());
+        let ModeWay { to, step, .. } = self.way;
+        let continuation =
+            scale.given(self.way.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
+        Ok(Box::new(move |_, progress| {
+            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, progress)?))
+        }))
     }
 }
 
@@ -115,12 +133,13 @@ impl Study for FollowMode {
 pub fn follow_mode(scene: Scene, way: &ModeWay, progress: Progress<'_>) -> Result<ModeStudy> {
     let modes = NormalModes::new(scene.chain())?;
     let continuation = way.continuation(&modes)?;
-    followed(scene, modes, &continuation, way.switch, progress)
+    followed(scene, modes, None, &continuation, way.switch, progress)
 }
 
 fn followed(
     scene: Scene,
     modes: NormalModes,
+    si: Option<Units>,
     continuation: &ModeContinuation,
     switch: Option<usize>,
     progress: Progress<'_>,
@@ -131,14 +150,15 @@ fn followed(
             count += 1;
             let a = point.orbit.amplitude;
             let done = first + share * (a.abs() / continuation.to).clamp(0.0, 1.0);
-            progress(done, &format!("point {count}, a = {a:.6}"));
+            let a = Scale(si.as_ref()).shown(Quantity::Length, a, 6);
+            progress(done, &format!("point {count}, a = {a}"));
         }
     };
     let Some(number) = switch else {
         let branch = continuation.follow(&modes, tell(0.0, 1.0))?;
-        return Ok(ModeStudy { scene, modes, branch, switched: None });
+        return Ok(ModeStudy { scene, modes, branch, switched: None, si });
     };
     let branch = continuation.follow(&modes, tell(0.0, 0.5))?;
     let other = branch.switched(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
-    Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch })
+    Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch, si })
 }

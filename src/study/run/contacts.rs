@@ -122,6 +122,7 @@ pub fn contacts_picture(
         chain::Overlaps,
         figures::{Bar, Raster, raster},
     };
+    use crate::{scene::Quantity, study::si::Scale};
     use hertzchain_integrators::EventFunctions;
     let bar = |contact: &Contact| {
         let start = contact.onset.unwrap_or(0.0);
@@ -139,8 +140,8 @@ pub fn contacts_picture(
     let figure = Raster {
         title: format!("{}: contacts over time", scene.name()),
         bond_label: "bond n".to_owned(),
-        time_label: super::report::label("time t", "s", si),
-        shade_label: super::report::label("largest overlap of the contact", "m", si),
+        time_label: Scale(si).label("time t", Quantity::Time),
+        shade_label: Scale(si).label("largest overlap of the contact", Quantity::Length),
         bars: contacts.iter().map(bar).collect(),
         bonds: (first, last),
         times: (0.0, t_end),

@@ -11,7 +11,10 @@ use crate::{
     output::{Folder, NpzWriter, csv, write_csv, write_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
+    study::si::ALL_IN_SI,
 };
+#[cfg(feature = "plot")]
+use crate::{scene::Quantity, study::si::Scale};
 use hertzchain_integrators::Error as Failure;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -88,12 +91,6 @@ pub struct Ran<'a> {
     pub outcome: &'a Trajectory,
     /// The units that `outcome` is in, if it is in SI units; see [`in_si`](super::in_si).
     pub si: Option<&'a Units>,
-}
-
-/// A label with the unit of its quantity, in SI units.
-#[cfg(feature = "plot")]
-pub(super) fn label(quantity: &str, unit: &str, si: Option<&Units>) -> String {
-    if si.is_some() { format!("{quantity} ({unit})") } else { quantity.to_owned() }
 }
 
 /// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
@@ -204,12 +201,9 @@ pub fn run_summary(ran: &Ran<'_>) -> String {
         None => lines.push("energy      none on this strain ring: sum x != sum y".to_owned()),
     }
     if let Some(units) = scene.units() {
-        lines.push(format!(
-            "units       {:.6e} m, {:.6e} kg, {:.6e} s; {:.6e} m/s, {:.6e} N, {:.6e} J",
-            units.length_m, units.mass_kg, units.time_s, units.velocity_m_per_s, units.force_n, units.energy_j
-        ));
+        lines.push(format!("units       {}", units.words()));
         if si.is_some() {
-            lines.push("            all numbers here are in SI units".to_owned());
+            lines.push(format!("            {ALL_IN_SI}"));
         }
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
@@ -380,8 +374,8 @@ pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
         let figure = figures::SpaceTime {
             title: format!("{}: strain over space and time", scene.name()),
             site_label: "bond n".to_owned(),
-            time_label: label("time t", "s", si),
-            value_label: label("strain xₙ", "m", si),
+            time_label: Scale(si).label("time t", Quantity::Time),
+            value_label: Scale(si).label("strain xₙ", Quantity::Length),
             values: outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied()).collect(),
             most: Some(range),
             sites: last.x.len(),
@@ -406,7 +400,7 @@ pub fn run_pictures(ran: &Ran<'_>) -> Result<Vec<crate::study::Drawing>> {
                 "Relative error of the total energy at the sample times; points without error are left out.",
             )
         };
-        let time = label("time t", "s", si);
+        let time = Scale(si).label("time t", Quantity::Time);
         let panel = figures::Panel::new(figures::Kind::LogTime, [time.as_str(), error], lines);
         let title = format!("{}: relative energy error", scene.name());
         pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
@@ -492,7 +486,12 @@ fn profile_figure(
             lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
         }
         let x_label = if ring { "site n" } else { "bond n" };
-        Panel { x_label: x_label.to_owned(), y_label: label(strain, "m", si), lines, ..Default::default() }
+        Panel {
+            x_label: x_label.to_owned(),
+            y_label: Scale(si).label(strain, Quantity::Length),
+            lines,
+            ..Default::default()
+        }
     });
     let title = match si {
         None => format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t),
