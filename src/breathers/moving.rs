@@ -47,6 +47,7 @@ use crate::{
     chain::{Boundary, Chain, Params, max_norm},
     dps::Center,
     error::{Error, Iterate, Result},
+    interrupt,
     orbits::{self, Frame, Kantorovich, Moment, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
@@ -304,7 +305,8 @@ impl MovingBreather {
     ///
     /// # Errors
     /// Numbers outside their rules; a start of another length, not finite or zero; one whose flow
-    /// fails; [`Error::Stalled`] with the best iterate where the residual does not fall to 1e-12.
+    /// fails; [`Error::Stalled`] with the best iterate where the residual does not fall to 1e-12;
+    /// [`Error::Stopped`] if the work was asked to end.
     pub fn solve(&self, start: &[f64], tol: f64) -> Result<MovingOrbit> {
         let shot = self.shot(tol)?;
         if start.len() != 4 * self.sites {
@@ -319,6 +321,9 @@ impl MovingBreather {
         let mut now = shot.equations(&at, true)?;
         let mut newton = Vec::new();
         for _ in 0..MOST_STEPS {
+            if interrupt::asked() {
+                return Err(Error::Stopped { kept: "nothing of this breather".to_owned() });
+            }
             let Some(by) = least_squares(now.jacobian.clone(), &now.residual) else { break };
             newton.push(NewtonStep { residual: now.residual.amax() / size, step: by.amax() / size });
             let Some((share, next)) = shot.step(&at, &by, now.residual.norm(), LONGEST_STEP * size) else { break };

@@ -1,35 +1,81 @@
-//! `hertzchain paper figures`.
+//! `hertzchain paper figures`: a sweep whose points are figures.
+//!
+//! The row of a figure has its caption and the contents of its files, so that a shard or another
+//! rank needs no folder for them. Files in the folder are written from rows only. Those that were
+//! changed or removed since an earlier run are so written again.
 
-use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, args::FiguresArgs, print, progress_bar, runner::part_text, say, signals};
 use crate::{
-    error::Result,
+    error::{Error, Result},
+    interrupt,
     output::Folder,
     paper::{Drawn, FIGURES, Figure, figures_json, figures_table},
+    sweep::{Engine, Grid, InTurn, Row, STOPPED},
 };
-use std::time::Instant;
+use base64::{Engine as _, engine::general_purpose::STANDARD};
+use indicatif::ProgressBar;
+use serde::{Deserialize, Serialize};
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::{Duration, Instant},
+};
+
+const STORE: &str = "figures.store";
+
+/// A point of the sweep.
+#[derive(Serialize)]
+struct Point {
+    figure: &'static str,
+    /// The formats of its picture; none in a build without pictures.
+    formats: Vec<&'static str>,
+}
+
+/// A finished figure.
+#[derive(Serialize, Deserialize)]
+struct Made {
+    caption: String,
+    files: Vec<Kept>,
+    wall_s: f64,
+}
+
+/// Makes a figure, and tells the share that is done.
+type Make<'a> = dyn Fn(&Figure, &FiguresArgs, &(dyn Fn(f64) + Sync)) -> Result<Made> + Sync + 'a;
+
+/// A file of a figure: its name and what is in it.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    name: String,
+    #[serde(flatten)]
+    content: Content,
+}
+
+/// Bytes as they stand in JSON.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Content {
+    Text(String),
+    Base64(String),
+}
 
 pub(super) fn main(args: &FiguresArgs) -> Exit {
+    let engine = args.spread.engine(|| Engine::new(Box::new(InTurn)))?;
+    if engine.serves() {
+        // Rank 0 reports errors.
+        let sweep = |chosen: Vec<_>| sweep(&chosen, args, &engine, &ProgressBar::hidden(), &made).map(drop);
+        let _ = chosen(&args.only).and_then(|chosen| signals::ask().and_then(|()| sweep(chosen)));
+        return Ok(DONE);
+    }
     let chosen = chosen(&args.only)?;
     let folder = Folder::create(&args.out)?;
+    signals::ask()?;
+    let engine = args.spread.keeping(engine, Some(&folder))?;
     let bar = progress_bar();
-    let draw = |(k, figure): (usize, &'static Figure)| {
-        let clock = Instant::now();
-        bar.set_message(figure.name);
-        let tell = |share: f64| bar.set_position((1000.0 * (k as f64 + share.min(1.0)) / chosen.len() as f64) as u64);
-        Drawn { figure, outcome: files(figure, args, &folder, &tell), wall: clock.elapsed() }
-    };
-    let drawn: Vec<Drawn> = chosen.iter().copied().enumerate().map(draw).collect();
+    let swept = sweep(&chosen, args, &engine, &bar, &made);
     bar.finish_and_clear();
-    let printed = print(&if args.json { figures_json(&drawn) + "\n" } else { figures_table(&drawn) });
-    let mut code = DONE;
-    for Drawn { figure, outcome, .. } in &drawn {
-        if let Err(error) = outcome {
-            say(&format!("error: figure {}: {error}", figure.name));
-            code = FAILED;
-        }
+    match engine.part() {
+        Some(part) if part.kept == part.points => print(&part_text(&part, args.json)).map(|()| DONE),
+        _ => swept.and_then(|(drawn, resumed)| told(&drawn, resumed, args, &folder)),
     }
-    say(&format!("written to {}", folder.path().display()));
-    printed.map(|()| code)
 }
 
 /// The figures that are asked for, each once and in the order of the paper; all, if none is.
@@ -38,29 +84,196 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Figure>> {
     Ok(FIGURES.iter().filter(|figure| only.is_empty() || wanted.iter().any(|one| one.name == figure.name)).collect())
 }
 
-/// Computes a figure and writes its tables and its picture. Returns its caption and the names of
-/// the files.
-#[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
-fn files(
-    figure: &Figure,
+/// Makes the figures that the store does not have by `make`, and brings the files of all into the
+/// folder. Returns the number of figures that the store had.
+fn sweep(
+    chosen: &[&'static Figure],
     args: &FiguresArgs,
-    folder: &Folder,
-    tell: &(dyn Fn(f64) + Sync),
-) -> Result<(String, Vec<String>)> {
+    engine: &Engine,
+    bar: &ProgressBar,
+    make: &Make<'_>,
+) -> Result<(Vec<Drawn>, usize)> {
+    let grid = Grid { store: STORE, study: "figures", settings: serde_json::json!({}) };
+    let point = |k: usize| Point { figure: chosen[k].name, formats: formats(args) };
+    let (count, done) = (chosen.len() as f64, AtomicU64::new(0));
+    let position = |done: f64| bar.set_position((1000.0 * done / count) as u64);
+    let progress = |made: u64, _| {
+        done.store(made, Ordering::Relaxed);
+        position(made as f64);
+    };
+    let folder = engine.folder();
+    let at_once = folder.filter(|_| engine.its_shard().is_none());
+    let work = |point: Point| {
+        let figure = Figure::named(point.figure)?;
+        bar.set_message(figure.name);
+        let made = make(figure, args, &|share| position(done.load(Ordering::Relaxed) as f64 + share.min(1.0)))?;
+        // A finished figure can be looked at while others are computed. An error here is met again
+        // when all is done.
+        if let Some(folder) = at_once {
+            drop(written(figure, &made, folder));
+        }
+        Ok(made)
+    };
+    engine.each(&grid, chosen.len(), &point, &progress, &work, |rows| {
+        let mut drawn = Vec::with_capacity(chosen.len());
+        let bring = |k: usize, row: Row<Made>| brought(chosen[k], row, folder);
+        rows.each(&bring, &mut |one| {
+            drawn.push(one);
+            Ok(())
+        })?;
+        Ok(drawn)
+    })
+}
+
+#[cfg(feature = "plot")]
+fn formats(args: &FiguresArgs) -> Vec<&'static str> {
+    args.formats.chosen().map(crate::figures::Format::extension).collect()
+}
+
+#[cfg(not(feature = "plot"))]
+fn formats(_: &FiguresArgs) -> Vec<&'static str> {
+    Vec::new()
+}
+
+/// Computes a figure, its tables and its picture.
+#[cfg_attr(not(feature = "plot"), allow(unused_variables, reason = "formats are those of pictures"))]
+fn made(figure: &Figure, args: &FiguresArgs, tell: &(dyn Fn(f64) + Sync)) -> Result<Made> {
+    let clock = Instant::now();
     let data = figure.data(tell)?;
-    let files = figure.tables(&data);
-    #[cfg(feature = "plot")]
-    let drawings = [(format!("{}.png", figure.name), figure.picture(&data)?)];
-    #[cfg(feature = "plot")]
-    let pictures = args.formats.write(folder, &drawings)?;
-    let caption = figure.caption(&data);
-    let origin = (format!("{}.json", figure.name), figure.origin(&caption).into_bytes());
-    let files = [files, vec![origin]].concat();
-    for (name, bytes) in &files {
-        folder.write(name, bytes)?;
+    if interrupt::asked() {
+        // Computations that were asked to end may have returned a part of their results.
+        return Err(Error::Stopped { kept: "nothing of this figure".to_owned() });
     }
-    let names = files.into_iter().map(|(name, _)| name);
+    let caption = figure.caption(&data);
     #[cfg(feature = "plot")]
-    let names = pictures.into_iter().chain(names);
-    Ok((caption, names.collect()))
+    let mut files = args.formats.files(&[(format!("{}.png", figure.name), figure.picture(&data)?)])?;
+    #[cfg(not(feature = "plot"))]
+    let mut files = Vec::new();
+    files.extend(figure.tables(&data));
+    files.push((format!("{}.json", figure.name), figure.origin(&caption).into_bytes()));
+    Ok(Made { caption, files: files.into_iter().map(Kept::of).collect(), wall_s: clock.elapsed().as_secs_f64() })
+}
+
+impl Kept {
+    fn of((name, bytes): (String, Vec<u8>)) -> Self {
+        let content =
+            String::from_utf8(bytes).map_or_else(|why| Content::Base64(STANDARD.encode(why.as_bytes())), Content::Text);
+        Self { name, content }
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>> {
+        match &self.content {
+            Content::Text(text) => Ok(text.as_bytes().to_vec()),
+            Content::Base64(text) => STANDARD
+                .decode(text)
+                .map_err(|why| Error::parameter("base64", why, "the store of figures has files in base64")),
+        }
+    }
+}
+
+/// A figure whose files are in the folder.
+fn brought(figure: &'static Figure, row: Row<Made>, folder: Option<&Folder>) -> Drawn {
+    let wall = row.as_ref().ok().map(|made| Duration::from_secs_f64(made.wall_s));
+    let outcome = row.and_then(|made| {
+        folder.map_or(Ok(()), |folder| written(figure, &made, folder)).map_err(|error| error.to_string())?;
+        Ok((made.caption, made.files.into_iter().map(|file| file.name).collect()))
+    });
+    Drawn { figure, outcome, wall }
+}
+
+/// Writes the files of a figure, unless they are there with the same bytes, and removes its picture
+/// in formats that are not asked for.
+fn written(figure: &Figure, made: &Made, folder: &Folder) -> Result<()> {
+    #[cfg(feature = "plot")]
+    {
+        let pictures = super::formats::names(&format!("{}.png", figure.name));
+        let left: Vec<&String> =
+            pictures.iter().filter(|name| made.files.iter().all(|file| file.name != **name)).collect();
+        folder.remove(left.into_iter().map(String::as_str))?;
+    }
+    #[cfg(not(feature = "plot"))]
+    let _ = figure;
+    made.files.iter().try_for_each(|file| {
+        let bytes = file.bytes()?;
+        let there = std::fs::read(folder.path().join(&file.name)).is_ok_and(|there| there == bytes);
+        if there { Ok(()) } else { folder.write(&file.name, &bytes).map(drop) }
+    })
+}
+
+/// Prints what was drawn, and says what failed or is missing.
+fn told(drawn: &[Drawn], resumed: usize, args: &FiguresArgs, folder: &Folder) -> Exit {
+    let printed = print(&if args.json { figures_json(drawn) + "\n" } else { figures_table(drawn) });
+    let (mut code, mut missing) = (DONE, 0);
+    for Drawn { figure, outcome, .. } in drawn {
+        match outcome {
+            Err(why) if why == STOPPED => missing += 1,
+            Err(why) => {
+                say(&format!("error: figure {}: {why}", figure.name));
+                code = FAILED;
+            }
+            Ok(_) => {}
+        }
+    }
+    let (count, store) = (drawn.len(), folder.path().join(STORE));
+    if resumed > 0 {
+        say(&format!("{resumed} of {count} figures are from {}: remove it to make them anew", store.display()));
+    }
+    if missing > 0 {
+        say(&format!("{missing} of {count} figures are missing: the same command goes on"));
+    }
+    say(&format!("written to {}", folder.path().display()));
+    printed.map(|()| code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use std::sync::Mutex;
+
+    #[derive(Parser)]
+    struct Told {
+        #[command(flatten)]
+        args: FiguresArgs,
+    }
+
+    fn small(name: &str) -> Made {
+        let file = |name: String| Kept::of((name, vec![0xff, 0x00, 0xfe]));
+        Made { caption: name.to_owned(), files: vec![file(format!("{name}.csv"))], wall_s: 1.5 }
+    }
+
+    #[test]
+    fn a_figure_that_panics_or_fails_is_a_row_of_its_own_and_the_others_go_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = Folder::create(folder.path()).unwrap();
+        let engine = Engine::new(Box::new(InTurn)).keeping(&folder);
+        let args = Told::parse_from(["figures"]).args;
+        let names = ["homoclinics", "dps-dark", "exact-wave"];
+        let chosen = names.map(|name| Figure::named(name).unwrap());
+        let made = Mutex::new(Vec::new());
+        let make = |figure: &Figure, _: &FiguresArgs, _: &(dyn Fn(f64) + Sync)| {
+            made.lock().unwrap().push(figure.name);
+            match figure.name {
+                "homoclinics" => panic!("on purpose"),
+                "dps-dark" => Err(Error::parameter("size", 7, "smaller")),
+                name => Ok(small(name)),
+            }
+        };
+        for resumed in [0, 3] {
+            let (drawn, before) = sweep(&chosen, &args, &engine, &ProgressBar::hidden(), &make).unwrap();
+            assert_eq!(before, resumed);
+            let [panicked, failed, done] = &drawn[..] else { panic!("{drawn:?}") };
+            assert_eq!(panicked.outcome, Err("panicked: on purpose".to_owned()));
+            assert!(failed.outcome.as_ref().is_err_and(|why| why.contains("size = 7")) && failed.wall.is_none());
+            assert_eq!(done.outcome, Ok(("exact-wave".to_owned(), vec!["exact-wave.csv".to_owned()])));
+            assert_eq!(done.wall, Some(Duration::from_millis(1500)));
+            assert_eq!(std::fs::read(folder.path().join("exact-wave.csv")).unwrap(), [0xff, 0x00, 0xfe]);
+            assert_eq!(told(&drawn, before, &args, &folder).unwrap(), FAILED);
+            let (json, table) = (figures_json(&drawn), figures_table(&drawn));
+            assert!(json.contains("panicked: on purpose") && json.contains("\"wall_s\": null"), "{json}");
+            assert_eq!(table.matches("FAILED").count(), 2, "{table}");
+        }
+        // A failed row is kept as any other, so that each figure was made once.
+        assert_eq!(*made.lock().unwrap(), names);
+    }
 }

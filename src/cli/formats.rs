@@ -24,10 +24,14 @@ pub(super) struct Formats {
 }
 
 impl Formats {
+    /// The formats that are asked for, each once.
+    pub(super) fn chosen(&self) -> impl Iterator<Item = Format> {
+        Format::ALL.into_iter().filter(|format| self.format.contains(format))
+    }
+
     /// The files of pictures, in the formats that are asked for.
     pub(super) fn files(&self, drawings: &[Drawing]) -> Result<Vec<File>> {
-        let formats = || Format::ALL.into_iter().filter(|format| self.format.contains(format));
-        let pairs = drawings.iter().flat_map(|drawing| formats().map(move |format| (drawing, format)));
+        let pairs = drawings.iter().flat_map(|drawing| self.chosen().map(move |format| (drawing, format)));
         pairs.map(|((name, picture), format)| Ok((format.name(name), picture.file(format)?))).collect()
     }
 

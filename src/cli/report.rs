@@ -185,7 +185,7 @@ fn stability(tell: Tell<'_>) -> Result<Vec<Block>> {
 }
 
 fn verdicts(tell: Tell<'_>) -> Result<Vec<Block>> {
-    let verification = verify(None, &|done, total| tell(done as f64 / total as f64))?;
+    let verification = verify(None, &Engine::threads(), &|done, total| tell(done as f64 / total as f64))?;
     let unexpected: Vec<&str> = verification.unexpected().map(|item| item.claim.id.as_str()).collect();
     let files = vec![("verify.csv".to_owned(), verify_csv(&verification))];
     let mut blocks = vec![Block::Text(verify_table(&verification)), Block::Data(files)];

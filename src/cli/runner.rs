@@ -36,6 +36,62 @@ threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the
 mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store, output and progress, \
 the others print nothing. Results have the same bytes. Needs a build with the feature mpi.";
 
+/// `--shard` and `--engine`: where the points of a sweep are computed.
+#[derive(Clone, Debug)]
+pub(super) struct Spread {
+    shard: Option<Shard>,
+    mpi: bool,
+}
+
+impl Spread {
+    /// The engine of this process, `here` unless the command says otherwise, without a folder.
+    pub(super) fn engine(&self, here: fn() -> Engine) -> Result<Engine> {
+        if self.mpi { over_ranks() } else { Ok(here()) }
+    }
+
+    /// The engine with the folder of the store, for the shard if one is given.
+    pub(super) fn keeping(&self, engine: Engine, folder: Option<&Folder>) -> Result<Engine> {
+        let engine = folder.into_iter().fold(engine, Engine::keeping);
+        match self.shard {
+            Some(shard) if folder.is_none() => Err(Error::parameter("shard", shard, SHARD_NEEDS)),
+            Some(shard) => Ok(engine.shard(shard)),
+            None => Ok(engine),
+        }
+    }
+}
+
+impl Args for Spread {
+    fn augment_args(command: Command) -> Command {
+        let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
+        let engine = Arg::new("engine")
+            .long("engine")
+            .value_name("E")
+            .value_parser(ENGINES)
+            .default_value(ENGINES[0])
+            .hide_short_help(true);
+        command.args([shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)])
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// Without the flags, as for a command that does not sweep: all points on the threads.
+impl FromArgMatches for Spread {
+    fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
+        let engine = matches.try_get_one::<String>("engine").ok().flatten();
+        Ok(Self {
+            shard: matches.try_get_one("shard").ok().flatten().copied(),
+            mpi: engine.is_some_and(|engine| engine == MPI),
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
+        Self::from_arg_matches(matches).map(|told| *self = told)
+    }
+}
+
 /// The engine of an MPI job.
 #[cfg(feature = "mpi")]
 fn over_ranks() -> Result<Engine> {
@@ -52,8 +108,7 @@ fn over_ranks() -> Result<Engine> {
 pub(super) struct Told<S> {
     study: S,
     out: Option<PathBuf>,
-    shard: Option<Shard>,
-    mpi: bool,
+    spread: Spread,
     json: bool,
     #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
@@ -61,7 +116,7 @@ pub(super) struct Told<S> {
 
 impl<S: Study> Told<S> {
     pub(super) fn run(&self) -> Exit {
-        let engine = if self.mpi { over_ranks()? } else { Engine::threads() };
+        let engine = self.spread.engine(Engine::threads)?;
         if engine.serves() {
             // Rank 0 reports errors.
             let _ = self.study.begin().and_then(|work| signals::ask().and_then(|()| work(&engine, &|_, _| ())));
@@ -72,13 +127,7 @@ impl<S: Study> Told<S> {
         if S::STOPS {
             signals::ask()?;
         }
-        let engine = folder.iter().fold(engine, Engine::keeping);
-        let engine = match self.shard {
-            Some(shard) if folder.is_none() => return Err(Error::parameter("shard", shard, SHARD_NEEDS)),
-            Some(shard) => engine.shard(shard),
-            None => engine,
-        };
-        self.carry_out(work, &engine)
+        self.carry_out(work, &self.spread.keeping(engine, folder.as_ref())?)
     }
 
     /// Does the work, prints its report and writes its files, in place of those that an earlier run
@@ -127,15 +176,8 @@ impl<S: Study> Told<S> {
 
 impl<S: Study + Args> Args for Told<S> {
     fn augment_args(command: Command) -> Command {
-        let shard = Arg::new("shard").long("shard").value_name("K/N").value_parser(|text: &str| text.parse::<Shard>());
-        let engine = Arg::new("engine")
-            .long("engine")
-            .value_name("E")
-            .value_parser(ENGINES)
-            .default_value(ENGINES[0])
-            .hide_short_help(true);
-        let flags = [shard.help(SHARD).long_help(SHARD_LONG), engine.help(ENGINE).long_help(ENGINE_LONG)];
-        with_outputs(S::augment_args(command), S::FILES).args(flags.into_iter().filter(|_| S::SWEEPS))
+        let command = with_outputs(S::augment_args(command), S::FILES);
+        if S::SWEEPS { Spread::augment_args(command) } else { command }
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -146,14 +188,10 @@ impl<S: Study + Args> Args for Told<S> {
 impl<S: Study + FromArgMatches> FromArgMatches for Told<S> {
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let out = matches.try_get_one("out").ok().flatten().cloned();
-        let shard = matches.try_get_one("shard").ok().flatten().copied();
-        let engine = matches.try_get_one::<String>("engine").ok().flatten();
-        let mpi = engine.is_some_and(|engine| engine == MPI);
         Ok(Self {
             study: S::from_arg_matches(matches)?,
             out,
-            shard,
-            mpi,
+            spread: Spread::from_arg_matches(matches)?,
             json: matches.get_flag("json"),
             #[cfg(feature = "plot")]
             formats: drawn(S::FILES).then(|| super::formats::Formats::from_arg_matches(matches)).transpose()?,
@@ -190,7 +228,7 @@ fn whole(report: Box<dyn Report>, engine: &Engine) -> Result<Box<dyn Report>> {
 }
 
 /// What a shard has done, as text or as JSON.
-fn part_text(part: &Part, json: bool) -> String {
+pub(super) fn part_text(part: &Part, json: bool) -> String {
     let Part { shard, points, kept, computed, store } = part;
     if !json {
         return format!("shard {shard}: {}\n", part.words());

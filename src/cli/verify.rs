@@ -1,16 +1,31 @@
 //! `hertzchain paper verify`.
 
-use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, args::VerifyArgs, print, progress_bar, runner::part_text, say, signals};
 use crate::{
     output::Folder,
     paper::{verify, verify_csv, verify_json, verify_table},
+    sweep::Engine,
 };
 
 pub(super) fn main(args: &VerifyArgs) -> Exit {
+    let engine = args.spread.engine(Engine::threads)?;
+    if engine.serves() {
+        // Rank 0 reports errors.
+        let _ = signals::ask().and_then(|()| verify(args.section, &engine, &|_, _| ()).map(drop));
+        return Ok(DONE);
+    }
     let folder = args.out.as_ref().map(Folder::create).transpose()?;
+    if folder.is_some() {
+        // Without a folder there is nothing to keep, and the first signal ends the process.
+        signals::ask()?;
+    }
+    let engine = args.spread.keeping(engine, folder.as_ref())?;
     let bar = progress_bar();
-    let verification = verify(args.section, &|done, total| bar.set_position(1000 * done / total));
+    let verification = verify(args.section, &engine, &|done, total| bar.set_position(1000 * done / total));
     bar.finish_and_clear();
+    if let Some(part) = engine.part().filter(|part| part.kept == part.points) {
+        return print(&part_text(&part, args.json)).map(|()| DONE);
+    }
     let verification = verification?;
     let (json, table) = (verify_json(&verification), verify_table(&verification));
     let printed = print(&if args.json { json.clone() + "\n" } else { table.clone() });

@@ -2,9 +2,12 @@
 
 use super::{
     claims::{Claim, Kind, claims},
-    quantities::{Quantity, quantities},
+    quantities::quantities,
 };
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    sweep::Engine,
+};
 use std::time::{Duration, Instant};
 
 /// The result of comparing a claim with our value.
@@ -114,11 +117,14 @@ impl Verification {
 
 /// Computes the quantities of a section, or of all sections, and compares them with the claims.
 ///
-/// `progress` is called with the number of finished pieces of work and their total number.
+/// The numbers of a group that shares its runs are a point: in a folder of the engine they are kept
+/// as soon as they are computed. `progress` is called with the number of finished points and their
+/// total number.
 ///
 /// # Errors
-/// A section without claims; a run that fails.
-pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Verification> {
+/// A section without claims; a run that fails, after all other points were computed; a store of
+/// another version, or one that was altered.
+pub fn verify(section: Option<u32>, engine: &Engine, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Verification> {
     let clock = Instant::now();
     let claims = || claims().iter().filter(|claim| section.is_none_or(|section| section == claim.section));
     if let (Some(section), None) = (section, claims().next()) {
@@ -128,7 +134,7 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
             "a section of the paper that has items: 2, 3, 4, 5, 6, 7 or 8",
         ));
     }
-    let items = pair(claims(), &quantities(section, progress)?);
+    let items = pair(claims(), &quantities(section, engine, progress)?);
     Ok(Verification { items, wall: clock.elapsed() })
 }
 
@@ -136,12 +142,14 @@ pub fn verify(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Res
 ///
 /// # Panics
 /// If the ids of both are not the same, in the same order.
-fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[Quantity]) -> Vec<Item<'a>> {
+fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[(impl AsRef<str>, f64)]) -> Vec<Item<'a>> {
     let claims: Vec<&Claim> = claims.collect();
-    let (said, computed): (Vec<&str>, Vec<&str>) =
-        (claims.iter().map(|claim| claim.id.as_str()).collect(), quantities.iter().map(|(id, _)| *id).collect());
+    let (said, computed): (Vec<&str>, Vec<&str>) = (
+        claims.iter().map(|claim| claim.id.as_str()).collect(),
+        quantities.iter().map(|(id, _)| id.as_ref()).collect(),
+    );
     assert_eq!(said, computed, "each claim has its quantity");
-    claims.into_iter().zip(quantities).map(|(claim, &(_, value))| Item { claim, value }).collect()
+    claims.into_iter().zip(quantities).map(|(claim, (_, value))| Item { claim, value: *value }).collect()
 }
 
 #[cfg(test)]

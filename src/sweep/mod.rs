@@ -28,7 +28,7 @@ pub use engine::{Engine, Grid, Part};
 pub use shard::Shard;
 pub use store::Store;
 pub(crate) use threads::on_one_thread;
-pub use threads::{Threads, map};
+pub use threads::{InTurn, Threads, map};
 
 use crate::{
     error::{Error, Result},

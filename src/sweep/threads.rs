@@ -29,6 +29,22 @@ impl Backend for Threads {
         work: &(dyn Fn(usize) -> String + Sync),
         done: &(dyn Fn(usize, String) -> Result<()> + Sync),
     ) -> Result<()> {
+        InTurn.run(todo, work, done)
+    }
+}
+
+/// One point after the other, in the order of the grid: for points whose own work is divided over
+/// the threads.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InTurn;
+
+impl Backend for InTurn {
+    fn run(
+        &self,
+        todo: &[usize],
+        work: &(dyn Fn(usize) -> String + Sync),
+        done: &(dyn Fn(usize, String) -> Result<()> + Sync),
+    ) -> Result<()> {
         todo.iter().try_for_each(|&k| done(k, work(k)))
     }
 }

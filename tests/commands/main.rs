@@ -12,6 +12,7 @@ mod machines;
 #[cfg(feature = "mpi")]
 mod mpi;
 mod paper_figures;
+mod paper_points;
 mod parts;
 mod provenance;
 mod scenes;

@@ -46,6 +46,8 @@ fn ranks_have_the_files_of_one_process() {
     on_ranks(&plan(folder.path(), 40));
     on_ranks(WAVES);
     on_ranks("study lifetimes --epsilons 0.3,0.4 --rhos 5,10 --sites 20 --until 6");
+    on_ranks("paper figures --only homoclinics,dps-dark,exact-wave");
+    on_ranks("paper verify --section 3");
 }
 
 #[test]

@@ -26,8 +26,10 @@ fn figures(only: &str, out: &Path) -> (Value, Output) {
     (serde_json::from_slice(&output.stdout).unwrap(), output)
 }
 
+/// The files of a folder, without the store from which the command resumes.
 fn files(folder: &Path) -> BTreeSet<String> {
-    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    names.filter(|name| name != "figures.store").collect()
 }
 
 fn rows(csv: &str) -> Vec<Vec<f64>> {

@@ -29,7 +29,7 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<(String, Vec<u8>)> = entries
         .filter(|entry| entry.file_type().unwrap().is_file())
         .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
-        .filter(|(name, _)| name != "wave.json")
+        .filter(|(name, _)| !["wave.json", "verify.json", "figures.store"].contains(&name.as_str()))
         .collect();
     files.sort();
     files
@@ -41,7 +41,7 @@ pub(crate) fn lines(store: &Path) -> usize {
 
 /// Runs the loop of the guide over three shards, merges them, and holds all files against those of
 /// one process.
-fn in_shards(line: &str) {
+pub(crate) fn in_shards(line: &str) {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());
     assert!(output(line, whole, &[]).status.success());

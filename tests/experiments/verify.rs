@@ -1,13 +1,16 @@
 //! The paper's numbers against ours: the table, its contract, and that it notices a number that has
 //! changed.
 
-use hertzchain::paper::{Item, Kind, Rule, Verdict, Verification, claims, verify};
+use hertzchain::{
+    paper::{Item, Kind, Rule, Verdict, Verification, claims, verify},
+    sweep::Engine,
+};
 use std::{collections::BTreeMap, sync::OnceLock};
 
 /// The verification of all sections, computed once.
 fn all() -> &'static Verification {
     static ALL: OnceLock<Verification> = OnceLock::new();
-    ALL.get_or_init(|| verify(None, &|_, _| {}).unwrap())
+    ALL.get_or_init(|| verify(None, &Engine::threads(), &|_, _| {}).unwrap())
 }
 
 fn item(id: &str) -> &'static Item<'static> {
@@ -315,11 +318,11 @@ fn values_are_those_that_are_stored() {
 #[test]
 #[ignore = "nightly: section 6 of verify a second time"]
 fn a_section_alone_has_the_items_it_has_in_all() {
-    let part = verify(Some(6), &|_, _| {}).unwrap();
+    let part = verify(Some(6), &Engine::threads(), &|_, _| {}).unwrap();
     let whole: Vec<Item> = all().items.iter().filter(|item| item.claim.section == 6).copied().collect();
     assert!(!part.items.is_empty());
     assert_eq!(part.items, whole);
-    let text = verify(Some(9), &|_, _| {}).unwrap_err().to_string();
+    let text = verify(Some(9), &Engine::threads(), &|_, _| {}).unwrap_err().to_string();
     assert!(text.contains("section = 9 is not valid: ") && text.contains("2, 3, 4, 5, 6, 7 or 8"), "{text}");
 }
 

@@ -1,5 +1,6 @@
 //! The commands of `paper` and their flags.
 
+use crate::cli::runner::Spread;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -45,9 +46,12 @@ pub(crate) struct VerifyArgs {
     pub(crate) section: Option<u32>,
     /// Write the results to this folder; without it, no file is written.
     ///
-    /// Files: verify.txt, verify.csv and verify.json.
+    /// Files: verify.txt, verify.csv and verify.json; verify.store, which keeps what was computed
+    /// for the next run.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) spread: Spread,
     /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
@@ -68,9 +72,11 @@ pub(crate) struct FiguresArgs {
         value_name = "DIR",
         default_value = "out/figures",
         help = OUT_ALWAYS,
-        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which says what made them.")
+        long_help = format!("{OUT_ALWAYS}.\n\nFiles: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which says what made them; figures.store, which keeps every finished figure for the next run.")
     )]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) spread: Spread,
     #[cfg(feature = "plot")]
     #[command(flatten)]
     pub(crate) formats: super::super::formats::Formats,

@@ -17,12 +17,15 @@ mod section7;
 mod section8;
 
 use crate::{
-    error::Result,
+    error::{Error, Result},
+    interrupt,
     run::method::Method,
     scene::{Initial, Scene},
     study::{WaveOptions, WaveStudy, wave},
-    sweep::Tally,
+    sweep::{Engine, Grid, map},
 };
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// The id of a claim, and our number.
 pub(super) type Quantity = (&'static str, f64);
@@ -99,25 +102,87 @@ const SECTIONS: [(u32, &[Group]); 7] = [
     (8, section8::GROUPS),
 ];
 
+/// The store of the points that were computed.
+const STORE: &str = "verify.store";
+
+/// A point of the sweep: groups of a section, by their numbers in its list. Groups that use runs of
+/// the full chain are together, as they share these runs; each other group is a point of its own.
+#[derive(Serialize)]
+struct Point {
+    section: u32,
+    groups: Vec<usize>,
+}
+
+/// A quantity as it is kept: its number by its bits, since a number that is not finite is one too.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    id: String,
+    bits: u64,
+}
+
+impl Point {
+    /// The points of a section.
+    fn of(&(section, groups): &(u32, &[Group])) -> Vec<Self> {
+        let (alone, together): (Vec<usize>, Vec<usize>) =
+            (0..groups.len()).partition(|&number| groups[number].runs.is_empty());
+        // The longest is begun first.
+        let points = [together].into_iter().chain(alone.into_iter().map(|number| vec![number]));
+        points.filter(|groups| !groups.is_empty()).map(|groups| Self { section, groups }).collect()
+    }
+
+    /// The quantities of each group. First the runs and then the groups are computed on all cores;
+    /// the results do not depend on their number.
+    fn quantities(&self) -> Result<Vec<Vec<Kept>>> {
+        let all = SECTIONS.iter().filter(|(section, _)| *section == self.section).flat_map(|(_, groups)| *groups);
+        let all: Vec<&Group> = all.collect();
+        let groups: Vec<&Group> = self.groups.iter().map(|&number| all[number]).collect();
+        let mut wanted: Vec<Run> = Vec::new();
+        for run in groups.iter().flat_map(|group| group.runs) {
+            if !wanted.contains(run) {
+                wanted.push(*run);
+            }
+        }
+        let runs = map(&wanted, |run| Ok((*run, run.study()?)));
+        let runs = Runs(runs.into_iter().collect::<Result<_>>()?);
+        let made = map(&groups, |group| (group.quantities)(&runs));
+        let made = made.into_iter().collect::<Result<Vec<_>>>()?;
+        if interrupt::asked() {
+            // Computations that were asked to end may have returned a part of their results.
+            return Err(Error::Stopped { kept: "nothing of these quantities".to_owned() });
+        }
+        let kept = |(id, value): (&str, f64)| Kept { id: id.to_owned(), bits: value.to_bits() };
+        Ok(made.into_iter().map(|group| group.into_iter().map(kept).collect()).collect())
+    }
+}
+
 /// The quantities of a section, or of all sections, in the order of the claims.
 ///
-/// `progress` is called with the finished and the total number of pieces of work. First the runs
-/// and then the groups are computed on all cores; the results do not depend on their number.
+/// `progress` is called with the finished and the total number of points.
 ///
 /// # Errors
-/// A run that fails.
-pub(super) fn quantities(section: Option<u32>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<Vec<Quantity>> {
+/// A run that fails, after all other points were computed; errors of the store.
+pub(super) fn quantities(
+    section: Option<u32>,
+    engine: &Engine,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Vec<(String, f64)>> {
     let chosen = SECTIONS.iter().filter(|(number, _)| section.is_none_or(|section| section == *number));
-    let groups: Vec<&Group> = chosen.flat_map(|(_, groups)| *groups).collect();
-    let mut wanted: Vec<Run> = Vec::new();
-    for run in groups.iter().flat_map(|group| group.runs) {
-        if !wanted.contains(run) {
-            wanted.push(*run);
-        }
+    let points: Vec<Point> = chosen.flat_map(Point::of).collect();
+    let grid = Grid { store: STORE, study: "verify", settings: json!({}) };
+    let swept = engine.sweep(&grid, &points, progress, Point::quantities)?;
+    if swept.missing > 0 {
+        let (made, all) = (points.len() - swept.missing, points.len());
+        let kept = format!("{made} of {all} groups of numbers are kept; the same command goes on");
+        return Err(Error::Stopped {
+            kept: engine.folder().map_or_else(|| "no numbers are kept".to_owned(), |_| kept),
+        });
     }
-    let tally = Tally::new(wanted.len() + groups.len(), progress);
-    let studies = tally.map(&wanted, |run| Ok((*run, run.study()?)));
-    let runs = Runs(studies.into_iter().collect::<Result<_>>()?);
-    let made = tally.map(&groups, |group| (group.quantities)(&runs));
-    Ok(made.into_iter().collect::<Result<Vec<_>>>()?.concat())
+    let mut made: Vec<((u32, usize), Vec<Kept>)> = Vec::new();
+    for (Point { section, groups }, row) in points.iter().zip(swept.rows) {
+        let failed = |why| Error::Point { point: format!("section {section}, groups {groups:?}"), why };
+        made.extend(groups.iter().map(|&number| (*section, number)).zip(row.map_err(failed)?));
+    }
+    made.sort_unstable_by_key(|(place, _)| *place);
+    let quantity = |Kept { id, bits }: Kept| (id, f64::from_bits(bits));
+    Ok(made.into_iter().flat_map(|(_, group)| group).map(quantity).collect())
 }

@@ -23,6 +23,7 @@ use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     chain::Params,
     error::{Error, Result},
+    interrupt,
     orbits::{Kantorovich, Kind, Orbit, Shooting, Spectrum},
     sweep::map,
 };
@@ -256,6 +257,9 @@ impl Moving {
     }
 
     fn point(&self, orbit: MovingOrbit, envelope: Envelope) -> Result<MovingPoint> {
+        if interrupt::asked() {
+            return Err(Error::Stopped { kept: "nothing of these breathers".to_owned() });
+        }
         let (breather, tail) = (&orbit.breather, envelope.tail_wave());
         // The frequency is that of the ring's background. A search of its own looks for the
         // background, and the orbit is kept even if that search fails.
