@@ -476,8 +476,8 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         }
     }
 
-    /// A bound of the second derivative of the overlap by the forces up to a time; those of the bond
-    /// are in `panels`.
+    /// A bound of the second derivative of the overlap by the forces up to a time; those of the
+    /// bond are in `panels`.
     fn driven_up_to(
         frame: &Frame<'_, M, S>,
         beside: [Beside<M, S>; 2],

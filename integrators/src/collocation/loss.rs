@@ -330,8 +330,9 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         std::array::from_fn(|j| link.pushes(self.overlap[j], rates.overlap[j]))
     }
 
-    /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes. That of a
-    /// dashpot has a kink where the rate is zero, so that overlap and rate are extrapolated instead.
+    /// `P` at the start (`end = 0`) or the end of the panel, from its values at the nodes. That of
+    /// a dashpot has a kink where the rate is zero, so that overlap and rate are extrapolated
+    /// instead.
     #[inline(always)]
     pub(super) fn pushes_at(&self, frame: &Frame<'_, M, S>, pushes: &[f64; M], end: usize) -> f64 {
         let ends = &frame.rule.ends[end];

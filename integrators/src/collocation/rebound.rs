@@ -14,7 +14,7 @@ use super::{
     known::Known,
     panel::Frame,
     panels::Panels,
-    system::Path,
+    system::{Link, Path},
 };
 use crate::events::{Curve, root::bracketed};
 
@@ -172,8 +172,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
             }
         }
         freely(from.max(0.0), h, out);
-        if let Some(Piece { onset: onset @ None, curve: Some(curve), .. }) = out.get_mut(begun).filter(|_| fresh) {
-            *onset = Some(zero(curve.start()));
+        let first = out[begun..].iter_mut().find_map(|piece| Some((&mut piece.onset, piece.curve?.start())));
+        if let Some((onset @ None, start)) = first.filter(|_| fresh) {
+            *onset = Some(zero(start));
         }
     }
 
@@ -194,31 +195,32 @@ impl<const M: usize, const S: usize> Bond<M, S> {
         free.filter(|(from, to)| from < to).map(|(from, to)| energy(from) - energy(to)).sum()
     }
 
+    /// Values of `P` up to this are rounding.
+    fn rounding(&self, link: &Link<S>) -> f64 {
+        let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
+        let paths = self.initial.path.iter().zip(&link.sides);
+        let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
+        link.pushes_off([self.initial.band, ROUNDING * speed])
+    }
+
     /// Finds the time intervals in which the bond pushes, from the function `look` that gives
     /// overlap and rate at a time; overlaps up to `band` count as zero.
     fn gather(&mut self, frame: &Frame<'_, M, S>, band: f64, look: impl Fn(f64) -> (f64, f64)) {
         let (h, link) = (frame.h, frame.link);
         let of = |(g, rate): (f64, f64)| [g, link.pushes(g, rate)];
         let at = |t: f64| of(look(t));
-        // Values of `P` up to this are rounding.
-        let rounding = {
-            let speed = |path: &Path, omega: f64| path[1].abs() + omega * (path[2].abs() + path[3].abs());
-            let paths = self.initial.path.iter().zip(&link.sides);
-            let speed = paths.map(|(path, side)| speed(path, side.omega)).sum::<f64>() + self.initial.overlap[1].abs();
-            link.pushes_off([self.initial.band, ROUNDING * speed])
-        };
+        let mut looks = looks(h, &at);
         // At the start both are known, which tells the error of values by series.
-        let (start, by_series) = (of(self.initial.overlap.into()), at(0.0));
+        let start = of(self.initial.overlap.into());
+        let by_series = std::mem::replace(&mut looks[0].1, start);
         let band = band.max((by_series[0] - start[0]).abs());
-        let rounding = rounding.max((by_series[1] - start[1]).abs());
+        let rounding = self.rounding(link).max((by_series[1] - start[1]).abs());
         // A bound of the error of the overlap, over the window, that does not change whether the
         // bond pushes.
         let margin = |[g, pushes]: [f64; 2]| g.abs().min(link.harmless(pushes.abs(), h));
         let side = |[g, pushes]: [f64; 2]| {
             if g < -band || pushes < -rounding { Some(false) } else { (g > band && pushes > rounding).then_some(true) }
         };
-        let mut looks = looks(h, &at);
-        looks[0].1 = start;
         // Beads that touch at the start, and push later, count as pushing from the start: their
         // overlap may rise so slowly that its first zero in floating point is anywhere.
         let touching = looks.iter().take_while(|(_, value)| side(*value).is_none()).count();
