@@ -20,11 +20,11 @@ use crate::run::method::Split;
 use hertzchain_integrators::{Real, SplitFlow, Twofold, system::ContactFlow};
 use std::{collections::HashMap, sync::Arc};
 
-/// Largest number of drifts that are kept, for the times that a scheme repeats.
+/// Largest number of times of drifts that are kept: enough for those that a scheme repeats.
 const KEPT: usize = 16;
 
-/// A time, and the motion of each site over it.
-type Kept<R> = (Twofold<R>, Arc<Drift<R>>);
+/// The time of a drift, and the motion of each site over it if there was more than one such drift.
+type Kept<R> = (Twofold<R>, Option<Arc<Drift<R>>>);
 
 /// A chain with details, split into the motion of its sites and the kicks of contacts and drives.
 ///
@@ -42,6 +42,9 @@ pub struct SitewiseFlow<R> {
     ledger: Ledger<R>,
     start: Twofold<R>,
     time: Twofold<R>,
+    /// Whether motions are kept. A copy, which moves to samples and to trial times, keeps none, so
+    /// that its bits do not depend on what it was used for before.
+    keeps: bool,
     kept: Vec<Kept<R>>,
     /// Positions of beads, forces in bonds, and forces on beads.
     u: Vec<R>,
@@ -85,6 +88,7 @@ impl<R: Real> SitewiseFlow<R> {
             ledger: Ledger::of(&[zero; super::LEDGER]),
             start: Twofold::new(start),
             time: Twofold::new(start),
+            keeps: true,
             kept: Vec::new(),
             u: vec![zero; n],
             push: vec![zero; n + 1],
@@ -128,16 +132,18 @@ impl<R: Real> SitewiseFlow<R> {
         }
     }
 
-    /// The motion of all sites over a time.
-    fn over(&mut self, dt: Twofold<R>) -> Arc<Drift<R>> {
-        if let Some((_, kept)) = self.kept.iter().find(|(time, _)| *time == dt) {
-            return Arc::clone(kept);
+    /// The motion of all sites over a time, from the second drift over this time on: a motion costs
+    /// many drifts, and times at which a run lands on an event are not repeated.
+    fn repeated(&mut self, dt: Twofold<R>) -> Option<Arc<Drift<R>>> {
+        let Self { kept, stretches, classes, class, .. } = self;
+        if let Some((_, motion)) = kept.iter_mut().find(|(time, _)| *time == dt) {
+            let motion = motion.get_or_insert_with(|| Arc::new(stretches.over(dt, classes, class)));
+            return Some(Arc::clone(motion));
         }
-        let made = Arc::new(self.stretches.over(dt, &self.classes, &self.class));
-        if self.kept.len() < KEPT {
-            self.kept.push((dt, Arc::clone(&made)));
+        if self.keeps && kept.len() < KEPT {
+            kept.push((dt, None));
         }
-        made
+        None
     }
 
     fn drives(&mut self, kick: R) {
@@ -209,7 +215,8 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
             ledger: self.ledger,
             start: self.start,
             time: self.time,
-            kept: self.kept.clone(),
+            keeps: false,
+            kept: Vec::new(),
             u: self.u.clone(),
             push: self.push.clone(),
             force: self.force.clone(),
@@ -222,9 +229,10 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
     }
 
     fn drift(&mut self, dt: Twofold<R>) {
-        let drift = self.over(dt);
+        let drift = self.repeated(dt);
         let Ledger { drag, dashpots, .. } = &mut self.ledger;
-        self.stretches.drift(&mut self.z, &drift, &self.class, [drag, dashpots]);
+        let classes = (&self.classes[..], &self.class[..]);
+        self.stretches.drift(&mut self.z, (dt, drift.as_deref()), classes, [drag, dashpots]);
         self.time = self.time + dt;
         self.follow();
     }

@@ -22,7 +22,7 @@ enum Motion {
     Given,
     /// `R` moves freely, `P` oscillates.
     Turning,
-    /// Bead and resonator move freely.
+    /// Bead and resonator, if there is one, move freely.
     Straight,
     /// A damped site, moved by a matrix.
     Damped,
@@ -49,7 +49,6 @@ pub(super) struct Stretches<R> {
 /// The motion of each site over a given time.
 #[derive(Debug)]
 pub(super) struct Drift<R> {
-    dt: R,
     /// High and low part of the cosine and of the sine, by site; empty if no site of the chain is
     /// of [`Motion::Turning`].
     turns: [Vec<R>; 4],
@@ -65,6 +64,8 @@ impl<R: Real> Stretches<R> {
         for i in 0..class.len() {
             let motion = match of(i) {
                 Class::Moved => Motion::Given,
+                // Of a bead without resonator P is zero.
+                Class::Modes(modes) if modes.mu == R::zero() => Motion::Straight,
                 Class::Modes(_) => Motion::Turning,
                 Class::Linear { damped: false, .. } => Motion::Straight,
                 Class::Linear { .. } => Motion::Damped,
@@ -110,27 +111,34 @@ impl<R: Real> Stretches<R> {
             };
             class.iter().filter(|_| turning).map(by).collect()
         });
-        Drift { dt: dt.value(), turns, propagators }
+        Drift { turns, propagators }
     }
 
-    /// Moves all sites on; adds the energies that drag and dashpots dissipate to `lost`.
-    pub(super) fn drift(&self, z: &mut [Vec<R>; 4], drift: &Drift<R>, class: &[u32], lost: [&mut R; 2]) {
-        let [lost_to_drag, lost_to_dashpots] = lost;
+    /// Moves all sites on by the time `dt`, over which `drift` is their motion if it is kept; adds
+    /// the energies that drag and dashpots dissipate to `lost`.
+    pub(super) fn drift(
+        &self,
+        z: &mut [Vec<R>; 4],
+        (dt, drift): (Twofold<R>, Option<&Drift<R>>),
+        (classes, class): (&[Class<R>], &[u32]),
+        [lost_to_drag, lost_to_dashpots]: [&mut R; 2],
+    ) {
         for (motion, range) in &self.motions {
             let mut z = part(z, range);
-            match motion {
-                Motion::Given => {}
-                Motion::Turning => {
-                    over(
-                        range.len(),
-                        Turn { z, dt: drift.dt, turns: drift.turns.each_ref().map(|by| &by[range.clone()]) },
-                    );
+            match (motion, drift) {
+                (Motion::Given, _) => {}
+                (Motion::Straight, _) => over(range.len(), Straight { z, dt: dt.value() }),
+                (Motion::Turning, Some(drift)) => {
+                    let turns = drift.turns.each_ref().map(|by| &by[range.clone()]);
+                    over(range.len(), Turn { z, dt: dt.value(), turns });
                 }
-                Motion::Straight => over(range.len(), Straight { z, dt: drift.dt }),
-                Motion::Damped => {
+                (Motion::Turning | Motion::Damped, _) => {
                     for (k, &class) in class[range.clone()].iter().enumerate() {
                         let mut site = z.each_ref().map(|z| z[k]);
-                        let [drag, dashpot] = drift.propagators[class as usize].apply(&mut site);
+                        let [drag, dashpot] = match drift {
+                            Some(drift) => drift.propagators[class as usize].apply(&mut site),
+                            None => classes[class as usize].advance(&mut site, dt),
+                        };
                         z.iter_mut().zip(site).for_each(|(z, value)| z[k] = value);
                         *lost_to_drag += drag;
                         *lost_to_dashpots += dashpot;
