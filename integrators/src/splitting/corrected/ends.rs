@@ -8,17 +8,26 @@
 //! ```text
 //! c^alpha h^{alpha+1} Z_alpha(x),   Z_z(x) = zeta(-z, 1 + x) + x^z/2 + x^{z+1}/(z + 1)  ->  -(z/12) x^{z-1} + O(x^{z-3})
 //! ```
+//!
+//! Zeros and errors are computed a register of bonds at a time, as a sample costs several of them
+//! for every closed bond.
 
 use super::{
     CHANGE,
     bonds::{BondFlow, BondView, Correction, Dependence},
-    path::BondPath,
-    zeta::hurwitz,
+    event::{Corrector, slope},
+    pack::Pack,
+    path::{BondPath, Paths},
 };
+use crate::{
+    real::{Real, VectorKernel},
+    vector::Vector,
+};
+use std::cell::OnceCell;
 
 /// Largest distance of an event that is corrected, in steps: farther ones leave less than 3e-5 of
 /// `c^alpha h^{alpha+1}`.
-const REACH: f64 = 6.0;
+const REACH: u32 = 6;
 
 /// Smallest distance of an event, in steps, at which the processor corrects the impulse. For nearer
 /// ones it would take the derivative of the force at another overlap.
@@ -36,109 +45,241 @@ pub enum Side {
     Closed,
 }
 
-/// Maps the state of the solution to that of the kernel, where a run begins. `events`: whether the
-/// end terms of nearby events are included.
-pub(super) fn to_kernel<S: BondFlow>(flow: &mut S, h: f64, events: bool, sides: &mut [Side]) {
-    if events {
-        classify(flow, h, sides);
-        finish(flow, h, 1.0, sides);
-    } else {
-        sides.fill(Side::Closed);
-    }
-    flow.process(-h * h / 12.0, sides);
+/// The ends of a run in steps of `h`: where it begins, ends or is sampled.
+pub(super) struct Ends<'a> {
+    pub(super) h: f64,
+    /// The tables for nearby events, made at their first use; `None` if events have no end terms.
+    pub(super) corrector: Option<&'a OnceCell<Corrector>>,
 }
 
-/// Maps the state of the kernel at the middle of a kick to that of the solution.
-pub(super) fn to_solution<S: BondFlow>(flow: &mut S, h: f64, events: bool, sides: &mut [Side]) {
-    if events {
-        classify(flow, h, sides);
-    } else {
-        sides.fill(Side::Closed);
-    }
-    flow.process(h * h / 12.0, sides);
-    if events {
-        flow.survey();
-        finish(flow, h, -1.0, sides);
-    }
+/// An event near an end.
+#[derive(Clone, Copy, Debug)]
+struct Event {
+    path: BondPath,
+    /// Time from now.
+    t: f64,
+    /// Whether it is an onset, in the past; else it is a release, in the future.
+    onset: bool,
+    /// Whether the processor leaves the impulse to the closed form.
+    near: bool,
 }
 
-fn classify<S: BondFlow>(flow: &S, h: f64, sides: &mut [Side]) {
-    for (bond, side) in sides.iter_mut().enumerate() {
-        let path = flow.path(bond);
-        *side = if path.overlap <= 0.0 {
-            Side::Open
-        } else if near(&path, TOO_NEAR * h).iter().any(Option::is_some) {
-            Side::Near
-        } else {
-            Side::Closed
-        };
+impl Ends<'_> {
+    /// Maps the state of the solution to that of the kernel, where a run begins.
+    pub(super) fn to_kernel<S: BondFlow>(&self, flow: &mut S, sides: &mut [Side]) {
+        self.classify(flow, sides);
+        self.finish(flow, 1.0, sides);
+        flow.process(-self.h * self.h / 12.0, sides);
     }
-}
 
-/// Gives every closed bond with an event within reach the part of the end terms that the processor
-/// leaves out.
-fn finish<S: BondFlow>(flow: &mut S, h: f64, sign: f64, sides: &[Side]) {
-    let alpha = flow.exponent();
-    for (bond, &side) in sides.iter().enumerate() {
-        let path = flow.path(bond);
-        if side == Side::Open || path.overlap <= 0.0 {
-            continue;
+    /// Maps the state of the kernel at the middle of a kick to that of the solution.
+    pub(super) fn to_solution<S: BondFlow>(&self, flow: &mut S, sides: &mut [Side]) {
+        self.classify(flow, sides);
+        flow.process(self.h * self.h / 12.0, sides);
+        if self.corrector.is_some() {
+            flow.survey();
+            self.finish(flow, -1.0, sides);
         }
-        for (time, opened) in near(&path, REACH * h).into_iter().zip([true, false]) {
-            if let Some(t) = time {
-                let correction = given(alpha, &path, t, h, opened, side, sign);
-                if S::CARRIES {
-                    let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
-                        out.extend(views.iter().map(|view| {
-                            let t = near(&view.path, REACH * h)[usize::from(!opened)]?;
-                            Some(given(alpha, &view.path, t, h, opened, side, sign))
-                        }));
-                    };
-                    flow.depends(bond, Dependence { h: 0.0, change: CHANGE, kicks: false, of: &of });
+    }
+
+    fn classify<S: BondFlow>(&self, flow: &S, sides: &mut [Side]) {
+        if self.corrector.is_none() {
+            return sides.fill(Side::Closed);
+        }
+        let (bonds, paths) = closed(flow, 0..sides.len());
+        sides.fill(Side::Open);
+        for (bond, zeros) in bonds.into_iter().zip(around(&paths, TOO_NEAR * self.h)) {
+            sides[bond] = if zeros == [None; 2] { Side::Closed } else { Side::Near };
+        }
+    }
+
+    /// Gives every closed bond with an event within reach the part of the end terms that the
+    /// processor leaves out.
+    fn finish<S: BondFlow>(&self, flow: &mut S, sign: f64, sides: &[Side]) {
+        let Some(corrector) = self.corrector else { return };
+        let (closed, paths) = closed(flow, (0..sides.len()).filter(|&bond| sides[bond] != Side::Open));
+        let reach = f64::from(REACH) * self.h;
+        let (mut bonds, mut events) = (Vec::new(), Vec::new());
+        for ((bond, path), zeros) in closed.into_iter().zip(&paths).zip(around(&paths, reach)) {
+            for (t, onset) in zeros.into_iter().zip([true, false]) {
+                let near = sides[bond] == Side::Near;
+                if let Some(t) = t {
+                    bonds.push(bond);
+                    events.push(Event { path: *path, t, onset, near });
                 }
-                flow.correct([(bond, &correction)].into_iter());
+            }
+        }
+        if events.is_empty() {
+            return;
+        }
+        let corrector = corrector.get_or_init(|| Corrector::new(flow.exponent(), self.h));
+        let corrections = given(corrector, &events, sign);
+        if S::CARRIES {
+            for (&bond, event) in bonds.iter().zip(&events) {
+                let of = |views: &[BondView], out: &mut Vec<Option<Correction>>| {
+                    let paths: Vec<BondPath> = views.iter().map(|view| view.path).collect();
+                    let zeros = around(&paths, reach);
+                    let t = |k: usize| zeros[k][usize::from(!event.onset)];
+                    let near: Vec<Event> =
+                        (0..paths.len()).filter_map(|k| Some(Event { path: paths[k], t: t(k)?, ..*event })).collect();
+                    let mut corrections = given(corrector, &near, sign).into_iter();
+                    out.extend((0..paths.len()).map(|k| t(k).and_then(|_| corrections.next())));
+                };
+                flow.depends(bond, Dependence { h: 0.0, change: CHANGE, kicks: false, of: &of });
+            }
+        }
+        flow.correct(bonds.into_iter().zip(&corrections));
+    }
+}
+
+/// Those of some bonds that are closed now, and their paths.
+fn closed<S: BondFlow>(flow: &S, bonds: impl Iterator<Item = usize>) -> (Vec<usize>, Vec<BondPath>) {
+    bonds.map(|bond| (bond, flow.path(bond))).filter(|(_, path)| path.overlap > 0.0).unzip()
+}
+
+/// For each path, its last zero before now and the first one after, if they are within reach.
+fn around(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
+    let mut zeros = Vec::with_capacity(paths.len());
+    f64::run_vector(Around { paths, reach, out: &mut zeros });
+    zeros
+}
+
+struct Around<'a> {
+    paths: &'a [BondPath],
+    reach: f64,
+    out: &'a mut Vec<[Option<f64>; 2]>,
+}
+
+impl VectorKernel<f64> for Around<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        for paths in self.paths.chunks(V::LANES) {
+            let zeros = Paths::<V>::new(paths, |path| path).around(self.reach).map(Pack::lanes);
+            let of = |t: f64| Some(t).filter(|t| !t.is_nan());
+            self.out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
+        }
+    }
+}
+
+/// The corrections of bonds for their events.
+fn given(corrector: &Corrector, events: &[Event], sign: f64) -> Vec<Correction> {
+    let mut corrections = Vec::with_capacity(events.len());
+    f64::run_vector(Given { corrector, events, sign, out: &mut corrections });
+    corrections
+}
+
+struct Given<'a> {
+    corrector: &'a Corrector,
+    events: &'a [Event],
+    sign: f64,
+    out: &'a mut Vec<Correction>,
+}
+
+impl VectorKernel<f64> for Given<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vector<f64>>(self) {
+        for events in self.events.chunks(V::LANES) {
+            let [impulse, displacement] = missed::<V>(self.corrector, events).map(Pack::lanes);
+            self.out.extend(events.iter().enumerate().map(|(k, event)| Correction {
+                impulse: -self.sign * impulse[k],
+                displacement: self.sign * displacement[k],
+                at: 0.0,
+                rate: event.path.rate,
+                turn: [0.0, 1.0],
+            }));
+        }
+    }
+}
+
+/// Errors of sums of kicks that begin now, for the forces of some events, without the part that the
+/// processor removes: of the impulse and of the first moment.
+#[inline(always)]
+fn missed<V: Vector<f64>>(corrector: &Corrector, events: &[Event]) -> [Pack<V>; 2] {
+    let (alpha, h) = (corrector.exponent(), corrector.step());
+    let (mut onset, mut near) = (0, 0);
+    for (k, event) in events.iter().enumerate() {
+        onset |= u64::from(event.onset) << k;
+        near |= u64::from(event.near) << k;
+    }
+    let (zero, one) = (Pack::all(0.0), Pack::all(1.0));
+    let t = Pack::<V>::of(events, |event| event.t);
+    let jet = Paths::new(events, |event| &event.path).at(t);
+    let (c, x) = (jet.rate.abs(), t.abs() / h);
+    let turn = jet.acceleration * h / c;
+    let [z0, z1] = end_terms(corrector, x);
+    let below = slope(alpha, x) * (1.0 / 12.0);
+    let scale = c * slope(alpha, c) * (h * corrector.power());
+    // The processor's share of the impulse.
+    let known = zero.or(near, below);
+    let bent = turn * (z1 + known * x * (alpha + 1.0)) * (0.5 * alpha);
+    let bent = bent.where_positive(one - turn.abs());
+    let impulse = scale * (z0 + known * alpha + bent);
+    [impulse.or(onset, -impulse), scale * (z1 - x * z0 + below * x) * h]
+}
+
+/// `Z_alpha` and `Z_{alpha+1}`, for `x` up to [`REACH`].
+#[inline(always)]
+fn end_terms<V: Vector<f64>>(corrector: &Corrector, x: Pack<V>) -> [Pack<V>; 2] {
+    let alpha = corrector.exponent();
+    let theta = x.fraction();
+    let [_, mut z0, mut z1, _] = corrector.beyond(theta);
+    // zeta(-z, 1 + x) = zeta(-z, 1 + theta) - sum (theta + j)^z over j from 1 to x - theta.
+    for j in 1..=REACH {
+        let base = theta + f64::from(j);
+        let power = (base * slope(alpha, base)).where_positive(x - theta - (f64::from(j) - 0.5));
+        (z0, z1) = (z0 - power, z1 - power * base);
+    }
+    let power = x * slope(alpha, x);
+    let above = power * x;
+    (z0, z1) = (z0 + power * 0.5, z1 + above * 0.5);
+    [z0 + above * (1.0 / (alpha + 1.0)), z1 + above * x * (1.0 / (alpha + 2.0))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::hurwitz, *};
+
+    #[test]
+    fn end_terms_are_their_formula() {
+        // Truth: Hurwitz' function by its series. The error is that of the tables, and roundings of
+        // the largest power that is subtracted.
+        for alpha in [1.0, 1.2, 1.5, 2.0, 3.0] {
+            let corrector = Corrector::new(alpha, 0.1);
+            for k in 0..=600 {
+                let x = f64::from(k) * 0.01;
+                for (k, got) in end_terms(&corrector, Pack(x)).map(|z| z.0).into_iter().enumerate() {
+                    let z = alpha + k as f64;
+                    let want = hurwitz(z, 1.0 + x) + 0.5 * x.powf(z) + x.powf(z + 1.0) / (z + 1.0);
+                    assert!((got - want).abs() < 3e-12 + 2e-15 * 8f64.powf(z + 1.0), "{alpha} {x}: {:e}", got - want);
+                }
             }
         }
     }
-}
 
-/// The correction of a bond for an event at `t`.
-fn given(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side, sign: f64) -> Correction {
-    let [impulse, displacement] = missed(alpha, path, t, h, opened, side);
-    let (impulse, displacement) = (-sign * impulse, sign * displacement);
-    Correction { impulse, displacement, at: 0.0, rate: path.rate, turn: [0.0, 1.0] }
-}
-
-/// The last zero of the path before now and the first one after, if they are within reach. Newton's
-/// method finds them from the zeros of the parabola.
-fn near(path: &BondPath, reach: f64) -> [Option<f64>; 2] {
-    let jet = path.at(0.0);
-    let (g, r, a) = (jet.value, jet.rate, jet.acceleration);
-    let root = (r * r - 2.0 * a * g).sqrt();
-    // In this form the nearer zero suffers no cancellation. NaN where there is no zero.
-    let zeros = [-2.0 * g / (r + root), -2.0 * g / (r - root)];
-    let nearest = |past: bool| {
-        let inside = |t: &f64| (*t < 0.0) == past && t.abs() < reach;
-        let first = zeros.into_iter().filter(inside).min_by(|s, t| s.abs().total_cmp(&t.abs()))?;
-        let refined = (0..3).fold(first, |t, _| t - path.at(t).value / path.at(t).rate);
-        inside(&refined).then_some(refined)
-    };
-    [nearest(true), nearest(false)]
-}
-
-/// Error of a sum of kicks that begins now, for the force of an event at `t`, without the part that
-/// the processor removes: of the impulse and of the first moment.
-fn missed(alpha: f64, path: &BondPath, t: f64, h: f64, opened: bool, side: Side) -> [f64; 2] {
-    let jet = path.at(t);
-    let (c, x) = (jet.rate.abs(), t.abs() / h);
-    let turn = jet.acceleration * h / c;
-    let z = |z: f64| hurwitz(z, 1.0 + x) + 0.5 * x.powf(z) + x.powf(z + 1.0) / (z + 1.0);
-    let (z0, z1) = (z(alpha), z(alpha + 1.0));
-    let below = x.powf(alpha - 1.0) / 12.0;
-    let scale = c.powf(alpha) * h.powf(alpha + 1.0);
-    // The processor's share of the impulse.
-    let known = if side == Side::Near { 0.0 } else { below };
-    let curved = if turn.abs() < 1.0 { 0.5 * alpha * turn * (z1 + (alpha + 1.0) * known * x) } else { 0.0 };
-    let sign = if opened { 1.0 } else { -1.0 };
-    [sign * scale * (z0 + alpha * known + curved), scale * h * (z1 - x * z0 + below * x)]
+    #[test]
+    fn zeros_around_now_are_those_of_the_parabola() {
+        // Truth: the formula of its zeros; a path bends up or down, or not at all.
+        let path = |overlap, rate, a| BondPath { overlap, rate, acceleration: [a, 0.0], jerk: [0.0; 2], omega: 0.0 };
+        let paths =
+            [path(0.1, 1.0, 0.0), path(0.1, -1.0, 0.0), path(0.1, 0.2, -2.0), path(0.1, 1.0, 2.0), path(0.1, 0.1, 3.0)];
+        let root = (0.2f64 * 0.2 + 0.4).sqrt();
+        let want = [
+            [Some(-0.1), None],
+            [None, Some(0.1)],
+            [Some((0.2 - root) / 2.0), Some((0.2 + root) / 2.0)],
+            [Some((-1.0 + 0.6f64.sqrt()) / 2.0), None],
+            [None; 2],
+        ];
+        for (got, want) in around(&paths, 1.0).iter().zip(want) {
+            for (got, want) in got.iter().zip(want) {
+                assert_eq!(got.is_some(), want.is_some(), "{got:?} {want:?}");
+                assert!(got.zip(want).is_none_or(|(got, want)| (got - want).abs() < 1e-15), "{got:?} {want:?}");
+            }
+        }
+        assert_eq!(around(&paths, 0.09), [[None; 2]; 5]);
+    }
 }

@@ -135,6 +135,21 @@ impl Corrector {
         self.h
     }
 
+    pub(super) fn exponent(&self) -> f64 {
+        self.alpha
+    }
+
+    /// `h^alpha`.
+    pub(super) fn power(&self) -> f64 {
+        self.h2 / (self.h * self.h)
+    }
+
+    /// See [`ZetaTable::beyond`].
+    #[inline(always)]
+    pub(super) fn beyond<V: Vector<f64>>(&self, theta: Pack<V>) -> [Pack<V>; ZetaTable::COUNT] {
+        self.table.beyond(theta)
+    }
+
     /// Impulse and displacement of a bond at a known zero: its time, and rate and acceleration
     /// there.
     pub(super) fn given(&self, view: &BondView, zero: (f64, f64, f64), onset: bool) -> [f64; 2] {
@@ -197,7 +212,7 @@ impl Corrector {
 
 /// `x^{alpha-1}`.
 #[inline(always)]
-fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
+pub(super) fn slope<V: Vector<f64>>(alpha: f64, x: Pack<V>) -> Pack<V> {
     if alpha == 1.5 { x.sqrt() } else { x.each(|x| x.powf(alpha - 1.0)) }
 }
 

@@ -176,6 +176,7 @@ use crate::{
     error::Error,
     stats::Stats,
 };
+use ends::Ends;
 use event::{Corrector, Event};
 use graze::{REACH, Turn, Turns};
 use log::Log;
@@ -286,7 +287,8 @@ impl<S: BondFlow> Corrected<S> {
         // state.
         new.flow.changed(&mut new.changed);
         if parts.processed && total > 0 {
-            ends::to_kernel(&mut new.flow, h.value(), parts.corrected, &mut new.sides);
+            let ends = Ends { h: h.value(), corrector: parts.corrected.then_some(&new.corrector) };
+            ends.to_kernel(&mut new.flow, &mut new.sides);
         }
         new.flow.survey();
         Ok(new)
@@ -330,7 +332,8 @@ impl<S: BondFlow> Corrected<S> {
         }
         mirror.kick(-0.5 * h, share);
         if self.parts.processed && self.total > 0 {
-            ends::to_solution(mirror, h, self.parts.corrected, &mut self.sides);
+            let ends = Ends { h, corrector: self.parts.corrected.then_some(&self.corrector) };
+            ends.to_solution(mirror, &mut self.sides);
         }
         mirror
     }
