@@ -375,12 +375,17 @@ pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> 
 
 /// Appends the bifurcations between two neighbours to `out`. Returns the number of parts whose
 /// bifurcations are not separated.
-fn in_stretch<B: Branch>(branch: &B, ends: [&B::Point; 2], weak: f64, out: &mut Vec<Located<B::Point>>) -> usize {
+pub(super) fn in_stretch<B: Branch>(
+    branch: &B,
+    ends: [&B::Point; 2],
+    weak: f64,
+    out: &mut Vec<Located<B::Point>>,
+) -> usize {
     between(branch, ends, &Quartets { weak, near: None }, MOST_CUTS, out)
 }
 
 /// The fold between the first and the last of three neighbours, if the branch turns there.
-fn fold<B: Branch>(branch: &B, three: [&B::Point; 3]) -> Option<Located<B::Point>> {
+pub(super) fn fold<B: Branch>(branch: &B, three: [&B::Point; 3]) -> Option<Located<B::Point>> {
     if !turns(three.map(|point| branch.place(point).1)) {
         return None;
     }

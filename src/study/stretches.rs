@@ -3,8 +3,10 @@
 //! A branch is followed orbit by orbit, each from the one before. Its multipliers and bifurcations
 //! are computed afterwards, and need only the orbits. A point of this sweep is a *stretch*: a few
 //! consecutive orbits with their multipliers, and the bifurcations between them and the orbit
-//! before. In another process that orbit's multipliers are computed once more: a quarter more work
-//! than without division. In one process all multipliers are computed once.
+//! before. In one process all multipliers are computed once. Processes that share the stretches
+//! compute those of the orbit before each stretch once more: with four orbits a stretch, a quarter
+//! more multipliers. Where rows do not need the multipliers of the orbit before, a stretch has one
+//! orbit.
 //!
 //! The key of a stretch has a digest of all settings that its row depends on, and of all orbits of
 //! the branch up to its last one. So a store can have rows of several branches, and a branch that is
@@ -21,7 +23,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 use std::{ops::Range, sync::OnceLock};
 
-/// Orbits of a stretch; the last one of a branch may have fewer.
+/// Orbits of a stretch whose rows need the orbit before; the last one of a branch may have fewer.
 const ORBITS: usize = 4;
 
 /// What is known of each orbit of a branch, computed when it is first asked for, or why it is not.
@@ -57,18 +59,18 @@ struct Stretch {
     digest: String,
 }
 
-/// The stretches of a branch. `settings` has all that rows depend on besides the orbits, and
-/// `orbit` all numbers that determine an orbit.
-fn stretches<O>(orbits: &[O], settings: &Value, orbit: impl Fn(&O) -> Value) -> Vec<Stretch> {
+/// The stretches of a branch, of `length` orbits each. `settings` has all that rows depend on
+/// besides the orbits, and `orbit` all numbers that determine an orbit.
+fn stretches<O>(orbits: &[O], length: usize, settings: &Value, orbit: impl Fn(&O) -> Value) -> Vec<Stretch> {
     let mut before = digest(&settings.to_string());
     let stretch = |first: usize| {
-        let numbers = first..orbits.len().min(first + ORBITS);
+        let numbers = first..orbits.len().min(first + length);
         for one in &orbits[numbers.clone()] {
             before = digest(&format!("{before} {}", orbit(one)));
         }
         Stretch { orbits: numbers, digest: before.clone() }
     };
-    (0..orbits.len()).step_by(ORBITS).map(stretch).collect()
+    (0..orbits.len()).step_by(length).map(stretch).collect()
 }
 
 /// A branch whose rows are wanted.
@@ -81,7 +83,7 @@ pub(super) struct Branch<'a, O, K> {
     pub(super) settings: Value,
     /// The orbits, and what rows are made from.
     pub(super) known: &'a Known<'a, O, K>,
-    /// Whether rows have bifurcations, and so need the orbit before.
+    /// Whether rows need what is known of the orbit before.
     pub(super) joined: bool,
 }
 
@@ -99,7 +101,7 @@ impl<O: Sync, K: Send + Sync> Branch<'_, O, K> {
         progress: Progress<'_>,
     ) -> Result<Vec<U>> {
         let Self { store, study, ref settings, known, joined } = *self;
-        let points = stretches(known.orbits, settings, orbit);
+        let points = stretches(known.orbits, if joined { ORBITS } else { 1 }, settings, orbit);
         let grid = Grid { store, study, settings: json!({}) };
         let tell = |done, total| progress(done as f64 / total as f64, "multipliers and bifurcations");
         let work = |stretch: &Stretch| {
@@ -150,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_stretch_has_another_key_if_an_orbit_before_it_or_a_setting_differs() {
-        let keys = |orbits: &[f64], setting: f64| stretches(orbits, &json!({ "to": setting }), |x| json!(x));
+        let keys = |orbits: &[f64], setting: f64| stretches(orbits, 4, &json!({ "to": setting }), |x| json!(x));
         let branch: Vec<f64> = (0..10).map(f64::from).collect();
         let all = keys(&branch, 1.0);
         let numbers: Vec<Range<usize>> = all.iter().map(|one| one.orbits.clone()).collect();

@@ -17,37 +17,18 @@ pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 
 const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001";
 const STORE: &str = "spectra.store";
 
-/// A bead that rests on a wall and is pushed: it doubles its period at 1.8332, and the branch of
-/// doubled period has two folds.
-const BEAD: &str = r#"
-name = "pushed"
-[chain]
-sites = 1
-alpha = 1.5
-boundary = "fixed"
-[bonds]
-overlap = [1.0, -1e9]
-[beads]
-drag = 0.15
-[[drive]]
-site = 0
-kind = "pushed"
-amplitude = [0.5, -1.0]
-omega = [1.8, 0.0]
-phase = [0.0, 1.5707963267948966]
-[initial]
-kind = "single-bead"
-site = 0
-velocity = 0.0
-[span]
-until = 10.0
-"#;
-
-pub(crate) fn driven(folder: &Path) -> String {
-    let path = folder.join("bead.toml");
-    fs::write(&path, BEAD).unwrap();
-    format!("orbit continue {} --to 2 --step 0.1 --switch 1", path.display())
-}
+/// A branch with a period doubling; the branch that crosses there has two folds and one more.
+pub(crate) const DRIVEN: &str = concat!(
+    "orbit continue ",
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/reference/pushed-bead.toml --to 2 --step 0.1 --switch 1"
+);
+/// A branch with two period doublings, and the one that crosses at the first.
+pub(crate) const MODE: &str = concat!(
+    "orbit mode ",
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/reference/two-beads.toml --linear-mode 2 --to 0.32 --step 0.02 --switch 1"
+);
 
 fn run(line: &str, out: &Path, more: &[&str]) -> String {
     let ended = output(line, out, more);
@@ -68,19 +49,16 @@ fn wait(process: &mut Child, store: &Path, count: usize) {
 
 #[test]
 fn branches_in_three_shards_have_the_files_of_one_process() {
-    let folder = tempfile::tempdir().unwrap();
-    in_shards(DARK);
-    in_shards(&driven(folder.path()));
+    [DARK, DRIVEN, MODE].into_iter().for_each(in_shards);
 }
 
 #[test]
 fn branches_have_the_same_files_for_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    for line in [DARK.to_owned(), driven(folder.path())] {
+    for line in [DARK, DRIVEN, MODE] {
         let (one, three) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let text = run(&line, one.path(), &[]);
+        let text = run(line, one.path(), &[]);
         assert!(text.contains("period-doubling"), "{text}");
-        let mut parallel = command(&line, three.path(), &[]);
+        let mut parallel = command(line, three.path(), &[]);
         assert!(parallel.env("RAYON_NUM_THREADS", "3").output().unwrap().status.success());
         assert!(files(one.path()) == files(three.path()), "{line}");
     }
@@ -176,16 +154,24 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
 
 #[test]
 fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
-    let (home, shared) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let line = driven(home.path());
-    run(&line, shared.path(), &[]);
-    let set = ["--set", "beads.drag=0.16"];
-    let alone = tempfile::tempdir().unwrap();
-    run(&line, alone.path(), &set);
-    run(&line, shared.path(), &set);
-    assert!(results(shared.path()) == results(alone.path()));
-    for store in ["driven-spectra.store", "switched-spectra.store"] {
-        assert!(lines(&shared.path().join(store)) > lines(&alone.path().join(store)), "{store}");
+    for (line, change, stores) in [
+        (DRIVEN, "beads.drag=0.16", ["driven-spectra.store", "switched-spectra.store"]),
+        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-bifurcations.store", "switched-bifurcations.store"]),
+    ] {
+        let (shared, alone) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let (shared, alone) = (shared.path(), alone.path());
+        run(line, shared, &[]);
+        let before = stores.map(|store| lines(&shared.join(store)));
+        run(line, alone, &["--set", change]);
+        run(line, shared, &["--set", change]);
+        assert!(results(shared) == results(alone), "{line}");
+        for (store, before) in stores.into_iter().zip(before) {
+            assert!(before > 1);
+            assert_eq!(lines(&shared.join(store)), before + lines(&alone.join(store)) - 1, "{store}");
+        }
+        run(line, shared, &[]);
+        run(line, alone, &[]);
+        assert!(results(shared) == results(alone), "{line}");
     }
 }
 
