@@ -169,7 +169,7 @@ pub struct DrivenContinue {
     /// Go on with what this file, or the file in this folder, has kept.
     ///
     /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to, by
-    /// another --step; multipliers and bifurcations are computed anew. Results of a file
+    /// another --step; then multipliers and bifurcations are computed anew. Results of a file
     /// driven-branch.npz are written beside it unless --out says where. The file is the same with
     /// and without --si, and goes on with either.
     #[cfg_attr(
