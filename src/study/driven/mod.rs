@@ -232,8 +232,9 @@ const SWITCHED_STORE: &str = "switched-spectra.store";
 
 impl Study for DrivenContinue {
     const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, driven-branch.png and driven-branch.npz, with --switch \
-                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. driven-spectra.store and \
-                                 switched-spectra.store have multipliers and bifurcations, from which the same command goes on.";
+                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
+                                 driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the first branch itself and computes its share of these.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

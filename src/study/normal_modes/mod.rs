@@ -109,8 +109,9 @@ impl ModeWay {
 }
 
 impl Study for FollowMode {
-    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv. mode-bifurcations.store \
-         and switched-bifurcations.store have bifurcations, from which the same command goes on.";
+    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv. \
+                                 mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the first branch itself and locates its share of these.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 

@@ -242,7 +242,8 @@ impl Continue {
 impl Study for Continue {
     const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz; the last is written every 20 points or 10 s as well. \
                                  With --resume and without --out, the files go to the folder of the file that is gone on with. \
-                                 spectra.store has multipliers and bifurcations, from which the same command goes on.";
+                                 spectra.store has multipliers and bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the branch itself and computes its share of these.";
     const STOPS: bool = true;
     const SWEEPS: bool = true;
 
