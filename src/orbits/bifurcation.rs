@@ -140,6 +140,12 @@ pub(super) struct Known {
     spectrum: Spectrum,
 }
 
+impl Known {
+    fn of((orbit, spectrum): (&Orbit, &Spectrum)) -> Self {
+        Self { orbit: orbit.clone(), spectrum: spectrum.clone() }
+    }
+}
+
 impl Branch for Continuation {
     type Point = Known;
     const NEAR: f64 = 0.0;
@@ -358,18 +364,38 @@ pub(super) fn located<B: Branch>(branch: &B, points: &[B::Point], weak: f64) -> 
     let (mut out, mut left_out) = (Vec::new(), 0);
     for (after, pair) in points.windows(2).enumerate() {
         let before = out.len();
-        left_out += between(branch, [&pair[0], &pair[1]], &Quartets { weak, near: None }, MOST_CUTS, &mut out);
+        left_out += in_stretch(branch, [&pair[0], &pair[1]], weak, &mut out);
         out[before..].iter_mut().for_each(|one: &mut Located<B::Point>| one.after = after);
     }
-    let p = |point: &B::Point| branch.place(point).1;
     for (after, three) in points.windows(3).enumerate() {
-        if (p(&three[1]) - p(&three[0])) * (p(&three[2]) - p(&three[1])) < 0.0 {
-            let stretch = Stretch::new(branch, &three[0], &three[2]);
-            let fold = stretch.locate(Test::Fold, &three[0], &three[2]);
-            out.extend(fold.map(|fold| Located { after, ..fold }));
-        }
+        out.extend(fold(branch, [&three[0], &three[1], &three[2]]).map(|fold| Located { after, ..fold }));
     }
     (out, left_out)
+}
+
+/// Appends the bifurcations between two neighbours to `out`. Returns the number of parts whose
+/// bifurcations are not separated.
+pub(super) fn in_stretch<B: Branch>(
+    branch: &B,
+    ends: [&B::Point; 2],
+    weak: f64,
+    out: &mut Vec<Located<B::Point>>,
+) -> usize {
+    between(branch, ends, &Quartets { weak, near: None }, MOST_CUTS, out)
+}
+
+/// The fold between the first and the last of three neighbours, if the branch turns there.
+pub(super) fn fold<B: Branch>(branch: &B, three: [&B::Point; 3]) -> Option<Located<B::Point>> {
+    if !turns(three.map(|point| branch.place(point).1)) {
+        return None;
+    }
+    let [first, _, last] = three;
+    Stretch::new(branch, first, last).locate(Test::Fold, first, last)
+}
+
+/// Whether the middle one of three values of the parameter is the largest or the smallest.
+fn turns(p: [f64; 3]) -> bool {
+    (p[1] - p[0]) * (p[2] - p[1]) < 0.0
 }
 
 /// Appends the bifurcations between two points to `out`, after up to `cuts` halvings. Returns the
@@ -404,17 +430,34 @@ impl Continuation {
     /// Quartets with a modulus up to `1 + weak` are left out. A stretch with several bifurcations
     /// is halved up to 5 times; those that are not separated then are left out.
     pub fn bifurcations(&self, orbits: &[Orbit], spectra: &[Spectrum], weak: f64) -> Vec<Bifurcation> {
-        let known: Vec<Known> = orbits
-            .iter()
-            .zip(spectra)
-            .map(|(orbit, spectrum)| Known { orbit: orbit.clone(), spectrum: spectrum.clone() })
-            .collect();
-        let bifurcation = |Located { kind, tau, point: Known { orbit, spectrum }, .. }: Located<Known>| {
-            let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
-            let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
-            Bifurcation { kind, parameter: orbit.setting.get(self.parameter), tau, orbit, mode }
-        };
-        located(self, &known, weak).0.into_iter().map(bifurcation).collect()
+        let known: Vec<Known> = orbits.iter().zip(spectra).map(Known::of).collect();
+        located(self, &known, weak).0.into_iter().map(|one| self.bifurcation(one)).collect()
+    }
+
+    /// Those of [`bifurcations`](Self::bifurcations) that are between two neighbours, without folds.
+    pub(crate) fn bifurcations_between(&self, ends: [(&Orbit, &Spectrum); 2], weak: f64) -> Vec<Bifurcation> {
+        let ([a, b], mut found) = (ends.map(Known::of), Vec::new());
+        in_stretch(self, [&a, &b], weak, &mut found);
+        found.into_iter().map(|one| self.bifurcation(one)).collect()
+    }
+
+    /// The one of [`bifurcations`](Self::bifurcations) that is a fold of the branch at the middle
+    /// one of three neighbours.
+    pub(crate) fn fold_at(&self, three: [(&Orbit, &Spectrum); 3]) -> Option<Bifurcation> {
+        let [a, b, c] = three.map(Known::of);
+        fold(self, [&a, &b, &c]).map(|fold| self.bifurcation(fold))
+    }
+
+    /// Whether a branch through these orbits turns back somewhere.
+    pub(crate) fn turns(&self, orbits: &[Orbit]) -> bool {
+        let p = |k: usize| orbits[k].setting.get(self.parameter);
+        (2..orbits.len()).any(|k| turns([p(k - 2), p(k - 1), p(k)]))
+    }
+
+    fn bifurcation(&self, Located { kind, tau, point: Known { orbit, spectrum }, .. }: Located<Known>) -> Bifurcation {
+        let single = matches!(kind, BifurcationKind::PeriodDoubling | BifurcationKind::PlusOne);
+        let mode = if single { spectrum.strains_of(tau) } else { Vec::new() };
+        Bifurcation { kind, parameter: orbit.setting.get(self.parameter), tau, orbit, mode }
     }
 }
 

@@ -18,6 +18,7 @@
 use super::{
     arclength::{Family, MOST_CORRECTIONS, Solution},
     eigen::eigenvalues,
+    floquet::or_infinite,
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
@@ -526,11 +527,12 @@ pub struct DrivenMultiplier {
 }
 
 /// The multipliers of a driven orbit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivenSpectrum {
     /// All of them, the largest modulus first, with conjugates next to each other.
     pub multipliers: Vec<DrivenMultiplier>,
     /// `|ln |det M| + gamma m T + Gamma|`, the error of Liouville's formula: zero in theory.
+    #[serde(deserialize_with = "or_infinite")]
     pub liouville: f64,
 }
 

@@ -125,15 +125,16 @@ impl DrivenContinuation {
         Ok(trail.branch(points))
     }
 
-    /// The bifurcations between the points of a branch from `first` on, in their order, and the
-    /// number of changes of stability that were not resolved.
-    pub(super) fn bifurcations(&self, points: &[DrivenPoint], first: usize) -> (Vec<DrivenBifurcation>, usize) {
-        let (mut found, mut unresolved) = (Vec::new(), 0);
-        for (after, pair) in points.windows(2).enumerate().skip(first) {
-            let before = found.len();
-            unresolved += self.between(&pair[0], &pair[1], MOST_CUTS, &mut found);
-            found[before..].iter_mut().for_each(|one: &mut DrivenBifurcation| one.after = after);
-        }
+    /// The bifurcations between two points of a branch, of which the first has the number `after`,
+    /// and the number of changes of stability that were not resolved.
+    pub(super) fn bifurcations_between(
+        &self,
+        [a, b]: [&DrivenPoint; 2],
+        after: usize,
+    ) -> (Vec<DrivenBifurcation>, usize) {
+        let mut found = Vec::new();
+        let unresolved = self.between(a, b, MOST_CUTS, &mut found);
+        found.iter_mut().for_each(|one: &mut DrivenBifurcation| one.after = after);
         (found, unresolved)
     }
 

@@ -4,7 +4,7 @@ use super::{
     arclength::{self, Course, End, Scales, Way},
     bifurcation::BifurcationKind,
     driven::{DrivenFamily, DrivenOrbit},
-    driven_branch::{DrivenBranch, DrivenContinuation, DrivenPoint},
+    driven_branch::{DrivenBifurcation, DrivenBranch, DrivenContinuation, DrivenPoint},
     switching,
 };
 use crate::error::{Error, Result};
@@ -113,12 +113,34 @@ impl DrivenTrail {
     /// The branch with its bifurcations. `points` are its orbits with their multipliers, in order,
     /// up to the first orbit whose multipliers are not known.
     pub fn branch(self, points: Vec<DrivenPoint>) -> DrivenBranch {
+        let (mut bifurcations, mut unresolved) = (Vec::new(), 0);
+        for after in 0..points.len().saturating_sub(1) {
+            let (found, left) = self.bifurcations_after(after, [&points[after], &points[after + 1]]);
+            bifurcations.extend(found);
+            unresolved += left;
+        }
+        self.with(points, bifurcations, unresolved)
+    }
+
+    /// The bifurcations between the points `after` and `after + 1` of the branch, and the number of
+    /// changes of stability there that were not resolved.
+    ///
+    /// The orbit at a crossing is on both branches. Its multiplier 1 is no bifurcation of this one,
+    /// so the stretch from it to the second orbit is not searched.
+    pub(crate) fn bifurcations_after(&self, after: usize, ends: [&DrivenPoint; 2]) -> (Vec<DrivenBifurcation>, usize) {
+        let crossing = after == 0 && self.birth.is_some();
+        if crossing { (Vec::new(), 0) } else { self.continuation.bifurcations_between(ends, after) }
+    }
+
+    /// The branch with its points, at least one, and all that is between them.
+    pub(crate) fn with(
+        self,
+        points: Vec<DrivenPoint>,
+        bifurcations: Vec<DrivenBifurcation>,
+        unresolved: usize,
+    ) -> DrivenBranch {
         let whole = points.len() == self.orbits.len();
         let end = if whole { self.end.unwrap_or(End::MostPoints) } else { End::NoMultipliers };
-        // The orbit at the crossing is on both branches. Its multiplier 1 is no bifurcation of this
-        // one, so the stretch from it to the second orbit is not searched.
-        let first = usize::from(self.birth.is_some());
-        let (bifurcations, unresolved) = self.continuation.bifurcations(&points, first);
         DrivenBranch { continuation: self.continuation, points, bifurcations, unresolved, end, trail: self }
     }
 }

@@ -30,10 +30,11 @@
 use super::eigen::{Eigenpair, eigen, eigenvalues};
 use crate::chain::{Boundary, Chain};
 use nalgebra::{Complex, DMatrix, DVector};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::f64::consts::PI;
 
 /// Position of a multiplier in the complex plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// One of those that equal 1: shift of time and change of frequency; on rings also drift, and
@@ -53,7 +54,7 @@ pub enum Kind {
 }
 
 /// A Floquet multiplier.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Multiplier {
     /// Real part.
     pub re: f64,
@@ -62,6 +63,7 @@ pub struct Multiplier {
     /// `|lambda|`.
     pub modulus: f64,
     /// Estimated error of the modulus.
+    #[serde(deserialize_with = "or_infinite")]
     pub error: f64,
     /// Position in the complex plane.
     pub kind: Kind,
@@ -70,7 +72,7 @@ pub struct Multiplier {
 }
 
 /// Measured errors of a spectrum.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// `max |M^T J M - J| / max |J|`; on a strain ring restricted to strains of sum zero.
     pub symplectic_defect: f64,
@@ -86,15 +88,17 @@ pub struct Quality {
     ///
     /// The fourfold multiplier 1 is left out, since the solver splits it. Not a number if the
     /// solver does not converge.
+    #[serde(deserialize_with = "or_nan")]
     pub pairing: f64,
 }
 
-/// The multipliers of an orbit.
-#[derive(Clone, Debug)]
+/// The multipliers of an orbit. A spectrum that was read from JSON has no eigenvectors.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Spectrum {
     /// All multipliers, the largest modulus first, with conjugates next to each other.
     pub multipliers: Vec<Multiplier>,
     /// All `tau`, in the order of the largest multiplier of each.
+    #[serde(with = "complex")]
     pub tau: Vec<Complex<f64>>,
     /// Measured errors.
     pub quality: Quality,
@@ -103,12 +107,42 @@ pub struct Spectrum {
 }
 
 /// Eigenvector `z`, `C z`, kind and signature of a `tau`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Vectors {
+    #[serde(skip, default = "no_vector")]
     z: DVector<Complex<f64>>,
+    #[serde(skip, default = "no_vector")]
     c_z: DVector<Complex<f64>>,
     kind: Kind,
     krein: i8,
+}
+
+fn no_vector() -> DVector<Complex<f64>> {
+    DVector::zeros(0)
+}
+
+/// A number that JSON has as `null`, which stands for all that are not finite, as infinity.
+pub(super) fn or_infinite<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    Option::deserialize(source).map(|value| value.unwrap_or(f64::INFINITY))
+}
+
+/// As [`or_infinite`], with NaN for `null`.
+fn or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+    Option::deserialize(source).map(|value| value.unwrap_or(f64::NAN))
+}
+
+/// Complex numbers as pairs of real ones.
+mod complex {
+    use super::{Complex, Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(values: &[Complex<f64>], target: S) -> Result<S::Ok, S::Error> {
+        target.collect_seq(values.iter().map(|value| [value.re, value.im]))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<Complex<f64>>, D::Error> {
+        let pairs = Vec::<[f64; 2]>::deserialize(source)?;
+        Ok(pairs.into_iter().map(|[re, im]| Complex::new(re, im)).collect())
+    }
 }
 
 impl Spectrum {
@@ -182,8 +216,15 @@ impl Spectrum {
         nearest.map_or(Vec::new(), |k| scaled_to_one(&self.modes[k].z))
     }
 
+    /// The spectrum without its eigenvectors, which take most of its memory.
+    pub(crate) fn without_vectors(mut self) -> Self {
+        self.modes.iter_mut().for_each(|mode| (mode.z, mode.c_z) = (no_vector(), no_vector()));
+        self
+    }
+
     /// The real part of the eigenvector `((lambda - 1/lambda)/2 z, C z)` of multiplier `k`, scaled
-    /// to the largest entry 1.
+    /// to the largest entry 1. Empty for a spectrum without eigenvectors, such as that of a point of
+    /// a branch.
     pub fn direction(&self, k: usize) -> Vec<f64> {
         let Multiplier { re, im, .. } = self.multipliers[k];
         let lambda = Complex::new(re, im);

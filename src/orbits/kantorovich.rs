@@ -49,7 +49,7 @@
 
 use crate::chain::Params;
 use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Largest number of steps of the iteration for the radius.
 const MOST_STEPS: usize = 200;
@@ -57,7 +57,7 @@ const MOST_STEPS: usize = 200;
 const SLACK: f64 = 1e-12;
 
 /// The numbers of the theorem.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kantorovich {
     /// `|F(z)|`, with the tolerance of the flow.
     pub residual: f64,

@@ -7,10 +7,9 @@
 
 use super::{
     arclength::{self, Course, End, Scales, Solution, Way},
-    bifurcation::{self, BifurcationKind, Located},
-    normal_modes::{
-        ModeBifurcation, ModeBranch, ModeContinuation, ModeFamily, ModeOrbit, ModePoint, NormalModes, TOL, WEAK,
-    },
+    bifurcation::BifurcationKind,
+    mode_trail::ModeTrail,
+    normal_modes::{ModeBifurcation, ModeBranch, ModeContinuation, ModeFamily, ModeOrbit, ModePoint, NormalModes, TOL},
     switching,
 };
 use crate::{
@@ -63,7 +62,17 @@ impl ModeBranch {
     /// # Errors
     /// No such bifurcation; one at which no other branch crosses, or whose orbits are not at rest
     /// twice in a period; no orbit on it; multipliers that cannot be computed; a signal.
-    pub fn switched(&self, modes: &NormalModes, k: usize, mut seen: impl FnMut(&ModePoint)) -> Result<Self> {
+    pub fn switched(&self, modes: &NormalModes, k: usize, seen: impl FnMut(&ModePoint)) -> Result<Self> {
+        self.switched_trail(modes, k, seen).map(|trail| trail.located(modes))
+    }
+
+    /// The branch of [`switched`](Self::switched) without its bifurcations.
+    pub(crate) fn switched_trail(
+        &self,
+        modes: &NormalModes,
+        k: usize,
+        mut seen: impl FnMut(&ModePoint),
+    ) -> Result<ModeTrail> {
         let birth = switching::numbered(&self.bifurcations, k)?;
         let continuation = self.continuation;
         let ModeContinuation { to, step, most_points, .. } = continuation;
@@ -95,8 +104,7 @@ impl ModeBranch {
             points.push(point);
             Ok(None)
         })?;
-        let (bifurcations, unresolved) = located(&family, &points[1..], 1);
-        Ok(Self { continuation, points, bifurcations, unresolved, end })
+        Ok(ModeTrail { continuation, points, end, first: 1 })
     }
 
     /// At a bifurcation: unknowns and amplitude of its orbit as one of the branch that crosses, the
@@ -123,12 +131,4 @@ impl ModeBranch {
         }
         Ok(None)
     }
-}
-
-/// The bifurcations between the given points, and the number of stretches that were not resolved.
-/// `before` points of the branch come before these.
-pub(super) fn located(family: &ModeFamily<'_>, points: &[ModePoint], before: usize) -> (Vec<ModeBifurcation>, usize) {
-    let (found, unresolved) = bifurcation::located(family, points, WEAK);
-    let one = |Located { kind, tau, point, after }| ModeBifurcation { kind, tau, point, after: before + after };
-    (found.into_iter().map(one).collect(), unresolved)
 }

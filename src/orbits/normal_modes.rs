@@ -20,7 +20,7 @@ use super::{
     arclength::{self, Course, End, Family, Scales, Solution, Spot, Way},
     bifurcation::{self, BifurcationKind},
     floquet::{Frame, Kind, Spectrum},
-    mode_switching,
+    mode_trail::ModeTrail,
     shooting::{Equations, NewtonStep, least_squares},
 };
 use crate::{
@@ -29,6 +29,7 @@ use crate::{
 };
 use hertzchain_integrators::VectorField;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 /// A linear mode about the equilibrium.
 #[derive(Clone, Debug, PartialEq)]
@@ -259,7 +260,7 @@ fn participation(shape: &[f64], masses: &[f64]) -> f64 {
 }
 
 /// An orbit of a nonlinear normal mode.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ModeOrbit {
     /// Amplitude `a`; negative on some branches of doubled period.
     pub amplitude: f64,
@@ -275,7 +276,7 @@ pub struct ModeOrbit {
 }
 
 /// An orbit of a branch with its energy, participation number, least overlap and multipliers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ModePoint {
     /// The orbit.
     pub orbit: ModeOrbit,
@@ -310,7 +311,7 @@ pub struct ModeContinuation {
 }
 
 /// A bifurcation of a branch of orbits.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ModeBifurcation {
     /// The kind of bifurcation.
     pub kind: BifurcationKind,
@@ -365,7 +366,12 @@ impl ModeContinuation {
     /// # Errors
     /// Numbers outside their rules; a first orbit that is not found; multipliers that cannot be
     /// computed; a signal.
-    pub fn follow(&self, modes: &NormalModes, mut seen: impl FnMut(&ModePoint)) -> Result<ModeBranch> {
+    pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&ModePoint)) -> Result<ModeBranch> {
+        self.trail(modes, seen).map(|trail| trail.located(modes))
+    }
+
+    /// The branch of [`follow`](Self::follow) without its bifurcations.
+    pub(crate) fn trail(&self, modes: &NormalModes, mut seen: impl FnMut(&ModePoint)) -> Result<ModeTrail> {
         self.check(modes)?;
         let family = ModeFamily::new(modes, self);
         let mut seed = family.linear.shape.clone();
@@ -383,8 +389,7 @@ impl ModeContinuation {
             points.push(point);
             Ok(None)
         })?;
-        let (bifurcations, unresolved) = mode_switching::located(&family, &points, 0);
-        Ok(ModeBranch { continuation: *self, points, bifurcations, unresolved, end })
+        Ok(ModeTrail { continuation: *self, points, end, first: 0 })
     }
 }
 

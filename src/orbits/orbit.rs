@@ -12,6 +12,7 @@ use crate::{
 };
 use hertzchain_integrators::{Stepper, collocation::Pace};
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 /// Samples per period for the extremes; a multiple of 4.
 const SAMPLES: u32 = 64;
@@ -20,7 +21,7 @@ const SAMPLES: u32 = 64;
 const SAME_CENTRE: f64 = 1e-11;
 
 /// Vertical centres (eq:center) and amplitudes (eq:amp) of the first site, `n = -N`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Extent {
     /// `K_x`.
     pub k_x: f64,

@@ -28,6 +28,7 @@ mod run;
 mod scaling;
 mod si;
 mod solitary;
+mod stretches;
 mod theorem;
 mod wave;
 

@@ -45,6 +45,12 @@ use std::{
 };
 use store::{Hash, Place};
 
+/// A digest of a text, of 128 bits in hexadecimal digits.
+pub(crate) fn digest(text: &str) -> String {
+    let [high, low] = store::hash(text);
+    format!("{high:016x}{low:016x}")
+}
+
 /// The reason for the missing value of a point that was not begun, or was interrupted.
 pub(crate) const STOPPED: &str = "not computed: stopped by a signal";
 

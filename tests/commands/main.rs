@@ -2,6 +2,7 @@
 //! compiled once.
 
 mod bad_files;
+mod branch_points;
 mod cli;
 mod figures;
 mod first_use;

@@ -186,6 +186,35 @@ fn orbits_without_multipliers_are_gaps() {
     assert!(study(broken, &|_, _| {}).is_err());
 }
 
+// Truth: the search over all points at once, with spectra computed here. A gap at the end of a
+// stretch, or wider than one, is passed over by the next stretch.
+#[test]
+fn bifurcations_of_a_branch_in_stretches_are_those_of_the_whole_branch() {
+    let whole = trail(continuation(Parameter::OmegaB, 2.1, 8e-3));
+    let count = whole.orbits.len();
+    assert!(count > 10, "{count}");
+    for gaps in [&[][..], &[3], &[4], &[0, 2, 3, 4], &[1, 2, 3, 4, 5, 6, 7, 8]] {
+        let mut broken = whole.clone();
+        gaps.iter().for_each(|&gap: &usize| broken.orbits[gap].setting.turns = 7);
+        let branch = study(broken.clone(), &|_, _| {}).unwrap();
+        broken.orbits.retain(|orbit| orbit.setting.turns == 1);
+        let spectra: Vec<_> = broken.orbits.iter().map(|orbit| orbit.spectrum(&Shooting::default()).unwrap()).collect();
+        let want = broken.continuation.bifurcations(&broken.orbits, &spectra, 0.01);
+        assert!(
+            want.len() > 1 && branch.bifurcations == want,
+            "{gaps:?}: {} {}",
+            want.len(),
+            branch.bifurcations.len()
+        );
+        assert_eq!((branch.points.len(), branch.gaps.len()), (count - gaps.len(), gaps.len()));
+        for (point, spectrum) in branch.points.iter().zip(&spectra) {
+            assert!(point.spectrum.multipliers == spectrum.multipliers && point.spectrum.tau == spectrum.tau);
+            assert_eq!(point.spectrum.quality, spectrum.quality);
+            assert!(point.spectrum.direction(0).is_empty() && !spectrum.direction(0).is_empty());
+        }
+    }
+}
+
 /// A branch file whose settings and arrays are replaced; all its checksums fit.
 struct Forgery {
     settings: Value,

@@ -7,6 +7,8 @@ use hertzchain::{
         DrivenShooting, DrivenTrail, End, ModeBranch, ModeContinuation, ModePoint, NormalModes,
     },
     run::{Method, Run, Setting},
+    scene::Scene,
+    study::{DrivenSearch, DrivenWay, ModeWay, driven_branch, follow_mode},
 };
 use std::f64::consts::PI;
 
@@ -206,6 +208,63 @@ fn where_no_periodic_branch_crosses_there_is_nothing_to_switch_to() {
     assert!(refused(0).contains("switch = 1, a fold"), "{}", refused(0));
     assert!(refused(3).contains("switch = 4 of 3"), "{}", refused(3));
     assert_eq!(doubled.switched(2).unwrap().orbits[0].setting.turns(), 4);
+}
+
+// Truth: the search over all points at once.
+#[test]
+fn bifurcations_of_driven_branches_in_stretches_are_those_of_the_whole_branch() {
+    let parameter = DriveParameter::Amplitude;
+    let scene = Scene::parse(include_str!("../reference/pushed-bead.toml"), "pushed-bead.toml").unwrap();
+    let (search, shooting) = (DrivenSearch::default(), DrivenShooting::default());
+    let way = DrivenWay { vary: parameter, to: Some(2.0), step: Some(0.1), max_points: 200, switch: Some(1) };
+    let found = driven_branch(scene, &search, &way, &|_, _| {}).unwrap();
+    let switched = found.switched.unwrap().1.unwrap();
+    for (divided, count) in [(found.branch, 1), (switched, 3)] {
+        let points = divided.trail.orbits.iter().map(|orbit| DrivenPoint::new(orbit.clone(), &shooting).unwrap());
+        let whole = divided.trail.clone().branch(points.collect());
+        assert_eq!((whole.bifurcations.len(), divided.bifurcations.len()), (count, count));
+        assert_eq!((whole.points.len(), whole.unresolved), (divided.points.len(), divided.unresolved));
+        for (one, other) in whole.points.iter().zip(&divided.points) {
+            assert!(one.spectrum == other.spectrum && one.amplitude == other.amplitude && one.orbit.z == other.orbit.z);
+        }
+        for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
+            assert_eq!((one.kind, one.parameter, one.after), (other.kind, other.parameter, other.after));
+            let (a, b) = (&one.point, &other.point);
+            assert!(one.multiplier == other.multiplier && a.spectrum == b.spectrum && a.amplitude == b.amplitude);
+            assert!(a.orbit.z == b.orbit.z && a.orbit.residual == b.orbit.residual && a.orbit.newton == b.orbit.newton);
+            assert_eq!(amplitude(&a.orbit), amplitude(&b.orbit));
+            assert_eq!((a.orbit.setting.turns(), a.orbit.setting.omega()), (b.orbit.setting.turns(), 1.8));
+        }
+    }
+}
+
+// Truth: the search over all points at once.
+#[test]
+fn bifurcations_of_modes_in_stretches_are_those_of_the_whole_branch() {
+    for (scene, mode, to, step, switch) in [
+        (Scene::parse(include_str!("../reference/two-beads.toml"), "two-beads.toml").unwrap(), 2, 0.32, 0.02, Some(1)),
+        (Scene::load("defect").unwrap(), 21, 0.5, 0.05, None),
+    ] {
+        let modes = NormalModes::new(scene.chain()).unwrap();
+        let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 }.follow(&modes, |_| {}).unwrap();
+        let crossed = switch.map(|number| whole.switched(&modes, number - 1, |_| {}).unwrap());
+        let way = ModeWay { mode: Some(mode), to, step: Some(step), max_points: 200, switch };
+        let found = follow_mode(scene, &way, &|_, _| {}).unwrap();
+        assert!(!whole.bifurcations.is_empty());
+        let switched = found.switched.map(|(_, branch)| branch.unwrap());
+        for (whole, divided) in std::iter::once((whole, found.branch)).chain(crossed.into_iter().zip(switched)) {
+            assert_eq!((whole.points.len(), whole.end), (divided.points.len(), divided.end));
+            let count = whole.bifurcations.len();
+            println!("{count} bifurcations, {} unresolved", whole.unresolved);
+            assert_eq!((count, whole.unresolved), (divided.bifurcations.len(), divided.unresolved));
+            for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
+                assert_eq!((one.kind, one.tau, one.after), (other.kind, other.tau, other.after));
+                let (a, b) = (&one.point, &other.point);
+                assert!(a.orbit.shape == b.orbit.shape && a.orbit.omega == b.orbit.omega && a.energy == b.energy);
+                assert!(a.orbit.amplitude == b.orbit.amplitude && a.spectrum.multipliers == b.spectrum.multipliers);
+            }
+        }
+    }
 }
 
 /// The antiphase mode of two beads between walls, as in the test against Hill's equation.

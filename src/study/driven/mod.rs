@@ -3,19 +3,20 @@
 
 mod file;
 mod report;
+mod spectra;
 
-use super::{Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale};
+use super::{
+    Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, keeper::Keeper, si::Scale, stretches,
+};
 use crate::{
     chain::Means,
     error::{Error, Result},
-    interrupt,
     orbits::{
         DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
         DrivenTrail,
     },
-    output::Folder,
     scene::{Quantity, Scene, Units},
-    sweep::map,
+    sweep::Engine,
 };
 pub use file::load_driven_branch;
 use file::npz;
@@ -168,7 +169,7 @@ pub struct DrivenContinue {
     /// Go on with what this file, or the file in this folder, has kept.
     ///
     /// A file driven-branch.npz or switched-branch.npz, from its last point: to another --to, by
-    /// another --step; multipliers and bifurcations are computed anew. Results of a file
+    /// another --step; then multipliers and bifurcations are computed anew. Results of a file
     /// driven-branch.npz are written beside it unless --out says where. The file is the same with
     /// and without --si, and goes on with either.
     #[cfg_attr(
@@ -225,11 +226,17 @@ pub struct DrivenBranchStudy {
 /// Names of the files in which branches are kept, and from which they are continued.
 const BRANCH_FILE: &str = "driven-branch.npz";
 const SWITCHED_FILE: &str = "switched-branch.npz";
+/// Names of the stores of their multipliers.
+const STORE: &str = "driven-spectra.store";
+const SWITCHED_STORE: &str = "switched-spectra.store";
 
 impl Study for DrivenContinue {
     const FILES: &'static str = "Files: driven-branch.json, driven-branch.csv, driven-branch.png and driven-branch.npz, with --switch \
-                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well.";
+                                 switched-branch.csv and switched-branch.npz; the npz files are written every 20 points or 10 s as well. \
+                                 driven-spectra.store and switched-spectra.store have multipliers and bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the first branch itself and computes its share of these.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
         vec![SWITCHED_FILE.to_owned(), SWITCHED_TABLE.to_owned()]
@@ -246,7 +253,7 @@ impl Study for DrivenContinue {
             return Ok(Box::new(move |engine, progress| {
                 let settling = |share: f64, what: &str| progress(SETTLING * share, what);
                 let trail = first(&scene, &self.told.search, &way, &settling)?;
-                Ok(Box::new(followed(scene, trail, si, way.switch, engine.folder(), progress)?))
+                Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?))
             }));
         };
         let file = if path.is_dir() { path.join(BRANCH_FILE) } else { path.clone() };
@@ -258,9 +265,7 @@ impl Study for DrivenContinue {
             None => self.way,
         };
         let trail = self.refused_as_given(si, parameter, trail.onward(way.to, way.step, way.max_points))?;
-        Ok(Box::new(move |engine, progress| {
-            Ok(Box::new(followed(scene, trail, si, way.switch, engine.folder(), progress)?))
-        }))
+        Ok(Box::new(move |engine, progress| Ok(Box::new(followed(scene, trail, si, way.switch, engine, progress)?))))
     }
 
     fn beside(&self) -> Option<PathBuf> {
@@ -326,7 +331,7 @@ pub fn driven_branch(
 ) -> Result<DrivenBranchStudy> {
     check_switch(way.switch)?;
     let trail = first(&scene, search, way, &|share, what| progress(SETTLING * share, what))?;
-    followed(scene, trail, None, way.switch, None, progress)
+    followed(scene, trail, None, way.switch, &Engine::threads(), progress)
 }
 
 /// The branch with its first orbit only.
@@ -342,64 +347,52 @@ fn followed(
     trail: DrivenTrail,
     si: Option<Units>,
     switch: Option<usize>,
-    folder: Option<&Folder>,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<DrivenBranchStudy> {
     let whole = if switch.is_some() { 0.5 } else { 1.0 };
     let stale = &["driven-branch.json", "driven-branch.csv", "driven-branch.png", SWITCHED_FILE, SWITCHED_TABLE];
-    let keeper = Keeper::new(folder, BRANCH_FILE, stale);
-    let scale = Scale(si.as_ref());
-    let branch = go_on(&scene, trail, scale, keeper, &|share, what| progress(whole * share, what))?;
+    let (scale, folder) = (Scale(si.as_ref()), stretches::folder(engine));
+    let kept = |keeper, store| Kept { scene: &scene, engine, keeper, store };
+    let first = kept(Keeper::new(folder, BRANCH_FILE, stale), STORE);
+    let branch = first.go_on(trail, scale, &|share, what| progress(whole * share, what))?;
     let Some(number) = switch else { return Ok(DrivenBranchStudy { scene, branch, switched: None, si }) };
-    let keeper = Keeper::new(folder, SWITCHED_FILE, &[]);
+    let second = kept(Keeper::new(folder, SWITCHED_FILE, &[]), SWITCHED_STORE);
     let progress = |share: f64, what: &str| progress(0.5 + 0.5 * share, what);
-    let other =
-        branch.switched(number.wrapping_sub(1)).and_then(|other| go_on(&scene, other, scale, keeper, &progress));
+    let other = branch.switched(number.wrapping_sub(1)).and_then(|other| second.go_on(other, scale, &progress));
     Ok(DrivenBranchStudy { switched: crossing(number, other)?, scene, branch, si })
 }
 
-/// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
-fn go_on(
-    scene: &Scene,
-    mut trail: DrivenTrail,
-    scale: Scale<'_>,
-    mut keeper: Keeper<'_>,
-    progress: Progress<'_>,
-) -> Result<DrivenBranch> {
-    let DrivenContinuation { parameter, to, shooting, .. } = trail.continuation;
-    let mut keep = |trail: &DrivenTrail| keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(scene, trail));
-    if trail.end.is_none() {
-        let back = trail.back;
-        let extended = trail.extend(|trail| {
-            keep(trail);
-            let Some(DrivenOrbit { setting, .. }) = trail.orbits.last() else { return };
-            let p = setting.get(parameter);
-            let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
-            let shown = scale.shown(quantity(parameter, setting), p, 6);
-            let words = format!("point {}, {} = {shown}", trail.orbits.len(), parameter.name());
-            progress(SETTLING + (ORBITS - SETTLING) * share, &words);
-        });
-        keep(&trail);
-        extended?;
-    }
-    progress(ORBITS, "multipliers");
-    let orbits = &trail.orbits;
-    let point = |orbit: &DrivenOrbit| {
-        let kept = || format!("all {} points of the branch, not yet its multipliers", orbits.len());
-        if interrupt::asked() {
-            Err(Error::Stopped { kept: kept() })
-        } else {
-            DrivenPoint::new(orbit.clone(), &shooting)
+/// A branch of a scene, and where it is kept.
+struct Kept<'a> {
+    scene: &'a Scene,
+    engine: &'a Engine,
+    keeper: Keeper<'a>,
+    /// Name of the store of its multipliers.
+    store: &'static str,
+}
+
+impl Kept<'_> {
+    /// Continues a branch, unless it has ended, and computes its multipliers and bifurcations.
+    fn go_on(mut self, mut trail: DrivenTrail, scale: Scale<'_>, progress: Progress<'_>) -> Result<DrivenBranch> {
+        let DrivenContinuation { parameter, to, .. } = trail.continuation;
+        let mut keep =
+            |trail: &DrivenTrail| self.keeper.keep(trail.orbits.len(), trail.end.is_some(), || npz(self.scene, trail));
+        if trail.end.is_none() {
+            let back = trail.back;
+            let extended = trail.extend(|trail| {
+                keep(trail);
+                let Some(DrivenOrbit { setting, .. }) = trail.orbits.last() else { return };
+                let p = setting.get(parameter);
+                let share = ((p - back) / (to - back)).clamp(0.0, 1.0);
+                let shown = scale.shown(quantity(parameter, setting), p, 6);
+                let words = format!("point {}, {} = {shown}", trail.orbits.len(), parameter.name());
+                progress(SETTLING + (ORBITS - SETTLING) * share, &words);
+            });
+            keep(&trail);
+            extended?;
         }
-    };
-    let mut points = Vec::new();
-    for found in map(orbits, point) {
-        match found {
-            Ok(point) => points.push(point),
-            Err(error) if points.is_empty() || matches!(error, Error::Stopped { .. }) => return Err(error),
-            Err(_) => break,
-        }
+        let tell = |share: f64, what: &str| progress(ORBITS + (1.0 - ORBITS) * share, what);
+        spectra::studied(self.scene, trail, self.store, self.engine, &tell)
     }
-    progress(0.5 * (1.0 + ORBITS), "bifurcations");
-    Ok(trail.branch(points))
 }

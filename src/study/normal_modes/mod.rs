@@ -3,12 +3,18 @@
 
 mod report;
 
-use super::{Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing, si::Scale};
+use super::{
+    Changes, InSi, Progress, SWITCHED_TABLE, Study, Work, check_switch, crossing,
+    si::Scale,
+    stretches::{self, Known},
+};
 use crate::{
     error::{Error, Result},
-    orbits::{ModeBranch, ModeContinuation, ModePoint, NormalModes},
+    orbits::{Around, ModeBranch, ModeContinuation, ModePoint, ModeTrail, NormalModes},
     scene::{Quantity, Scene, Units},
+    sweep::Engine,
 };
+use serde_json::json;
 
 /// A conservative scene, and a mode of it that is followed.
 #[derive(Clone, Debug)]
@@ -103,9 +109,11 @@ impl ModeWay {
 }
 
 impl Study for FollowMode {
-    const FILES: &'static str =
-        "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv.";
+    const FILES: &'static str = "Files: mode.json, mode-branch.csv, linear-modes.csv and mode.png, with --switch switched-branch.csv. \
+                                 mode-bifurcations.store and switched-bifurcations.store have bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the first branch itself and locates its share of these.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn sometimes() -> Vec<String> {
         vec![SWITCHED_TABLE.to_owned()]
@@ -119,8 +127,8 @@ impl Study for FollowMode {
         let ModeWay { to, step, .. } = self.way;
         let continuation =
             scale.given(self.way.read(scale).continuation(&modes), &[("to", Some(to)), ("step", step)])?;
-        Ok(Box::new(move |_, progress| {
-            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, progress)?))
+        Ok(Box::new(move |engine, progress| {
+            Ok(Box::new(followed(scene, modes, si, &continuation, self.way.switch, engine, progress)?))
         }))
     }
 }
@@ -133,8 +141,16 @@ impl Study for FollowMode {
 pub fn follow_mode(scene: Scene, way: &ModeWay, progress: Progress<'_>) -> Result<ModeStudy> {
     let modes = NormalModes::new(scene.chain())?;
     let continuation = way.continuation(&modes)?;
-    followed(scene, modes, None, &continuation, way.switch, progress)
+    followed(scene, modes, None, &continuation, way.switch, &Engine::threads(), progress)
 }
+
+/// Names of the stores of bifurcations.
+const STORE: &str = "mode-bifurcations.store";
+const SWITCHED_STORE: &str = "switched-bifurcations.store";
+
+/// Share of the progress of a branch for its orbits and multipliers; the rest is for bifurcations,
+/// which take most of the time where there are any.
+const ORBITS: f64 = 0.3;
 
 fn followed(
     scene: Scene,
@@ -142,6 +158,7 @@ fn followed(
     si: Option<Units>,
     continuation: &ModeContinuation,
     switch: Option<usize>,
+    engine: &Engine,
     progress: Progress<'_>,
 ) -> Result<ModeStudy> {
     let tell = |first: f64, share: f64| {
@@ -149,16 +166,46 @@ fn followed(
         move |point: &ModePoint| {
             count += 1;
             let a = point.orbit.amplitude;
-            let done = first + share * (a.abs() / continuation.to).clamp(0.0, 1.0);
+            let done = first + ORBITS * share * (a.abs() / continuation.to).clamp(0.0, 1.0);
             let a = Scale(si.as_ref()).shown(Quantity::Length, a, 6);
             progress(done, &format!("point {count}, a = {a}"));
         }
     };
-    let Some(number) = switch else {
-        let branch = continuation.follow(&modes, tell(0.0, 1.0))?;
-        return Ok(ModeStudy { scene, modes, branch, switched: None, si });
+    let rest = |first: f64, share: f64| {
+        move |part: f64, what: &str| progress(first + share * (ORBITS + (1.0 - ORBITS) * part), what)
     };
-    let branch = continuation.follow(&modes, tell(0.0, 0.5))?;
-    let other = branch.switched(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
+    let whole = if switch.is_some() { 0.5 } else { 1.0 };
+    let trail = continuation.trail(&modes, tell(0.0, whole))?;
+    let branch = located(&scene, &modes, trail, STORE, engine, &rest(0.0, whole))?;
+    let Some(number) = switch else { return Ok(ModeStudy { scene, modes, branch, switched: None, si }) };
+    let other = branch.switched_trail(&modes, number.wrapping_sub(1), tell(0.5, 0.5));
+    let other = other.and_then(|trail| located(&scene, &modes, trail, SWITCHED_STORE, engine, &rest(0.5, 0.5)));
     Ok(ModeStudy { switched: crossing(number, other)?, scene, modes, branch, si })
+}
+
+/// Locates the bifurcations of a branch that was followed, as points of a sweep. The multipliers of
+/// its orbits are known: without them the branch would have ended.
+fn located(
+    scene: &Scene,
+    modes: &NormalModes,
+    trail: ModeTrail,
+    store: &'static str,
+    engine: &Engine,
+    progress: Progress<'_>,
+) -> Result<ModeBranch> {
+    let ModeContinuation { mode, to, step, .. } = trail.continuation;
+    let settings =
+        json!({ "scene": scene.file().to_toml(), "mode": mode, "to": to, "step": step, "first": trail.first });
+    let known = Known::new(&trail.points, &|_| Ok(()));
+    let branch = stretches::Branch { store, study: "orbit mode", settings, known: &known, joined: false };
+    let determined = |point: &ModePoint| json!([point.orbit.amplitude, point.orbit.omega, point.orbit.shape]);
+    let rows: Vec<Around> = branch.rows(engine, determined, |k| Ok(trail.around(modes, k)), progress)?;
+    let (mut bifurcations, mut folds, mut unresolved) = (Vec::new(), Vec::new(), 0);
+    for row in rows {
+        bifurcations.extend(row.between);
+        folds.extend(row.fold);
+        unresolved += row.unresolved;
+    }
+    bifurcations.extend(folds);
+    Ok(trail.with(bifurcations, unresolved))
 }

@@ -2,8 +2,9 @@
 //! bifurcations, and the branch of doubled period (Sec. 7).
 
 mod report;
+mod spectra;
 
-use super::{Progress, Study, Work, keeper::Keeper};
+use super::{Progress, Study, Work, keeper::Keeper, stretches};
 pub(crate) use report::branch_csv;
 
 use crate::orbits::Formulation;
@@ -13,12 +14,12 @@ use crate::{
     chain::{MeanForces, Params},
     dps::Center,
     error::{Error, Result},
-    interrupt,
     orbits::{
         Bifurcation, BifurcationKind, Continuation, End, Extent, Kantorovich, Orbit, Parameter, Setting, Shooting,
         Spectrum, Trail,
     },
     output::Folder,
+    sweep::Engine,
 };
 use hertzchain_integrators::collocation::Pace;
 use std::path::{Path, PathBuf};
@@ -184,8 +185,8 @@ pub struct Continue {
     pub omega_b: Option<f64>,
     /// Go on with what this file, or the file in this folder, has kept.
     ///
-    /// A file branch.npz, from its last point: to another --to, by another --step; multipliers and
-    /// bifurcations are computed anew. The results are written beside it unless --out says where.
+    /// A file branch.npz, from its last point: to another --to, by another --step; then multipliers
+    /// and bifurcations are computed anew. The results are written beside it unless --out says where.
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -240,8 +241,11 @@ impl Continue {
 
 impl Study for Continue {
     const FILES: &'static str = "Files: branch.json, branch.png, branch.csv and branch.npz; the last is written every 20 points or 10 s as well. \
-                                 With --resume and without --out, the files go to the folder of the file that is gone on with.";
+                                 With --resume and without --out, the files go to the folder of the file that is gone on with. \
+                                 spectra.store has multipliers and bifurcations, from which the same command goes on. \
+                                 Each part of --shard follows the branch itself and computes its share of these.";
     const STOPS: bool = true;
+    const SWEEPS: bool = true;
 
     fn begin(&self) -> Result<Work<'_>> {
         let trail = match &self.resume {
@@ -252,8 +256,8 @@ impl Study for Continue {
             None => self.first()?,
         };
         Ok(Box::new(move |engine, progress| {
-            let branch = go_on(trail, &mut keeper(engine.folder()), progress)?;
-            Ok(Box::new(if self.bound { branch.bound()? } else { branch }))
+            let trail = followed(trail, &mut keeper(stretches::folder(engine)), progress)?;
+            Ok(Box::new(spectra::studied(trail, self.bound, engine, progress)?))
         }))
     }
 
@@ -503,7 +507,12 @@ fn stays_dark(setting: &Setting, continuation: &Continuation) -> Result<()> {
 ///
 /// # Errors
 /// Numbers outside their rules; no point with multipliers, after `keep` was called with the orbits.
-pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
+pub fn go_on(trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Branch> {
+    study(followed(trail, keep, progress)?, progress)
+}
+
+/// Continues a branch, unless it has ended.
+fn followed(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result<Trail> {
     if let (Some(first), None) = (trail.orbits.first(), trail.end) {
         let Continuation { parameter, to, .. } = trail.continuation;
         let from = first.setting.get(parameter);
@@ -517,7 +526,7 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
         keep(&trail);
         extended?;
     }
-    study(trail, progress)
+    Ok(trail)
 }
 
 /// Computes multipliers, extents and bifurcations of a branch that was followed.
@@ -525,42 +534,7 @@ pub fn go_on(mut trail: Trail, keep: Keep<'_>, progress: Progress<'_>) -> Result
 /// # Errors
 /// No point with multipliers.
 pub fn study(trail: Trail, progress: Progress<'_>) -> Result<Branch> {
-    let (continuation, orbits) = (trail.continuation, &trail.orbits);
-    let shooting = &continuation.shooting;
-    progress(ORBITS, "multipliers");
-    let spectrum = |orbit: &Orbit| {
-        let stopped =
-            || Error::Stopped { kept: format!("all {} points of the branch, not yet its multipliers", orbits.len()) };
-        if interrupt::asked() { Err(stopped()) } else { orbit.spectrum(shooting) }
-    };
-    // An orbit without multipliers is no point of the branch; its parameter is kept in `gaps`.
-    let (mut known, mut spectra, mut gaps, mut failure) = (Vec::new(), Vec::new(), Vec::new(), None);
-    for (orbit, spectrum) in orbits.iter().zip(map(orbits, spectrum)) {
-        match spectrum {
-            Err(stopped @ Error::Stopped { .. }) => return Err(stopped),
-            Ok(spectrum) => {
-                known.push(orbit.clone());
-                spectra.push(spectrum);
-            }
-            Err(error) => {
-                gaps.push(orbit.setting.get(continuation.parameter));
-                failure = Some(error);
-            }
-        }
-    }
-    if let (true, Some(error)) = (spectra.is_empty(), failure) {
-        return Err(error);
-    }
-    let whole = known.last().map(|orbit| &orbit.z) == orbits.last().map(|orbit| &orbit.z);
-    let end = if whole { trail.end.unwrap_or(End::MostPoints) } else { End::NoMultipliers };
-    let orbits = known;
-    let extents = map(&orbits, |orbit| orbit.extent(shooting.tol)).into_iter().collect::<Result<Vec<_>>>()?;
-    progress(0.5 * (1.0 + ORBITS), "bifurcations");
-    let bifurcations = trail.weak.map_or(Vec::new(), |weak| continuation.bifurcations(&orbits, &spectra, weak));
-    let points = orbits.into_iter().zip(spectra).zip(extents);
-    let points = points.map(|((orbit, spectrum), extent)| BranchPoint { orbit, spectrum, extent, kantorovich: None });
-    let points = points.collect();
-    Ok(Branch { continuation, points, gaps, bifurcations, end, bounded: false, trail })
+    spectra::studied(trail, false, &Engine::threads(), progress)
 }
 
 /// The branch of doubled period, and the period doubling at which it begins.

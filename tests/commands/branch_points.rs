@@ -1,0 +1,192 @@
+//! Multipliers and bifurcations of branches as points: threads, shards, kills, signals, branches
+//! that changed.
+
+use super::shards::{command, files, in_shards, lines, output};
+use serde_json::Value;
+use std::{
+    fs,
+    path::Path,
+    process::{Child, Command, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+/// A branch with period doublings and a collision, in six stretches.
+pub(crate) const DARK: &str = "breather continue --center bond --sites 9 --from 2.03 --to 2.1 --step 0.004 --bound";
+/// One that takes seconds.
+const LONG: &str = "breather continue --center bond --sites 21 --from 2.03 --to 2.1 --step 0.001";
+const STORE: &str = "spectra.store";
+
+/// A branch with a period doubling; the branch that crosses there has two folds and one more.
+pub(crate) const DRIVEN: &str = concat!(
+    "orbit continue ",
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/reference/pushed-bead.toml --to 2 --step 0.1 --switch 1"
+);
+/// A branch with two period doublings, and the one that crosses at the first.
+pub(crate) const MODE: &str = concat!(
+    "orbit mode ",
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/reference/two-beads.toml --linear-mode 2 --to 0.32 --step 0.02 --switch 1"
+);
+
+fn run(line: &str, out: &Path, more: &[&str]) -> String {
+    let ended = output(line, out, more);
+    assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
+    String::from_utf8(ended.stdout).unwrap()
+}
+
+/// All files but the store, which may have rows of other branches.
+fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    files(folder).into_iter().filter(|(name, _)| !name.ends_with(".store")).collect()
+}
+
+fn wait(process: &mut Child, store: &Path, count: usize) {
+    while lines(store) < count && process.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn branches_in_three_shards_have_the_files_of_one_process() {
+    [DARK, DRIVEN, MODE].into_iter().for_each(in_shards);
+}
+
+#[test]
+fn branches_have_the_same_files_for_any_number_of_threads() {
+    for line in [DARK, DRIVEN, MODE] {
+        let (one, three) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let text = run(line, one.path(), &[]);
+        assert!(text.contains("period-doubling"), "{text}");
+        let mut parallel = command(line, three.path(), &[]);
+        assert!(parallel.env("RAYON_NUM_THREADS", "3").output().unwrap().status.success());
+        assert!(files(one.path()) == files(three.path()), "{line}");
+    }
+}
+
+#[test]
+fn multipliers_that_are_killed_repeat_what_was_in_flight_only() {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (whole, parts) = (whole.path(), parts.path());
+    run(LONG, whole, &[]);
+    let store = parts.join(STORE);
+    let mut before = Vec::new();
+    for count in [3, 8] {
+        let mut process = command(LONG, parts, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        wait(&mut process, &store, count);
+        process.kill().unwrap();
+        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
+        let now = fs::read_to_string(&store).unwrap();
+        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
+        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
+        assert!(before.len() >= count - 1 && !parts.join("branch.csv").exists());
+    }
+    // The shard that is the whole grid says how much it computes.
+    let part: Value = serde_json::from_slice(run(LONG, parts, &["--shard", "1/1", "--json"]).as_bytes()).unwrap();
+    let points = part["points"].as_u64().unwrap();
+    assert!(points > 15 && part["kept"].as_u64() == Some(points), "{part}");
+    assert_eq!(part["computed"].as_u64(), Some(points - before.len() as u64));
+    run(LONG, parts, &[]);
+    assert!(files(whole) == files(parts));
+}
+
+#[test]
+fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
+    let (whole, parts, other) =
+        (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run(LONG, whole.path(), &[]);
+    let store = parts.path().join(STORE);
+    let process = command(LONG, parts.path(), &[]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut process = process.unwrap();
+    wait(&mut process, &store, 4);
+    assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+    let ended = process.wait_with_output().unwrap();
+    let told = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(143), "{told}");
+    let kept = lines(&store) - 1;
+    let words = format!("points of the branch, multipliers of {kept} of ");
+    assert!(kept >= 3 && told.contains(&words) && ended.stdout.is_empty(), "{told}");
+    assert!(!parts.path().join("branch.csv").exists());
+    let there = fs::read_to_string(&store).unwrap();
+    for name in [STORE, "branch.npz"] {
+        fs::copy(parts.path().join(name), other.path().join(name)).unwrap();
+    }
+    run(LONG, parts.path(), &[]);
+    run(&format!("breather continue --resume {}", other.path().display()), other.path(), &[]);
+    for folder in [parts.path(), other.path()] {
+        let now = fs::read_to_string(folder.join(STORE)).unwrap();
+        assert!(there.lines().all(|line| now.contains(line)), "{}", folder.display());
+        assert!(files(folder) == files(whole.path()), "{}", folder.display());
+    }
+}
+
+#[test]
+fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
+    let shared = tempfile::tempdir().unwrap();
+    let shared = shared.path();
+    run(DARK, shared, &[]);
+    let mut count = lines(&shared.join(STORE));
+    // Another end, way, tolerance and measurement: each branch differs from those before.
+    for other in [
+        DARK.replace("2.1", "2.09"),
+        DARK.replace("0.004", "0.0041"),
+        DARK.replace("--bound", ""),
+        DARK.replace("--bound", "--weak 0.5"),
+        DARK.replace("--bound", "--tol 1e-12"),
+        DARK.replace("--bound", "--rho 0.34"),
+    ] {
+        let alone = tempfile::tempdir().unwrap();
+        run(other.trim(), alone.path(), &[]);
+        run(other.trim(), shared, &[]);
+        assert!(results(shared) == results(alone.path()), "{other}");
+        let now = lines(&shared.join(STORE));
+        assert_eq!(now - count, lines(&alone.path().join(STORE)) - 1, "{other}");
+        count = now;
+    }
+    // Fewer points: only the last stretch differs.
+    assert_eq!(output(&DARK.replace("--bound", "--bound --points 14"), shared, &[]).status.code(), Some(1));
+    assert_eq!(lines(&shared.join(STORE)), count + 1);
+    let alone = tempfile::tempdir().unwrap();
+    run(DARK, alone.path(), &[]);
+    run(DARK, shared, &[]);
+    assert!(results(shared) == results(alone.path()) && lines(&shared.join(STORE)) == count + 1);
+}
+
+#[test]
+fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
+    for (line, change, stores) in [
+        (DRIVEN, "beads.drag=0.16", ["driven-spectra.store", "switched-spectra.store"]),
+        (MODE, "bonds.contact=[1.0, 2.01, 1.0]", ["mode-bifurcations.store", "switched-bifurcations.store"]),
+    ] {
+        let (shared, alone) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let (shared, alone) = (shared.path(), alone.path());
+        run(line, shared, &[]);
+        let before = stores.map(|store| lines(&shared.join(store)));
+        run(line, alone, &["--set", change]);
+        run(line, shared, &["--set", change]);
+        assert!(results(shared) == results(alone), "{line}");
+        for (store, before) in stores.into_iter().zip(before) {
+            assert!(before > 1);
+            assert_eq!(lines(&shared.join(store)), before + lines(&alone.join(store)) - 1, "{store}");
+        }
+        run(line, shared, &[]);
+        run(line, alone, &[]);
+        assert!(results(shared) == results(alone), "{line}");
+    }
+}
+
+#[test]
+fn a_store_that_was_altered_is_refused_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, store) = (folder.path(), folder.path().join(STORE));
+    run(DARK, out, &[]);
+    let altered = fs::read_to_string(&store).unwrap().replacen("krein", "klein", 1);
+    fs::write(&store, &altered).unwrap();
+    let refused = output(DARK, out, &[]);
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        refused.status.code() == Some(2) && told.contains("spectra.store, line 2: not as it was written"),
+        "{told}"
+    );
+    assert!(fs::read_to_string(&store).unwrap() == altered && refused.stdout.is_empty());
+}
