@@ -90,6 +90,14 @@ impl Polynomial {
         self.times(if positive { 1.0 } else { -1.0 }).first_above(band).is_some()
     }
 
+    /// Whether the polynomial exceeds a level on this side before it leaves the band on the other
+    /// one.
+    pub(crate) fn leaves_first(&self, positive: bool, level: f64, band: f64) -> bool {
+        let sign = if positive { 1.0 } else { -1.0 };
+        let Some(left) = self.times(sign).first_above(level) else { return false };
+        self.times(-sign).first_above(band).is_none_or(|other| left < other)
+    }
+
     /// The first change of side, as shares `(zero, left)` of the step: the band is left at `left`;
     /// `zero` is the last zero before it. `positive` is the side before. With `late`, the search
     /// begins where the polynomial first leaves the band on that side.

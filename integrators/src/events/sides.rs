@@ -29,6 +29,13 @@ pub(crate) struct Sides {
     late: Vec<u8>,
     values: Vec<[f64; NODES]>,
     band: f64,
+    /// Functions of unknown sign at the start that have not left the noise since.
+    doubtful: Vec<bool>,
+    /// Values up to this may be errors of the present step: of functions that are doubtful, and of
+    /// others.
+    noise: [f64; 2],
+    /// Functions whose event was taken back at the present place.
+    returned: Vec<bool>,
     interpolation: Interpolation,
 }
 
@@ -39,6 +46,9 @@ impl Sides {
             late: vec![0; count],
             values: vec![[0.0; NODES]; count],
             band: 0.0,
+            doubtful: vec![false; count],
+            noise: [0.0; 2],
+            returned: vec![false; count],
             interpolation: Interpolation::new(),
         }
     }
@@ -66,15 +76,23 @@ impl Sides {
     /// The band of a function in the present step.
     pub(crate) fn band(&self, index: usize) -> f64 {
         let largest = self.values[index].iter().fold(0.0f64, |largest, v| largest.max(v.abs()));
-        self.band.max(POLYNOMIAL_ROUNDING * largest)
+        let noise = if self.doubtful[index] { self.noise[0] } else { 0.0 };
+        self.band.max(POLYNOMIAL_ROUNDING * largest).max(noise)
     }
 
     /// Sets the sides at the start of a run from the values at node 0. Values inside the band count
-    /// as not positive.
-    pub(crate) fn begin(&mut self) {
-        for (positive, nodes) in self.positive.iter_mut().zip(&self.values) {
-            *positive = nodes[0] > self.band;
+    /// as not positive; or, if they are `doubtful`, as positive until they are seen to be negative.
+    pub(crate) fn begin(&mut self, doubtful: bool) {
+        for (index, nodes) in self.values.iter().enumerate() {
+            self.doubtful[index] = doubtful && nodes[0].abs() <= self.band;
+            self.positive[index] = nodes[0] > self.band || self.doubtful[index];
         }
+    }
+
+    /// Sets the error of values in the present step, from that of a step whose error is as large as
+    /// allowed, and the share of it.
+    pub(crate) fn set_noise(&mut self, allowed: f64, share: f64) {
+        self.noise = [allowed * share.max(1.0), allowed * share];
     }
 
     pub(crate) fn positive(&self, index: usize) -> bool {
@@ -104,6 +122,7 @@ impl Sides {
     pub(crate) fn fire(&mut self, index: usize) {
         self.positive[index] = !self.positive[index];
         self.late[index] = PATIENCE;
+        self.doubtful[index] = false;
     }
 
     /// The first change of side of each function that has one, in the order of indices.
@@ -116,6 +135,21 @@ impl Sides {
                 found.extend(crossing.map(|(zero, left)| Crossing { index, rising: !positive, zero, left }));
             }
         }
+    }
+
+    /// The functions whose event was fired early, but which go away from zero on the side on which
+    /// they were, before they come to the new one: their events are false.
+    pub(crate) fn taken_back(&mut self, found: &mut Vec<usize>) {
+        found.clear();
+        for index in (0..self.values.len()).filter(|&index| self.late(index) && !self.returned[index]) {
+            let (new, start) = (self.positive[index], self.values[index][0]);
+            let away = if new { -start } else { start };
+            let level = (2.0 * away).max(self.band(index)).max(self.noise[1]);
+            if self.polynomial(index).leaves_first(!new, level, self.band(index)) {
+                found.push(index);
+            }
+        }
+        found.iter().for_each(|&index| self.returned[index] = true);
     }
 
     /// All changes of side in the step, in the order of time, then of indices. The sides become
@@ -143,7 +177,9 @@ impl Sides {
     /// mostly there are none, and nothing is allocated.
     pub(crate) fn settle(&mut self) -> Vec<usize> {
         let mut turned = Vec::new();
+        self.returned.fill(false);
         for index in 0..self.values.len() {
+            self.doubtful[index] &= self.values[index][NODES - 1] <= self.noise[0];
             if self.late(index) {
                 let arrived = self.polynomial(index).visits(self.positive[index], self.band);
                 self.late[index] = if arrived { 0 } else { self.late[index] - 1 };
@@ -157,5 +193,71 @@ impl Sides {
             }
         }
         turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of a function at the nodes of a step.
+    fn step(sides: &mut Sides, f: impl Fn(f64) -> f64) {
+        for (k, share) in SHARES.into_iter().enumerate() {
+            sides.put(k, &[f(share)]);
+        }
+    }
+
+    /// Sides of one function that is zero at the start, where errors of steps are 1e-8.
+    fn doubtful() -> Sides {
+        let mut sides = Sides::new(1);
+        sides.put(0, &[0.0]);
+        sides.set_band(1e-14);
+        sides.begin(true);
+        sides.set_noise(1e-8, 0.5);
+        sides
+    }
+
+    fn crossings(sides: &Sides) -> usize {
+        let mut found = Vec::new();
+        sides.first_crossings(&mut found);
+        found.len()
+    }
+
+    #[test]
+    fn a_doubtful_function_is_positive_until_it_is_below_the_error_of_a_step() {
+        let mut sides = doubtful();
+        assert!(sides.positive(0));
+        step(&mut sides, |s| -9e-9 * s);
+        assert_eq!(crossings(&sides), 0);
+        step(&mut sides, |s| -2e-8 * s);
+        assert_eq!(crossings(&sides), 1);
+        // A trial that errs more says less.
+        sides.set_noise(1e-8, 3.0);
+        assert_eq!(crossings(&sides), 0);
+        // Once it has been above, the band counts again.
+        step(&mut sides, |s| 4e-8 * s);
+        assert!(sides.settle().is_empty());
+        step(&mut sides, |s| 4e-8 - 4.1e-8 * s);
+        assert_eq!(crossings(&sides), 1);
+    }
+
+    #[test]
+    fn an_event_is_taken_back_if_its_function_goes_away_once_at_a_place() {
+        let mut sides = doubtful();
+        let mut found = Vec::new();
+        sides.fire(0);
+        // It comes to its new side late, or later.
+        for f in [|s: f64| 1e-9 - 1e-6 * s, |s: f64| 1e-9 - 5e-10 * s, |s: f64| 1e-6 * s * (s - 0.5)] {
+            step(&mut sides, f);
+            sides.taken_back(&mut found);
+            assert!(found.is_empty());
+        }
+        step(&mut sides, |s| 1e-9 + 1e-6 * s);
+        sides.taken_back(&mut found);
+        assert_eq!(found, [0]);
+        sides.fire(0);
+        step(&mut sides, |s| -1e-6 * s);
+        sides.taken_back(&mut found);
+        assert!(found.is_empty());
     }
 }

@@ -70,7 +70,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         functions.values(t, &y, &mut g);
         sides.put(0, &g);
         sides.set_band(functions.band(&y).f64());
-        sides.begin();
+        sides.begin(false);
         sides.put(NODES - 1, &g);
         let since = vec![0.0; count];
         Self { stepper, functions, listener, sides, crossings: Vec::new(), since, y, g, ended: None }

@@ -60,6 +60,10 @@ const FLOOR: f64 = 0.05;
 /// that times since the origin stay accurate and the mapped variable stays well scaled.
 const FAR: f64 = 64.0;
 
+/// Errors of values of event functions in a step, in units of the absolute tolerance and of the norm
+/// of the error of the step. Chosen: sums of several components, each with the tolerance of its own.
+const NOISE: f64 = 10.0;
+
 /// Refuses a problem that cannot be integrated.
 pub(crate) fn check_problem<R: Real>(
     dim: usize,
@@ -108,6 +112,8 @@ pub struct Regularised<R, F, E> {
     events: Vec<Event<R>>,
     /// Events that happen at the present position.
     pending: Vec<Event<R>>,
+    /// Functions whose events a trial has shown to be false.
+    false_events: Vec<usize>,
     y: Vec<R>,
     dy: Vec<R>,
     g: Vec<R>,
@@ -142,6 +148,8 @@ enum Trial<R> {
     Miss(Crossing, R),
     /// The event is not near the end of the step.
     Lost,
+    /// Events fired at this place or before it are false.
+    TakeBack,
     /// Accepted. Value: the step that the error allows next.
     Good(R),
 }
@@ -185,6 +193,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             crossings: Vec::new(),
             events: Vec::new(),
             pending: Vec::new(),
+            false_events: Vec::new(),
             y: y0.to_vec(),
             dy: y0.to_vec(),
             g: vec![R::zero(); count],
@@ -202,7 +211,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         regularised.functions.values(start, y0, &mut regularised.g);
         regularised.sides.put(0, &regularised.g);
         regularised.sides.set_band(regularised.functions.band(y0).f64());
-        regularised.sides.begin();
+        regularised.sides.begin(regularised.functions.told());
         let positive: Vec<usize> = (0..count).filter(|&index| regularised.sides.positive(index)).collect();
         regularised.tell(&positive);
         Ok(regularised)
@@ -344,6 +353,15 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         self.stats.force_evaluations += 12 + dense;
         self.look(&leg, leap);
         let arrives = leg.target.is_some() && to == R::one();
+        let told = self.functions.told();
+        if told {
+            self.sides.set_noise((R::of(NOISE) * self.options.atol).f64(), error.f64());
+            self.sides.taken_back(&mut self.false_events);
+            if !self.false_events.is_empty() {
+                self.step.undo();
+                return Ok(Trial::TakeBack);
+            }
+        }
         let event = self.first_event(&leg, leap);
         let verdict = self.controller.judge(leap.h, error);
         // The polynomial may place the event of this leg slightly before its end.
@@ -369,6 +387,14 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             self.stats.rejected += u64::from(matches!(trial, Trial::Smaller(_)));
         }
         Ok(trial)
+    }
+
+    /// Takes false events back, at the present position.
+    fn take_back(&mut self) -> Result<(), Error> {
+        let origin = self.leg.time(self.leg.sigma);
+        let event = |&index: &usize| Event { index, rising: !self.sides.positive(index), t: origin.value() };
+        self.pending = self.false_events.iter().map(event).collect();
+        self.fire()
     }
 
     /// A trial that is not finite: the next is a tenth as long, down to a smallest step.
@@ -593,6 +619,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Stepper<R> for Regularise
                     }
                 }
                 Trial::Lost => self.give_up(&mut pace)?,
+                Trial::TakeBack => self.take_back()?,
             }
         }
     }

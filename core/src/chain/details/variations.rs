@@ -48,6 +48,34 @@
 //! Both kinds of jumps have the determinant 1, as they add positions to velocities. So by Liouville
 //! contacts contribute the factor `exp(-int sum_b c(g_b) sum_n w_nb^2/m_n dt)` to the determinant,
 //! the sums over contacts that push and beads that no drive moves.
+//!
+//! # Beads that touch at rest
+//!
+//! Where a chain whose beads just touch is struck, overlaps begin at `g = g' = 0`: the division by
+//! `grad(h)^T f_-` above is 0/0, and the first values of `g_b` are below rounding. Their signs say
+//! nothing. But `p` may be taken for the state, too, with `p_n = u_n' - (1/m_n) sum_b w_nb C(g_b)`
+//! and `C' = c`, `C(g) = 0` for `g <= 0`. In it a contact that pushes has
+//!
+//! ```text
+//! u_n' = p_n + (1/m_n) sum_b w_nb C(g_b),     p_n' = (1/m_n) sum_b w_nb F(g_b) + ...
+//! ```
+//!
+//! - *Viscoelastic*: `C = gamma F`. The right hand side has a continuous derivative at `g = 0`, and
+//!   it is zero there. So the flow has a derivative, and there is no jump, whatever the rate is. A
+//!   contact that counts as pushing has no force, stiffness and resistance for `g <= 0`: it may
+//!   count as pushing from the start. To count it as pushing only from an overlap `e` on that it
+//!   reaches after the time `s` would change columns by up to `F'(e) s |dg|/m`; this goes like
+//!   `e^{alpha-1}` and is no rounding even if `e` is.
+//! - *Dashpot*: `C = gamma (g)_+` has a kink. If `g > 0` after the start, the kink matters at the
+//!   start only. Columns with `dg = 0` there have a derivative: that of a contact which pushes from
+//!   the start on. For columns with `dg != 0` a gap costs the impulse `gamma |dg|`, and an overlap
+//!   gains none: the derivatives on the two sides differ by `gamma dg/m`, there is none.
+//!   [`Variations::flow`] refuses such columns. So it does where beads touch at rest for longer, as
+//!   beyond a gap that the wave has not closed, and a column changes their overlap or its rate.
+//!
+//! So values inside the band at the start count as positive until they are below zero by more than
+//! the error of a step ([`EventFunctions::told`]). An event that was found within such errors, and
+//! after which its function goes back to where it came from, is taken back.
 
 use super::{
     super::{Chain, Field, Resonators},
@@ -59,8 +87,8 @@ use hertzchain_integrators::{EventFunctions, Kernel, Real, Regularised, Stepper,
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
 /// then `W` row by row. If contacts dissipate, the last entry is
 /// [`contraction`](Varied::contraction), and rows of velocities of beads are `dp`. The field must
-/// then be told the signs of the functions of [`Turns`], as [`Regularised`] does; it begins with
-/// contacts that do not push, where `dp` is `du'`.
+/// then be told the signs of the functions of [`Turns`], as [`Regularised`] does; until then no
+/// contact pushes, and `dp` is `du'`.
 pub struct Variations<R> {
     chain: Chain<R>,
     field: Field<R>,
@@ -136,7 +164,9 @@ impl<R: Real> Variations<R> {
     /// # Errors
     /// As [`new`](Self::new); columns whose number of entries is no multiple of the rows; a state
     /// of another length; an integration that fails, or a contact that dissipates whose onset or
-    /// release the search for events has not found, as may happen where beads at rest just touch.
+    /// release the search for events has not found; columns that change the overlap of beads which
+    /// touch at the start, or touch at rest later, where their contact is a dashpot: then the flow
+    /// has no derivative.
     pub fn flow(chain: &Chain<R>, start: &[R], span: (R, R), columns: &[R], tol: R) -> Result<Varied<R>> {
         let rows = 2 * chain.layout().half();
         if !columns.len().is_multiple_of(rows) {
@@ -167,6 +197,9 @@ impl<R: Real> Variations<R> {
         let mut run = Regularised::new(field, events, map, &y, span, options)?;
         let mut end = y;
         let (margin, lossy) = (tol.sqrt() * size, run.field_mut().chain.dissipative_contacts());
+        run.field_mut().refuse_kinks(&end, span.0, false)?;
+        // Each step carries motion to the next bond at least.
+        let mut unreached = run.field_mut().chain.sites();
         while !run.done() {
             run.step()?;
             if !lossy {
@@ -174,6 +207,10 @@ impl<R: Real> Variations<R> {
             }
             let t = run.time();
             run.sample(t, &mut end);
+            unreached = unreached.saturating_sub(1);
+            if unreached == 0 {
+                run.field_mut().refuse_kinks(&end, t, true)?;
+            }
             if let Some(bond) = run.field_mut().astray(&end, margin) {
                 let (value, rule) =
                     (format!("of bond {bond} at t = {}", t.f64()), "its onset or release was not found");
@@ -199,6 +236,32 @@ impl<R: Real> Variations<R> {
             let least = contact.pushes(g, rate).map_or(g, |force| g.min(force));
             if pushing.pushes(bond) { least < -margin } else { least > margin }
         })
+    }
+
+    /// Fails if beads touch whose contact is a dashpot, and a column changes their overlap; with
+    /// `at_rest`, if they touch at rest, and a column changes their overlap or its rate.
+    fn refuse_kinks(&mut self, y: &[R], t: R, at_rest: bool) -> Result<()> {
+        let Self { chain, change, columns, .. } = self;
+        let (layout, entries) = (chain.layout(), chain.layout().half() * *columns);
+        let (u, u_dot, w) = (layout.u(y), layout.u_dot(y), &y[layout.dim()..]);
+        let (positions, velocities) = (&w[..entries], &w[entries..2 * entries]);
+        let band = chain.dead_band(u.iter().copied());
+        let mut changes = |bond: usize, rows: &[R]| {
+            overlap_change(chain, bond, rows, change);
+            let largest = |of: &[R]| of.iter().fold(R::zero(), |largest: R, x| largest.max(x.abs()));
+            largest(change) > R::of(CHANGED) * largest(rows)
+        };
+        for bond in chain.lossy() {
+            let contact = &parts(chain).bonds[bond];
+            let (g, rate) = (contact.rest + chain.across(bond, |i| u[i]), chain.across(bond, |i| u_dot[i]));
+            let touch = if at_rest { g == R::zero() && rate == R::zero() } else { g.abs() <= band };
+            let kinked = touch && contact.resistance(R::zero()) > R::zero();
+            if kinked && (changes(bond, positions) || at_rest && changes(bond, velocities)) {
+                let value = format!("changes of the overlap of bond {bond}, whose beads touch at t = {}", t.f64());
+                return Err(Error::parameter("columns", value, "a dashpot's derivatives by gap and overlap differ"));
+            }
+        }
+        Ok(())
     }
 
     /// Turns `dp` at the end of a run into `du'`.
@@ -256,6 +319,11 @@ fn resist<R: Real>(
     }
 }
 
+/// Changes of overlaps up to this, relative to the largest change of a position or velocity, count
+/// as none. Columns of an earlier run have them where its wave has just come to beads that touch;
+/// either side then changes columns by this share times `gamma/m`.
+const CHANGED: f64 = 1e-12;
+
 /// Order of DOP853.
 const ORDER: u32 = 8;
 
@@ -284,6 +352,10 @@ impl<R: Real> EventFunctions<R> for OfState<R> {
 
     fn band(&self, y: &[R]) -> R {
         self.turns.band(&y[..self.dim])
+    }
+
+    fn told(&self) -> bool {
+        self.turns.dissipates()
     }
 }
 
