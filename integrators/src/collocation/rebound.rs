@@ -243,7 +243,9 @@ impl<const M: usize, const S: usize> Bond<M, S> {
                 _ if (before > 0.0) == (now > 0.0) => last.0,
                 _ => bracketed(|t| least(at(t)), (last.0, before), (t, now)),
             };
-            let [g, pushes] = at(event);
+            // At the start without the error of a series, of which `P` of a dashpot takes the power
+            // 1/alpha.
+            let [g, pushes] = if event == 0.0 { start } else { at(event) };
             // Whether `P` vanishes there, and not the overlap: it is less than without the rate.
             let pressed = g > 0.0 && pushes < 0.5 * link.pushes(g, 0.0);
             match open.take() {
